@@ -1,0 +1,52 @@
+# One helper that declares a library, one that declares its tests, one that installs the package.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+# doublet_library(NAME [PUBLIC targets...] [PRIVATE targets...])
+# Target doublet_NAME, alias doublet::NAME, from src/*.cpp and include/.
+function(doublet_library name)
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+  add_library(doublet_${name} STATIC ${sources})
+  add_library(doublet::${name} ALIAS doublet_${name})
+  set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(doublet_${name} PUBLIC cxx_std_20)
+  target_include_directories(doublet_${name}
+    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+  target_link_libraries(doublet_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  doublet_warnings(doublet_${name})
+  set_property(GLOBAL APPEND PROPERTY DOUBLET_TARGETS doublet_${name})
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+endfunction()
+
+function(doublet_warnings target)
+  # -ffp-contract=off: the same bits whether or not the compiler has fused multiply-add.
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -ffp-contract=off $<$<BOOL:${DOUBLET_WERROR}>:-Werror>)
+endfunction()
+
+# doublet_tests(NAME): tests/NAME/*.cpp become the executable test_NAME; every TEST is one ctest test.
+function(doublet_tests name)
+  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  add_executable(test_${name} ${sources})
+  target_link_libraries(test_${name} PRIVATE doublet::${name} GTest::gtest_main)
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(test_${name} PRIVATE DOUBLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  doublet_warnings(test_${name})
+  include(GoogleTest)
+  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600)
+endfunction()
+
+function(doublet_install_package)
+  get_property(targets GLOBAL PROPERTY DOUBLET_TARGETS)
+  install(TARGETS ${targets} EXPORT doubletTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(EXPORT doubletTargets NAMESPACE doublet:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet COMPONENT development)
+  configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/doubletConfig.cmake.in ${PROJECT_BINARY_DIR}/doubletConfig.cmake
+    INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet)
+  write_basic_package_version_file(${PROJECT_BINARY_DIR}/doubletConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+  install(FILES ${PROJECT_BINARY_DIR}/doubletConfig.cmake ${PROJECT_BINARY_DIR}/doubletConfigVersion.cmake
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet COMPONENT development)
+endfunction()

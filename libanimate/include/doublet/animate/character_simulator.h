@@ -1,0 +1,57 @@
+#pragma once
+// The forward model of Sect. 6.1: pose in, surface out. The estimator (libfit) runs exactly this.
+
+#include "doublet/core/stage_values.h"
+#include "doublet/pbd/cloth_solver.h"
+
+#include <memory>
+#include <vector>
+
+namespace doublet {
+
+/// A pose worked out once and shared by every sample: skinned surface, proxies.
+struct PosedFrame {
+  Vertices skinned;                     ///< (V, 3) M by dual quaternion skinning
+  std::vector<pbd::Capsule> capsules;   ///< proxies in the world
+  Transforms world_from_rest;           ///< (J)
+};
+
+/// One piece of cloth: the valid faces of M with a vertex of this region, and the rigid ring they hang from.
+struct ClothRegion {
+  std::vector<int> vertex_from_cloth;                 ///< (N) index into M
+  std::shared_ptr<const pbd::ClothModel> model;
+  std::shared_ptr<const pbd::ClothSolver> solver;
+};
+
+/// Simulated state of all regions.
+struct CharacterState {
+  std::vector<pbd::ClothState> regions;
+};
+
+class CharacterSimulator {
+public:
+  /// Throws Error if sizes disagree. A character without cloth (no region) is legal: skinning alone.
+  CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
+                     const pbd::ClothOptions &options = {});
+
+  const std::vector<ClothRegion> &regions() const { return regions_; }
+  const RiggedMesh &actor() const { return actor_; }
+  PosedFrame pose(const Eigen::VectorXd &dofs) const;
+  /// Cloth at its skinned position (or at `surface` (V, 3), e.g. the captured frame), at rest.
+  CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
+  /// Lets the cloth fall into place in a still pose for `frames` frames.
+  void settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials, double dt,
+              int frames) const;
+  /// Advances every region from one posed frame to the next; materials: one a region.
+  void step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
+            const std::vector<pbd::Material> &materials, double dt) const;
+  /// (V, 3): skinned vertices, cloth vertices replaced by the simulated ones.
+  Vertices surface(const CharacterState &state, const PosedFrame &frame) const;
+
+private:
+  RiggedMesh actor_;
+  std::vector<TaperedCapsule> proxies_;
+  std::vector<ClothRegion> regions_;
+};
+
+}  // namespace doublet
