@@ -1,0 +1,153 @@
+#include "doublet/animate/character_simulator.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/skinning.h"
+
+#include <algorithm>
+
+namespace doublet {
+namespace {
+
+constexpr double kDegenerateArea = 1e-14;  // m^2, as in MeshReport
+
+void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies) {
+  require_usable(actor.mesh, "actor");
+  const auto vertices = actor.mesh.vertices.rows();
+  const auto faces = actor.mesh.faces.rows();
+  const auto joints = actor.skeleton.joint_count();
+  const auto expect = [](const std::string &what, Eigen::Index found, Eigen::Index expected) {
+    if (found != expected)
+      throw Error("CharacterSimulator: " + what + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
+  };
+  expect("actor.face_valid", static_cast<Eigen::Index>(actor.face_valid.size()), faces);
+  expect("actor.weights", actor.weights.rows(), vertices);
+  expect("a row of actor.weights", actor.weights.cols(), joints);
+  expect("clothness.clothness", clothness.clothness.size(), vertices);
+  expect("clothness.region", clothness.region.size(), vertices);
+  if (!(clothness.clothness.array() >= 0).all() || !(clothness.clothness.array() <= 1).all())
+    throw Error("CharacterSimulator: clothness must lie in [0, 1]");
+  if (vertices > 0 && clothness.region.maxCoeff() >= clothness.region_count)
+    throw Error("CharacterSimulator: clothness.region names region " + std::to_string(clothness.region.maxCoeff()) +
+                ", but region_count is " + std::to_string(clothness.region_count));
+  for (const TaperedCapsule &capsule : proxies)
+    if (capsule.joint < 0 || capsule.joint >= joints)
+      throw Error("CharacterSimulator: a proxy hangs on joint " + std::to_string(capsule.joint) + " of " + std::to_string(joints));
+}
+
+/// Valid, non-degenerate faces with at least one vertex of the region.
+std::vector<int> region_faces(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region) {
+  std::vector<int> chosen;
+  for (int f = 0; f < actor.mesh.faces.rows(); ++f) {
+    if (!actor.face_valid[f] || areas[f] < kDegenerateArea)
+      continue;
+    for (int k = 0; k < 3; ++k)
+      if (clothness.region[actor.mesh.faces(f, k)] == region) {
+        chosen.push_back(f);
+        break;
+      }
+  }
+  return chosen;
+}
+
+ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region,
+                        const pbd::ClothOptions &options) {
+  const std::vector<int> faces = region_faces(actor, clothness, areas, region);
+  if (faces.empty())
+    throw Error("CharacterSimulator: cloth region " + std::to_string(region) + " has no valid triangle");
+  ClothRegion result;
+  const Mesh sub = submesh(actor.mesh, faces, &result.vertex_from_cloth);
+  Eigen::VectorXd delta(sub.vertices.rows());
+  for (Eigen::Index i = 0; i < delta.size(); ++i) {
+    const int v = result.vertex_from_cloth[i];
+    delta[i] = clothness.region[v] == region ? clothness.clothness[v] : 0.0;
+  }
+  result.model = pbd::ClothModel::create(sub.vertices, sub.faces, delta, options);
+  result.solver = pbd::ClothSolver::create(result.model);
+  return result;
+}
+
+Vertices gather(const Vertices &all, const std::vector<int> &rows) {
+  Vertices part(rows.size(), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    part.row(i) = all.row(rows[i]);
+  return part;
+}
+
+}  // namespace
+
+CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
+                                       const pbd::ClothOptions &options)
+    : actor_(actor), proxies_(proxies) {
+  check_sizes(actor, clothness, proxies);
+  const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
+  for (int r = 0; r < clothness.region_count; ++r)
+    regions_.push_back(make_region(actor, clothness, areas, r, options));
+}
+
+PosedFrame CharacterSimulator::pose(const Eigen::VectorXd &dofs) const {
+  if (dofs.size() != actor_.skeleton.dof_count())
+    throw std::invalid_argument("CharacterSimulator::pose: dofs has " + std::to_string(dofs.size()) + " entries, the skeleton has " +
+                                std::to_string(actor_.skeleton.dof_count()) + " degrees of freedom");
+  PosedFrame frame;
+  frame.world_from_rest = forward_kinematics(actor_.skeleton, dofs);
+  frame.skinned = dual_quaternion_skinning(actor_.mesh.vertices, actor_.weights, frame.world_from_rest);
+  for (const PosedCapsule &c : pose_capsules(proxies_, actor_.skeleton, frame.world_from_rest))
+    frame.capsules.push_back({c.p0, c.p1, c.r0, c.r1});
+  return frame;
+}
+
+CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices *surface) const {
+  if (surface && surface->rows() != actor_.mesh.vertices.rows())
+    throw std::invalid_argument("CharacterSimulator::start: surface has " + std::to_string(surface->rows()) +
+                                " vertices, the character has " + std::to_string(actor_.mesh.vertices.rows()));
+  CharacterState state;
+  for (const ClothRegion &region : regions_) {
+    Vertices positions = gather(surface ? *surface : frame.skinned, region.vertex_from_cloth);
+    // The ring the cloth hangs from follows the skeleton, wherever the given surface has it.
+    for (Eigen::Index i = 0; i < positions.rows(); ++i)
+      if (region.model->inverse_masses()[i] == 0)
+        positions.row(i) = frame.skinned.row(region.vertex_from_cloth[i]);
+    state.regions.push_back(pbd::initial_state(positions));
+  }
+  return state;
+}
+
+void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials, double dt,
+                                int frames) const {
+  for (int i = 0; i < frames; ++i)
+    step(state, frame, frame, materials, dt);
+  for (pbd::ClothState &region : state.regions)
+    region.velocities.setZero();
+}
+
+void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
+                              const std::vector<pbd::Material> &materials, double dt) const {
+  if (materials.size() != regions_.size() || state.regions.size() != regions_.size())
+    throw std::invalid_argument("CharacterSimulator::step: the character has " + std::to_string(regions_.size()) + " cloth regions, got " +
+                                std::to_string(materials.size()) + " materials and " + std::to_string(state.regions.size()) + " states");
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    const ClothRegion &region = regions_[r];
+    const Vertices targets = gather(current.skinned, region.vertex_from_cloth);
+    const Vertices previous_targets = gather(previous.skinned, region.vertex_from_cloth);
+    pbd::StepInputs inputs;
+    inputs.targets = &targets;
+    inputs.previous_targets = &previous_targets;
+    inputs.capsules = &current.capsules;
+    inputs.previous_capsules = &previous.capsules;
+    inputs.dt = dt;
+    region.solver->step(state.regions[r], inputs, materials[r]);
+  }
+}
+
+Vertices CharacterSimulator::surface(const CharacterState &state, const PosedFrame &frame) const {
+  if (state.regions.size() != regions_.size())
+    throw std::invalid_argument("CharacterSimulator::surface: state has " + std::to_string(state.regions.size()) +
+                                " cloth regions, the character " + std::to_string(regions_.size()));
+  Vertices result = frame.skinned;
+  for (std::size_t r = 0; r < regions_.size(); ++r)
+    for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
+      result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(i);
+  return result;
+}
+
+}  // namespace doublet
