@@ -1,0 +1,31 @@
+#pragma once
+// One camera's frames on disk: a video file or a numbered series of images. The only file besides chroma_key and the tracker that
+// opens images.
+
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+
+namespace doublet::detail {
+
+/// Keeps OpenCV and FFmpeg from writing to stderr; what went wrong is told by our own exceptions.
+void quiet_opencv();
+
+class FrameReader {
+public:
+  virtual ~FrameReader() = default;
+  /// BGR, or an empty Mat if there is no image for that frame. Sequential reading is cheap. The Mat is valid until the next call.
+  virtual const cv::Mat &read(int frame) = 0;
+  /// Opens `path`. Throws FileNotFound or Error naming it.
+  static std::unique_ptr<FrameReader> open(const std::filesystem::path &path);
+};
+
+/// "%d" or "%04d" in the file name: a series of images, one a frame, whose first number is 0 or 1.
+bool is_image_pattern(const std::filesystem::path &path);
+/// True if a series has an image numbered 0 or 1.
+bool image_series_exists(const std::filesystem::path &pattern);
+/// Checks that frames 0 .. frame_count-1 can be read (the last one is decoded, which finds truncated files within a second) and
+/// returns their size. Throws FileNotFound or Error naming the file.
+cv::Size probe_frames(const std::filesystem::path &path, int frame_count);
+
+} // namespace doublet::detail

@@ -1,0 +1,91 @@
+#include "doublet/capture/session.h"
+#include "doublet/core/error.h"
+#include "frame_reader.h"
+
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+namespace doublet {
+namespace {
+
+Image to_image(const cv::Mat &mat) {
+  Image image(mat.cols, mat.rows, mat.channels());
+  const std::size_t row_bytes = static_cast<std::size_t>(mat.cols) * mat.channels();
+  for (int y = 0; y < mat.rows; ++y)
+    std::memcpy(image.data.data() + y * row_bytes, mat.ptr(y), row_bytes);
+  return image;
+}
+
+/// From 128 on is actor: survives lossy mask videos and label images that mark parts with different greys.
+Image to_mask(const cv::Mat &bgr) {
+  cv::Mat grey, mask;
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  cv::threshold(grey, mask, 127, 255, cv::THRESH_BINARY);
+  return to_image(mask);
+}
+
+class SessionFrames : public FrameSource {
+public:
+  explicit SessionFrames(const Session &session)
+      : session_(session), videos_(session.cameras.size()), masks_(session.cameras.size()) {}
+
+  int frame_count() const override { return session_.frame_count; }
+  int camera_count() const override { return static_cast<int>(session_.cameras.size()); }
+
+  Image image(int camera, int frame) override {
+    check(camera, frame);
+    const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame);
+    check_size(mat, camera, frame, session_.cameras[camera].video);
+    return mat.empty() ? Image() : to_image(mat);
+  }
+
+  Image mask(int camera, int frame) override {
+    check(camera, frame);
+    const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], frame);
+    check_size(mat, camera, frame, session_.cameras[camera].masks);
+    return mat.empty() ? Image() : to_mask(mat);
+  }
+
+private:
+  void check(int camera, int frame) const {
+    if (camera < 0 || camera >= camera_count())
+      throw std::invalid_argument("camera: expected 0 to " + std::to_string(camera_count() - 1) + ", found " +
+                                  std::to_string(camera));
+    if (frame < 0 || frame >= frame_count())
+      throw std::invalid_argument("frame: expected 0 to " + std::to_string(frame_count() - 1) + ", found " +
+                                  std::to_string(frame));
+  }
+
+  static cv::Mat read(const std::filesystem::path &path, std::unique_ptr<detail::FrameReader> &reader, int frame) try {
+    if (path.empty())
+      return {};
+    if (!reader)
+      reader = detail::FrameReader::open(path);
+    return reader->read(frame);
+  } catch (const cv::Exception &e) {
+    throw Error(path.string() + ": frame " + std::to_string(frame) + " cannot be read (" + e.err + ")");
+  }
+
+  void check_size(const cv::Mat &mat, int camera, int frame, const std::filesystem::path &path) const {
+    const Camera &expected = session_.rig[camera];
+    if (!mat.empty() && (mat.cols != expected.width || mat.rows != expected.height))
+      throw Error(path.string() + ": expected " + std::to_string(expected.width) + " x " + std::to_string(expected.height) +
+                  " pixels, found " + std::to_string(mat.cols) + " x " + std::to_string(mat.rows) + " at frame " +
+                  std::to_string(frame));
+  }
+
+  Session session_;
+  std::vector<std::unique_ptr<detail::FrameReader>> videos_, masks_; // opened when first asked for
+};
+
+} // namespace
+
+std::unique_ptr<FrameSource> FrameSource::open(const Session &session) {
+  if (session.rig.size() != session.cameras.size())
+    throw std::invalid_argument("session: expected one calibrated camera for each of its " +
+                                std::to_string(session.cameras.size()) + " cameras, found " + std::to_string(session.rig.size()));
+  return std::make_unique<SessionFrames>(session);
+}
+
+} // namespace doublet

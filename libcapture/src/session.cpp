@@ -1,0 +1,251 @@
+#include "doublet/capture/session.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/files.h"
+#include "frame_reader.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/persistence.hpp>
+#include <set>
+
+namespace doublet {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json; // keeps the order of joints in the file
+
+Json read_json(const fs::path &path) {
+  const std::string text = read_text(path);
+  try {
+    return Json::parse(text);
+  } catch (const nlohmann::json::exception &e) {
+    throw Error(path.string() + ": expected JSON, found a syntax error (" + e.what() + ")");
+  }
+}
+
+/// One value of a JSON object, with the file and the key in every message.
+template <class T> T value(const Json &object, const std::string &key, const std::string &where, const std::string &kind) {
+  if (!object.is_object() || !object.contains(key))
+    throw Error(where + ": expected \"" + key + "\" (" + kind + "), found none");
+  try {
+    return object.at(key).get<T>();
+  } catch (const nlohmann::json::exception &) {
+    throw Error(where + ": expected \"" + key + "\" to be " + kind + ", found " + object.at(key).dump().substr(0, 60));
+  }
+}
+
+std::string text_or(const Json &object, const std::string &key, const std::string &where) {
+  return object.contains(key) ? value<std::string>(object, key, where, "a text") : std::string();
+}
+
+Eigen::Vector3d point(const Json &object, const std::string &key, const std::string &where) {
+  const auto xyz = value<std::vector<double>>(object, key, where, "three numbers");
+  if (xyz.size() != 3 || !std::isfinite(xyz[0]) || !std::isfinite(xyz[1]) || !std::isfinite(xyz[2]))
+    throw Error(where + ": expected \"" + key + "\" to be three numbers in metres, found " + object.at(key).dump().substr(0, 60));
+  return {xyz[0], xyz[1], xyz[2]};
+}
+
+fs::path existing(const fs::path &folder, const std::string &name, const std::string &what, const fs::path &source) {
+  const fs::path path = folder / name;
+  if (!fs::is_regular_file(path))
+    throw FileNotFound(path.string() + ": the " + what + " that " + source.string() + " names does not exist");
+  return path;
+}
+
+/// A video or an image series is there; what is in it is looked at later.
+fs::path existing_frames(const fs::path &folder, const std::string &name, const std::string &what, const fs::path &source) {
+  const fs::path path = folder / name;
+  if (!detail::is_image_pattern(path))
+    return existing(folder, name, what, source);
+  if (!detail::image_series_exists(path))
+    throw FileNotFound(path.string() + ": the " + what + " that " + source.string() + " names has no image numbered 0 or 1");
+  return path;
+}
+
+/// masks/<camera>_%04d.png or masks/<camera>/%04d.png, for sessions that have masks but no videos.
+fs::path masks_by_name(const fs::path &folder, const std::string &camera) {
+  for (const fs::path &path : {folder / "masks" / (camera + "_%04d.png"), folder / "masks" / camera / "%04d.png"})
+    if (detail::image_series_exists(path))
+      return path;
+  return {};
+}
+
+SessionCamera read_camera(const Json &object, const fs::path &folder, const fs::path &source) {
+  SessionCamera camera;
+  camera.name = value<std::string>(object, "name", source.string() + ": cameras", "a text");
+  const std::string where = source.string() + ": camera '" + camera.name + "'";
+  const std::string video = text_or(object, "video", where), masks = text_or(object, "masks", where);
+  if (!video.empty())
+    camera.video = existing_frames(folder, video, "video of camera '" + camera.name + "'", source);
+  if (!masks.empty())
+    camera.masks = existing_frames(folder, masks, "mask series of camera '" + camera.name + "'", source);
+  if (camera.video.empty() && camera.masks.empty())
+    camera.masks = masks_by_name(folder, camera.name);
+  if (camera.video.empty() && camera.masks.empty())
+    throw Error(where + ": expected \"video\" or \"masks\", found neither, nor masks/" + camera.name + "_0000.png");
+  return camera;
+}
+
+std::vector<SessionCamera> read_cameras(const Json &json, const fs::path &folder, const fs::path &source) {
+  const auto list = value<Json>(json, "cameras", source.string(), "a list");
+  if (!list.is_array() || list.empty())
+    throw Error(source.string() + ": expected \"cameras\" to be a list of at least one camera, found " +
+                list.dump().substr(0, 60));
+  std::vector<SessionCamera> cameras;
+  std::set<std::string> names;
+  for (const Json &object : list) {
+    cameras.push_back(read_camera(object, folder, source));
+    if (!names.insert(cameras.back().name).second)
+      throw Error(source.string() + ": expected camera names to differ, found '" + cameras.back().name + "' twice");
+  }
+  return cameras;
+}
+
+cv::FileStorage open_calibration(const fs::path &path) {
+  try {
+    cv::FileStorage storage(path.string(), cv::FileStorage::READ);
+    if (storage.isOpened())
+      return storage;
+  } catch (const cv::Exception &e) {
+    throw Error(path.string() + ": expected an OpenCV calibration file (YAML), found a syntax error (" + e.err + ")");
+  }
+  throw Error(path.string() + ": expected an OpenCV calibration file (YAML), found one that OpenCV cannot open");
+}
+
+std::string calibrated_cameras(const cv::FileStorage &storage) {
+  std::string names;
+  for (const cv::FileNode &node : storage.root())
+    if (node.name().ends_with("_K"))
+      names += (names.empty() ? "" : ", ") + node.name().substr(0, node.name().size() - 2);
+  return names.empty() ? "no camera" : names;
+}
+
+cv::Mat read_matrix(const cv::FileStorage &storage, const std::string &key, int count, const std::string &where) {
+  cv::Mat matrix, numbers;
+  if (storage[key].isMap())
+    storage[key] >> matrix;
+  if (matrix.empty() || static_cast<int>(matrix.total()) != count || matrix.channels() != 1)
+    throw Error(where + ": expected " + key + " to be a matrix of " + std::to_string(count) + " numbers, found " +
+                (matrix.empty() ? std::string("none") : std::to_string(matrix.total())));
+  matrix.convertTo(numbers, CV_64F);
+  return numbers.reshape(1, count);
+}
+
+int read_size(const cv::FileStorage &storage, const std::string &key, const std::string &where) {
+  if (!storage[key].isInt() || static_cast<int>(storage[key]) <= 0)
+    throw Error(where + ": expected " + key + " to be a number of pixels, found none");
+  return static_cast<int>(storage[key]);
+}
+
+Camera read_calibration(const cv::FileStorage &storage, const std::string &name, const fs::path &source) {
+  if (storage[name + "_K"].empty())
+    throw Error(source.string() + ": expected a calibration of camera '" + name + "' (key " + name + "_K), found " +
+                calibrated_cameras(storage));
+  const std::string where = source.string();
+  using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  const cv::Mat K = read_matrix(storage, name + "_K", 9, where), R = read_matrix(storage, name + "_R", 9, where),
+                t = read_matrix(storage, name + "_t", 3, where), d = read_matrix(storage, name + "_distortion", 5, where);
+  Camera camera;
+  camera.name = name;
+  camera.K = Eigen::Map<const Matrix3>(K.ptr<double>());
+  camera.R = Eigen::Map<const Matrix3>(R.ptr<double>());
+  camera.t = Eigen::Map<const Eigen::Vector3d>(t.ptr<double>());
+  camera.distortion = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(d.ptr<double>());
+  camera.width = read_size(storage, name + "_image_width", where);
+  camera.height = read_size(storage, name + "_image_height", where);
+  validate_camera(camera, where + ": camera '" + name + "'");
+  return camera;
+}
+
+CameraRig read_rig(const std::vector<SessionCamera> &cameras, const fs::path &source) try {
+  const cv::FileStorage storage = open_calibration(source);
+  CameraRig rig;
+  for (const SessionCamera &camera : cameras)
+    rig.push_back(read_calibration(storage, camera.name, source));
+  return rig;
+} catch (const cv::Exception &e) {
+  throw Error(source.string() + ": expected an OpenCV calibration file, found an entry that cannot be read (" + e.err + ")");
+}
+
+JointMark read_joint(const std::string &name, const Json &object, const fs::path &source) {
+  const std::string where = source.string() + ": joint '" + name + "'";
+  JointMark mark;
+  mark.name = name;
+  mark.position = point(object, "position", where);
+  if (object.contains("parent") && !object.at("parent").is_null())
+    mark.parent = value<std::string>(object, "parent", where, "the name of a joint, or null for the root");
+  if (object.contains("dof") && !object.at("dof").is_null())
+    mark.dof = value<int>(object, "dof", where, "0, 1, 2, 3 or 6");
+  return mark;
+}
+
+void read_joints(const fs::path &path, Session &session) {
+  const Json json = read_json(path);
+  const auto joints = value<Json>(json, "joints", path.string(), "an object");
+  for (const auto &[name, object] : joints.items())
+    session.joints.push_back(read_joint(name, object, path));
+  std::set<std::string> names;
+  for (const JointMark &mark : session.joints)
+    names.insert(mark.name);
+  for (const JointMark &mark : session.joints)
+    if (!mark.parent.empty() && !names.count(mark.parent))
+      throw Error(path.string() + ": joint '" + mark.name + "' has the unknown parent '" + mark.parent + "'");
+  try {
+    make_skeleton(session.joints);
+  } catch (const Error &e) {
+    throw Error(path.string() + ": " + e.what());
+  }
+  const Json landmarks = json.contains("landmarks") ? json.at("landmarks") : Json::object();
+  for (const auto &[name, unused] : landmarks.items())
+    session.landmarks[name] = point(landmarks, name, path.string() + ": landmarks");
+}
+
+void check_frames(const fs::path &path, const Session &session, const Camera &camera) try {
+  if (path.empty())
+    return;
+  const cv::Size size = detail::probe_frames(path, session.frame_count);
+  if (size.width != camera.width || size.height != camera.height)
+    throw Error(path.string() + ": expected " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                " pixels as the calibration of camera '" + camera.name + "' says, found " + std::to_string(size.width) + " x " +
+                std::to_string(size.height));
+} catch (const cv::Exception &e) {
+  throw Error(path.string() + ": cannot be read (" + e.err + ")");
+}
+
+} // namespace
+
+Session read_session(const fs::path &folder) {
+  detail::quiet_opencv();
+  Session session;
+  session.folder = fs::absolute(folder).lexically_normal();
+  if (!fs::is_directory(session.folder))
+    throw FileNotFound(session.folder.string() + ": the session folder does not exist");
+  const fs::path source = session.folder / "session.json";
+  if (!fs::is_regular_file(source))
+    throw FileNotFound(source.string() + ": expected the description of the session, found no such file");
+  const Json json = read_json(source);
+  const std::string where = source.string();
+  session.name = value<std::string>(json, "name", where, "a text");
+  session.fps = value<double>(json, "fps", where, "frames per second");
+  session.frame_count = value<int>(json, "frame_count", where, "a number of frames");
+  if (!(session.fps > 0) || !std::isfinite(session.fps))
+    throw Error(where + ": expected \"fps\" to be positive, found " + std::to_string(session.fps));
+  if (session.frame_count < 1)
+    throw Error(where + ": expected \"frame_count\" to be at least 1, found " + std::to_string(session.frame_count));
+  session.cameras = read_cameras(json, session.folder, source);
+  session.scan = existing(session.folder, value<std::string>(json, "scan", where, "a file name"), "scan", source);
+  if (const std::string motion = text_or(json, "new_motion", where); !motion.empty())
+    session.new_motion = existing(session.folder, motion, "new motion", source);
+  const std::string calibration = value<std::string>(json, "calibration", where, "a file name");
+  session.rig = read_rig(session.cameras, existing(session.folder, calibration, "calibration", source));
+  read_joints(existing(session.folder, value<std::string>(json, "markers", where, "a file name"), "file of joints", source),
+              session);
+  for (std::size_t c = 0; c < session.cameras.size(); ++c) {
+    check_frames(session.cameras[c].video, session, session.rig[c]);
+    check_frames(session.cameras[c].masks, session, session.rig[c]);
+  }
+  return session;
+}
+
+} // namespace doublet
