@@ -3,28 +3,45 @@
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/segment/opposite_distance.h"
 
 #include <memory>
 
 namespace doublet {
 
 struct SegmentOptions {
-  double rigid_threshold = 0.010;  ///< t_rigid, m
-  double cloth_threshold = 0.020;  ///< t_cloth, m
-  double diffusion = 0.02;         ///< m, length scale of the implicit diffusion
-  double smallest_region = 0.02;   ///< m^2, smaller islands of cloth are dropped and smaller holes filled
+  double rigid_threshold = 0.010; ///< t_rigid, m
+  double cloth_threshold = 0.020; ///< t_cloth, m
+  double diffusion = 0.02;        ///< m, length scale of the implicit diffusion
+  double smallest_region = 0.02;  ///< m^2, smaller islands of cloth are dropped and smaller holes filled
+  OppositeOptions opposite;       ///< the rays
   void validate() const;
 };
 
 class ClothSegmenter {
 public:
   virtual ~ClothSegmenter() = default;
-  /// sequence: the captured surface; face_valid (F): rays that hit invalid triangles do not count.
-  virtual Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid, const Context &context) const = 0;
+  /// sequence: the captured surface; face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are
+  /// rigid. Throws std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
+  virtual Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                            const Context &context) const = 0;
   static std::unique_ptr<ClothSegmenter> create(const SegmentOptions &options = {});
 };
 
 Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                         const SegmentOptions &options = {}, const Context &context = {});
 
-}  // namespace doublet
+/// Clothness from a deviation (V, m, NaN = unknown) alone: eq. 1, diffusion, holes and islands, regions.
+Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
+                                   const SegmentOptions &options = {});
+
+/// What a segmentation found; log it where a number can disappoint.
+struct SegmentSummary {
+  int regions = 0;
+  double cloth_area = 0;      ///< m^2, clothness > 0.5, over valid faces
+  double transition_area = 0; ///< m^2, 0 < clothness <= 0.5
+  double known_fraction = 0;  ///< of the vertices on valid faces: had a usable opposite ray
+};
+SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness);
+
+} // namespace doublet

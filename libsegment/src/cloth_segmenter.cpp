@@ -1,0 +1,195 @@
+#include "doublet/segment/cloth_segmenter.h"
+
+#include "doublet/segment/diffusion.h"
+#include "valid_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+namespace doublet {
+namespace {
+
+/// What diffusion leaves below / above this is noise: rigid / cloth.
+constexpr double kSnap = 0.05;
+
+/// The valid surface with the measures that every step below needs.
+struct Surface {
+  const Vertices &vertices;
+  Faces faces;
+  Eigen::VectorXd areas;
+  std::vector<std::vector<int>> neighbours;
+  int size() const { return static_cast<int>(vertices.rows()); }
+};
+
+struct Patch {
+  std::vector<int> members;
+  double area = 0;
+};
+
+/// Connected sets of the vertices chosen, by falling area (ties: lowest vertex first).
+std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen) {
+  std::vector<Patch> patches;
+  std::vector<char> seen(surface.size(), 0);
+  for (int start = 0; start < surface.size(); ++start) {
+    if (!chosen[start] || seen[start])
+      continue;
+    Patch patch;
+    patch.members.push_back(start);
+    seen[start] = 1;
+    for (std::size_t k = 0; k < patch.members.size(); ++k)
+      for (int j : surface.neighbours[patch.members[k]])
+        if (chosen[j] && !seen[j]) {
+          seen[j] = 1;
+          patch.members.push_back(j);
+        }
+    for (int i : patch.members)
+      patch.area += surface.areas[i];
+    patches.push_back(std::move(patch));
+  }
+  std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
+  return patches;
+}
+
+template <typename Predicate> std::vector<char> choose(const Surface &surface, Predicate predicate) {
+  std::vector<char> chosen(surface.size(), 0);
+  for (int i = 0; i < surface.size(); ++i)
+    chosen[i] = surface.areas[i] > 0 && predicate(i);
+  return chosen;
+}
+
+/// Small rigid patches inside cloth become cloth. The largest rigid patch is never a hole.
+void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  const auto patches = connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; }));
+  for (std::size_t p = 1; p < patches.size(); ++p)
+    if (patches[p].area < smallest)
+      for (int i : patches[p].members)
+        delta[i] = 1;
+}
+
+/// A region of delta > 0 stays only if enough of it is more cloth than skin: bending joints make wide but weak regions.
+void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0; }))) {
+    double cloth = 0;
+    for (int i : patch.members)
+      cloth += delta[i] > 0.5 ? surface.areas[i] : 0;
+    if (cloth < smallest)
+      for (int i : patch.members)
+        delta[i] = 0;
+  }
+}
+
+void snap(Eigen::VectorXd &delta) {
+  for (double &value : delta)
+    value = std::isfinite(value) ? std::clamp((value - kSnap) / (1 - 2 * kSnap), 0.0, 1.0) : 0.0;
+}
+
+void label_regions(const Surface &surface, Clothness &result) {
+  result.region = Eigen::VectorXi::Constant(surface.size(), -1);
+  result.region_count = 0;
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return result.clothness[i] > 0; }))) {
+    for (int i : patch.members)
+      result.region[i] = result.region_count;
+    ++result.region_count;
+  }
+}
+
+class OppositeRaySegmenter : public ClothSegmenter {
+public:
+  explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
+
+  Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                    const Context &context) const override {
+    if (sequence.frames.size() < 2)
+      throw std::invalid_argument("segment: expected a sequence of at least 2 frames, found " +
+                                  std::to_string(sequence.frames.size()));
+    context.report("segment", 0.0);
+    const Mesh pose{sequence.frames.front(), sequence.faces};
+    const OppositePoints points = find_opposite_points(pose, face_valid, options_.opposite, context);
+    context.report("segment", 0.3);
+    const Eigen::VectorXd sigma = opposite_distance_deviation(sequence, points, options_.opposite, context);
+    context.report("segment", 0.8);
+    Clothness result = clothness_from_deviation(pose, face_valid, sigma, options_);
+    context.report("segment", 1.0);
+    return result;
+  }
+
+private:
+  SegmentOptions options_;
+};
+
+} // namespace
+
+void SegmentOptions::validate() const {
+  if (!(rigid_threshold >= 0 && rigid_threshold < cloth_threshold))
+    throw std::invalid_argument("SegmentOptions: expected 0 <= rigid_threshold < cloth_threshold (m), found " +
+                                std::to_string(rigid_threshold) + " and " + std::to_string(cloth_threshold));
+  if (!(diffusion >= 0))
+    throw std::invalid_argument("SegmentOptions: diffusion must be >= 0 m, found " + std::to_string(diffusion));
+  if (!(smallest_region >= 0))
+    throw std::invalid_argument("SegmentOptions: smallest_region must be >= 0 m^2, found " + std::to_string(smallest_region));
+  opposite.validate();
+}
+
+Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
+                                   const SegmentOptions &options) {
+  options.validate();
+  require_usable(pose, "first frame of the mesh sequence");
+  const int n = static_cast<int>(pose.vertices.rows());
+  if (sigma.size() != n)
+    throw std::invalid_argument("sigma: expected " + std::to_string(n) + " entries, one a vertex, found " +
+                                std::to_string(sigma.size()));
+  if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
+    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
+                                std::to_string(face_valid.size()));
+  const Faces faces = valid_faces(pose.faces, face_valid);
+  const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n)};
+
+  Clothness result;
+  result.sigma = sigma;
+  // Eq. 1; NaN stays NaN and is filled in by the diffusion.
+  Eigen::VectorXd delta = (sigma.array() - options.rigid_threshold) / (options.cloth_threshold - options.rigid_threshold);
+  for (double &value : delta)
+    value = std::isnan(value) ? value : std::clamp(value, 0.0, 1.0);
+  delta = diffuse_on_surface(pose.vertices, faces, delta, options.diffusion);
+  snap(delta);
+  fill_holes(surface, options.smallest_region, delta);
+  delta = diffuse_on_surface(pose.vertices, faces, delta, 0.5 * options.diffusion); // smooths the rims that filling left
+  snap(delta);
+  drop_islands(surface, options.smallest_region, delta);
+  result.clothness = delta;
+  label_regions(surface, result);
+  return result;
+}
+
+SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness) {
+  const Eigen::VectorXd areas = vertex_areas(pose.vertices, valid_faces(pose.faces, face_valid));
+  SegmentSummary summary;
+  summary.regions = clothness.region_count;
+  int valid = 0, known = 0;
+  for (int i = 0; i < areas.size(); ++i) {
+    if (areas[i] <= 0)
+      continue;
+    ++valid;
+    known += std::isfinite(clothness.sigma[i]);
+    if (clothness.clothness[i] > 0.5)
+      summary.cloth_area += areas[i];
+    else if (clothness.clothness[i] > 0)
+      summary.transition_area += areas[i];
+  }
+  summary.known_fraction = valid ? static_cast<double>(known) / valid : 0;
+  return summary;
+}
+
+std::unique_ptr<ClothSegmenter> ClothSegmenter::create(const SegmentOptions &options) {
+  return std::make_unique<OppositeRaySegmenter>(options);
+}
+
+Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid, const SegmentOptions &options,
+                        const Context &context) {
+  return ClothSegmenter::create(options)->segment(sequence, face_valid, context);
+}
+
+} // namespace doublet
