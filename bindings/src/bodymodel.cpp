@@ -1,0 +1,46 @@
+#include "common.h"
+
+#include "doublet/bodymodel/body_fitter.h"
+
+namespace doublet::python {
+namespace {
+
+using Landmarks = std::map<std::string, Eigen::Vector3d>;
+
+class PyBodyFitter : public BodyFitter {
+public:
+  BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model, const Landmarks &landmarks,
+              const Context &context) const override {
+    // The model by pointer: it is passed on, not copied.
+    PYBIND11_OVERRIDE_PURE(BodyFit, BodyFitter, fit, actor, clothness, &model, landmarks, context);
+  }
+};
+
+} // namespace
+
+void bind_bodymodel(py::module_ &m) {
+  py::class_<BodyModel, std::shared_ptr<BodyModel>>(m, "BodyModel", "vertices = mean + components s, s ~ N(0, I).")
+      .def_static(
+          "read", [](const std::filesystem::path &path) { return std::const_pointer_cast<BodyModel>(BodyModel::read(path)); },
+          py::arg("path"), Release())
+      .def_property_readonly("vertex_count", &BodyModel::vertex_count)
+      .def_property_readonly("component_count", &BodyModel::component_count)
+      .def_property_readonly("faces", &BodyModel::faces)
+      .def_property_readonly("landmarks", &BodyModel::landmarks)
+      .def_property_readonly("name", &BodyModel::name, "name and hash of the file")
+      .def("vertices", &BodyModel::vertices, py::arg("coefficients"), "(B, 3) m")
+      .def("component", &BodyModel::component, py::arg("k"), "(B, 3) m per standard deviation");
+  OptionsClass<BodyFitOptions>(m, "BodyFitOptions", "Options of BodyFitter.")
+      .field("iterations", &BodyFitOptions::iterations, "rounds of closest points and solve");
+  OptionsClass<ProxyOptions>(m, "ProxyOptions", "Options of fit_proxies.")
+      .field("clearance", &ProxyOptions::clearance, "m, how far the capsules stay inside the body on average");
+  py::class_<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
+      .def(py::init<>())
+      .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{})
+      .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("clothness"), py::arg("model"), py::arg("landmarks"),
+           py::arg("context") = interruptible_context(), Release());
+  m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("clothness"), py::arg("options") = ProxyOptions{},
+        Release());
+}
+
+} // namespace doublet::python

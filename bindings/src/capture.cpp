@@ -1,0 +1,125 @@
+#include "common.h"
+
+#include "doublet/capture/performance_capture.h"
+#include "doublet/capture/template_builder.h"
+
+namespace doublet::python {
+namespace {
+
+class PySilhouetteExtractor : public SilhouetteExtractor {
+public:
+  void train(int camera, const std::vector<Image> &images) override {
+    PYBIND11_OVERRIDE_PURE(void, SilhouetteExtractor, train, camera, images);
+  }
+  Image extract(int camera, const Image &image) const override {
+    PYBIND11_OVERRIDE_PURE(Image, SilhouetteExtractor, extract, camera, image);
+  }
+};
+
+class PyFrameSource : public FrameSource {
+public:
+  int frame_count() const override { PYBIND11_OVERRIDE_PURE(int, FrameSource, frame_count, ); }
+  int camera_count() const override { PYBIND11_OVERRIDE_PURE(int, FrameSource, camera_count, ); }
+  Image image(int camera, int frame) override { PYBIND11_OVERRIDE_PURE(Image, FrameSource, image, camera, frame); }
+  Image mask(int camera, int frame) override { PYBIND11_OVERRIDE_PURE(Image, FrameSource, mask, camera, frame); }
+};
+
+class PyPerformanceCapture : public PerformanceCapture {
+public:
+  CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
+                        const Context &context) override {
+    // By pointer: frames and extractor are passed on, not copied.
+    PYBIND11_OVERRIDE_PURE(CaptureResult, PerformanceCapture, capture, actor, rig, &frames, extractor, context);
+  }
+};
+
+void bind_session(py::module_ &m) {
+  py::class_<SessionCamera>(m, "SessionCamera")
+      .def(py::init<>())
+      .def_readwrite("name", &SessionCamera::name)
+      .def_readwrite("video", &SessionCamera::video, "mp4 or printf pattern of images; empty if there are only masks")
+      .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video");
+  py::class_<Session>(m, "Session", "A capture session on disk, checked as a whole.")
+      .def(py::init(&read_session), py::arg("folder"), Release())
+      .def_readonly("folder", &Session::folder)
+      .def_readonly("name", &Session::name)
+      .def_readonly("fps", &Session::fps)
+      .def_readonly("frame_count", &Session::frame_count)
+      .def_readonly("cameras", &Session::cameras)
+      .def_readonly("rig", &Session::rig)
+      .def_readonly("scan", &Session::scan)
+      .def_readonly("joints", &Session::joints)
+      .def_readonly("landmarks", &Session::landmarks)
+      .def_readonly("new_motion", &Session::new_motion);
+  py::class_<FrameSource, PyFrameSource>(m, "FrameSource", "Swap point: where the images and masks come from.")
+      .def(py::init<>())
+      .def_static("open", &FrameSource::open, py::arg("session"), Release())
+      .def_property_readonly("frame_count", &FrameSource::frame_count)
+      .def_property_readonly("camera_count", &FrameSource::camera_count)
+      .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
+      .def("mask", &FrameSource::mask, py::arg("camera"), py::arg("frame"), Release(), "(H, W) uint8, 255 = actor");
+  OptionsClass<ChromaKeyOptions>(m, "ChromaKeyOptions", "Options of the built-in SilhouetteExtractor.")
+      .field("smallest_blob", &ChromaKeyOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped");
+  py::class_<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
+      .def(py::init<>())
+      .def_static("create", &SilhouetteExtractor::create, py::arg("options") = ChromaKeyOptions{})
+      .def("train", &SilhouetteExtractor::train, py::arg("camera"), py::arg("images"), Release())
+      .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release());
+}
+
+void bind_template(py::module_ &m) {
+  OptionsClass<TemplateOptions>(m, "TemplateOptions", "Options of build_template.")
+      .field("triangles", &TemplateOptions::triangles, "triangles of the working surface")
+      .field("high_triangles", &TemplateOptions::high_triangles, "triangles of the display surface")
+      .field("poisson_depth", &TemplateOptions::poisson_depth, "octree depth of the Poisson reconstruction");
+  OptionsClass<HeatWeightOptions>(m, "HeatWeightOptions", "Options of heat_weights.")
+      .field("c", &HeatWeightOptions::c, "heat of the nearest visible bones, H_ii = c / d^2");
+  py::class_<Template>(m, "Template", "The closed surface of a scan, its two decimations and the invented faces.")
+      .def(py::init<>())
+      .def_readwrite("mesh", &Template::mesh)
+      .def_readwrite("high", &Template::high)
+      .def_readwrite("face_valid", &Template::face_valid)
+      .def_readwrite("high_face_valid", &Template::high_face_valid)
+      .def_readwrite("invalid_area", &Template::invalid_area, "m^2");
+  m.def("build_template", &build_template, py::arg("scan"), py::arg("options") = TemplateOptions{},
+        py::arg("context") = interruptible_context(), Release());
+  m.def("heat_weights", &heat_weights, py::arg("mesh"), py::arg("face_valid"), py::arg("skeleton"),
+        py::arg("options") = HeatWeightOptions{}, py::arg("context") = interruptible_context(), Release());
+  m.def("rig_template", &rig_template, py::arg("surface"), py::arg("joints"), py::arg("context") = interruptible_context(),
+        Release());
+  m.def("read_mesh", &read_mesh, py::arg("path"), Release());
+  m.def("write_mesh", &write_mesh, py::arg("path"), py::arg("mesh"), Release());
+}
+
+void bind_performance(py::module_ &m) {
+  OptionsClass<CaptureOptions>(m, "CaptureOptions", "Options of PerformanceCapture.")
+      .field("first_frame", &CaptureOptions::first_frame, "first video frame")
+      .field("frame_count", &CaptureOptions::frame_count, "number of frames, -1 = to the end")
+      .field("use_sift", &CaptureOptions::use_sift, "use texture features; off: silhouettes alone");
+  py::class_<CaptureSummary>(m, "CaptureSummary")
+      .def(py::init<>())
+      .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
+      .def_readwrite("sift_px", &CaptureSummary::sift_px, "(T) mean residual of the features, pixels")
+      .def_readwrite("silhouette_iou", &CaptureSummary::silhouette_iou, "(T) mean over cameras, against the measured masks")
+      .def_readwrite("seconds_per_frame", &CaptureSummary::seconds_per_frame);
+  py::class_<CaptureResult>(m, "CaptureResult")
+      .def(py::init<>())
+      .def_readwrite("performance", &CaptureResult::performance)
+      .def_readwrite("observations", &CaptureResult::observations)
+      .def_readwrite("summary", &CaptureResult::summary);
+  py::class_<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
+      .def(py::init<>())
+      .def_static("create", &PerformanceCapture::create, py::arg("options") = CaptureOptions{})
+      .def("capture", &PerformanceCapture::capture, py::arg("actor"), py::arg("rig"), py::arg("frames"),
+           py::arg("extractor").none(true), py::arg("context") = interruptible_context(), Release());
+}
+
+} // namespace
+
+void bind_capture(py::module_ &m) {
+  bind_session(m);
+  bind_template(m);
+  bind_performance(m);
+}
+
+} // namespace doublet::python

@@ -1,0 +1,122 @@
+#pragma once
+// What every binding file shares: images as arrays, options with keywords, interruptible contexts.
+
+#include "doublet/core/context.h"
+#include "doublet/core/image.h"
+#include "doublet/core/types.h"
+
+#include <pybind11/eigen.h>
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <string>
+#include <vector>
+
+namespace pybind11::detail {
+
+/// doublet::Image <-> numpy uint8 (height, width) or (height, width, 3). To Python the pixels move, they are not copied.
+template <> struct type_caster<doublet::Image> {
+  PYBIND11_TYPE_CASTER(doublet::Image, const_name("numpy.ndarray[numpy.uint8]"));
+
+  bool load(handle source, bool) {
+    if (!isinstance<array>(source) || !reinterpret_borrow<array>(source).dtype().is(pybind11::dtype::of<std::uint8_t>()))
+      return false;
+    const auto pixels = array_t<std::uint8_t, array::c_style | array::forcecast>::ensure(source);
+    if (pixels.ndim() != 2 && !(pixels.ndim() == 3 && (pixels.shape(2) == 3 || pixels.shape(2) == 1)))
+      return false;
+    value.height = static_cast<int>(pixels.shape(0));
+    value.width = static_cast<int>(pixels.shape(1));
+    value.channels = pixels.ndim() == 3 ? static_cast<int>(pixels.shape(2)) : 1;
+    value.data.assign(pixels.data(), pixels.data() + pixels.size());
+    return true;
+  }
+
+  static handle cast(doublet::Image image, return_value_policy, handle) {
+    std::vector<ssize_t> shape{image.height, image.width};
+    if (image.channels != 1)
+      shape.push_back(image.channels);
+    auto *pixels = new std::vector<std::uint8_t>(std::move(image.data));
+    const capsule owner(pixels, [](void *p) { delete static_cast<std::vector<std::uint8_t> *>(p); });
+    return array_t<std::uint8_t>(shape, pixels->data(), owner).release();
+  }
+};
+
+} // namespace pybind11::detail
+
+namespace doublet::python {
+
+namespace py = pybind11;
+using Release = py::call_guard<py::gil_scoped_release>;
+
+/// A context that Ctrl-C interrupts: the default of every long call.
+Context interruptible_context();
+
+/// An array that owns `values` without a copy.
+template <class T> py::array_t<T> move_to_array(std::vector<T> values, const std::vector<py::ssize_t> &shape) {
+  auto *kept = new std::vector<T>(std::move(values));
+  const py::capsule owner(kept, [](void *p) { delete static_cast<std::vector<T> *>(p); });
+  return py::array_t<T>(shape, kept->data(), owner);
+}
+
+/// (T, V, 3) from T x (V, 3).
+py::array_t<double> stack(const std::vector<Vertices> &frames);
+/// T x (V, 3) from (T, V, 3); throws ValueError naming `what` for another shape.
+std::vector<Vertices> unstack(const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, const char *what);
+
+/// A struct of options with keyword construction: Options(field=value, ...), a repr, a dict and validate() on construction.
+template <class T> class OptionsClass {
+public:
+  OptionsClass(py::module_ &m, const char *name, const char *doc) : class_(m, name, doc) {
+    class_.def(py::init([](const py::kwargs &fields) {
+                 T options;
+                 const py::object self = py::cast(&options, py::return_value_policy::reference);
+                 for (const auto &[key, value] : fields) {
+                   if (!py::hasattr(self, key))
+                     throw py::type_error(py::str("{} has no option '{}'").format(py::type::of(self).attr("__name__"), key));
+                   py::setattr(self, key, value);
+                 }
+                 if constexpr (requires { options.validate(); })
+                   options.validate();
+                 return options;
+               }),
+               "Every field may be given by keyword.");
+    class_.def("__repr__", [](const py::object &self) {
+      return py::str("{}({})").format(py::type::of(self).attr("__name__"), self.attr("to_dict")());
+    });
+    class_.def("to_dict", [](const py::object &self) {
+      py::dict values;
+      for (const auto &field : py::type::of(self).attr("fields")())
+        values[field] = py::getattr(self, field);
+      return values;
+    });
+    class_.def_static(
+        "fields", [] { return field_names(); }, "Names of the options, in order.");
+  }
+
+  template <class M> OptionsClass &field(const char *name, M T::*member, const char *doc) {
+    class_.def_readwrite(name, member, doc);
+    field_names().push_back(name);
+    return *this;
+  }
+  py::class_<T> &get() { return class_; }
+
+private:
+  static std::vector<std::string> &field_names() {
+    static std::vector<std::string> names;
+    return names;
+  }
+  py::class_<T> class_;
+};
+
+void bind_core(py::module_ &m);
+void bind_capture(py::module_ &m);
+void bind_segment(py::module_ &m);
+void bind_bodymodel(py::module_ &m);
+void bind_pbd(py::module_ &m);
+void bind_animate(py::module_ &m);
+void bind_fit(py::module_ &m);
+
+} // namespace doublet::python

@@ -1,0 +1,389 @@
+#include "common.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/files.h"
+#include "doublet/core/rasterizer.h"
+#include "doublet/core/ray_scene.h"
+#include "doublet/core/skinning.h"
+
+#include <cstring>
+
+namespace doublet::python {
+
+py::array_t<double> stack(const std::vector<Vertices> &frames) {
+  const py::ssize_t rows = frames.empty() ? 0 : frames.front().rows();
+  py::array_t<double> result({static_cast<py::ssize_t>(frames.size()), rows, py::ssize_t(3)});
+  double *out = result.mutable_data();
+  for (const Vertices &frame : frames) {
+    if (frame.rows() != rows)
+      throw std::invalid_argument("frames differ in their number of vertices");
+    std::memcpy(out, frame.data(), sizeof(double) * frame.size());
+    out += frame.size();
+  }
+  return result;
+}
+
+std::vector<Vertices> unstack(const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, const char *what) {
+  if (frames.ndim() != 3 || frames.shape(2) != 3)
+    throw std::invalid_argument(std::string(what) + " must have the shape (frames, vertices, 3)");
+  std::vector<Vertices> result;
+  for (py::ssize_t t = 0; t < frames.shape(0); ++t)
+    result.push_back(Eigen::Map<const Vertices>(frames.data(t, 0, 0), frames.shape(1), 3));
+  return result;
+}
+
+namespace {
+
+/// Called on the thread that called the stage: Ctrl-C becomes KeyboardInterrupt and unwinds the stage.
+bool interrupted() {
+  const py::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() != 0)
+    throw py::error_already_set();
+  return false;
+}
+
+using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+using Floats4 = Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor>;
+
+py::array_t<double> as_matrices(const Transforms &transforms) {
+  py::array_t<double> result({static_cast<py::ssize_t>(transforms.size()), py::ssize_t(4), py::ssize_t(4)});
+  auto out = result.mutable_unchecked<3>();
+  for (std::size_t j = 0; j < transforms.size(); ++j)
+    for (int r = 0; r < 4; ++r)
+      for (int c = 0; c < 4; ++c)
+        out(j, r, c) = transforms[j].matrix()(r, c);
+  return result;
+}
+
+Transforms as_transforms(const py::array_t<double, py::array::c_style | py::array::forcecast> &matrices) {
+  if (matrices.ndim() != 3 || matrices.shape(1) != 4 || matrices.shape(2) != 4)
+    throw std::invalid_argument("transforms must have the shape (joints, 4, 4)");
+  Transforms result;
+  for (py::ssize_t j = 0; j < matrices.shape(0); ++j) {
+    Eigen::Isometry3d transform;
+    transform.matrix() = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(matrices.data(j, 0, 0));
+    result.push_back(transform);
+  }
+  return result;
+}
+
+void bind_errors(py::module_ &m) {
+  static py::exception<Error> error(m, "Error", PyExc_RuntimeError);
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer)
+        std::rethrow_exception(pointer);
+    } catch (const FileNotFound &e) {
+      py::set_error(PyExc_FileNotFoundError, e.what());
+    } catch (const Cancelled &e) {
+      py::set_error(PyExc_KeyboardInterrupt, e.what());
+    } catch (const Error &e) {
+      py::set_error(error, e.what());
+    }
+  });
+}
+
+void bind_context(py::module_ &m) {
+  py::class_<Context>(m, "Context", "Progress, log, cancellation and threads of a long call. Ctrl-C always works.")
+      .def(py::init([](std::function<void(const std::string &, double)> progress, std::function<void(const std::string &)> log,
+                       int threads) {
+             Context context = interruptible_context();
+             context.progress = std::move(progress);
+             context.log = std::move(log);
+             context.threads = threads;
+             return context;
+           }),
+           py::kw_only(), py::arg("progress") = nullptr, py::arg("log") = nullptr, py::arg("threads") = 0,
+           "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.")
+      .def_readwrite("threads", &Context::threads)
+      .def("report", &Context::report, py::arg("stage"), py::arg("fraction"), Release())
+      .def("say", &Context::say, py::arg("line"), Release());
+}
+
+void bind_mesh(py::module_ &m) {
+  py::class_<MeshReport>(m, "MeshReport")
+      .def_readonly("vertices", &MeshReport::vertices)
+      .def_readonly("faces", &MeshReport::faces)
+      .def_readonly("non_finite_vertices", &MeshReport::non_finite_vertices)
+      .def_readonly("out_of_range_faces", &MeshReport::out_of_range_faces)
+      .def_readonly("degenerate_faces", &MeshReport::degenerate_faces)
+      .def_readonly("boundary_edges", &MeshReport::boundary_edges)
+      .def_readonly("non_manifold_edges", &MeshReport::non_manifold_edges)
+      .def_readonly("unused_vertices", &MeshReport::unused_vertices)
+      .def_readonly("components", &MeshReport::components)
+      .def_property_readonly("closed", &MeshReport::closed)
+      .def_property_readonly("usable", &MeshReport::usable)
+      .def("__repr__", &MeshReport::to_string);
+  py::class_<Mesh>(m, "Mesh", "Triangle mesh: vertices (V, 3) m, faces (F, 3).")
+      .def(py::init<>())
+      .def(py::init([](Vertices vertices, Faces faces) {
+             return Mesh{std::move(vertices), std::move(faces)};
+           }),
+           py::arg("vertices"), py::arg("faces"))
+      .def_readwrite("vertices", &Mesh::vertices)
+      .def_readwrite("faces", &Mesh::faces)
+      .def("report", &report_mesh);
+  py::class_<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
+      .def(py::init<>())
+      .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
+             return MeshSequence{std::move(faces), unstack(frames, "frames")};
+           }),
+           py::arg("faces"), py::arg("frames"))
+      .def_readwrite("faces", &MeshSequence::faces)
+      .def_property(
+          "frames", [](const MeshSequence &s) { return stack(s.frames); },
+          [](MeshSequence &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
+            s.frames = unstack(frames, "frames");
+          },
+          "(T, V, 3) m; a copy")
+      .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
+  m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release());
+  m.def("vertex_normals", &vertex_normals, py::arg("vertices"), py::arg("faces"), Release());
+  m.def("face_areas", &face_areas, py::arg("vertices"), py::arg("faces"), Release());
+  m.def("vertex_areas", &vertex_areas, py::arg("vertices"), py::arg("faces"), Release());
+}
+
+void bind_camera(py::module_ &m) {
+  py::class_<Camera>(m, "Camera", "Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.")
+      .def(py::init<>())
+      .def_readwrite("name", &Camera::name)
+      .def_readwrite("K", &Camera::K)
+      .def_readwrite("distortion", &Camera::distortion, "k1 k2 p1 p2 k3")
+      .def_readwrite("R", &Camera::R)
+      .def_readwrite("t", &Camera::t)
+      .def_readwrite("width", &Camera::width)
+      .def_readwrite("height", &Camera::height)
+      .def_property_readonly("centre", &Camera::centre)
+      .def("project", &Camera::project, py::arg("point"), "Pixel of a world point.")
+      .def("resized", &Camera::resized, py::arg("width"), py::arg("height"));
+  m.def(
+      "rasterize",
+      [](const Vertices &vertices, const Faces &faces, const Camera &camera, const std::vector<std::uint8_t> &skip_face) {
+        FaceBuffer buffer;
+        {
+          const py::gil_scoped_release release;
+          buffer = rasterize(vertices, faces, camera, skip_face);
+        }
+        const std::vector<py::ssize_t> shape{buffer.height, buffer.width};
+        return py::make_tuple(move_to_array(std::move(buffer.face), shape), move_to_array(std::move(buffer.depth), shape));
+      },
+      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg("skip_face") = std::vector<std::uint8_t>{},
+      "(face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).");
+}
+
+void bind_rays(py::module_ &m) {
+  py::class_<RayScene>(m, "RayScene", "Rays and closest points against one mesh.")
+      .def(py::init<const Mesh &, const std::vector<std::uint8_t> &>(), py::arg("mesh"),
+           py::arg("skip_face") = std::vector<std::uint8_t>{}, Release())
+      .def(
+          "cast",
+          [](const RayScene &scene, const Vertices &origins, const Vertices &directions, double min_distance) {
+            if (origins.rows() != directions.rows())
+              throw std::invalid_argument("origins and directions differ in length");
+            Eigen::VectorXi faces(origins.rows());
+            Eigen::VectorXd distances(origins.rows());
+            for (Eigen::Index i = 0; i < origins.rows(); ++i) {
+              const auto hit = scene.cast(origins.row(i), directions.row(i), min_distance);
+              faces[i] = hit ? hit->face : -1;
+              distances[i] = hit ? hit->distance : std::numeric_limits<double>::infinity();
+            }
+            return std::make_pair(faces, distances);
+          },
+          py::arg("origins"), py::arg("directions"), py::arg("min_distance") = 0.0, Release(),
+          "(face, distance) of the first hits of N rays; face -1 and distance inf where there is none.")
+      .def(
+          "closest",
+          [](const RayScene &scene, const Vertices &points) {
+            Eigen::VectorXi faces(points.rows());
+            Eigen::VectorXd distances(points.rows());
+            Vertices closest(points.rows(), 3);
+            for (Eigen::Index i = 0; i < points.rows(); ++i) {
+              const ClosestPoint nearest = scene.closest(points.row(i));
+              faces[i] = nearest.face;
+              distances[i] = nearest.distance;
+              closest.row(i) = nearest.point;
+            }
+            return std::make_tuple(faces, distances, closest);
+          },
+          py::arg("points"), Release(), "(face, distance, point) of the closest surface point of N points.");
+}
+
+void bind_skeleton(py::module_ &m) {
+  py::class_<JointMark>(m, "JointMark", "A joint as the user marks it.")
+      .def(py::init([](std::string name, std::string parent, Eigen::Vector3d position, std::optional<int> dof) {
+             return JointMark{std::move(name), std::move(parent), position, dof};
+           }),
+           py::arg("name"), py::arg("parent"), py::arg("position"), py::arg("dof") = std::nullopt)
+      .def_readwrite("name", &JointMark::name)
+      .def_readwrite("parent", &JointMark::parent)
+      .def_readwrite("position", &JointMark::position)
+      .def_readwrite("dof", &JointMark::dof);
+  py::class_<Skeleton>(m, "Skeleton", "Kinematic skeleton; joints are sorted parents first.")
+      .def(py::init(&make_skeleton), py::arg("marks"))
+      .def_property_readonly("joint_names",
+                             [](const Skeleton &s) {
+                               std::vector<std::string> names;
+                               for (const Joint &joint : s.joints)
+                                 names.push_back(joint.name);
+                               return names;
+                             })
+      .def_property_readonly("joint_parents",
+                             [](const Skeleton &s) {
+                               Eigen::VectorXi parents(s.joint_count());
+                               for (int j = 0; j < s.joint_count(); ++j)
+                                 parents[j] = s.joints[j].parent;
+                               return parents;
+                             })
+      .def_property_readonly("joint_rest",
+                             [](const Skeleton &s) {
+                               Vertices rest(s.joint_count(), 3);
+                               for (int j = 0; j < s.joint_count(); ++j)
+                                 rest.row(j) = s.joints[j].rest;
+                               return rest;
+                             })
+      .def_readonly("dof_names", &Skeleton::dof_names)
+      .def_readonly("lower", &Skeleton::lower)
+      .def_readonly("upper", &Skeleton::upper)
+      .def("find", &Skeleton::find, py::arg("name"))
+      .def(
+          "forward_kinematics",
+          [](const Skeleton &s, const Eigen::VectorXd &dofs) { return as_matrices(forward_kinematics(s, dofs)); },
+          py::arg("dofs"), "(J, 4, 4) world_from_rest")
+      .def(
+          "joint_positions",
+          [](const Skeleton &s, const Eigen::VectorXd &dofs) { return joint_positions(s, forward_kinematics(s, dofs)); },
+          py::arg("dofs"), "(J, 3) m");
+  m.def(
+      "dual_quaternion_skinning",
+      [](const Vertices &rest, const MatrixRM &weights,
+         const py::array_t<double, py::array::c_style | py::array::forcecast> &world_from_rest) {
+        const Transforms transforms = as_transforms(world_from_rest);
+        const py::gil_scoped_release release;
+        return dual_quaternion_skinning(rest, weights, transforms);
+      },
+      py::arg("rest"), py::arg("weights"), py::arg("world_from_rest"));
+}
+
+void bind_observations(py::module_ &m) {
+  py::class_<ViewObservation>(m, "ViewObservation", "2D data of one camera at one frame, pixels.")
+      .def(py::init([](const Floats2 &contour, const Floats4 &matches) {
+             ViewObservation view;
+             for (Eigen::Index i = 0; i < contour.rows(); ++i)
+               view.contour.emplace_back(contour.row(i));
+             for (Eigen::Index i = 0; i < matches.rows(); ++i)
+               view.matches.push_back({matches.row(i).head<2>(), matches.row(i).tail<2>()});
+             return view;
+           }),
+           py::arg("contour"), py::arg("matches"))
+      .def_property_readonly(
+          "contour",
+          [](const ViewObservation &view) {
+            Floats2 points(view.contour.size(), 2);
+            for (std::size_t i = 0; i < view.contour.size(); ++i)
+              points.row(i) = view.contour[i];
+            return points;
+          },
+          "(N, 2) boundary of the measured silhouette")
+      .def_property_readonly(
+          "matches",
+          [](const ViewObservation &view) {
+            Floats4 points(view.matches.size(), 4);
+            for (std::size_t i = 0; i < view.matches.size(); ++i)
+              points.row(i) << view.matches[i].previous.transpose(), view.matches[i].current.transpose();
+            return points;
+          },
+          "(N, 4) features at t-1 (x, y) and t (x, y)");
+  py::class_<Observations>(m, "Observations")
+      .def(py::init<>())
+      .def_readwrite("cameras", &Observations::cameras)
+      .def_readwrite("frames", &Observations::frames)
+      .def_readwrite("views", &Observations::views, "[frame][camera]; a copy");
+}
+
+void bind_stage_values(py::module_ &m) {
+  py::class_<RiggedMesh>(m, "RiggedMesh", "Surface in the scan pose, skeleton and skin weights (actor.npz).")
+      .def(py::init([](Mesh mesh, std::vector<std::uint8_t> face_valid, MatrixRM weights, Skeleton skeleton) {
+             return RiggedMesh{std::move(mesh), std::move(face_valid), std::move(weights), std::move(skeleton)};
+           }),
+           py::arg("mesh"), py::arg("face_valid"), py::arg("weights"), py::arg("skeleton"))
+      .def_readwrite("mesh", &RiggedMesh::mesh)
+      .def_readwrite("face_valid", &RiggedMesh::face_valid, "(F) 0 = invented over a large hole")
+      .def_readwrite("weights", &RiggedMesh::weights, "(V, J)")
+      .def_readwrite("skeleton", &RiggedMesh::skeleton)
+      .def("skip_invalid", &RiggedMesh::skip_invalid);
+  py::class_<ReferencePerformance>(m, "ReferencePerformance", "The captured performance (performance.npz).")
+      .def(py::init<>())
+      .def_readwrite("surface", &ReferencePerformance::surface)
+      .def_readwrite("dofs", &ReferencePerformance::dofs, "(T, D)")
+      .def_property(
+          "joints", [](const ReferencePerformance &p) { return stack(p.joints); },
+          [](ReferencePerformance &p, const py::array_t<double, py::array::c_style | py::array::forcecast> &joints) {
+            p.joints = unstack(joints, "joints");
+          },
+          "(T, J, 3) m; a copy")
+      .def_readwrite("frames", &ReferencePerformance::frames, "(T) video frame numbers");
+  py::class_<Clothness>(m, "Clothness", "Which vertices are loose cloth (segmentation.npz).")
+      .def(py::init<>())
+      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {
+             const int count = region.size() ? region.maxCoeff() + 1 : 0;
+             return Clothness{std::move(sigma), std::move(clothness), std::move(region), count};
+           }),
+           py::arg("sigma"), py::arg("clothness"), py::arg("region"))
+      .def_readwrite("sigma", &Clothness::sigma, "(V) m")
+      .def_readwrite("clothness", &Clothness::clothness, "(V) in [0, 1]")
+      .def_readwrite("region", &Clothness::region, "(V), -1 = rigid")
+      .def_readwrite("region_count", &Clothness::region_count);
+  py::class_<TaperedCapsule>(m, "TaperedCapsule", "Collision proxy carried by a joint.")
+      .def(py::init([](int joint, Eigen::Vector3d p0, Eigen::Vector3d p1, double r0, double r1) {
+             return TaperedCapsule{joint, p0, p1, r0, r1};
+           }),
+           py::arg("joint"), py::arg("p0"), py::arg("p1"), py::arg("r0"), py::arg("r1"))
+      .def_readwrite("joint", &TaperedCapsule::joint)
+      .def_readwrite("p0", &TaperedCapsule::p0)
+      .def_readwrite("p1", &TaperedCapsule::p1)
+      .def_readwrite("r0", &TaperedCapsule::r0)
+      .def_readwrite("r1", &TaperedCapsule::r1);
+  py::class_<BodyFit>(m, "BodyFit", "The body under the clothes, scan pose (body.npz).")
+      .def(py::init<>())
+      .def_readwrite("body", &BodyFit::body)
+      .def_readwrite("coefficients", &BodyFit::coefficients)
+      .def_readwrite("model", &BodyFit::model)
+      .def_readwrite("residual", &BodyFit::residual, "m");
+}
+
+void bind_files(py::module_ &m) {
+  m.def("write_actor", &write_actor, py::arg("path"), py::arg("actor"), Release());
+  m.def("read_actor", &read_actor, py::arg("path"), Release());
+  m.def("write_performance", &write_performance, py::arg("path"), py::arg("performance"), Release());
+  m.def("read_performance", &read_performance, py::arg("path"), py::arg("actor"), Release());
+  m.def("write_clothness", &write_clothness, py::arg("path"), py::arg("clothness"), Release());
+  m.def("read_clothness", &read_clothness, py::arg("path"), Release());
+  m.def("write_body", &write_body, py::arg("path"), py::arg("fit"), Release());
+  m.def("read_body", &read_body, py::arg("path"), Release());
+  m.def("write_proxies", &write_proxies, py::arg("path"), py::arg("capsules"), py::arg("skeleton"), Release());
+  m.def("read_proxies", &read_proxies, py::arg("path"), py::arg("skeleton"), Release());
+  m.def("write_observations", &write_observations, py::arg("path"), py::arg("observations"), Release());
+  m.def("read_observations", &read_observations, py::arg("path"), Release());
+}
+
+} // namespace
+
+Context interruptible_context() {
+  Context context;
+  context.cancelled = interrupted;
+  return context;
+}
+
+void bind_core(py::module_ &m) {
+  bind_errors(m);
+  bind_context(m);
+  bind_mesh(m);
+  bind_camera(m);
+  bind_rays(m);
+  bind_skeleton(m);
+  bind_observations(m);
+  bind_stage_values(m);
+  bind_files(m);
+}
+
+} // namespace doublet::python

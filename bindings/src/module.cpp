@@ -1,0 +1,26 @@
+#include "common.h"
+
+PYBIND11_MODULE(_doublet, m) {
+  using namespace doublet::python;
+  m.doc() = "Native half of doublet; use the package `doublet`.";
+  m.attr("__version__") = DOUBLET_VERSION;
+  bind_core(m);
+#ifdef DOUBLET_WITH_CAPTURE
+  bind_capture(m);
+#endif
+#ifdef DOUBLET_WITH_SEGMENT
+  bind_segment(m);
+#endif
+#ifdef DOUBLET_WITH_BODYMODEL
+  bind_bodymodel(m);
+#endif
+#ifdef DOUBLET_WITH_PBD
+  bind_pbd(m);
+#endif
+#ifdef DOUBLET_WITH_ANIMATE
+  bind_animate(m);
+#endif
+#ifdef DOUBLET_WITH_FIT
+  bind_fit(m);
+#endif
+}
