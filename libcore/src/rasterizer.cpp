@@ -1,0 +1,166 @@
+#include "doublet/core/rasterizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+
+namespace doublet {
+
+namespace {
+
+constexpr double kNear = 0.05;     // m
+constexpr int kSubpixelBits = 10;  // corners are rounded to 1/1024 pixel, so that edge functions are exact in integers
+constexpr double kFarOut = 524288; // pixels: larger coordinates would overflow the edge functions
+
+struct ScreenVertex {
+  std::int64_t x = 0, y = 0; ///< pixel * 2^kSubpixelBits
+  double inverse_depth = 0;
+  bool drawable = false;
+};
+
+/// Beyond this squared radius (normalised image plane) the radial distortion polynomial folds back into the image.
+double fold_radius_squared(const Camera &camera) {
+  const auto &k = camera.distortion;
+  for (double r = 0; r < 10; r += 0.01) {
+    const double r2 = r * r;
+    if (1 + r2 * (3 * k[0] + r2 * (5 * k[1] + r2 * 7 * k[4])) <= 0)
+      return r2;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+std::vector<ScreenVertex> project_all(const Vertices &vertices, const Camera &camera) {
+  const double fold = camera.distorted() ? fold_radius_squared(camera) : std::numeric_limits<double>::infinity();
+  std::vector<ScreenVertex> out(vertices.rows());
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    const Eigen::Vector3d point = vertices.row(v);
+    const Eigen::Vector3d in_camera = camera.R * point + camera.t;
+    if (!(in_camera.z() >= kNear) || !(in_camera.head<2>().squaredNorm() < fold * in_camera.z() * in_camera.z()))
+      continue;
+    const Eigen::Vector2d pixel = camera.project(point);
+    if (!(pixel.cwiseAbs().maxCoeff() < kFarOut))
+      continue;
+    out[v] = {std::llround(std::ldexp(pixel.x(), kSubpixelBits)), std::llround(std::ldexp(pixel.y(), kSubpixelBits)),
+              1 / in_camera.z(), true};
+  }
+  return out;
+}
+
+/// Twice the signed area of (a, b, p); positive on one side of a -> b. Steps in x and y are constant.
+struct EdgeFunction {
+  std::int64_t value, step_x, step_y;
+  EdgeFunction(const ScreenVertex &a, const ScreenVertex &b, std::int64_t px, std::int64_t py)
+      : value((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)), step_x(-((b.y - a.y) << kSubpixelBits)),
+        step_y((b.x - a.x) << kSubpixelBits) {}
+  /// A sample exactly on a shared edge belongs to one of the two faces: the one for which the edge is a top or left one.
+  std::int64_t tie_bias(const ScreenVertex &a, const ScreenVertex &b) const {
+    const bool top_left = (b.y - a.y) < 0 || (b.y == a.y && b.x > a.x);
+    return top_left ? 0 : -1;
+  }
+};
+
+int floor_pixel(std::int64_t v) {
+  return static_cast<int>(v >> kSubpixelBits);
+}
+int ceil_pixel(std::int64_t v) {
+  return static_cast<int>((v + (1 << kSubpixelBits) - 1) >> kSubpixelBits);
+}
+
+void draw(FaceBuffer &buffer, int f, ScreenVertex a, ScreenVertex b, ScreenVertex c) {
+  std::int64_t area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  if (area == 0)
+    return;
+  if (area < 0) {
+    std::swap(b, c);
+    area = -area;
+  }
+  const int x0 = std::max(0, ceil_pixel(std::min({a.x, b.x, c.x})));
+  const int x1 = std::min(buffer.width - 1, floor_pixel(std::max({a.x, b.x, c.x})));
+  const int y0 = std::max(0, ceil_pixel(std::min({a.y, b.y, c.y})));
+  const int y1 = std::min(buffer.height - 1, floor_pixel(std::max({a.y, b.y, c.y})));
+  if (x0 > x1 || y0 > y1)
+    return;
+  const std::int64_t px = static_cast<std::int64_t>(x0) << kSubpixelBits, py = static_cast<std::int64_t>(y0) << kSubpixelBits;
+  const EdgeFunction ea(b, c, px, py), eb(c, a, px, py), ec(a, b, px, py);
+  const std::int64_t bias_a = ea.tie_bias(b, c), bias_b = eb.tie_bias(c, a), bias_c = ec.tie_bias(a, b);
+  const double wa = a.inverse_depth / area, wb = b.inverse_depth / area, wc = c.inverse_depth / area;
+
+  std::int64_t row_a = ea.value, row_b = eb.value, row_c = ec.value;
+  for (int y = y0; y <= y1; ++y, row_a += ea.step_y, row_b += eb.step_y, row_c += ec.step_y) {
+    std::int64_t va = row_a, vb = row_b, vc = row_c;
+    const std::size_t row = static_cast<std::size_t>(y) * buffer.width;
+    for (int x = x0; x <= x1; ++x, va += ea.step_x, vb += eb.step_x, vc += ec.step_x) {
+      if (((va + bias_a) | (vb + bias_b) | (vc + bias_c)) < 0)
+        continue;
+      // 1/z is linear in the image.
+      const float depth = static_cast<float>(1 / (wa * va + wb * vb + wc * vc));
+      if (depth < buffer.depth[row + x]) {
+        buffer.depth[row + x] = depth;
+        buffer.face[row + x] = f;
+      }
+    }
+  }
+}
+
+} // namespace
+
+FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera,
+                     const std::vector<std::uint8_t> &skip_face) {
+  if (camera.width <= 0 || camera.height <= 0)
+    throw std::invalid_argument("rasterize: camera '" + camera.name + "' has no image size");
+  if (!skip_face.empty() && static_cast<Eigen::Index>(skip_face.size()) != faces.rows())
+    throw std::invalid_argument("rasterize: expected " + std::to_string(faces.rows()) + " entries in skip_face, found " +
+                                std::to_string(skip_face.size()));
+  if (faces.rows() > 0 && (faces.minCoeff() < 0 || faces.maxCoeff() >= vertices.rows()))
+    throw std::invalid_argument("rasterize: a face has a corner outside the " + std::to_string(vertices.rows()) + " vertices");
+  FaceBuffer buffer;
+  buffer.width = camera.width;
+  buffer.height = camera.height;
+  buffer.face.assign(static_cast<std::size_t>(camera.width) * camera.height, -1);
+  buffer.depth.assign(buffer.face.size(), std::numeric_limits<float>::infinity());
+  const std::vector<ScreenVertex> screen = project_all(vertices, camera);
+  for (int f = 0; f < faces.rows(); ++f) {
+    if (!skip_face.empty() && skip_face[f])
+      continue;
+    const ScreenVertex &a = screen[faces(f, 0)], &b = screen[faces(f, 1)], &c = screen[faces(f, 2)];
+    if (a.drawable && b.drawable && c.drawable)
+      draw(buffer, f, a, b, c);
+  }
+  return buffer;
+}
+
+Eigen::Vector3d barycentric_at(const Vertices &vertices, const Faces &faces, int f, const Camera &camera,
+                               const Eigen::Vector2d &pixel) {
+  const Eigen::Vector3d centre = camera.centre(), direction = camera.ray_direction(pixel);
+  const Eigen::Vector3d a = vertices.row(faces(f, 0)).transpose() - centre;
+  const Eigen::Vector3d b = vertices.row(faces(f, 1)).transpose() - centre;
+  const Eigen::Vector3d c = vertices.row(faces(f, 2)).transpose() - centre;
+  // Volumes of the tetrahedra that the ray spans with each side: their shares are the coordinates.
+  const Eigen::Vector3d volumes(direction.dot(b.cross(c)), direction.dot(c.cross(a)), direction.dot(a.cross(b)));
+  const double sum = volumes.sum();
+  if (std::abs(sum) < 1e-18)
+    return Eigen::Vector3d::Constant(1.0 / 3);
+  return volumes / sum;
+}
+
+Image silhouette(const FaceBuffer &buffer) {
+  Image mask(buffer.width, buffer.height, 1);
+  std::transform(buffer.face.begin(), buffer.face.end(), mask.data.begin(), [](int f) { return f >= 0 ? 255 : 0; });
+  return mask;
+}
+
+double mask_iou(const Image &a, const Image &b) {
+  if (a.width != b.width || a.height != b.height || a.channels != 1 || b.channels != 1)
+    throw std::invalid_argument("mask_iou: expected two masks of one size, found " + std::to_string(a.width) + " x " +
+                                std::to_string(a.height) + " and " + std::to_string(b.width) + " x " + std::to_string(b.height));
+  std::size_t both = 0, any = 0;
+  for (std::size_t i = 0; i < a.data.size(); ++i) {
+    both += a.data[i] > 0 && b.data[i] > 0;
+    any += a.data[i] > 0 || b.data[i] > 0;
+  }
+  return any ? static_cast<double>(both) / any : 1;
+}
+
+} // namespace doublet
