@@ -1,0 +1,247 @@
+#include "doublet/capture/silhouette_extractor.h"
+#include "doublet/core/error.h"
+#include "doublet/core/types.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+namespace doublet {
+
+void ChromaKeyOptions::validate() const {
+  if (smallest_blob < 0)
+    throw std::invalid_argument("smallest_blob: expected at least 0 pixels, found " + std::to_string(smallest_blob));
+  if (!(smallest_key_share > 0 && smallest_key_share <= 1))
+    throw std::invalid_argument("smallest_key_share: expected a value in (0, 1], found " + std::to_string(smallest_key_share));
+}
+
+namespace {
+
+/// ITU-R BT.601 luma and colour differences as linear forms of (B, G, R).
+using Form = Eigen::Vector3d;
+const Form kLuma(0.114, 0.587, 0.299), kBlueness = 0.564 * (Form(1, 0, 0) - kLuma), kRedness = 0.713 * (Form(0, 0, 1) - kLuma);
+
+/// How much a pixel looks like the screen: 1 = screen, 0 = no trace of its hue. With p the chroma along the key's hue and q
+/// across it (a "keyer" in chroma space: Jack, Video Demystified, ch. 7), keyness = (p - |q|) / (Y + Y_key), scaled to 1 at the
+/// key colour. Dividing by the luma keeps shadowed screen a screen; Y_key beside it keeps dark, noisy pixels from looking like
+/// one.
+struct Key {
+  Form along, across;
+  double luma = 0, scale = 0;
+
+  double keyness(const Form &bgr) const { return (along.dot(bgr) - std::abs(across.dot(bgr))) / (kLuma.dot(bgr) + luma) * scale; }
+};
+
+/// keyness < threshold, rewritten as along . bgr - |across . bgr| < constant in 32-bit integers: no division, no table,
+/// vectorises.
+struct KeyTest {
+  std::array<int, 3> along{}, across{};
+  int constant = 0;
+
+  KeyTest() = default;
+  KeyTest(const Key &key, double threshold) {
+    constexpr double kFixed = 1 << 14; // 3 * 255 * 2^14 * |coefficient| < 2^31
+    const double slope = threshold / key.scale;
+    for (int i = 0; i < 3; ++i) {
+      along[i] = static_cast<int>(std::lround(kFixed * (key.along[i] - slope * kLuma[i])));
+      across[i] = static_cast<int>(std::lround(kFixed * key.across[i]));
+    }
+    constant = static_cast<int>(std::lround(kFixed * slope * key.luma));
+  }
+
+  void apply(const std::uint8_t *bgr, int count, std::uint8_t *mask) const {
+    for (int i = 0; i < count; ++i) {
+      const int b = bgr[3 * i], g = bgr[3 * i + 1], r = bgr[3 * i + 2];
+      const int p = along[0] * b + along[1] * g + along[2] * r, q = across[0] * b + across[1] * g + across[2] * r;
+      mask[i] = p - std::abs(q) < constant ? 255 : 0;
+    }
+  }
+};
+
+Form pixel(const Image &image, int x, int y) {
+  return {double(image.at(x, y, 0)), double(image.at(x, y, 1)), double(image.at(x, y, 2))};
+}
+
+/// Pixels of a frame around the image, a twentieth of its width: mostly screen, whatever the actor does.
+std::vector<Form> border_pixels(const std::vector<Image> &images) {
+  std::vector<Form> pixels;
+  for (const Image &image : images) {
+    const int mx = std::max(1, image.width / 20), my = std::max(1, image.height / 20);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        if (x < mx || x >= image.width - mx || y < my || y >= image.height - my)
+          pixels.push_back(pixel(image, x, y));
+        else
+          x = image.width - mx - 1; // skip the inside of the row
+  }
+  return pixels;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+/// The hue that most saturated border pixels share, within 20 degrees.
+struct HuePeak {
+  double share = 0; ///< of all border pixels
+  std::vector<Form> pixels;
+};
+
+HuePeak hue_peak(const std::vector<Form> &border) {
+  constexpr int kBins = 72, kReach = 4; // 5 degrees a bin, +-20 degrees
+  constexpr double kSaturated = 12;     // of 128: above the chroma noise of grey walls under coloured light
+  std::array<std::vector<Form>, kBins> bins;
+  for (const Form &bgr : border) {
+    const double cb = kBlueness.dot(bgr), cr = kRedness.dot(bgr);
+    if (std::hypot(cb, cr) < kSaturated)
+      continue;
+    const double turn = std::atan2(cr, cb) / (2 * std::numbers::pi) + 1;
+    bins[static_cast<int>(turn * kBins) % kBins].push_back(bgr);
+  }
+  int best = 0;
+  std::size_t best_count = 0;
+  for (int b = 0; b < kBins; ++b) {
+    std::size_t count = 0;
+    for (int d = -kReach; d <= kReach; ++d)
+      count += bins[(b + d + kBins) % kBins].size();
+    if (count > best_count) {
+      best = b;
+      best_count = count;
+    }
+  }
+  HuePeak peak;
+  for (int d = -kReach; d <= kReach; ++d) {
+    const auto &bin = bins[(best + d + kBins) % kBins];
+    peak.pixels.insert(peak.pixels.end(), bin.begin(), bin.end());
+  }
+  peak.share = border.empty() ? 0 : static_cast<double>(peak.pixels.size()) / border.size();
+  return peak;
+}
+
+Key make_key(const std::vector<Form> &screen) {
+  std::vector<double> cb, cr, luma;
+  for (const Form &bgr : screen) {
+    cb.push_back(kBlueness.dot(bgr));
+    cr.push_back(kRedness.dot(bgr));
+    luma.push_back(kLuma.dot(bgr));
+  }
+  const Eigen::Vector2d colour(median(cb), median(cr)), hue = colour.normalized();
+  Key key;
+  key.along = hue.x() * kBlueness + hue.y() * kRedness;
+  key.across = -hue.y() * kBlueness + hue.x() * kRedness;
+  key.luma = median(luma);
+  key.scale = 2 * key.luma / colour.norm();
+  return key;
+}
+
+/// Midway between the means of the two classes it separates (Ridler & Calvard 1978): a pixel half covered by the actor lies on
+/// it, however few pixels the actor has. Starts at 0.5 and stays there if no pixel is below.
+double class_threshold(const Key &key, const std::vector<Image> &images) {
+  constexpr int kBins = 256;
+  std::array<double, kBins> histogram{};
+  for (const Image &image : images)
+    for (int y = 0; y < image.height; y += 2)
+      for (int x = 0; x < image.width; x += 2)
+        ++histogram[static_cast<int>(std::clamp(key.keyness(pixel(image, x, y)), 0.0, 1.0) * (kBins - 1) + 0.5)];
+  double threshold = 0.5;
+  for (int iteration = 0; iteration < 50; ++iteration) {
+    double count[2] = {0, 0}, sum[2] = {0, 0};
+    for (int b = 0; b < kBins; ++b) {
+      const double value = b / (kBins - 1.0);
+      count[value >= threshold] += histogram[b];
+      sum[value >= threshold] += histogram[b] * value;
+    }
+    if (count[0] == 0 || count[1] == 0)
+      break;
+    const double next = 0.5 * (sum[0] / count[0] + sum[1] / count[1]);
+    if (std::abs(next - threshold) < 1e-4)
+      break;
+    threshold = next;
+  }
+  return threshold;
+}
+
+/// Turns connected regions of `value` with fewer than `smallest` pixels into the other value. Diagonal neighbours belong together
+/// in the actor, not in the background.
+void drop_small_regions(cv::Mat &mask, std::uint8_t value, int smallest) {
+  cv::Mat labels, stats, centroids;
+  const cv::Mat regions = value == 255 ? mask : cv::Mat(255 - mask);
+  const int count = cv::connectedComponentsWithStats(regions, labels, stats, centroids, value == 255 ? 8 : 4, CV_32S);
+  const std::uint8_t other = 255 - value;
+  for (int label = 1; label < count; ++label) {
+    if (stats.at<int>(label, cv::CC_STAT_AREA) >= smallest)
+      continue;
+    const cv::Rect box(stats.at<int>(label, cv::CC_STAT_LEFT), stats.at<int>(label, cv::CC_STAT_TOP),
+                       stats.at<int>(label, cv::CC_STAT_WIDTH), stats.at<int>(label, cv::CC_STAT_HEIGHT));
+    cv::Mat part = mask(box);
+    part.setTo(other, labels(box) == label);
+  }
+}
+
+class ChromaKey : public SilhouetteExtractor {
+public:
+  explicit ChromaKey(const ChromaKeyOptions &options) : options_(options) { options.validate(); }
+
+  void train(int camera, const std::vector<Image> &images) override {
+    std::vector<Image> usable;
+    for (const Image &image : images)
+      if (!image.empty()) {
+        require_colour(image);
+        usable.push_back(image);
+      }
+    if (usable.empty())
+      throw std::invalid_argument("images: expected at least one image of camera " + std::to_string(camera) + ", found none");
+    const HuePeak peak = hue_peak(border_pixels(usable));
+    if (peak.share < options_.smallest_key_share)
+      throw Error("camera " + std::to_string(camera) + ": no key colour: expected one saturated hue on at least " +
+                  percent(options_.smallest_key_share) + " of the image border, found " + percent(peak.share) +
+                  "; give the session ready masks instead (\"masks\" in session.json)");
+    const Key key = make_key(peak.pixels);
+    tests_[camera] = KeyTest(key, class_threshold(key, usable));
+  }
+
+  Image extract(int camera, const Image &image) const override {
+    const auto test = tests_.find(camera);
+    if (test == tests_.end())
+      throw std::invalid_argument("camera: expected one that was trained, found " + std::to_string(camera));
+    require_colour(image);
+    Image mask(image.width, image.height, 1);
+    test->second.apply(image.data.data(), image.width * image.height, mask.data.data());
+    const int smallest =
+        static_cast<int>(options_.smallest_blob * (double(image.width) * image.height) / (1004.0 * 1004.0) + 0.5);
+    cv::Mat view(mask.height, mask.width, CV_8UC1, mask.data.data());
+    drop_small_regions(view, 255, smallest);
+    if (const cv::Rect box = cv::boundingRect(view); !box.empty()) {
+      // A hole never touches the rim of the actor's box widened by a pixel, so the box is enough.
+      const cv::Rect wide = cv::Rect(box.x - 1, box.y - 1, box.width + 2, box.height + 2) & cv::Rect(0, 0, view.cols, view.rows);
+      cv::Mat part = view(wide);
+      drop_small_regions(part, 0, smallest);
+    }
+    return mask;
+  }
+
+private:
+  static void require_colour(const Image &image) {
+    if (image.empty() || image.channels != 3)
+      throw std::invalid_argument("image: expected a colour image (3 channels), found " + std::to_string(image.channels) +
+                                  " channel(s) and " + std::to_string(image.data.size()) + " bytes");
+  }
+  static std::string percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
+
+  ChromaKeyOptions options_;
+  std::map<int, KeyTest> tests_;
+};
+
+} // namespace
+
+std::unique_ptr<SilhouetteExtractor> SilhouetteExtractor::create(const ChromaKeyOptions &options) {
+  return std::make_unique<ChromaKey>(options);
+}
+
+} // namespace doublet
