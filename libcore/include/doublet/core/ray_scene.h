@@ -24,7 +24,7 @@ struct ClosestPoint {
 /// Immutable; const calls are safe from many threads. Copies share the same scene.
 class RayScene {
 public:
-  /// Faces with skip_face[f] != 0 are not there. Throws Error if the mesh is not usable().
+  /// Faces with skip_face[f] != 0 are not there. Throws Error if the mesh is not usable() or every face is skipped.
   explicit RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &skip_face = {});
   /// First hit of origin + s * direction (unit), s in (min_distance, max_distance).
   std::optional<RayHit> cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance = 0,
