@@ -1,0 +1,207 @@
+"""The command `doublet`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from . import __version__, body_model_path, pipeline
+from . import _doublet as d
+from .console import Console
+
+INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+
+
+def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
+    """`--GROUP-FIELD` for every field of the option classes, with its default and meaning."""
+    for group in groups:
+        options_class = pipeline.OPTION_GROUPS[group]
+        flags = parser.add_argument_group(f"{group} options", options_class.__doc__.splitlines()[0])
+        for name, default in options_class().to_dict().items():
+            if (group, name) in pipeline.DERIVED_FIELDS or isinstance(default, d.Material):
+                continue
+            meaning = getattr(options_class, name).__doc__.splitlines()[-1].replace("%", "%%")
+            flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": f"{meaning} (default: {shown(default)})"}
+            if isinstance(default, bool):
+                flag["action"] = argparse.BooleanOptionalAction
+            elif isinstance(default, (list, np.ndarray)):
+                flag["nargs"] = len(default) if isinstance(default, np.ndarray) else "+"
+                flag["type"] = float if isinstance(default, np.ndarray) else str
+            else:
+                flag["type"] = type(default)
+                flag["metavar"] = "N" if isinstance(default, int) else "X"
+            flags.add_argument(f"--{group}-{name.replace('_', '-')}", **flag)
+
+
+def shown(value) -> str:
+    if isinstance(value, (list, np.ndarray)):
+        return " ".join(str(v) for v in value)
+    return str(value)
+
+
+def chosen_options(arguments: argparse.Namespace) -> dict:
+    """The option objects, made from the flags that were given; wrong values raise ValueError here, before any work."""
+    chosen: dict[str, dict] = {}
+    for key, value in vars(arguments).items():
+        if "." in key:
+            group, name = key.split(".", 1)
+            chosen.setdefault(group, {})[name] = value
+    return {group: options_class(**chosen.get(group, {})) for group, options_class in pipeline.OPTION_GROUPS.items()}
+
+
+def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
+    return pipeline.Job(
+        session_folder=session,
+        out=arguments.out,
+        options=chosen_options(arguments),
+        seed=arguments.seed,
+        body_model=getattr(arguments, "body_model", None) or body_model_path(),
+        console=Console(threads=arguments.threads, quiet=arguments.quiet),
+    )
+
+
+def run_reconstruct(arguments) -> None:
+    job = make_job(arguments, arguments.session)
+    pipeline.reconstruct(job, arguments.force)
+    print(job.path("report.html"))
+
+
+def run_stages(arguments) -> None:
+    session = arguments.session or pipeline.recorded_session(arguments.out)
+    job = make_job(arguments, session)
+    pipeline.start_record(job)
+    for stage in pipeline.STAGES:
+        if stage.name in arguments.stages:
+            pipeline.run_stage(job, stage, arguments.force)
+
+
+def run_animate(arguments) -> None:
+    from .character import animate
+
+    animate(arguments.character, arguments.motion, arguments.out, arguments)
+
+
+def run_evaluate(arguments) -> None:
+    from .evaluate import evaluate, format_table
+
+    result = evaluate(arguments.out, arguments.truth, arguments.session, Console(arguments.threads, quiet=arguments.quiet), arguments.every)
+    print(json.dumps(result, indent=1) if arguments.json else format_table(result))
+
+
+def run_train_body(arguments) -> None:
+    from .body_training import train_body
+
+    train_body(arguments)
+
+
+def common_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--threads", type=int, default=0, metavar="N", help="worker threads, 0 = one a core; results do not depend on it")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of every random choice (default: 1)")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+
+
+#: Command -> (stages it runs, what it does).
+STAGE_COMMANDS = {
+    "capture": (("template", "performance"), "scan and videos -> rigged template and reference performance"),
+    "segment": (("segment",), "reference performance -> clothness of every vertex"),
+    "body": (("body",), "dressed template -> body underneath and collision proxies"),
+    "fit": (("fit",), "performance and its images -> material of the cloth"),
+    "character": (("character",), "everything so far -> character.glb and the re-animated performance"),
+    "report": (("report",), "everything so far -> report.html"),
+}
+
+
+def build_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="doublet", description="Animatable doubles of people in loose clothing, from video.")
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    reconstruct = commands.add_parser("reconstruct", help="a capture session -> an animatable character and a report")
+    reconstruct.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
+    reconstruct.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results; an earlier run goes on")
+    add_stage_flags(reconstruct, pipeline.OPTION_GROUPS, with_body_model=True)
+    reconstruct.set_defaults(run=run_reconstruct)
+
+    for name, (stages, text) in STAGE_COMMANDS.items():
+        command = commands.add_parser(name, help=text, description=text)
+        if name == "capture":
+            command.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
+            command.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results")
+        else:
+            command.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far")
+            command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
+        groups = [g for g in pipeline.OPTION_GROUPS for s in pipeline.STAGES if s.name in stages and g in s.groups]
+        add_stage_flags(command, groups, with_body_model=name == "body")
+        command.set_defaults(run=run_stages, stages=stages)
+
+    add_animate(commands)
+    add_evaluate(commands)
+    add_train_body(commands)
+    return parser
+
+
+def add_stage_flags(parser, groups, with_body_model: bool) -> None:
+    parser.add_argument("--force", action="store_true", help="run even if up to date, and overwrite files made elsewhere")
+    if with_body_model:
+        parser.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
+    common_flags(parser)
+    add_option_flags(parser, groups)
+
+
+def add_animate(commands) -> None:
+    animate = commands.add_parser("animate", help="a character and a motion -> a new animation")
+    animate.add_argument("character", type=Path, metavar="CHARACTER.glb")
+    animate.add_argument("motion", type=Path, metavar="MOTION", help=".bvh, or .amc with its .asf beside it")
+    animate.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help=".npz, .glb or .mp4")
+    animate.add_argument("--fps", type=float, default=0, help="of the animation; 0 = that of the character (default)")
+    animate.add_argument("--frames", type=int, default=0, metavar="N", help="at most so many; 0 = all")
+    common_flags(animate)
+    animate.set_defaults(run=run_animate)
+
+
+def add_evaluate(commands) -> None:
+    evaluate = commands.add_parser("evaluate", help="errors of a reconstruction against a ground truth")
+    evaluate.add_argument("out", type=Path, metavar="OUT")
+    evaluate.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
+    evaluate.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
+    evaluate.add_argument("--every", type=int, default=1, metavar="N", help="measure every n-th frame (default: all)")
+    evaluate.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    common_flags(evaluate)
+    evaluate.set_defaults(run=run_evaluate)
+
+
+def add_train_body(commands) -> None:
+    train = commands.add_parser("train-body", help="registered meshes -> statistical body model")
+    train.add_argument("population", type=Path, metavar="POPULATION.npz")
+    train.add_argument("-o", "--out", type=Path, required=True, metavar="MODEL.npz")
+    train.add_argument("--components", type=int, default=None, metavar="N", help="default: as the shipped model")
+    common_flags(train)
+    train.set_defaults(run=run_train_body)
+
+
+def main(arguments=None) -> int:
+    parsed = build_parser().parse_args(arguments)
+    try:
+        parsed.run(parsed)
+    except KeyboardInterrupt:
+        print("doublet: stopped; what is complete stays, the same command goes on from there", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        return 1
+    except Exception as error:
+        if parsed.debug:
+            raise
+        expected = isinstance(error, (RuntimeError, OSError, ValueError))
+        text = str(error) if expected else f"internal error: {type(error).__name__}: {error} (--debug shows where)"
+        print(f"doublet: {' '.join(text.split())}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+"""What the user sees while stages run: progress bars on a terminal, plain lines elsewhere. Everything goes to stderr."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from tqdm import tqdm
+
+from . import _doublet
+
+
+class Console:
+    """Hands out a `Context` whose progress and log are shown."""
+
+    def __init__(self, threads: int = 0, stream=None, quiet: bool = False):
+        self.threads = threads
+        self.stream = stream or sys.stderr
+        self.quiet = quiet
+        self.bars = self.stream.isatty() and not quiet
+        self._name = None
+        self._bar = None
+        self._quarter = 0
+        self._started = 0.0
+
+    def context(self) -> _doublet.Context:
+        return _doublet.Context(progress=self.progress, log=self.say, threads=self.threads)
+
+    def say(self, line: str) -> None:
+        if self.quiet:
+            return
+        if self._bar is not None:
+            self._bar.write(line, file=self.stream)
+        else:
+            print(line, file=self.stream, flush=True)
+
+    def progress(self, name: str, fraction: float) -> None:
+        if name != self._name:
+            self.finish()
+            self._start(name)
+        if self._bar is not None:
+            self._bar.update(max(0.0, round(100 * fraction, 1) - self._bar.n))
+        elif not self.quiet and int(4 * fraction) > self._quarter:
+            self._quarter = int(4 * fraction)
+            self.say(f"  {name}: {25 * self._quarter} % after {time.monotonic() - self._started:.0f} s")
+
+    def finish(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        self._bar = self._name = None
+
+    def _start(self, name: str) -> None:
+        self._name, self._quarter, self._started = name, 0, time.monotonic()
+        if self.bars:
+            layout = "{desc:<28}{percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
+            self._bar = tqdm(total=100.0, desc=name, file=self.stream, bar_format=layout, leave=False)

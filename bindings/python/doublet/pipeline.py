@@ -1,0 +1,321 @@
+"""The stages in their order, each reading and writing its files (docs/formats.md): what `doublet reconstruct` runs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from . import _doublet as d
+from . import body_model_path
+from .console import Console
+from .files import write_json
+from .run_record import RunRecord
+
+#: Option groups: name on the command line (`--segment-diffusion`) -> class.
+OPTION_GROUPS = {
+    "template": d.TemplateOptions,
+    "key": d.ChromaKeyOptions,
+    "capture": d.CaptureOptions,
+    "segment": d.SegmentOptions,
+    "body": d.BodyFitOptions,
+    "proxy": d.ProxyOptions,
+    "cloth": d.ClothOptions,
+    "energy": d.EnergyOptions,
+    "fit": d.FitOptions,
+}
+#: Set by the session or by --seed, not by an option of their own.
+DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed")}
+
+
+@dataclass
+class Job:
+    """One reconstruction: where from, where to, how."""
+
+    session_folder: Path
+    out: Path
+    options: dict = field(default_factory=dict)  # group -> Options object
+    seed: int = 1
+    body_model: Path = field(default_factory=body_model_path)
+    console: Console = field(default_factory=Console)
+
+    def __post_init__(self):
+        self.session_folder, self.out = Path(self.session_folder), Path(self.out)
+        for name, options_class in OPTION_GROUPS.items():
+            self.options.setdefault(name, options_class())
+
+    @cached_property
+    def session(self) -> d.Session:
+        return d.Session(self.session_folder)
+
+    @cached_property
+    def record(self) -> RunRecord:
+        return RunRecord(self.out)
+
+    @property
+    def context(self) -> d.Context:
+        return self.console.context()
+
+    def path(self, name: str) -> Path:
+        return self.out / name
+
+    @cached_property
+    def actor(self) -> d.RiggedMesh:
+        return d.read_actor(self.path("actor.npz"))
+
+    def performance(self) -> d.ReferencePerformance:
+        return d.read_performance(self.path("performance.npz"), self.actor)
+
+    def clothness(self) -> d.Clothness:
+        return d.read_clothness(self.path("segmentation.npz"))
+
+    def simulator(self) -> d.CharacterSimulator:
+        proxies = d.read_proxies(self.path("proxies.json"), self.actor.skeleton)
+        return d.CharacterSimulator(self.actor, self.clothness(), proxies, self.options["cloth"])
+
+    def energy_options(self) -> d.EnergyOptions:
+        values = self.options["energy"].to_dict()
+        values["dt"] = 1 / self.session.fps
+        return d.EnergyOptions(**values)
+
+
+@dataclass(frozen=True)
+class Stage:
+    name: str
+    reads: tuple[str, ...]  # files of OUT
+    writes: tuple[str, ...]  # files of OUT
+    groups: tuple[str, ...]  # option groups
+    run: Callable[[Job], dict]  # returns the numbers worth recording
+    session_files: Callable[[d.Session], list[Path]] = lambda session: []
+    uses_seed: bool = False
+    uses_body_model: bool = False
+
+
+def run_template(job: Job) -> dict:
+    surface = d.build_template(d.read_mesh(job.session.scan), job.options["template"], job.context)
+    actor = d.rig_template(surface, job.session.joints, job.context)
+    d.write_mesh(job.path("template.ply"), surface.mesh)
+    d.write_mesh(job.path("template_high.ply"), surface.high)
+    d.write_actor(job.path("actor.npz"), actor)
+    job.__dict__["actor"] = actor
+    return {
+        "triangles": len(actor.mesh.faces),
+        "high_triangles": len(surface.high.faces),
+        "invalid_area_m2": surface.invalid_area,
+        "degrees_of_freedom": len(actor.skeleton.dof_names),
+    }
+
+
+def run_performance(job: Job) -> dict:
+    frames = d.FrameSource.open(job.session)
+    extractor = d.SilhouetteExtractor.create(job.options["key"])
+    stage = d.PerformanceCapture.create(job.options["capture"])
+    result = stage.capture(job.actor, job.session.rig, frames, extractor, job.context)
+    d.write_observations(job.path("observations.npz"), result.observations)
+    d.write_performance(job.path("performance.npz"), result.performance)
+    summary = result.summary
+    return {
+        "frames": len(result.performance.frames),
+        "rim_px": float(np.mean(summary.rim_px)),
+        "sift_px": float(np.mean(summary.sift_px)),
+        "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
+        "seconds_per_frame": summary.seconds_per_frame,
+    }
+
+
+def run_segment(job: Job) -> dict:
+    stage = d.ClothSegmenter.create(job.options["segment"])
+    result = stage.segment(job.performance().surface, job.actor.face_valid, job.context)
+    d.write_clothness(job.path("segmentation.npz"), result)
+    areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
+    return {"regions": result.region_count, "cloth_area_m2": float(areas[result.clothness > 0.5].sum())}
+
+
+def run_body(job: Job) -> dict:
+    model = d.BodyModel.read(job.body_model)
+    clothness = job.clothness()
+    fit = d.BodyFitter.create(job.options["body"]).fit(job.actor, clothness, model, job.session.landmarks, job.context)
+    proxies = d.fit_proxies(fit, job.actor, clothness, job.options["proxy"])
+    d.write_body(job.path("body.npz"), fit)
+    d.write_proxies(job.path("proxies.json"), proxies, job.actor.skeleton)
+    return {"residual_mm": 1000 * fit.residual, "model": fit.model, "proxies": len(proxies)}
+
+
+def run_fit(job: Job) -> dict:
+    options = d.FitOptions(**job.options["fit"].to_dict())
+    options.seed = job.seed
+    options.energy = job.energy_options()
+    options.log = job.path("fit_log.csv")
+    options.checkpoint = job.path("fit_checkpoint.txt")
+    observations = d.read_observations(job.path("observations.npz"))
+    simulator = job.simulator()
+    if simulator.region_count == 0:
+        raise d.Error(f"{job.path('segmentation.npz')} has no cloth region, so there is no material to fit")
+    result = d.estimate_material(simulator, job.performance(), observations, options, job.context)
+    d.write_materials(job.path("material.json"), result)
+    options.checkpoint.unlink(missing_ok=True)
+    regions = result.to_dict()["regions"]
+    return {
+        "energy_px2": [r["energy"] for r in regions],
+        "energy_at_centre_px2": [r["energy_at_centre"] for r in regions],
+        "evaluations": [r["evaluations"] for r in regions],
+        "stop_reason": [r["stop_reason"] for r in regions],
+    }
+
+
+def run_report(job: Job) -> dict:
+    from .report import write_report
+
+    write_report(job)
+    return {}
+
+
+def run_character(job: Job) -> dict:
+    from .character import build_character
+
+    return build_character(job)
+
+
+STAGES = (
+    Stage(
+        "template", (), ("actor.npz", "template.ply", "template_high.ply"), ("template",), run_template,
+        lambda s: [s.scan, s.folder / "session.json", markers_file(s)],
+    ),
+    Stage(
+        "performance", ("actor.npz",), ("performance.npz", "observations.npz"), ("key", "capture"), run_performance,
+        lambda s: [calibration_file(s), *image_files(s)],
+    ),
+    Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment",), run_segment),
+    Stage(
+        "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
+        lambda s: [markers_file(s)], uses_body_model=True,
+    ),
+    Stage(
+        "fit", ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json"),
+        ("material.json", "fit_log.csv"), ("cloth", "energy", "fit"), run_fit, uses_seed=True,
+    ),
+    Stage(
+        "character",
+        ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "material.json"),
+        ("simulated.npz", "character.glb"), ("cloth", "energy"), run_character, lambda s: image_files(s),
+    ),
+    Stage(
+        "report",
+        ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "body.npz", "proxies.json", "material.json",
+         "fit_log.csv", "simulated.npz", "character.glb"),
+        ("report.html",), (), run_report, lambda s: image_files(s),
+    ),
+)  # fmt: skip
+
+
+def session_json(session: d.Session) -> dict:
+    return json.loads((session.folder / "session.json").read_text(encoding="utf-8"))
+
+
+def calibration_file(session: d.Session) -> Path:
+    return session.folder / session_json(session)["calibration"]
+
+
+def markers_file(session: d.Session) -> Path:
+    return session.folder / session_json(session)["markers"]
+
+
+def image_files(session: d.Session) -> list[Path]:
+    """Videos, or the folders of image sequences, of images and ready masks."""
+    paths = [Path(p) for camera in session.cameras for p in (camera.video, camera.masks) if p != Path()]
+    return [p.parent if "%" in p.name else p for p in paths]
+
+
+def plain(value):
+    """An option's value as JSON has it."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if hasattr(value, "to_dict"):
+        return value.to_dict()
+    return value
+
+
+def stage_options(job: Job, stage: Stage) -> dict:
+    options = {f"{g}.{k}": plain(v) for g in stage.groups for k, v in job.options[g].to_dict().items() if (g, k) not in DERIVED_FIELDS}
+    if stage.uses_seed:
+        options["seed"] = job.seed
+    if "energy" in stage.groups:
+        options["fps"] = job.session.fps
+    return options
+
+
+def stage_inputs(job: Job, stage: Stage) -> dict[str, str]:
+    """Hash of every input; throws FileNotFoundError naming the stage that writes a missing one."""
+    inputs = {}
+    for name in stage.reads:
+        if not job.path(name).exists():
+            writer = next(s.name for s in STAGES if name in s.writes)
+            raise FileNotFoundError(f"{job.path(name)} is missing; stage '{writer}' writes it")
+        inputs[name] = job.record.hash(job.path(name))
+    for path in stage.session_files(job.session):
+        inputs[f"session/{path.relative_to(job.session.folder)}"] = job.record.hash(path)
+    if stage.uses_body_model:
+        if not Path(job.body_model).exists():
+            raise FileNotFoundError(f"{job.body_model} (the body model) does not exist")
+        inputs["body model"] = job.record.hash(job.body_model)
+    return inputs
+
+
+def run_stage(job: Job, stage: Stage, force: bool = False) -> bool:
+    """Runs a stage unless it is up to date; returns whether it ran."""
+    inputs, options = stage_inputs(job, stage), stage_options(job, stage)
+    say = job.console.say
+    if not force:
+        foreign = job.record.foreign_outputs(stage.name, stage.writes)
+        if foreign and all(job.path(o).exists() for o in stage.writes):
+            say(f"{stage.name}: kept, {foreign[0]} was not written by this program (delete it, or --force, to compute it)")
+            return False
+        reason = job.record.reason_to_run(stage.name, inputs, options, stage.writes)
+        if not reason:
+            say(f"{stage.name}: up to date")
+            return False
+    else:
+        reason = "forced"
+    say(f"{stage.name}: running ({reason})")
+    with job.record.running(stage.name, inputs, options, stage.writes) as summary:
+        summary.update(plain_summary(stage.run(job)))
+    job.console.finish()
+    entry = job.record.data["stages"][stage.name]
+    say(f"{stage.name}: done in {entry['seconds']:.1f} s, peak memory {entry['peak_memory_mb']:.0f} MB")
+    return True
+
+
+def plain_summary(summary: dict) -> dict:
+    """Rounded to what matters, so that run.json reads well."""
+    return {k: float(f"{v:.6g}") if isinstance(v, float) else plain(v) for k, v in summary.items()}
+
+
+def start_record(job: Job) -> None:
+    """Writes what the whole run was asked to do."""
+    job.out.mkdir(parents=True, exist_ok=True)
+    job.record.data["session"] = str(job.session.folder)
+    job.record.data["seed"] = job.seed
+    job.record.data["threads"] = job.console.threads
+    job.record.save()
+
+
+def reconstruct(job: Job, force: bool = False) -> None:
+    """All stages; those that are up to date are skipped."""
+    session = job.session
+    job.console.say(f"{session.name}: {len(session.cameras)} cameras, {session.frame_count} frames at {session.fps:g} fps")
+    start_record(job)
+    for stage in STAGES:
+        run_stage(job, stage, force)
+    write_json(job.record.path, job.record.data)
+
+
+def recorded_session(out: Path) -> Path:
+    """The session that OUT was made from."""
+    record = RunRecord(out)
+    if "session" not in record.data:
+        raise FileNotFoundError(f"{record.path} does not name a session; give it with --session")
+    return Path(record.data["session"])

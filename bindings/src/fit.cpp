@@ -1,0 +1,234 @@
+#include "common.h"
+
+#include "doublet/fit/material_estimator.h"
+
+namespace doublet::python {
+namespace {
+
+class PyOptimizer : public Optimizer {
+public:
+  MatrixRM ask() override { PYBIND11_OVERRIDE_PURE(MatrixRM, Optimizer, ask, ); }
+  void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
+    PYBIND11_OVERRIDE_PURE(void, Optimizer, tell, samples, energies);
+  }
+  bool stop() const override { PYBIND11_OVERRIDE_PURE(bool, Optimizer, stop, ); }
+  OptimizerResult result() const override { PYBIND11_OVERRIDE_PURE(OptimizerResult, Optimizer, result, ); }
+  std::string save() const override { PYBIND11_OVERRIDE(std::string, Optimizer, save, ); }
+  void restore(const std::string &state) override { PYBIND11_OVERRIDE(void, Optimizer, restore, state); }
+};
+
+class PyObjective : public Objective {
+public:
+  int parameter_count() const override { PYBIND11_OVERRIDE_PURE(int, Objective, parameter_count, ); }
+  int part_count() const override { PYBIND11_OVERRIDE(int, Objective, part_count, ); }
+  MatrixRM evaluate(const MatrixRM &samples, const Context &context) override {
+    PYBIND11_OVERRIDE_PURE(MatrixRM, Objective, evaluate, samples, context);
+  }
+};
+
+/// Keeps the Python optimiser alive for as long as C++ owns it; every call goes through the C++ object inside.
+class KeptOptimizer : public Optimizer {
+public:
+  explicit KeptOptimizer(py::object object) : object_(std::move(object)), inner_(object_.cast<Optimizer *>()) {}
+  KeptOptimizer(const KeptOptimizer &) = delete;
+  KeptOptimizer &operator=(const KeptOptimizer &) = delete;
+  ~KeptOptimizer() override {
+    const py::gil_scoped_acquire gil;
+    object_ = py::object();
+  }
+  MatrixRM ask() override { return inner_->ask(); }
+  void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override { inner_->tell(samples, energies); }
+  bool stop() const override { return inner_->stop(); }
+  OptimizerResult result() const override { return inner_->result(); }
+  std::string save() const override { return inner_->save(); }
+  void restore(const std::string &state) override { inner_->restore(state); }
+
+private:
+  py::object object_;
+  Optimizer *inner_;
+};
+
+/// Wraps `make(dimension, seed) -> Optimizer` written in Python.
+OptimizerFactory factory_from(const py::object &make) {
+  if (make.is_none()) return {};
+  // Shared, so that copies of the function made without the GIL never touch the reference count.
+  const std::shared_ptr<py::object> kept(new py::object(make), [](py::object *object) {
+    const py::gil_scoped_acquire gil;
+    delete object;
+  });
+  return [kept](int dimension, std::uint64_t seed) -> std::unique_ptr<Optimizer> {
+    const py::gil_scoped_acquire gil;
+    return std::make_unique<KeptOptimizer>((*kept)(dimension, seed));
+  };
+}
+
+void bind_optimizers(py::module_ &m) {
+  py::class_<OptimizerResult>(m, "OptimizerResult")
+      .def(py::init<>())
+      .def_readwrite("answer", &OptimizerResult::answer)
+      .def_readwrite("best", &OptimizerResult::best)
+      .def_readwrite("best_energy", &OptimizerResult::best_energy)
+      .def_readwrite("deviations", &OptimizerResult::deviations)
+      .def_readwrite("evaluations", &OptimizerResult::evaluations)
+      .def_readwrite("generations", &OptimizerResult::generations)
+      .def_readwrite("stop_reason", &OptimizerResult::stop_reason);
+  py::class_<Optimizer, PyOptimizer>(m, "Optimizer", "Swap point: ask() a generation, tell() its energies. Box [0, 1]^n.")
+      .def(py::init<>())
+      .def("ask", &Optimizer::ask, Release())
+      .def("tell", &Optimizer::tell, py::arg("samples"), py::arg("energies"), Release())
+      .def("stop", &Optimizer::stop, Release())
+      .def("result", &Optimizer::result, Release())
+      .def("save", &Optimizer::save, Release())
+      .def("restore", &Optimizer::restore, py::arg("state"), Release());
+  OptionsClass<CmaEsOptions>(m, "CmaEsOptions", "Options of create_cma_es.")
+      .field("population", &CmaEsOptions::population, "lambda; 0 = 4 + floor(3 ln n)")
+      .field("initial_mean", &CmaEsOptions::initial_mean, "along every axis")
+      .field("initial_sigma", &CmaEsOptions::initial_sigma, "along every axis")
+      .field("max_evaluations", &CmaEsOptions::max_evaluations, "no generation begins at or beyond it")
+      .field("smallest_deviation", &CmaEsOptions::smallest_deviation, "stop when all standard deviations are below it")
+      .field("seed", &CmaEsOptions::seed, "of the random numbers");
+  OptionsClass<AnnealingOptions>(m, "AnnealingOptions", "Options of create_simulated_annealing.")
+      .field("chains", &AnnealingOptions::chains, "samples a generation")
+      .field("max_evaluations", &AnnealingOptions::max_evaluations, "the schedule's length")
+      .field("initial_step", &AnnealingOptions::initial_step, "box units")
+      .field("final_step", &AnnealingOptions::final_step, "box units")
+      .field("initial_temperature", &AnnealingOptions::initial_temperature, "fraction of the first generation's mean energy")
+      .field("final_temperature", &AnnealingOptions::final_temperature, "likewise")
+      .field("seed", &AnnealingOptions::seed, "of the random numbers");
+  m.def("create_cma_es", &create_cma_es, py::arg("dimension"), py::arg("options") = CmaEsOptions{});
+  m.def("create_simulated_annealing", &create_simulated_annealing, py::arg("dimension"), py::arg("options") = AnnealingOptions{});
+}
+
+void bind_minimise(py::module_ &m) {
+  py::class_<GenerationRow>(m, "GenerationRow")
+      .def_readonly("part", &GenerationRow::part)
+      .def_readonly("generation", &GenerationRow::generation)
+      .def_readonly("evaluations", &GenerationRow::evaluations)
+      .def_readonly("best", &GenerationRow::best)
+      .def_readonly("generation_best", &GenerationRow::generation_best)
+      .def_readonly("mean", &GenerationRow::mean)
+      .def_readonly("deviation", &GenerationRow::deviation)
+      .def_readonly("seconds", &GenerationRow::seconds);
+  py::class_<MinimiseResult>(m, "MinimiseResult")
+      .def_readonly("parts", &MinimiseResult::parts)
+      .def_readonly("log", &MinimiseResult::log)
+      .def_readonly("seconds", &MinimiseResult::seconds);
+  py::class_<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
+      .def(py::init<>())
+      .def("parameter_count", &Objective::parameter_count)
+      .def("part_count", &Objective::part_count)
+      .def("evaluate", &Objective::evaluate, py::arg("samples"), py::arg("context") = interruptible_context(), Release(),
+           "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
+  m.def(
+      "minimise",
+      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty, const Path &checkpoint,
+         const std::string &problem, const Context &context) {
+        MinimiseOptions options;
+        options.make_optimizer = factory_from(make_optimizer);
+        options.seed = seed;
+        options.penalty = penalty;
+        options.checkpoint = checkpoint;
+        options.problem = problem;
+        const py::gil_scoped_release release;
+        return minimise(objective, options, context);
+      },
+      py::arg("objective"), py::arg("make_optimizer") = py::none(), py::arg("seed") = 1, py::arg("penalty") = 16.0,
+      py::arg("checkpoint") = Path{}, py::arg("problem") = "", py::arg("context") = interruptible_context());
+}
+
+void bind_energy(py::module_ &m) {
+  OptionsClass<EnergyOptions>(m, "EnergyOptions", "Options of the energy E_fit.")
+      .field("dt", &EnergyOptions::dt, "s, one video frame")
+      .field("alpha", &EnergyOptions::alpha, "weight of the silhouettes")
+      .field("beta", &EnergyOptions::beta, "weight of the texture features")
+      .field("settle_frames", &EnergyOptions::settle_frames, "frames to fall into place before the first")
+      .field("rim_cap", &EnergyOptions::rim_cap, "longest rim distance, fraction of the larger image side")
+      .field("feature_cap", &EnergyOptions::feature_cap, "longest feature distance, likewise")
+      .field("outline_size", &EnergyOptions::outline_size, "pixels of the views in which visibility is decided")
+      .field("field_size", &EnergyOptions::field_size, "nodes along the larger side of a distance field");
+  OptionsClass<ParameterSpace>(m, "ParameterSpace", "Which material parameters are searched.")
+      .field("names", &ParameterSpace::names, "of Material")
+      .field("fixed", &ParameterSpace::fixed, "gives the parameters that are not searched")
+      .field("per_iteration_stiffness", &ParameterSpace::per_iteration_stiffness, "search k' = 1 - (1 - k)^(1 / iterations)")
+      .field("iterations", &ParameterSpace::iterations, "of the solver; only for the above")
+      .get()
+      .def("material", &ParameterSpace::material, py::arg("unit"))
+      .def("unit", &ParameterSpace::unit, py::arg("material"));
+  py::class_<MaterialObjective, Objective>(m, "MaterialObjective", "E_fit of Sect. 6.2 over the box of the parameter space.")
+      .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const EnergyOptions &,
+                    const ParameterSpace &, const Context &>(),
+           py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
+           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release());
+}
+
+py::dict result_dict(const FitResult &result) {
+  py::list regions;
+  for (const RegionFit &region : result.regions) {
+    py::dict entry;
+    entry["material"] = region.material;
+    entry["energy"] = region.energy;
+    entry["energy_at_centre"] = region.energy_at_centre;
+    entry["best"] = region.best;
+    entry["best_energy"] = region.best_energy;
+    entry["deviations"] = region.deviations;
+    entry["evaluations"] = region.evaluations;
+    entry["stop_reason"] = region.stop_reason;
+    regions.append(entry);
+  }
+  py::dict dict;
+  dict["parameters"] = result.parameters;
+  dict["regions"] = regions;
+  dict["seconds"] = result.seconds;
+  return dict;
+}
+
+}  // namespace
+
+void bind_fit(py::module_ &m) {
+  bind_optimizers(m);
+  bind_minimise(m);
+  bind_energy(m);
+  OptionsClass<FitOptions>(m, "FitOptions", "Options of estimate_material.")
+      .field("seed", &FitOptions::seed, "of the search")
+      .field("max_evaluations", &FitOptions::max_evaluations, "no generation begins at or beyond it")
+      .field("population", &FitOptions::population, "samples a generation, 0 = 4 + floor(3 ln n)")
+      .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")
+      .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
+      .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
+      .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of the final mean")
+      .get()
+      .def_readwrite("space", &FitOptions::space)
+      .def_readwrite("energy", &FitOptions::energy)
+      .def_readwrite("checkpoint", &FitOptions::checkpoint)
+      .def_readwrite("log", &FitOptions::log)
+      .def_property(
+          "make_optimizer", [](const FitOptions &) { return py::none(); },
+          [](FitOptions &options, const py::object &make) { options.make_optimizer = factory_from(make); },
+          "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
+  py::class_<FitResult>(m, "FitResult")
+      .def_property_readonly("materials", &FitResult::materials, "one a region")
+      .def_readonly("log", &FitResult::log)
+      .def_readonly("seconds", &FitResult::seconds)
+      .def("to_dict", &result_dict);
+  m.def("estimate_material", &estimate_material, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
+        py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(), Release());
+  m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
+        py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release());
+  m.def(
+      "simulate_reference",
+      [](const CharacterSimulator &simulator, const ReferencePerformance &performance, const std::vector<pbd::Material> &materials,
+         double dt, int settle_frames, const Context &context) {
+        std::vector<Vertices> frames;
+        {
+          const py::gil_scoped_release release;
+          frames = simulate_reference(simulator, performance, materials, dt, settle_frames, context);
+        }
+        return stack(frames);
+      },
+      py::arg("simulator"), py::arg("performance"), py::arg("materials"), py::arg("dt"), py::arg("settle_frames") = 20,
+      py::arg("context") = interruptible_context(), "(T, V, 3) the reference motion re-animated");
+  m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release());
+  m.def("read_materials", &read_materials, py::arg("path"), Release());
+}
+
+}  // namespace doublet::python
