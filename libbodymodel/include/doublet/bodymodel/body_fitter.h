@@ -1,6 +1,7 @@
 #pragma once
-// The body under the clothes (Sect. 5): statistical model, its fit, collision proxies.
+// The body under the clothes (Sect. 5): fit of the statistical model to the exposed skin, collision proxies.
 
+#include "doublet/bodymodel/body_model.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
 
@@ -12,39 +13,54 @@
 
 namespace doublet {
 
-/// vertices = mean + components * s, s ~ N(0, I). An interface, so that other models can stand in.
-class BodyModel {
-public:
-  virtual ~BodyModel() = default;
-  virtual int vertex_count() const = 0;
-  virtual int component_count() const = 0;
-  virtual const Faces &faces() const = 0;
-  virtual Vertices vertices(const Eigen::VectorXd &coefficients) const = 0;  ///< (B, 3) m
-  virtual Vertices component(int k) const = 0;                                ///< (B, 3) m per standard deviation
-  virtual const std::map<std::string, int> &landmarks() const = 0;            ///< name -> vertex
-  virtual std::string name() const = 0;                                       ///< name and hash of the file
-  static std::shared_ptr<const BodyModel> read(const std::filesystem::path &path);
-};
-
 struct BodyFitOptions {
-  int iterations = 20;
+  int iterations = 20;               ///< of ICP; the robust scale shrinks over the first two thirds
+  double landmark_deviation = 0.015; ///< m, how far a clicked landmark is trusted
+  double joint_deviation = 0.025;    ///< m, how far a marked joint is trusted: rigs differ in where a hip is
+  double surface_deviation = 0.004;  ///< m, of skin around the model, per 4 cm^2 of surface (errors of the model are correlated)
+  double scale_deviation =
+      0.03; ///< relative, prior of the similarity's scale: stature is the model's, this is for units and children
+  double outlier_scale = 0.010; ///< m, final scale of the Geman-McClure weights (hair, shoes)
+  double cloth_margin = 0.003;  ///< m, the body stays this far inside cloth
   void validate() const;
 };
 
 class BodyFitter {
 public:
   virtual ~BodyFitter() = default;
-  /// actor: surface in the scan pose; clothness: delta = 0 is skin, delta > 0 hides it; landmarks: name -> point on the surface (m).
+  /// actor: surface in the scan pose; clothness: delta = 0 is skin, delta > 0 hides it; landmarks: name -> point on the surface
+  /// (m). Landmarks and joints are matched by name to the model's; at least three must match. Throws Error naming what is
+  /// missing.
   virtual BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model,
                       const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const = 0;
   static std::unique_ptr<BodyFitter> create(const BodyFitOptions &options = {});
 };
 
 struct ProxyOptions {
-  double clearance = 0.0;  ///< m, the capsules stand this much inside the body on average
+  double clearance = 0.0;      ///< m, the capsules stand this much inside the body on average
+  double cloth_margin = 0.004; ///< m, at least this far inside the cloth of the scan pose: resting cloth is never pushed
+  int capsules_per_bone = 2;   ///< 1 to 3
+  int iterations = 40;         ///< of the least squares
+  void validate() const;
 };
-/// Tapered capsules for the bones where cloth can touch.
+/// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, and the next bones down the
+/// chain. Empty if nothing is cloth.
 std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
                                         const ProxyOptions &options = {});
 
-}  // namespace doublet
+/// How well the capsules stand for the body.
+struct ProxyStatistics {
+  int capsules = 0;
+  int samples = 0;            ///< body vertices under cloth
+  double mean_distance = 0;   ///< m, mean |signed distance| of body vertices under cloth to the union of capsules
+  double percentile95 = 0;    ///< m, of the same
+  double largest_bulge = 0;   ///< m, how far a capsule stands out of the body at most (0 = nowhere)
+  double cloth_clearance = 0; ///< m, smallest signed distance of the resting cloth to the capsules (negative = pushed)
+};
+ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
+                                 const Clothness &clothness);
+
+/// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.
+std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Clothness &clothness);
+
+} // namespace doublet

@@ -1,0 +1,229 @@
+#include "tube.h"
+
+#include "doublet/core/error.h"
+#include "doublet/segment/cloth_segmenter.h"
+#include "doublet/segment/diffusion.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+using namespace doublet;
+
+namespace {
+
+double height(int i) {
+  return tube::kLength * (i / tube::kAround) / (tube::kRings - 1);
+}
+bool on_side(int i) {
+  return i < tube::kAround * tube::kRings;
+}
+
+SegmentOptions plain() {
+  SegmentOptions options;
+  options.opposite.trim = 0;
+  return options;
+}
+
+} // namespace
+
+TEST(Segment, RigidTubeHasNoCloth) {
+  const Clothness result = segment_cloth(tube::pulsating(0.0), {});
+  EXPECT_EQ(result.region_count, 0);
+  EXPECT_EQ(result.clothness.maxCoeff(), 0.0);
+  EXPECT_EQ(result.region.maxCoeff(), -1);
+  for (double sigma : result.sigma)
+    EXPECT_TRUE(std::isnan(sigma) || sigma < 1e-9);
+}
+
+TEST(Segment, PulsatingPartIsClothWithTheKnownDeviation) {
+  const double amplitude = 0.02;
+  const Clothness result = segment_cloth(tube::pulsating(amplitude), {}, plain());
+  EXPECT_EQ(result.region_count, 1);
+  for (int i = 0; i < result.sigma.size(); ++i) {
+    if (!on_side(i))
+      continue;
+    const double y = height(i);
+    if (std::abs(y - 0.5) < 0.15) { // diameter 2 (r + a sin): deviation 2 a / sqrt(2)
+      EXPECT_NEAR(result.sigma[i], std::sqrt(2.0) * amplitude, 0.02 * amplitude) << y;
+      EXPECT_EQ(result.clothness[i], 1.0) << y;
+      EXPECT_EQ(result.region[i], 0);
+    }
+    if (y > 0.1 && y < 0.9 && std::abs(y - 0.5) > 0.29) {
+      EXPECT_EQ(result.clothness[i], 0.0) << y;
+      EXPECT_EQ(result.region[i], -1);
+    }
+  }
+}
+
+TEST(Segment, TrimmingIgnoresFramesOfLostTracking) {
+  MeshSequence sequence = tube::pulsating(0.0, 60);
+  sequence.frames[7] *= 1.5; // one frame is half as big again
+  EXPECT_EQ(segment_cloth(sequence, {}).region_count, 0);
+  EXPECT_GT(segment_cloth(sequence, {}, plain()).sigma.head(tube::kAround * 30).tail(tube::kAround).maxCoeff(), 0.01);
+}
+
+TEST(Segment, InvalidFacesCloseTheSurfaceButDoNotCount) {
+  const MeshSequence sequence = tube::pulsating(0.02);
+  std::vector<std::uint8_t> valid(sequence.faces.rows(), 1);
+  for (int f = 0; f < sequence.faces.rows(); ++f) // the side z < 0 is invalid, so rays from z > 0 that hit it are unusable
+    for (int k = 0; k < 3; ++k)
+      if (sequence.frames[0](sequence.faces(f, k), 2) < -1e-9)
+        valid[f] = 0;
+  const Mesh pose{sequence.frames[0], sequence.faces};
+  const OppositePoints all = find_opposite_points(pose, {}), masked = find_opposite_points(pose, valid);
+  const int front = 20 * tube::kAround, back = front + tube::kAround / 2; // z = +r and z = -r at half height
+  EXPECT_GE(all.face[front], 0);
+  EXPECT_EQ(masked.face[front], -1);
+  EXPECT_EQ(masked.face[back], -1);
+  const Clothness result = segment_cloth(sequence, valid);
+  EXPECT_TRUE(std::isnan(result.sigma[front]));
+  EXPECT_EQ(result.clothness[back], 0.0);
+  EXPECT_EQ(result.region[back], -1);
+}
+
+TEST(Segment, UnknownRaysAreFilledFromTheirSurroundings) {
+  const MeshSequence sequence = tube::pulsating(0.02, 40, false);
+  Clothness known = segment_cloth(sequence, {}, plain());
+  Eigen::VectorXd sigma = known.sigma;
+  for (int i = 0; i < sigma.size(); ++i)
+    if (on_side(i) && std::abs(height(i) - 0.5) < 0.12 && i % tube::kAround < 12)
+      sigma[i] = std::numeric_limits<double>::quiet_NaN();
+  const Clothness filled = clothness_from_deviation({sequence.frames[0], sequence.faces}, {}, sigma);
+  EXPECT_LT((filled.clothness - known.clothness).cwiseAbs().maxCoeff(), 0.1);
+}
+
+TEST(Segment, SmallIslandsAreDroppedAndSmallHolesFilled) {
+  const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(pose.vertices.rows());
+  for (int i = 0; on_side(i); ++i) {
+    const int around = i % tube::kAround;
+    if (height(i) > 0.45)
+      sigma[i] = 0.05;
+    if (height(i) > 0.65 && height(i) < 0.75 && around > 10 && around < 18)
+      sigma[i] = 0; // hole of about 0.01 m^2
+    if (height(i) > 0.1 && height(i) < 0.2 && around > 10 && around < 18)
+      sigma[i] = 0.05; // island of about 0.01 m^2
+  }
+  const Clothness result = clothness_from_deviation(pose, {}, sigma);
+  ASSERT_EQ(result.region_count, 1);
+  EXPECT_EQ(result.clothness[28 * tube::kAround + 14], 1.0);
+  EXPECT_EQ(result.clothness[6 * tube::kAround + 14], 0.0);
+  SegmentOptions keep_all;
+  keep_all.smallest_region = 0;
+  const Clothness raw = clothness_from_deviation(pose, {}, sigma, keep_all);
+  EXPECT_EQ(raw.region_count, 2);
+  EXPECT_EQ(raw.region[6 * tube::kAround + 14], 1); // numbered by falling area
+  EXPECT_LT(raw.clothness[28 * tube::kAround + 14], 0.5);
+}
+
+TEST(Segment, DoesNotDependOnThreadsOrOnTheFrameOfReference) {
+  const MeshSequence sequence = tube::pulsating(0.015);
+  Context one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const Clothness a = segment_cloth(sequence, {}, {}, one), b = segment_cloth(sequence, {}, {}, three);
+  EXPECT_TRUE((a.clothness.array() == b.clothness.array()).all());
+  MeshSequence moved = sequence;
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Eigen::Vector3d(3, -1, 2).normalized()).toRotationMatrix();
+  for (Vertices &frame : moved.frames)
+    frame = (frame * turn.transpose()).rowwise() + Eigen::RowVector3d(3, -2, 1);
+  const Clothness c = segment_cloth(moved, {});
+  EXPECT_EQ(c.region_count, a.region_count);
+  // A ray that leaves exactly through an edge of this symmetric tube may fall to either side: compare what that cannot change.
+  EXPECT_LT((c.clothness - a.clothness).cwiseAbs().mean(), 1e-3);
+}
+
+TEST(Segment, ReportsWhatItFound) {
+  const MeshSequence sequence = tube::pulsating(0.02);
+  const SegmentSummary summary = summarise_segmentation({sequence.frames[0], sequence.faces}, {}, segment_cloth(sequence, {}));
+  EXPECT_EQ(summary.regions, 1);
+  EXPECT_NEAR(summary.cloth_area, 2 * std::numbers::pi * tube::kRadius * 0.38, 0.03);
+  EXPECT_GT(summary.known_fraction, 0.95);
+}
+
+TEST(Segment, RejectsWrongInput) {
+  const MeshSequence sequence = tube::pulsating(0.01, 4);
+  MeshSequence single{sequence.faces, {sequence.frames[0]}};
+  EXPECT_THROW(segment_cloth(single, {}), std::invalid_argument);
+  EXPECT_THROW(segment_cloth({}, {}), std::invalid_argument);
+  EXPECT_THROW(segment_cloth(sequence, std::vector<std::uint8_t>(3, 1)), std::invalid_argument);
+  MeshSequence nan = sequence;
+  nan.frames[2](5, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(segment_cloth(nan, {}), Error);
+  MeshSequence shrunk = sequence;
+  shrunk.frames[1] = sequence.frames[1].topRows(10);
+  EXPECT_THROW(segment_cloth(shrunk, {}), std::invalid_argument);
+  MeshSequence outside = sequence;
+  outside.faces(0, 0) = 1 << 20;
+  EXPECT_THROW(segment_cloth(outside, {}), Error);
+  SegmentOptions options;
+  options.cloth_threshold = options.rigid_threshold;
+  EXPECT_THROW(segment_cloth(sequence, {}, options), std::invalid_argument);
+}
+
+TEST(Segment, SurvivesBadMeshes) {
+  MeshSequence sequence = tube::pulsating(0.02, 6);
+  Faces &faces = sequence.faces;
+  faces.row(10) << 5, 5, 5;                // degenerate
+  faces.row(11) = faces.row(12);           // doubled: non-manifold
+  faces.row(20) = faces.row(20).reverse(); // flipped
+  const Faces open = faces.topRows(faces.rows() / 2);
+  EXPECT_NO_THROW(segment_cloth(sequence, {}));
+  sequence.faces = open; // boundary, and half the vertices unused
+  const Clothness result = segment_cloth(sequence, {});
+  EXPECT_TRUE(result.clothness.allFinite());
+  EXPECT_EQ(result.region[tube::kAround * tube::kRings - 1], -1);
+  const Clothness nothing = segment_cloth(sequence, std::vector<std::uint8_t>(open.rows(), 0));
+  EXPECT_EQ(nothing.region_count, 0);
+}
+
+TEST(Diffusion, KeepsConstantsAndObeysTheMaximumPrinciple) {
+  const Vertices v = tube::vertices([](double y) { return 0.1 + 0.03 * std::sin(9 * y); });
+  const Faces f = tube::faces();
+  const Eigen::VectorXd ones = Eigen::VectorXd::Ones(v.rows());
+  EXPECT_LT((diffuse_on_surface(v, f, ones, 0.1) - ones).cwiseAbs().maxCoeff(), 1e-9);
+  std::mt19937 random(1);
+  Eigen::VectorXd values(v.rows());
+  for (double &value : values)
+    value = (random() % 1000) / 999.0;
+  const Eigen::VectorXd smooth = diffuse_on_surface(v, f, values, 0.05);
+  EXPECT_GE(smooth.minCoeff(), -1e-9);
+  EXPECT_LE(smooth.maxCoeff(), 1 + 1e-9);
+  EXPECT_LT((smooth.array() - smooth.mean()).abs().mean(), 0.3 * (values.array() - values.mean()).abs().mean());
+}
+
+TEST(Diffusion, DecaysWithTheStatedLength) {
+  // Along a long tube (1 - t d2/dy2) x = x_0 with x_0 = a step at y = 0.5 has the solution 0.5 exp(-(y - 0.5) / length) above it.
+  const Vertices v = tube::vertices([](double) { return tube::kRadius; });
+  Eigen::VectorXd step(v.rows());
+  for (int i = 0; i < v.rows(); ++i)
+    step[i] = v(i, 1) < 0.5 - 1e-9 ? 1.0 : std::abs(v(i, 1) - 0.5) < 1e-9 ? 0.5 : 0.0;
+  const Eigen::VectorXd x = diffuse_on_surface(v, tube::faces(), step, 0.1);
+  for (int ring : {22, 24, 28})
+    EXPECT_NEAR(x[ring * tube::kAround], 0.5 * std::exp(-(0.025 * (ring - 20)) / 0.1), 0.01) << ring;
+}
+
+TEST(Diffusion, UnknownValuesTakeTheHarmonicInterpolation) {
+  const Vertices v = tube::vertices([](double) { return tube::kRadius; });
+  Eigen::VectorXd values = Eigen::VectorXd::Constant(v.rows(), std::numeric_limits<double>::quiet_NaN());
+  for (int a = 0; a < tube::kAround; ++a)
+    values[a] = 0, values[(tube::kRings - 1) * tube::kAround + a] = 1;
+  const Eigen::VectorXd x = diffuse_on_surface(v, tube::faces(), values, 0.0);
+  EXPECT_NEAR(x[20 * tube::kAround], 0.5, 0.01);
+  EXPECT_NEAR(x[10 * tube::kAround] - x[5 * tube::kAround], x[30 * tube::kAround] - x[25 * tube::kAround], 0.01);
+}
+
+TEST(Diffusion, ComponentsWithoutKnownValuesStayUnknown) {
+  Vertices v(6, 3);
+  v << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0;
+  Faces f(2, 3);
+  f << 0, 1, 2, 3, 4, 5;
+  Eigen::VectorXd values = Eigen::VectorXd::Constant(6, std::numeric_limits<double>::quiet_NaN());
+  values[0] = 2;
+  const Eigen::VectorXd x = diffuse_on_surface(v, f, values, 0.1);
+  EXPECT_NEAR(x[1], 2, 1e-6);
+  EXPECT_TRUE(std::isnan(x[4]));
+  EXPECT_THROW(diffuse_on_surface(v, f, Eigen::VectorXd::Zero(2), 0.1), std::invalid_argument);
+  EXPECT_THROW(diffuse_on_surface(v, f, values, -1), std::invalid_argument);
+}
