@@ -1,8 +1,12 @@
 #pragma once
-// Video -> reference performance (Sect. 4; Gall et al. 2009): pose by rims and SIFT in Gauss-Newton over all cameras, Laplacian refinement.
+// Video -> reference performance (Sect. 4; Gall et al. 2009): pose by rims and SIFT in Gauss-Newton over all cameras, Laplacian
+// refinement.
 
+#include "doublet/capture/feature_tracker.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
+#include "doublet/capture/surface_refiner.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
 
@@ -12,14 +16,25 @@
 namespace doublet {
 
 struct CaptureOptions {
-  int first_frame = 0, frame_count = -1;  ///< -1 = to the end
-  bool use_sift = true;                   ///< off: silhouettes alone
+  int first_frame = 0, frame_count = -1; ///< -1 = to the end
+  bool use_sift = true;                  ///< off: silhouettes alone
+  FeatureTrackerOptions features;
+  PoseOptions pose;
+  SurfaceOptions surface;
+  double velocity_damping = 0.8; ///< of the constant-velocity prediction; 0 = stay, 1 = go on as before
+  double offset_decay = 0.95;    ///< share of the non-rigid offset that is expected again in the next frame
+  double loose = 0.02; ///< m; a vertex that usually lies this far from its skinned position tells half as much about the pose
+  int smooth_window = 5, smooth_order = 2; ///< Savitzky-Golay over frames, of pose and offsets; a window of 1 switches it off
   void validate() const;
 };
 
 struct CaptureSummary {
-  std::vector<double> rim_px, sift_px;     ///< (T) mean residual per frame, pixels
-  std::vector<double> silhouette_iou;      ///< (T) mean over cameras, of the refined surface against the measured masks
+  std::vector<double> rim_px, sift_px;        ///< (T) mean residual per frame, pixels
+  std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
+  std::vector<int> views;                     ///< (T) cameras that took part
+  double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
+  double measure_seconds = 0, pose_seconds = 0,
+         surface_seconds = 0; ///< whole run: images to outlines and features; poses; surfaces
   double seconds_per_frame = 0;
 };
 
@@ -29,13 +44,24 @@ struct CaptureResult {
   CaptureSummary summary;
 };
 
+/// The pieces of a capture, each with its own swap point. A null piece is made from the options.
+struct CaptureParts {
+  std::shared_ptr<FeatureTracker> features;
+  std::shared_ptr<PoseOptimizer> pose;
+  std::shared_ptr<SurfaceRefiner> surface;
+};
+
 /// The swap point: (rigged mesh, rig, frames, context) -> reference performance and the 2D observations it used.
 class PerformanceCapture {
 public:
   virtual ~PerformanceCapture() = default;
+  /// `extractor` must be trained; it may be null if every frame has a ready mask. Throws Error if an image does not have its
+  /// camera's size, or an image has neither mask nor extractor; std::invalid_argument if frames, rig and options do not go
+  /// together.
   virtual CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames,
                                 const SilhouetteExtractor *extractor, const Context &context) = 0;
   static std::unique_ptr<PerformanceCapture> create(const CaptureOptions &options = {});
+  static std::unique_ptr<PerformanceCapture> create(const CaptureOptions &options, const CaptureParts &parts);
 };
 
-}  // namespace doublet
+} // namespace doublet

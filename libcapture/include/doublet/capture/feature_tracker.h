@@ -1,0 +1,38 @@
+#pragma once
+// Texture features and their matches from frame to frame (Sect. 4: SIFT, Lowe 2004).
+
+#include "doublet/core/image.h"
+#include "doublet/core/stage_values.h"
+
+#include <memory>
+
+namespace doublet {
+
+/// Features of one image, N points.
+struct Features {
+  std::vector<Eigen::Vector2f> points; ///< pixels
+  MatrixRM descriptors;                ///< (N, C); closeness is Euclidean distance
+};
+
+struct FeatureTrackerOptions {
+  int budget =
+      500; ///< strongest features kept per image; bounds the time (40-60 ms an image of 1004 x 1004) and is enough for the pose
+  int erode = 3;                 ///< px at 1004 px image height; features closer to the silhouette see background
+  double ratio = 0.8;            ///< best / second best descriptor distance, Lowe 2004 Sect. 7.1
+  double max_displacement = 0.1; ///< of the silhouette's height between two frames; 7 m/s for a person at 40 fps
+  void validate() const;
+};
+
+/// The swap point: image and mask in, features out; two successive frames' features in, matches out. Both are called from many
+/// threads.
+class FeatureTracker {
+public:
+  virtual ~FeatureTracker() = default;
+  /// `image` BGR or grey, `mask` 255 = actor, of one size.
+  virtual Features detect(const Image &image, const Image &mask) const = 0;
+  /// `reach` = largest displacement to consider, pixels.
+  virtual std::vector<FeatureMatch> match(const Features &previous, const Features &current, double reach) const = 0;
+  static std::unique_ptr<FeatureTracker> create(const FeatureTrackerOptions &options = {});
+};
+
+} // namespace doublet

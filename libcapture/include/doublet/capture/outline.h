@@ -1,0 +1,42 @@
+#pragma once
+// Outlines of masks, measured or rendered, and nearest-point queries on them.
+
+#include "doublet/core/image.h"
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace doublet {
+
+/// Boundary of a mask. Arrays of one length N, about one entry a boundary pixel; neighbours along a loop follow each other.
+struct Outline {
+  std::vector<Eigen::Vector2f>
+      points; ///< pixels; on the boundary itself, i.e. about half a pixel outside the last inside pixel's centre
+  std::vector<Eigen::Vector2f> normals; ///< unit, pointing out of the mask
+  std::vector<Eigen::Vector2i> pixels;  ///< the inside pixel each point belongs to
+  bool empty() const { return points.empty(); }
+};
+
+/// Traces outer boundaries and holes (Suzuki & Abe 1985). The staircase is smoothed over 5 pixels. Points within `margin` pixels
+/// of the image border are left out: there the image ends, not the actor. Loops of fewer than 12 pixels are noise and left out,
+/// too.
+Outline trace_outline(const Image &mask, int margin = 2);
+
+/// Fills loops of boundary points back into a mask (even-odd rule): what trace_outline saw, but for loops cut at the image
+/// border. `points` as in Outline::points or ViewObservation::contour.
+Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int height);
+
+/// Uniform grid over outline points; const calls are safe from many threads. Refers to the outline, which must outlive it.
+class OutlineIndex {
+public:
+  OutlineIndex(const Outline &outline, int width, int height);
+  /// Index of the closest point within `radius` pixels whose normal has at least `min_cosine` with `normal`; -1 if there is none.
+  int nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &normal, float radius, float min_cosine) const;
+
+private:
+  const Outline &outline_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<int> first_, entries_; // cell -> range of entries
+};
+
+} // namespace doublet

@@ -1,0 +1,62 @@
+#pragma once
+// Correspondences between a posed surface and measured outlines (Gall et al. 2009; Rosenhahn et al. 2007): surface points on the
+// rendered outline (rims), matched to the measured outline in both directions, as point-to-line residuals.
+
+#include "doublet/capture/outline.h"
+#include "doublet/core/rasterizer.h"
+
+#include <cstdint>
+
+namespace doublet {
+
+/// A surface point: a face and barycentric coordinates of its corners.
+struct SurfacePoint {
+  int face = -1;
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position(const Vertices &vertices, const Faces &faces) const {
+    return (barycentric[0] * vertices.row(faces(face, 0)) + barycentric[1] * vertices.row(faces(face, 1)) +
+            barycentric[2] * vertices.row(faces(face, 2)))
+        .transpose();
+  }
+};
+
+/// The rendered outline of a surface in one view; the arrays of `outline` and `surface` go together.
+struct Rims {
+  Outline outline;                   ///< points in pixels of the full-size camera (its `pixels` are of the rendering)
+  std::vector<SurfacePoint> surface; ///< the surface point seen at the last inside pixel
+  std::vector<Eigen::Vector2f>
+      seen;                    ///< where it projects to, pixels of the full-size camera; up to a pixel inside outline.points
+  double metres_per_pixel = 0; ///< on the surface, mean over the rims
+};
+
+/// Renders the surface (faces with skip_face left out) at most `raster_size` pixels wide or high and traces it.
+Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<std::uint8_t> &skip_face, const Camera &camera,
+               int raster_size);
+
+/// One scalar constraint in view `view`: normal . (project(surface point) - target) = 0, pixels.
+struct RimConstraint {
+  int view = 0;
+  SurfacePoint surface;
+  Eigen::Vector2d target, normal; ///< pixels; unit
+  double metres_per_pixel = 0;    ///< turns the pixel residual into metres at the surface
+};
+
+struct RimMatchOptions {
+  int count = 350;             ///< correspondences sought per view and direction; enough for a few on each finger-wide part
+  double gate = 0.1;           ///< m; farther outlines are no match
+  double min_cosine = 0.5;     ///< normals may differ by 60 degrees
+  bool both_directions = true; ///< also from the measured outline to the rendered one, so that nothing measured goes unexplained
+};
+
+/// Matches of one view. `unmatched` counts the samples without partner; `index` is over `measured`.
+struct RimMatches {
+  std::vector<RimConstraint> constraints;
+  int unmatched = 0;
+};
+RimMatches match_rims(const Rims &rims, const Outline &measured, const OutlineIndex &index, int view, const Camera &camera,
+                      const RimMatchOptions &options);
+
+/// The residual of a constraint in pixels for the surface `vertices`.
+double rim_residual(const RimConstraint &constraint, const Vertices &vertices, const Faces &faces, const Camera &camera);
+
+} // namespace doublet

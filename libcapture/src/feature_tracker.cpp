@@ -1,0 +1,133 @@
+#include "doublet/capture/feature_tracker.h"
+
+#include "doublet/core/error.h"
+
+#include <algorithm>
+#include <numeric>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+namespace doublet {
+namespace {
+
+cv::Mat as_mat(const Image &image) {
+  return cv::Mat(image.height, image.width, image.channels == 3 ? CV_8UC3 : CV_8UC1,
+                 const_cast<std::uint8_t *>(image.data.data()));
+}
+
+/// Indices of keypoints, strongest first, ties by place (OpenCV's own order depends on its threads), one a place: a second
+/// orientation at the same place would be its own second-best match.
+std::vector<int> chosen_keypoints(const std::vector<cv::KeyPoint> &keypoints, int budget) {
+  std::vector<int> order(keypoints.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int i, int j) {
+    const cv::KeyPoint &a = keypoints[i], &b = keypoints[j];
+    return std::tie(b.response, a.pt.y, a.pt.x, a.size, a.angle) < std::tie(a.response, b.pt.y, b.pt.x, b.size, b.angle);
+  });
+  const auto same_place = [&](int i, int j) { return keypoints[i].pt == keypoints[j].pt; };
+  order.erase(std::unique(order.begin(), order.end(), same_place), order.end());
+  order.resize(std::min<size_t>(order.size(), budget));
+  return order;
+}
+
+/// For each row of a: the closest row of b within reach, if it is clearly closer than the second; -1 otherwise.
+std::vector<int> best_matches(const Features &a, const Features &b, double reach, double ratio) {
+  std::vector<int> best(a.points.size(), -1);
+  const float reach_squared = static_cast<float>(reach * reach);
+  for (size_t i = 0; i < a.points.size(); ++i) {
+    double first = 1e30, second = 1e30;
+    for (size_t j = 0; j < b.points.size(); ++j) {
+      if ((a.points[i] - b.points[j]).squaredNorm() > reach_squared)
+        continue;
+      const double distance = (a.descriptors.row(i) - b.descriptors.row(j)).squaredNorm();
+      if (distance < first) {
+        second = first;
+        first = distance;
+        best[i] = static_cast<int>(j);
+      } else if (distance < second) {
+        second = distance;
+      }
+    }
+    if (first > ratio * ratio * second)
+      best[i] = -1;
+  }
+  return best;
+}
+
+class SiftTracker : public FeatureTracker {
+public:
+  explicit SiftTracker(const FeatureTrackerOptions &options) : options_(options) {}
+
+  Features detect(const Image &image, const Image &mask) const override {
+    if (image.width != mask.width || image.height != mask.height)
+      throw std::invalid_argument("FeatureTracker::detect: image and mask must be of one size");
+    const cv::Mat inside = as_mat(mask);
+    const cv::Rect box = cv::boundingRect(inside);
+    if (box.width < 16 || box.height < 16)
+      return {};
+    cv::Mat grey, eroded;
+    if (image.channels == 3)
+      cv::cvtColor(as_mat(image)(box), grey, cv::COLOR_BGR2GRAY);
+    else
+      as_mat(image)(box).copyTo(grey);
+    const int radius = std::max(1, options_.erode * image.height / 1004);
+    grey.setTo(cv::mean(grey, inside(box)), inside(box) == 0); // what stands behind the actor is of no use
+    cv::erode(inside(box), eroded, cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1}));
+    return describe(grey, eroded, box.tl());
+  }
+
+  std::vector<FeatureMatch> match(const Features &previous, const Features &current, double reach) const override {
+    std::vector<FeatureMatch> matches;
+    const std::vector<int> forward = best_matches(previous, current, reach, options_.ratio);
+    const std::vector<int> backward = best_matches(current, previous, reach, options_.ratio);
+    for (size_t i = 0; i < forward.size(); ++i)
+      if (forward[i] >= 0 && backward[forward[i]] == static_cast<int>(i))
+        matches.push_back({previous.points[i], current.points[forward[i]]});
+    return matches;
+  }
+
+private:
+  Features describe(const cv::Mat &grey, const cv::Mat &mask, const cv::Point &origin) const {
+    // SIFT applies its own limit before the mask: ask for twice the budget, so that edges outside the mask cannot use it up.
+    const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(2 * options_.budget);
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    sift->detectAndCompute(grey, mask, keypoints, descriptors);
+    const std::vector<int> chosen = chosen_keypoints(keypoints, options_.budget);
+    Features features;
+    features.descriptors.resize(chosen.size(), descriptors.cols);
+    for (size_t i = 0; i < chosen.size(); ++i) {
+      const cv::Point2f &p = keypoints[chosen[i]].pt;
+      features.points.emplace_back(p.x + origin.x, p.y + origin.y);
+      for (int c = 0; c < descriptors.cols; ++c)
+        features.descriptors(i, c) = descriptors.at<float>(chosen[i], c);
+    }
+    return features;
+  }
+
+  FeatureTrackerOptions options_;
+};
+
+} // namespace
+
+void FeatureTrackerOptions::validate() const {
+  if (budget < 1)
+    throw std::invalid_argument("FeatureTrackerOptions: budget must be at least 1, got " + std::to_string(budget));
+  if (erode < 0)
+    throw std::invalid_argument("FeatureTrackerOptions: erode must not be negative, got " + std::to_string(erode));
+  if (!(ratio > 0 && ratio <= 1))
+    throw std::invalid_argument("FeatureTrackerOptions: ratio must lie in (0, 1], got " + std::to_string(ratio));
+  if (!(max_displacement > 0))
+    throw std::invalid_argument("FeatureTrackerOptions: max_displacement must be positive, got " +
+                                std::to_string(max_displacement));
+}
+
+std::unique_ptr<FeatureTracker> FeatureTracker::create(const FeatureTrackerOptions &options) {
+  options.validate();
+  return std::make_unique<SiftTracker>(options);
+}
+
+} // namespace doublet

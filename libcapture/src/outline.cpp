@@ -1,0 +1,127 @@
+#include "doublet/capture/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace doublet {
+namespace {
+
+constexpr int kCell = 8;          // pixels; about one cell a nearest query at convergence
+constexpr int kShortestLoop = 12; // pixels
+
+double signed_area(const std::vector<cv::Point> &loop) {
+  double twice = 0;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const cv::Point &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    twice += static_cast<double>(a.x) * b.y - static_cast<double>(b.x) * a.y;
+  }
+  return twice / 2;
+}
+
+Eigen::Vector2f mean_of(const std::vector<cv::Point> &loop, int centre, int half) {
+  const int n = static_cast<int>(loop.size());
+  Eigen::Vector2f sum = Eigen::Vector2f::Zero();
+  for (int k = centre - half; k <= centre + half; ++k) {
+    const cv::Point &p = loop[((k % n) + n) % n];
+    sum += Eigen::Vector2f(static_cast<float>(p.x), static_cast<float>(p.y));
+  }
+  return sum / static_cast<float>(2 * half + 1);
+}
+
+void append_loop(const std::vector<cv::Point> &loop, bool hole, const Image &mask, int margin, Outline &outline) {
+  const float side = (signed_area(loop) > 0) == !hole ? 1.f : -1.f; // +1: the right-hand normal (t_y, -t_x) points outward
+  for (int i = 0; i < static_cast<int>(loop.size()); ++i) {
+    const cv::Point &pixel = loop[i];
+    if (pixel.x < margin || pixel.y < margin || pixel.x >= mask.width - margin || pixel.y >= mask.height - margin)
+      continue;
+    const Eigen::Vector2f tangent = mean_of(loop, i + 2, 1) - mean_of(loop, i - 2, 1);
+    if (tangent.squaredNorm() < 1e-6f) // the tip of a one-pixel spike has no direction
+      continue;
+    const Eigen::Vector2f normal = side * Eigen::Vector2f(tangent.y(), -tangent.x()).normalized();
+    // Inside pixels' centres lie 0 to max(|nx|, |ny|) pixels inside the true edge, half of that on average.
+    const float shift = 0.5f * std::max(std::abs(normal.x()), std::abs(normal.y()));
+    outline.points.push_back(mean_of(loop, i, 2) + shift * normal);
+    outline.normals.push_back(normal);
+    outline.pixels.emplace_back(pixel.x, pixel.y);
+  }
+}
+
+} // namespace
+
+Outline trace_outline(const Image &mask, int margin) {
+  Outline outline;
+  if (mask.empty())
+    return outline;
+  const cv::Mat view(mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t *>(mask.data.data()));
+  std::vector<std::vector<cv::Point>> loops;
+  std::vector<cv::Vec4i> hierarchy;
+  cv::findContours(view, loops, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  for (size_t l = 0; l < loops.size(); ++l)
+    if (static_cast<int>(loops[l].size()) >= kShortestLoop)
+      append_loop(loops[l], hierarchy[l][3] >= 0, mask, margin, outline);
+  return outline;
+}
+
+Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int height) {
+  constexpr float kGap = 6; // pixels; farther apart than smoothed neighbours ever are: a new loop begins
+  constexpr int kShift = 4; // cv::fillPoly takes fixed point
+  std::vector<std::vector<cv::Point>> loops;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i == 0 || (points[i] - points[i - 1]).norm() > kGap)
+      loops.emplace_back();
+    loops.back().emplace_back(static_cast<int>(std::lround(points[i].x() * (1 << kShift))),
+                              static_cast<int>(std::lround(points[i].y() * (1 << kShift))));
+  }
+  Image mask(width, height, 1);
+  cv::Mat view(height, width, CV_8UC1, mask.data.data());
+  if (!loops.empty())
+    cv::fillPoly(view, loops, cv::Scalar(255), cv::LINE_8, kShift);
+  return mask;
+}
+
+OutlineIndex::OutlineIndex(const Outline &outline, int width, int height)
+    : outline_(outline), columns_(width / kCell + 1), rows_(height / kCell + 1), first_(columns_ * rows_ + 1, 0) {
+  const auto cell = [&](const Eigen::Vector2f &p) {
+    const int x = std::clamp(static_cast<int>(p.x()) / kCell, 0, columns_ - 1);
+    const int y = std::clamp(static_cast<int>(p.y()) / kCell, 0, rows_ - 1);
+    return y * columns_ + x;
+  };
+  for (const Eigen::Vector2f &p : outline.points)
+    ++first_[cell(p) + 1];
+  for (size_t c = 1; c < first_.size(); ++c)
+    first_[c] += first_[c - 1];
+  entries_.resize(outline.points.size());
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  for (size_t i = 0; i < outline.points.size(); ++i)
+    entries_[next[cell(outline.points[i])]++] = static_cast<int>(i);
+}
+
+int OutlineIndex::nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &normal, float radius, float min_cosine) const {
+  if (!(std::abs(point.x()) < 1e6f && std::abs(point.y()) < 1e6f)) // NaN, or projected from behind the camera
+    return -1;
+  const int cx = static_cast<int>(std::floor(point.x() / kCell)), cy = static_cast<int>(std::floor(point.y() / kCell));
+  int best = -1;
+  float best_squared = radius * radius;
+  // Square rings of cells outward; ring r holds nothing closer than (r - 1) cells.
+  for (int ring = 0; static_cast<float>((ring - 1) * kCell) * std::abs((ring - 1) * kCell) <= best_squared; ++ring) {
+    for (int y = std::max(cy - ring, 0); y <= std::min(cy + ring, rows_ - 1); ++y) {
+      const int step = (y == cy - ring || y == cy + ring || ring == 0) ? 1 : 2 * ring;
+      for (int x = cx - ring; x <= cx + ring; x += step) {
+        if (x < 0 || x >= columns_)
+          continue;
+        for (int e = first_[y * columns_ + x]; e < first_[y * columns_ + x + 1]; ++e) {
+          const int i = entries_[e];
+          const float squared = (outline_.points[i] - point).squaredNorm();
+          if (squared < best_squared && outline_.normals[i].dot(normal) >= min_cosine) {
+            best_squared = squared;
+            best = i;
+          }
+        }
+      }
+    }
+  }
+  return best;
+}
+
+} // namespace doublet

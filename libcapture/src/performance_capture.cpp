@@ -1,0 +1,346 @@
+#include "doublet/capture/performance_capture.h"
+
+#include "doublet/capture/smoothing.h"
+#include "first_pose.h"
+#include "view_measurement.h"
+
+#include "doublet/core/error.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+namespace doublet {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// How far each vertex usually lies from its skinned position, learnt as the frames come: the mean square of all frames so far,
+/// or of the last ten if that is larger, spread over neighbours.
+class Looseness {
+public:
+  explicit Looseness(const RiggedMesh &actor, double loose)
+      : edges_(undirected_edges(actor.mesh.faces)), loose_(loose),
+        all_(Eigen::VectorXd::Constant(actor.mesh.vertices.rows(), kExpected)), recent_(all_) {}
+
+  void learn(const Vertices &refined, const Vertices &skinned) {
+    const Eigen::VectorXd squared = (refined - skinned).rowwise().squaredNorm();
+    all_ += (squared - all_) / ++frames_;
+    recent_ += 0.1 * (squared - recent_);
+  }
+
+  /// (V) in (0, 1]: 1 / (1 + (d / loose)^2).
+  Eigen::VectorXd reliability() const {
+    Eigen::VectorXd d = all_.cwiseMax(recent_);
+    for (int round = 0; round < 3; ++round)
+      d = spread(d);
+    return (1 + d.array() / (loose_ * loose_)).inverse();
+  }
+
+private:
+  static constexpr double kExpected = 0.005 * 0.005; // m^2; what skinning leaves on a body, before anything is known
+
+  static std::vector<std::pair<int, int>> undirected_edges(const Faces &faces) {
+    std::vector<std::pair<int, int>> edges;
+    for (int f = 0; f < faces.rows(); ++f)
+      for (int c = 0; c < 3; ++c)
+        edges.emplace_back(std::minmax(faces(f, c), faces(f, (c + 1) % 3)));
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+  }
+
+  /// The mean of a vertex and its neighbourhood.
+  Eigen::VectorXd spread(const Eigen::VectorXd &d) const {
+    Eigen::VectorXd sum = d, count = Eigen::VectorXd::Ones(d.size());
+    for (const auto &[a, b] : edges_) {
+      sum[a] += d[b];
+      sum[b] += d[a];
+      count[a] += 1;
+      count[b] += 1;
+    }
+    return sum.cwiseQuotient(count);
+  }
+
+  std::vector<std::pair<int, int>> edges_;
+  double loose_;
+  Eigen::VectorXd all_, recent_;
+  int frames_ = 5; // the expectation counts as five frames
+};
+
+Vertices rest_offset(const RiggedMesh &actor, const Transforms &blend, const Vertices &surface) {
+  Vertices offset(surface.rows(), 3);
+  for (int i = 0; i < surface.rows(); ++i)
+    offset.row(i) = (blend[i].inverse() * Eigen::Vector3d(surface.row(i))).transpose() - actor.mesh.vertices.row(i);
+  return offset;
+}
+
+/// Everything one run knows while it goes through the frames.
+class Tracking {
+public:
+  Tracking(const CaptureOptions &options, const CaptureParts &parts, const RiggedMesh &actor, const CameraRig &rig,
+           FrameSource &frames, const SilhouetteExtractor *extractor, const Context &context)
+      : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), context_(context),
+        looseness_(actor, options.loose), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)) {}
+
+  CaptureResult run(int first, int count) {
+    const double start = now();
+    result_.performance.surface.faces = actor_.mesh.faces;
+    result_.performance.dofs.resize(count, actor_.skeleton.dof_count());
+    result_.observations.cameras = rig_;
+    for (int t = 0; t < count; ++t) {
+      context_.report("capture", static_cast<double>(t) / count);
+      track(first + t, t);
+      if (t % 20 == 0 || t + 1 == count)
+        log(t, now() - start);
+    }
+    smooth();
+    result_.summary.seconds_per_frame = (now() - start) / count;
+    context_.report("capture", 1);
+    return std::move(result_);
+  }
+
+private:
+  void track(int frame, int t) {
+    const double begin = now();
+    measure(frame, t);
+    const double measured = now();
+    const Eigen::VectorXd dofs = find_pose(t);
+    result_.performance.dofs.row(t) = dofs;
+    const double posed = now();
+    refine(dofs, t);
+    CaptureSummary &summary = result_.summary;
+    summary.measure_seconds += measured - begin;
+    summary.pose_seconds += posed - measured;
+    summary.surface_seconds += now() - posed;
+  }
+
+  void measure(int frame, int t) {
+    const int views = static_cast<int>(rig_.size());
+    std::vector<ViewMeasurement> current(views);
+    std::vector<ViewObservation> observed(views);
+    const FeatureTracker *tracker = options_.use_sift ? parts_.features.get() : nullptr;
+    parallel_for(context_, views, [&](int v) {
+      current[v] = measure_view(frames_, v, frame, rig_[v], extractor_, tracker);
+      observed[v].contour = current[v].outline.points;
+      if (tracker && t > 0)
+        observed[v].matches =
+            tracker->match(last_[v].features, current[v].features, options_.features.max_displacement * current[v].height);
+    });
+    int present = 0;
+    outlines_.resize(views);
+    masks_.resize(views);
+    for (int v = 0; v < views; ++v) {
+      present += !current[v].outline.empty();
+      outlines_[v] = std::move(current[v].outline);
+      masks_[v] = std::move(current[v].mask);
+    }
+    if (present == 0)
+      throw Error("capture: no camera shows the actor at frame " + std::to_string(frame));
+    last_ = std::move(current);
+    result_.summary.views.push_back(present);
+    result_.performance.frames.push_back(frame);
+    result_.observations.frames.push_back(frame);
+    result_.observations.views.push_back(std::move(observed));
+  }
+
+  /// Features seen at t-1, lifted onto the refined surface there.
+  std::vector<SurfaceTrack> lift_tracks(int t) const {
+    const int views = static_cast<int>(rig_.size());
+    std::vector<std::vector<SurfaceTrack>> tracks(views);
+    if (t > 0)
+      parallel_for(context_, views, [&](int v) {
+        tracks[v] = lift_matches(result_.observations.views[t].at(v).matches, v, last_surface_, actor_, rig_[v], visible_[v]);
+      });
+    std::vector<SurfaceTrack> all;
+    for (const auto &part : tracks)
+      all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }
+
+  Eigen::VectorXd find_pose(int t) {
+    PoseProblem problem;
+    problem.actor = &actor_;
+    problem.rig = &rig_;
+    problem.outlines = &outlines_;
+    problem.tracks = tracks_ = lift_tracks(t);
+    problem.offset = offset_;
+    problem.reliability = looseness_.reliability();
+    problem.first = t == 0;
+    problem.predicted = t == 0 ? first_pose(actor_, rig_, outlines_, masks_, context_) : predict(t);
+    problem.start = problem.predicted;
+    PoseEstimate estimate = parts_.pose->optimize(problem, context_);
+    result_.summary.rim_px.push_back(estimate.rim_px);
+    result_.summary.sift_px.push_back(estimate.sift_px);
+    return estimate.dofs;
+  }
+
+  /// Damped constant velocity.
+  Eigen::VectorXd predict(int t) const {
+    const MatrixRM &dofs = result_.performance.dofs;
+    Eigen::VectorXd prediction = dofs.row(t - 1);
+    if (t > 1)
+      prediction += options_.velocity_damping * (dofs.row(t - 1) - dofs.row(t - 2)).transpose();
+    return prediction.cwiseMax(actor_.skeleton.lower).cwiseMin(actor_.skeleton.upper);
+  }
+
+  void refine(const Eigen::VectorXd &dofs, int t) {
+    const PosedSurface expected = pose_surface(actor_, dofs, offset_);
+    const PosedSurface skinned = pose_surface(actor_, dofs, {});
+    SurfaceProblem problem;
+    problem.actor = &actor_;
+    problem.rig = &rig_;
+    problem.outlines = &outlines_;
+    problem.tracks = tracks_;
+    problem.base = expected.vertices;
+    problem.skinned = skinned.vertices;
+    problem.reliability = looseness_.reliability();
+    last_surface_ = parts_.surface->refine(problem, context_).vertices;
+    if (last_surface_.rows() != skinned.vertices.rows() || !last_surface_.allFinite())
+      throw Error("capture: the surface refiner returned " + std::to_string(last_surface_.rows()) + " vertices at frame " +
+                  std::to_string(result_.performance.frames[t]) + ", expected " + std::to_string(skinned.vertices.rows()) +
+                  " finite ones");
+    looseness_.learn(last_surface_, skinned.vertices);
+    offsets_.push_back(rest_offset(actor_, skinned.blend, last_surface_));
+    const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
+    offset_ = options_.offset_decay * (loose.asDiagonal() * offsets_.back());
+    look();
+  }
+
+  /// What each camera sees of the refined surface: for lifting the next frame's tracks, and for the overlap with the measured
+  /// masks.
+  void look() {
+    const int views = static_cast<int>(rig_.size());
+    visible_.resize(views);
+    std::vector<double> overlap(views, -1);
+    parallel_for(context_, views, [&](int v) {
+      visible_[v] = rasterize(last_surface_, actor_.mesh.faces, rig_[v]);
+      if (!outlines_[v].empty())
+        overlap[v] = mask_iou(silhouette(visible_[v]), masks_[v]);
+    });
+    double sum = 0, count = 0;
+    for (double o : overlap)
+      if (o >= 0) {
+        sum += o;
+        count += 1;
+      }
+    result_.summary.silhouette_iou.push_back(sum / count);
+  }
+
+  /// Smooths poses and rest-pose offsets over time and builds the final surfaces from both.
+  void smooth() {
+    ReferencePerformance &performance = result_.performance;
+    CaptureSummary &summary = result_.summary;
+    const int frames = static_cast<int>(offsets_.size()), vertices = static_cast<int>(actor_.mesh.vertices.rows());
+    const int angles = actor_.skeleton.dof_count() - 3; // all but the root's translation, which comes first
+    summary.jitter_before = mean_second_difference(performance.dofs, 3, angles);
+    performance.dofs = savitzky_golay(performance.dofs, options_.smooth_window, options_.smooth_order);
+    summary.jitter_after = mean_second_difference(performance.dofs, 3, angles);
+    const int window = frames < options_.smooth_window ? 1 : options_.smooth_window;
+    const MatrixRM weights = savitzky_golay_weights(window, window == 1 ? 0 : options_.smooth_order);
+    performance.surface.frames.resize(frames);
+    performance.joints.resize(frames);
+    for (int t = 0; t < frames; ++t) {
+      const int start = std::clamp(t - window / 2, 0, frames - window);
+      Vertices offset = Vertices::Zero(vertices, 3);
+      for (int k = 0; k < window; ++k)
+        offset += weights(t - start, k) * offsets_[start + k];
+      performance.surface.frames[t] = pose_surface(actor_, performance.dofs.row(t), offset).vertices;
+      performance.joints[t] = joint_positions(actor_.skeleton, forward_kinematics(actor_.skeleton, performance.dofs.row(t)));
+    }
+  }
+
+  void log(int t, double seconds) const {
+    char line[200];
+    const CaptureSummary &s = result_.summary;
+    std::snprintf(line, sizeof line,
+                  "capture: frame %d, %d cameras, outline %.2f px, features %.2f px (%zu), overlap %.3f, %.2f s a frame",
+                  result_.performance.frames[t], s.views[t], s.rim_px[t], s.sift_px[t], tracks_.size(), s.silhouette_iou[t],
+                  seconds / (t + 1));
+    context_.say(line);
+  }
+
+  const CaptureOptions &options_;
+  const CaptureParts &parts_;
+  const RiggedMesh &actor_;
+  const CameraRig &rig_;
+  FrameSource &frames_;
+  const SilhouetteExtractor *extractor_;
+  const Context &context_;
+  CaptureResult result_;
+  Looseness looseness_;
+  Vertices offset_;                   // expected non-rigid offset, rest pose
+  std::vector<Vertices> offsets_;     // T x (V, 3), refined, rest pose
+  std::vector<ViewMeasurement> last_; // features of the latest frame
+  std::vector<Outline> outlines_;
+  std::vector<Image> masks_;
+  std::vector<SurfaceTrack> tracks_;
+  Vertices last_surface_;
+  std::vector<FaceBuffer> visible_;
+};
+
+class TrackingCapture : public PerformanceCapture {
+public:
+  TrackingCapture(const CaptureOptions &options, const CaptureParts &parts) : options_(options), parts_(parts) {
+    if (!parts_.features)
+      parts_.features = FeatureTracker::create(options.features);
+    if (!parts_.pose)
+      parts_.pose = PoseOptimizer::create(options.pose);
+    if (!parts_.surface)
+      parts_.surface = SurfaceRefiner::create(options.surface);
+  }
+
+  CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
+                        const Context &context) override {
+    require_usable(actor.mesh, "capture: the actor's mesh");
+    if (actor.weights.rows() != actor.mesh.vertices.rows() || actor.weights.cols() != actor.skeleton.joint_count())
+      throw std::invalid_argument("capture: the actor's weights must be (" + std::to_string(actor.mesh.vertices.rows()) + ", " +
+                                  std::to_string(actor.skeleton.joint_count()) + "), got (" +
+                                  std::to_string(actor.weights.rows()) + ", " + std::to_string(actor.weights.cols()) + ")");
+    if (static_cast<int>(actor.face_valid.size()) != actor.mesh.faces.rows())
+      throw std::invalid_argument("capture: the actor's face_valid must have one entry a face, " +
+                                  std::to_string(actor.mesh.faces.rows()) + ", got " + std::to_string(actor.face_valid.size()));
+    if (rig.empty() || frames.camera_count() != static_cast<int>(rig.size()))
+      throw std::invalid_argument("capture: the rig has " + std::to_string(rig.size()) + " cameras, the frames have " +
+                                  std::to_string(frames.camera_count()));
+    const int left = frames.frame_count() - options_.first_frame;
+    const int count = options_.frame_count < 0 ? left : options_.frame_count;
+    if (count < 1 || count > left)
+      throw std::invalid_argument("capture: frames " + std::to_string(options_.first_frame) + " to " +
+                                  std::to_string(options_.first_frame + count - 1) + " were asked for, there are " +
+                                  std::to_string(frames.frame_count()));
+    return Tracking(options_, parts_, actor, rig, frames, extractor, context).run(options_.first_frame, count);
+  }
+
+private:
+  CaptureOptions options_;
+  CaptureParts parts_;
+};
+
+} // namespace
+
+void CaptureOptions::validate() const {
+  if (first_frame < 0 || frame_count == 0 || frame_count < -1)
+    throw std::invalid_argument("CaptureOptions: first_frame must not be negative and frame_count positive or -1");
+  features.validate();
+  pose.validate();
+  surface.validate();
+  if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0))
+    throw std::invalid_argument("CaptureOptions: velocity_damping and offset_decay must lie in [0, 1], loose must be positive");
+  savitzky_golay_weights(smooth_window, std::min(smooth_order, smooth_window - 1));
+}
+
+std::unique_ptr<PerformanceCapture> PerformanceCapture::create(const CaptureOptions &options) {
+  return create(options, {});
+}
+
+std::unique_ptr<PerformanceCapture> PerformanceCapture::create(const CaptureOptions &options, const CaptureParts &parts) {
+  options.validate();
+  return std::make_unique<TrackingCapture>(options, parts);
+}
+
+} // namespace doublet
