@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace doublet::pbd {
@@ -67,6 +68,9 @@ public:
   /// external forces -> predict -> collisions -> iterations x project -> velocities -> friction and restitution.
   virtual void step(ClothState &state, const StepInputs &inputs, const Material &material) const = 0;
   virtual const ClothModel &model() const = 0;
+  /// The same frame for several simulations that differ in state and material: states[i] is stepped with materials[i]. The same bits as
+  /// one step each, which is what the default does; throws std::invalid_argument if the counts differ.
+  virtual void step_many(std::span<ClothState> states, const StepInputs &inputs, std::span<const Material> materials) const;
   static std::unique_ptr<ClothSolver> create(std::shared_ptr<const ClothModel> model);
 };
 

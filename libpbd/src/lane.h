@@ -1,0 +1,83 @@
+#pragma once
+// The scalar vocabulary of the kernels. A kernel is a template over T, the type of one value in every lane: float (the solver),
+// double (the gradient tests); a pack of floats fits as soon as it offers the same operators and the functions below. Kernels
+// never branch on a T: a contact that one lane has must not act in another, so they compute both sides and select.
+
+#include <cmath>
+#include <limits>
+
+namespace doublet::pbd {
+
+inline float select(bool mask, float yes, float no) {
+  return mask ? yes : no;
+}
+inline double select(bool mask, double yes, double no) {
+  return mask ? yes : no;
+}
+template <class T> inline T lane_max(T a, T b) {
+  return select(a > b, a, b);
+}
+template <class T> inline T lane_min(T a, T b) {
+  return select(a < b, a, b);
+}
+template <class T> inline T lane_abs(T a) {
+  return select(a < T(0), -a, a);
+}
+inline float lane_sqrt(float a) {
+  return std::sqrt(a);
+}
+inline double lane_sqrt(double a) {
+  return std::sqrt(a);
+}
+
+template <class T> struct Vec3 { T x, y, z; };
+using Vec3f = Vec3<float>;
+
+template <class T> inline Vec3<T> operator+(Vec3<T> a, Vec3<T> b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T> inline Vec3<T> operator-(Vec3<T> a, Vec3<T> b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T> inline Vec3<T> operator*(T s, Vec3<T> a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class T> inline Vec3<T> &operator+=(Vec3<T> &a, Vec3<T> b) {
+  return a = a + b;
+}
+template <class T> inline Vec3<T> &operator-=(Vec3<T> &a, Vec3<T> b) {
+  return a = a - b;
+}
+template <class T> inline T dot(Vec3<T> a, Vec3<T> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class T> inline Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class M, class T> inline Vec3<T> select(M mask, Vec3<T> yes, Vec3<T> no) {
+  return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
+}
+
+/// atan2 by a minimax polynomial on [0, 1] (ours; error below 3e-7 rad in float): the same bits on every machine and in every
+/// lane, and 0 at (0, 0).
+template <class T> inline T lane_atan2(T y, T x) {
+  const T ax = lane_abs(x), ay = lane_abs(y);
+  const T small = lane_min(ax, ay), big = lane_max(ax, ay);
+  const T a = small / lane_max(big, T(std::numeric_limits<float>::min()));
+  const T s = a * a;
+  T p = T(0.00284988387f);
+  p = p * s + T(-0.0160686094f);
+  p = p * s + T(0.042691499f);
+  p = p * s + T(-0.0750429332f);
+  p = p * s + T(0.106409341f);
+  p = p * s + T(-0.142036453f);
+  p = p * s + T(0.199926198f);
+  p = p * s + T(-0.333330721f);
+  p = p * s + T(1.0f);
+  T angle = p * a;
+  angle = select(ay > ax, T(1.57079632679489662) - angle, angle);
+  angle = select(x < T(0), T(3.14159265358979324) - angle, angle);
+  return select(y < T(0), -angle, angle);
+}
+
+} // namespace doublet::pbd

@@ -1,0 +1,204 @@
+#include "pbd_model.h"
+
+#include "constraint_order.h"
+#include "kernels.h"
+#include "self_collision.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <map>
+#include <queue>
+#include <stdexcept>
+
+namespace doublet::pbd {
+namespace {
+
+[[noreturn]] void refuse(const std::string &what) {
+  throw std::invalid_argument("cloth model: " + what);
+}
+
+void check_mesh(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness) {
+  if (rest.rows() == 0 || faces.rows() == 0)
+    refuse("the mesh is empty (" + std::to_string(rest.rows()) + " vertices, " + std::to_string(faces.rows()) + " faces)");
+  if (clothness.size() != rest.rows())
+    refuse("clothness must have one value a vertex (" + std::to_string(rest.rows()) + "), found " +
+           std::to_string(clothness.size()));
+  for (int i = 0; i < rest.rows(); ++i) {
+    if (!rest.row(i).allFinite() || rest.row(i).cwiseAbs().maxCoeff() > 1e6)
+      refuse("rest position of vertex " + std::to_string(i) + " is not a finite point within 1e6 m");
+    if (!(clothness[i] >= 0 && clothness[i] <= 1))
+      refuse("clothness must lie in [0, 1], found " + std::to_string(clothness[i]) + " at vertex " + std::to_string(i));
+  }
+  for (int f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (faces(f, k) < 0 || faces(f, k) >= rest.rows())
+        refuse("face " + std::to_string(f) + " has index " + std::to_string(faces(f, k)) + ", expected 0.." +
+               std::to_string(rest.rows() - 1));
+}
+
+double face_area(const Vertices &rest, const Faces &faces, int f) {
+  const Eigen::Vector3d a = rest.row(faces(f, 0)), b = rest.row(faces(f, 1)), c = rest.row(faces(f, 2));
+  return 0.5 * (b - a).cross(c - a).norm();
+}
+
+/// Undirected edge -> the faces beside it with the vertex opposite, in face order. Ordered map: the same on every platform.
+using EdgeMap = std::map<std::array<int, 2>, std::vector<int>>;
+EdgeMap opposite_vertices(const Faces &faces) {
+  EdgeMap edges;
+  for (int f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = faces(f, k), b = faces(f, (k + 1) % 3);
+      edges[{std::min(a, b), std::max(a, b)}].push_back(faces(f, (k + 2) % 3));
+    }
+  return edges;
+}
+
+/// Edges between each vertex and the nearest vertex that does not move freely; 0 everywhere if there is none.
+std::vector<int> rings_from_attachment(const EdgeMap &edges, const std::vector<float> &weights) {
+  const int n = static_cast<int>(weights.size());
+  std::vector<std::vector<int>> neighbours(n);
+  for (const auto &[edge, unused] : edges) {
+    neighbours[edge[0]].push_back(edge[1]);
+    neighbours[edge[1]].push_back(edge[0]);
+  }
+  std::vector<int> ring(n, -1);
+  std::queue<int> front;
+  for (int i = 0; i < n; ++i)
+    if (weights[i] == 0) {
+      ring[i] = 0;
+      front.push(i);
+    }
+  for (; !front.empty(); front.pop())
+    for (int j : neighbours[front.front()])
+      if (ring[j] < 0) {
+        ring[j] = ring[front.front()] + 1;
+        front.push(j);
+      }
+  std::replace(ring.begin(), ring.end(), -1, 0);
+  return ring;
+}
+
+template <class Constraint>
+std::vector<Constraint> in_spread_order(const std::vector<Constraint> &natural, const std::vector<int> &vertices, int arity,
+                                        const std::vector<int> &ring, int gap) {
+  std::vector<int> levels(natural.size());
+  for (size_t i = 0; i < natural.size(); ++i)
+    for (int k = 0; k < arity; ++k)
+      levels[i] += ring[vertices[i * arity + k]];
+  for (int &level : levels)
+    level /= arity; // mean ring of its vertices
+  std::vector<Constraint> ordered;
+  ordered.reserve(natural.size());
+  for (int i : spread_order(vertices, arity, levels, static_cast<int>(ring.size()), gap))
+    ordered.push_back(natural[i]);
+  return ordered;
+}
+
+} // namespace
+
+void ClothOptions::validate() const {
+  const auto require = [](bool ok, const char *name, const char *range, double found) {
+    if (!ok)
+      throw std::invalid_argument(std::string("cloth option ") + name + " must lie in " + range + ", found " +
+                                  std::to_string(found));
+  };
+  require(iterations >= 1 && iterations <= 10000, "iterations", "[1, 10000]", iterations);
+  require(substeps >= 1 && substeps <= 1000, "substeps", "[1, 1000]", substeps);
+  require(gravity.allFinite() && gravity.norm() <= 1000, "gravity", "a ball of 1000 m/s^2", gravity.norm());
+  require(restitution >= 0 && restitution <= 1, "restitution", "[0, 1]", restitution);
+  require(thickness >= 0 && thickness <= 1, "thickness", "[0, 1] m", thickness);
+  require(self_thickness >= 0 && self_thickness <= 1, "self_thickness", "[0, 1] m", self_thickness);
+}
+
+std::shared_ptr<const ClothModel> ClothModel::create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
+                                                     const ClothOptions &options) {
+  return std::make_shared<PbdModel>(rest, faces, clothness, options);
+}
+
+PbdModel::PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options)
+    : options_(options), faces_(faces) {
+  options.validate();
+  check_mesh(rest, faces, clothness);
+  set_masses(rest, clothness);
+  set_constraints(rest);
+  for (int i = 0; i < vertex_count(); ++i)
+    if (clothness[i] > 0 && clothness[i] < 1)
+      blends_.push_back({i, static_cast<float>(1 - std::pow(clothness[i], 1.0 / options.iterations))});
+  follows_targets_ = (clothness.array() < 1).any();
+  if (options.self_collision)
+    set_exclusions(rest);
+}
+
+void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness) {
+  Eigen::VectorXd mass = Eigen::VectorXd::Zero(rest.rows());
+  for (int f = 0; f < faces_.rows(); ++f) {
+    const double area = face_area(rest, faces_, f);
+    if (!(area > 1e-12))
+      refuse("face " + std::to_string(f) + " is degenerate: its area must exceed 1e-12 m^2, found " + std::to_string(area));
+    for (int k = 0; k < 3; ++k)
+      mass[faces_(f, k)] += area / 3;
+  }
+  inverse_mass_ = Eigen::VectorXd::Zero(rest.rows());
+  for (int i = 0; i < rest.rows(); ++i) {
+    if (mass[i] == 0)
+      refuse("vertex " + std::to_string(i) + " belongs to no face and has no mass");
+    if (clothness[i] > 0)
+      inverse_mass_[i] = 1 / mass[i];
+  }
+  weights_.assign(inverse_mass_.data(), inverse_mass_.data() + inverse_mass_.size());
+}
+
+void PbdModel::set_constraints(const Vertices &rest) {
+  const EdgeMap edges = opposite_vertices(faces_);
+  const Eigen::VectorXd &w = inverse_mass_;
+  std::vector<int> stretch_vertices, bend_vertices;
+  for (const auto &[edge, opposite] : edges) {
+    const auto [a, b] = edge;
+    const double sum = w[a] + w[b];
+    if (sum > 0) {
+      stretches_.push_back({a, b, static_cast<float>(w[a] / sum), static_cast<float>(w[b] / sum),
+                            static_cast<float>((rest.row(a) - rest.row(b)).norm())});
+      stretch_vertices.insert(stretch_vertices.end(), {a, b});
+    }
+    for (size_t k = 0; k + 1 < opposite.size(); ++k) { // a non-manifold edge bends between consecutive faces
+      const std::array<int, 4> v{a, b, opposite[k], opposite[k + 1]};
+      const double largest = std::max({w[v[0]], w[v[1]], w[v[2]], w[v[3]]});
+      if (largest == 0 || v[2] == v[3])
+        continue;
+      const auto x = [&](int i) { return Vec3<double>{rest(v[i], 0), rest(v[i], 1), rest(v[i], 2)}; };
+      const double angle = bend_constraint<double>(x(0), x(1), x(2), x(3), 1.0, 0.0).value;
+      BendConstraint c{};
+      for (int i = 0; i < 4; ++i) {
+        c.v[i] = v[i];
+        c.w[i] = static_cast<float>(w[v[i]] / largest);
+      }
+      c.cos = static_cast<float>(std::cos(angle));
+      c.sin = static_cast<float>(std::sin(angle));
+      bends_.push_back(c);
+      bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
+    }
+  }
+  const std::vector<int> ring = rings_from_attachment(edges, weights_);
+  stretches_ = in_spread_order(stretches_, stretch_vertices, 2, ring, kStretchGap);
+  bends_ = in_spread_order(bends_, bend_vertices, 4, ring, kBendGap);
+}
+
+void PbdModel::set_exclusions(const Vertices &rest) {
+  std::vector<Vec3f> points(rest.rows());
+  const Eigen::RowVector3d origin = rest.colwise().mean();
+  for (int i = 0; i < rest.rows(); ++i) {
+    const Eigen::RowVector3d p = rest.row(i) - origin;
+    points[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+  }
+  resting_pairs_ = pairs_closer_than(points, faces_, static_cast<float>(options_.self_thickness));
+}
+
+bool PbdModel::excluded(int vertex, int face) const {
+  if (faces_(face, 0) == vertex || faces_(face, 1) == vertex || faces_(face, 2) == vertex)
+    return true;
+  const std::uint64_t key = static_cast<std::uint64_t>(vertex) << 32 | static_cast<std::uint32_t>(face);
+  return !resting_pairs_.empty() && std::binary_search(resting_pairs_.begin(), resting_pairs_.end(), key);
+}
+
+} // namespace doublet::pbd
