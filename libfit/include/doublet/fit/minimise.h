@@ -1,0 +1,59 @@
+#pragma once
+// The loop between Optimizer and Objective: penalty, log, checkpoint, progress, cancellation.
+
+#include "doublet/core/context.h"
+#include "doublet/core/files.h"
+#include "doublet/fit/optimizer.h"
+
+#include <functional>
+#include <vector>
+
+namespace doublet {
+
+/// The swap point: energies of a whole generation in one call. An objective may have several independent parts (cloth regions):
+/// each has its own block of parameters and its own energy, and each is minimised by an optimiser of its own, in the same calls.
+class Objective {
+public:
+  virtual ~Objective() = default;
+  virtual int parameter_count() const = 0;     ///< n, of one part
+  virtual int part_count() const { return 1; } ///< R
+  /// samples (S, R * n), inside the box [0, 1] -> energies (S, R), finite. Part r owns columns [r n, (r + 1) n).
+  virtual MatrixRM evaluate(const MatrixRM &samples, const Context &context) = 0;
+};
+
+/// One generation of one part, a row of fit_log.csv.
+struct GenerationRow {
+  int part = 0, generation = 0, evaluations = 0;
+  double best = 0;            ///< lowest energy so far
+  double generation_best = 0; ///< lowest of this generation
+  Eigen::VectorXd mean;       ///< (n) the optimiser's answer so far, box units
+  Eigen::VectorXd deviation;  ///< (n) box units
+  double seconds = 0;         ///< since the start, earlier runs of a resumed one included
+};
+
+using OptimizerFactory = std::function<std::unique_ptr<Optimizer>(int dimension, std::uint64_t seed)>;
+
+struct MinimiseOptions {
+  OptimizerFactory make_optimizer; ///< empty = CMA-ES with its defaults
+  std::uint64_t seed = 1;          ///< part r gets seed + r
+  double penalty = 16.0;           ///< omega: energy(clamped sample) + omega |sample - clamped|^2 (the paper's)
+  int expected_evaluations = 512;  ///< for the progress bar and the time left only
+  Path checkpoint;                 ///< empty = none; written after every generation, read at the start if it is there
+  std::string problem; ///< what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so
+  std::function<void(const std::vector<GenerationRow> &)>
+      on_generation; ///< all rows so far, after every generation; may be empty
+  void validate() const;
+};
+
+struct MinimiseResult {
+  std::vector<OptimizerResult> parts; ///< (R)
+  std::vector<GenerationRow> log;
+  double seconds = 0; ///< earlier runs of a resumed one included
+};
+
+/// Runs until every optimiser stops. A part that has stopped is evaluated at its answer while the others go on.
+/// Throws Cancelled after the user asked to stop (the checkpoint holds the last complete generation), Error if an energy is not
+/// finite.
+MinimiseResult minimise(Objective &objective, const MinimiseOptions &options = {}, const Context &context = {});
+
+} // namespace doublet

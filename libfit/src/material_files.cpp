@@ -1,0 +1,128 @@
+#include "doublet/core/error.h"
+#include "doublet/core/npz.h"
+#include "doublet/fit/material_estimator.h"
+
+#include <nlohmann/json.hpp>
+
+#include <charconv>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json material_json(const pbd::Material &material) {
+  Json json;
+  for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+    json[parameter.name] = material.*parameter.value;
+  return json;
+}
+
+std::string number(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value); // shortest that reads back
+  return {text, end.ptr};
+}
+
+double read_parameter(const Json &region, const char *name, const std::string &where) {
+  if (!region.contains("parameters") || !region["parameters"].contains(name) || !region["parameters"][name].is_number())
+    throw Error(where + ": expected a number for parameter " + name + ", found none");
+  return region["parameters"][name].get<double>();
+}
+
+} // namespace
+
+void write_materials(const Path &path, const FitResult &result) {
+  Json json;
+  json["estimated"] = result.parameters;
+  json["seed"] = result.seed;
+  json["seconds"] = result.seconds;
+  json["solver"] = {{"dt", result.dt}, {"n_iter", result.iterations}, {"substeps", result.substeps}};
+  json["regions"] = Json::array();
+  for (const RegionFit &region : result.regions) {
+    Json entry;
+    entry["parameters"] = material_json(region.material);
+    entry["energy"] = region.energy;
+    entry["energy_at_centre"] = region.energy_at_centre;
+    entry["best_sample"] = {{"parameters", material_json(region.best)}, {"energy", region.best_energy}};
+    for (std::size_t i = 0; i < result.parameters.size(); ++i)
+      entry["deviations"][result.parameters[i]] = region.deviations[static_cast<Eigen::Index>(i)];
+    entry["evaluations"] = region.evaluations;
+    entry["generations"] = region.generations;
+    entry["stop_reason"] = region.stop_reason;
+    json["regions"].push_back(entry);
+  }
+  write_text(path, json.dump(2) + "\n");
+}
+
+std::vector<pbd::Material> read_materials(const Path &path) {
+  Json json;
+  try {
+    json = Json::parse(read_text(path));
+  } catch (const nlohmann::json::exception &error) {
+    throw Error(path.string() + ": expected JSON, found: " + error.what());
+  }
+  if (!json.is_object() || !json.contains("regions") || !json["regions"].is_array())
+    throw Error(path.string() + ": expected an array 'regions', found none");
+  std::vector<pbd::Material> result;
+  for (const Json &region : json["regions"]) {
+    const std::string where = path.string() + ": region " + std::to_string(result.size());
+    pbd::Material material;
+    for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+      material.*parameter.value = read_parameter(region, parameter.name, where);
+    try {
+      pbd::validate(material);
+    } catch (const std::invalid_argument &error) {
+      throw Error(where + ": " + error.what());
+    }
+    result.push_back(material);
+  }
+  return result;
+}
+
+void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, const ParameterSpace &space) {
+  std::string text = "region,generation,evaluations,best,generation_best";
+  for (const char *column : {"mean", "deviation"})
+    for (const std::string &name : space.names)
+      text += std::string(",") + column + "_" + name;
+  text += ",seconds\n";
+  for (const GenerationRow &row : log) {
+    text += std::to_string(row.part) + "," + std::to_string(row.generation) + "," + std::to_string(row.evaluations) + "," +
+            number(row.best) + "," + number(row.generation_best);
+    const pbd::Material mean = space.material(row.mean);
+    for (const std::string &name : space.names)
+      for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+        if (name == parameter.name)
+          text += "," + number(mean.*parameter.value);
+    for (Eigen::Index i = 0; i < row.deviation.size(); ++i)
+      text += "," + number(row.deviation[i]);
+    text += "," + number(std::round(row.seconds * 1000) / 1000) + "\n";
+  }
+  write_text(path, text);
+}
+
+void write_simulated(const Path &path, const std::vector<Vertices> &frames) {
+  if (frames.empty())
+    throw std::invalid_argument("write_simulated: frames: expected at least one, found none");
+  std::vector<double> values;
+  values.reserve(frames.size() * static_cast<std::size_t>(frames[0].size()));
+  for (const Vertices &frame : frames)
+    values.insert(values.end(), frame.data(), frame.data() + frame.size());
+  Npz npz;
+  npz.set_f4("vertices", {static_cast<std::int64_t>(frames.size()), frames[0].rows(), 3}, values);
+  npz.write(path);
+}
+
+std::vector<Vertices> read_simulated(const Path &path) {
+  const Npz npz = Npz::read(path);
+  npz.require_shape("vertices", {-1, -1, 3});
+  const std::vector<std::int64_t> shape = npz.shape("vertices");
+  const std::vector<double> values = npz.values("vertices");
+  std::vector<Vertices> frames;
+  for (std::int64_t t = 0; t < shape[0]; ++t)
+    frames.push_back(Eigen::Map<const Vertices>(values.data() + t * shape[1] * 3, shape[1], 3));
+  return frames;
+}
+
+} // namespace doublet

@@ -1,0 +1,436 @@
+#include "doublet/fit/material_objective.h"
+
+#include "cloth_view.h"
+#include "doublet/core/rasterizer.h"
+#include "doublet/fit/distance_field.h"
+#include "fingerprint.h"
+#include "doublet/core/error.h"
+#include "optimizer_checks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+using namespace fit;
+
+constexpr int kFramesPerChunk = 8; // between two polls for cancellation
+
+struct Box {
+  float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
+  void add(const Eigen::Vector2d &p) {
+    x0 = std::min(x0, static_cast<float>(p.x())), x1 = std::max(x1, static_cast<float>(p.x()));
+    y0 = std::min(y0, static_cast<float>(p.y())), y1 = std::max(y1, static_cast<float>(p.y()));
+  }
+  bool empty() const { return x0 > x1 || y0 > y1; }
+};
+
+/// What is kept of one camera at one frame.
+struct FrameView {
+  bool seen = false; ///< the image is there, and the cloth in it
+  DistanceField contour;
+  CoarseBuffer others; ///< depth of everything that is not cloth: it is the same for every sample
+};
+
+/// A feature on the cloth at the last frame, and where it was seen at this one.
+struct Carried {
+  SurfacePoint place;
+  Eigen::Vector2f seen;
+};
+
+struct Rollout {
+  const std::vector<pbd::Material> *materials = nullptr;
+  CharacterState state;
+  Vertices surface;
+  ClothView view;
+  std::vector<std::vector<Carried>> carried; ///< [cameras]
+  std::vector<int> outline;
+  std::vector<std::uint8_t> exploded;         ///< [R]
+  std::vector<std::vector<FrameTerms>> terms; ///< [R][T]
+  explicit Rollout(const ClothTopology &topology) : view(topology) {}
+};
+
+int field_cell(const Camera &camera, int field_size) {
+  return std::max(1, static_cast<int>(std::lround(std::max(camera.width, camera.height) / static_cast<double>(field_size))));
+}
+
+float larger_side(const Camera &camera) {
+  return static_cast<float>(std::max(camera.width, camera.height));
+}
+
+} // namespace
+
+void EnergyOptions::validate() const {
+  const auto positive = [](double value, const char *name) {
+    require(value > 0 && std::isfinite(value),
+            std::string("EnergyOptions: ") + name + ": expected a positive number, found " + std::to_string(value));
+  };
+  positive(dt, "dt");
+  positive(rim_cap, "rim_cap");
+  positive(feature_cap, "feature_cap");
+  require(alpha >= 0 && beta >= 0 && alpha + beta > 0 && std::isfinite(alpha + beta),
+          "EnergyOptions: alpha and beta: expected non-negative numbers, not both 0, found " + std::to_string(alpha) + " and " +
+              std::to_string(beta));
+  require(settle_frames >= 0, "EnergyOptions: settle_frames: expected at least 0, found " + std::to_string(settle_frames));
+  require(outline_size >= 16, "EnergyOptions: outline_size: expected at least 16, found " + std::to_string(outline_size));
+  require(field_size >= 16, "EnergyOptions: field_size: expected at least 16, found " + std::to_string(field_size));
+}
+
+struct MaterialObjective::Impl {
+  const CharacterSimulator *simulator;
+  EnergyOptions options;
+  ParameterSpace space;
+  ClothTopology topology;
+  std::vector<CoarseCamera> cameras;
+  std::vector<PosedFrame> frames;                              // [T], shared by all samples
+  std::vector<std::vector<FrameView>> views;                   // [T][cameras]
+  std::vector<std::vector<std::vector<FeatureMatch>>> matches; // [T][cameras], from t-1 to t
+  Vertices first_surface;                                      // captured, where the cloth starts
+  double farthest = 0;                                         // m, see exploded()
+  FrameTerms worst;                                            // what a frame of an exploded sample costs
+  std::string fingerprint;
+
+  int regions() const { return static_cast<int>(simulator->regions().size()); }
+  int frame_count() const { return static_cast<int>(frames.size()); }
+
+  void keep_image(int t, std::size_t c, const Vertices &captured, const ViewObservation &observation, const CoarseCamera &camera);
+  CoarseBuffer draw_others(const PosedFrame &frame, const CoarseCamera &camera, const Box &box) const;
+  void check_explosion(Rollout &rollout, const PosedFrame &frame) const;
+  void measure(Rollout &rollout, int t) const;
+  void measure_rims(Rollout &rollout, int t, std::size_t c) const;
+  void measure_features(Rollout &rollout, int t, std::size_t c) const;
+  void start(Rollout &rollout) const;
+  void advance(Rollout &rollout, int from, int to) const;
+  double energy(const Rollout &rollout, int region) const;
+};
+
+namespace {
+
+void check_inputs(const CharacterSimulator &simulator, const ReferencePerformance &performance,
+                  const Observations &observations) {
+  require(!simulator.regions().empty(), "MaterialObjective: simulator: expected a character with cloth, found no region");
+  const auto count = static_cast<std::size_t>(performance.dofs.rows());
+  const auto expect = [](const std::string &what, std::size_t found, std::size_t expected) {
+    if (found != expected)
+      throw Error("MaterialObjective: " + what + ": expected " + std::to_string(expected) + ", found " + std::to_string(found));
+  };
+  if (count == 0 || observations.cameras.empty())
+    throw Error("MaterialObjective: expected at least one frame and one camera, found " + std::to_string(count) + " and " +
+                std::to_string(observations.cameras.size()));
+  expect("frames of the performance's surface", performance.surface.frames.size(), count);
+  expect("frames of the observations", observations.views.size(), count);
+  expect("degrees of freedom of the performance", static_cast<std::size_t>(performance.dofs.cols()),
+         static_cast<std::size_t>(simulator.actor().skeleton.dof_count()));
+  expect("vertices of the performance's first frame", static_cast<std::size_t>(performance.surface.frames[0].rows()),
+         static_cast<std::size_t>(simulator.actor().mesh.vertices.rows()));
+  if (performance.frames != observations.frames)
+    throw Error("MaterialObjective: performance and observations: expected the same video frame numbers, found different ones");
+  for (const auto &views : observations.views)
+    expect("cameras of an observed frame", views.size(), observations.cameras.size());
+  for (const Camera &camera : observations.cameras)
+    validate_camera(camera, "MaterialObjective: observations");
+  if (!performance.dofs.allFinite())
+    throw Error("MaterialObjective: performance: expected finite poses, found NaN or infinity");
+}
+
+std::string hash_problem(const CharacterSimulator &simulator, const ReferencePerformance &performance,
+                         const Observations &observations, const EnergyOptions &o, const ParameterSpace &space) {
+  Fingerprint print;
+  const RiggedMesh &actor = simulator.actor();
+  print.add(actor.mesh.vertices)
+      .add(actor.mesh.faces)
+      .add(actor.weights)
+      .add(performance.dofs)
+      .add(performance.surface.frames[0]);
+  for (const ClothRegion &region : simulator.regions()) {
+    const pbd::ClothOptions &cloth = region.model->options();
+    print.add(region.vertex_from_cloth).add(region.model->inverse_masses()).add(cloth.gravity);
+    print.add({static_cast<double>(cloth.iterations), static_cast<double>(cloth.substeps), cloth.restitution, cloth.thickness,
+               cloth.self_thickness, cloth.self_collision ? 1.0 : 0.0});
+  }
+  for (const pbd::Capsule &capsule : simulator.pose(performance.dofs.row(0)).capsules)
+    print.add(capsule.p0).add(capsule.p1).add({capsule.r0, capsule.r1});
+  for (const Camera &camera : observations.cameras)
+    print.add(camera.K).add(camera.distortion).add(camera.R).add(camera.t);
+  for (const auto &views : observations.views)
+    for (const ViewObservation &view : views) {
+      for (const Eigen::Vector2f &point : view.contour)
+        print.add(point);
+      for (const FeatureMatch &match : view.matches)
+        print.add(match.previous).add(match.current);
+    }
+  print.add({o.dt, o.alpha, o.beta, static_cast<double>(o.settle_frames), o.rim_cap, o.feature_cap,
+             static_cast<double>(o.outline_size), static_cast<double>(o.field_size), space.per_iteration_stiffness ? 1.0 : 0.0,
+             static_cast<double>(space.iterations)});
+  for (const std::string &name : space.names)
+    print.add(name);
+  for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+    print.add({space.fixed.*parameter.value});
+  return print.text();
+}
+
+} // namespace
+
+/// Everything that is not cloth, drawn once and cut to the box where cloth can be.
+CoarseBuffer MaterialObjective::Impl::draw_others(const PosedFrame &frame, const CoarseCamera &camera, const Box &box) const {
+  const Faces &faces = simulator->actor().mesh.faces;
+  std::vector<std::uint8_t> skip = simulator->actor().skip_invalid();
+  for (std::size_t f = 0; f < skip.size(); ++f)
+    skip[f] |= topology.face_is_cloth[f];
+  const Camera coarse = camera.camera.resized(camera.width, camera.height);
+  const FaceBuffer body = rasterize(frame.skinned, faces, coarse, skip);
+  const Mesh capsules = capsule_mesh(frame.capsules);
+  const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
+
+  CoarseBuffer result;
+  result.x0 = std::clamp(static_cast<int>(camera.coarse_x(box.x0)) - 2, 0, camera.width - 1);
+  result.y0 = std::clamp(static_cast<int>(camera.coarse_y(box.y0)) - 2, 0, camera.height - 1);
+  result.width = std::clamp(static_cast<int>(camera.coarse_x(box.x1)) + 3, 1, camera.width) - result.x0;
+  result.height = std::clamp(static_cast<int>(camera.coarse_y(box.y1)) + 3, 1, camera.height) - result.y0;
+  result.inverse_depth.reserve(static_cast<std::size_t>(result.width) * result.height);
+  for (int y = result.y0; y < result.y0 + result.height; ++y)
+    for (int x = result.x0; x < result.x0 + result.width; ++x)
+      result.inverse_depth.push_back(1.f / std::min(body.depth_at(x, y), legs.depth_at(x, y))); // 1 / infinity = 0
+  return result;
+}
+
+void MaterialObjective::Impl::keep_image(int t, std::size_t c, const Vertices &captured, const ViewObservation &observation,
+                                         const CoarseCamera &camera) {
+  if (observation.contour.empty())
+    return;
+  const Camera &full = camera.camera;
+  Box box;
+  for (std::size_t i = 0; i < topology.vertices.size(); ++i)
+    for (const Vertices *surface : {static_cast<const Vertices *>(&frames[t].skinned), &captured}) {
+      const Eigen::Vector3d point = surface->row(topology.vertices[i]).transpose();
+      if (full.depth(point) > 0.05)
+        box.add(full.project(point));
+    }
+  const float reach = static_cast<float>(options.rim_cap) * larger_side(full);
+  box.x0 = std::max(0.f, box.x0 - reach), box.y0 = std::max(0.f, box.y0 - reach);
+  box.x1 = std::min(static_cast<float>(full.width - 1), box.x1 + reach);
+  box.y1 = std::min(static_cast<float>(full.height - 1), box.y1 + reach);
+  if (box.empty())
+    return;
+  FrameView &view = views[t][c];
+  view.contour =
+      DistanceField(observation.contour, {box.x0, box.y0, box.x1, box.y1}, field_cell(full, options.field_size), reach);
+  view.others = draw_others(frames[t], camera, box);
+  view.seen = true;
+}
+
+/// A region that has exploded is put back on the skinned surface, so that it cannot spoil the views of the others.
+void MaterialObjective::Impl::check_explosion(Rollout &rollout, const PosedFrame &frame) const {
+  for (int r = 0; r < regions(); ++r) {
+    const std::vector<int> &vertices = simulator->regions()[r].vertex_from_cloth;
+    Vertices &positions = rollout.state.regions[r].positions;
+    for (std::size_t i = 0; i < vertices.size() && !rollout.exploded[r]; ++i) {
+      const double distance = (positions.row(static_cast<Eigen::Index>(i)) - frame.skinned.row(vertices[i])).norm();
+      rollout.exploded[r] = !(distance <= farthest); // NaN is not
+    }
+    if (!rollout.exploded[r])
+      continue;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      positions.row(static_cast<Eigen::Index>(i)) = frame.skinned.row(vertices[i]);
+    rollout.state.regions[r].velocities.setZero();
+  }
+}
+
+/// Eq. (6).
+void MaterialObjective::Impl::measure_rims(Rollout &rollout, int t, std::size_t c) const {
+  rollout.view.outline(rollout.outline);
+  for (int v : rollout.outline) {
+    const Projected &p = rollout.view.projected()[v];
+    const double distance = views[t][c].contour.distance(p.x, p.y);
+    FrameTerms &terms = rollout.terms[topology.region[v]][t];
+    terms.silhouette += distance * distance;
+    ++terms.rims;
+  }
+}
+
+/// Eq. (7).
+void MaterialObjective::Impl::measure_features(Rollout &rollout, int t, std::size_t c) const {
+  const Camera &camera = cameras[c].camera;
+  const double cap = options.feature_cap * larger_side(camera);
+  for (const Carried &carried : rollout.carried[c]) {
+    const auto &corners = topology.faces[carried.place.face];
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      point += carried.place.barycentric[k] * rollout.surface.row(topology.vertices[corners[k]]).transpose();
+    double squared = cap * cap;
+    if (camera.depth(point) > 0.05)
+      squared = std::min(squared, (camera.project(point) - carried.seen.cast<double>()).squaredNorm());
+    FrameTerms &terms = rollout.terms[topology.face_region[carried.place.face]][t];
+    terms.feature += squared;
+    ++terms.features;
+  }
+}
+
+void MaterialObjective::Impl::measure(Rollout &rollout, int t) const {
+  rollout.surface = simulator->surface(rollout.state, frames[t]);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    measure_features(rollout, t, c);
+    rollout.carried[c].clear();
+    const bool features_follow = t + 1 < frame_count() && !matches[t + 1][c].empty();
+    if (!views[t][c].seen && !features_follow)
+      continue;
+    rollout.view.draw(rollout.surface, cameras[c], views[t][c].others);
+    if (views[t][c].seen)
+      measure_rims(rollout, t, c);
+    if (features_follow)
+      for (const FeatureMatch &match : matches[t + 1][c])
+        if (const auto place = rollout.view.locate(match.previous))
+          rollout.carried[c].push_back({*place, match.current});
+  }
+  for (int r = 0; r < regions(); ++r) {
+    FrameTerms &terms = rollout.terms[r][t];
+    terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : 0;
+    terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
+    if (rollout.exploded[r])
+      terms = worst;
+  }
+}
+
+void MaterialObjective::Impl::start(Rollout &rollout) const {
+  rollout.state = simulator->start(frames[0], &first_surface);
+  rollout.carried.assign(cameras.size(), {});
+  rollout.exploded.assign(regions(), 0);
+  rollout.terms.assign(regions(), std::vector<FrameTerms>(frames.size()));
+  simulator->settle(rollout.state, frames[0], *rollout.materials, options.dt, options.settle_frames);
+}
+
+void MaterialObjective::Impl::advance(Rollout &rollout, int from, int to) const {
+  for (int t = from; t < to; ++t) {
+    if (t > 0)
+      simulator->step(rollout.state, frames[t - 1], frames[t], *rollout.materials, options.dt);
+    check_explosion(rollout, frames[t]);
+    measure(rollout, t);
+  }
+}
+
+/// Eq. (8).
+double MaterialObjective::Impl::energy(const Rollout &rollout, int region) const {
+  double sum = 0;
+  for (const FrameTerms &terms : rollout.terms[region])
+    sum += options.alpha * terms.silhouette + options.beta * terms.feature;
+  return sum / frame_count();
+}
+
+MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
+                                     const Observations &observations, const EnergyOptions &options, const ParameterSpace &space,
+                                     const Context &context) {
+  options.validate();
+  space.validate();
+  check_inputs(simulator, performance, observations);
+  auto impl = std::make_unique<Impl>();
+  impl->simulator = &simulator;
+  impl->options = options;
+  impl->space = space;
+  impl->topology = cloth_topology(simulator);
+  impl->first_surface = performance.surface.frames[0];
+  const Vertices &rest = simulator.actor().mesh.vertices;
+  impl->farthest = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+  for (const Camera &camera : observations.cameras)
+    impl->cameras.emplace_back(camera, options.outline_size);
+  double side = 0;
+  for (const Camera &camera : observations.cameras)
+    side = std::max(side, static_cast<double>(larger_side(camera)));
+  impl->worst.silhouette = std::pow(options.rim_cap * side, 2);
+  impl->worst.feature = std::pow(options.feature_cap * side, 2);
+  impl->fingerprint = hash_problem(simulator, performance, observations, options, space);
+
+  const int count = static_cast<int>(performance.dofs.rows());
+  impl->frames.resize(count);
+  impl->views.assign(count, std::vector<FrameView>(observations.cameras.size()));
+  impl->matches.resize(count);
+  for (int from = 0; from < count; from += kFramesPerChunk) {
+    context.report("fit: images", from / static_cast<double>(count));
+    parallel_for(context, std::min(kFramesPerChunk, count - from), [&](int i) {
+      const int t = from + i;
+      impl->frames[t] = simulator.pose(performance.dofs.row(t).transpose());
+      for (std::size_t c = 0; c < impl->cameras.size(); ++c) {
+        impl->matches[t].push_back(observations.views[t][c].matches);
+        impl->keep_image(t, c, performance.surface.frames[t], observations.views[t][c], impl->cameras[c]);
+      }
+    });
+  }
+  impl_ = std::move(impl);
+}
+
+MaterialObjective::~MaterialObjective() = default;
+
+int MaterialObjective::parameter_count() const {
+  return impl_->space.size();
+}
+int MaterialObjective::part_count() const {
+  return impl_->regions();
+}
+double MaterialObjective::worst_energy() const {
+  return impl_->options.alpha * impl_->worst.silhouette + impl_->options.beta * impl_->worst.feature;
+}
+std::string MaterialObjective::fingerprint() const {
+  return impl_->fingerprint;
+}
+const ParameterSpace &MaterialObjective::space() const {
+  return impl_->space;
+}
+
+std::size_t MaterialObjective::image_bytes() const {
+  std::size_t bytes = 0;
+  for (std::size_t t = 0; t < impl_->views.size(); ++t)
+    for (std::size_t c = 0; c < impl_->cameras.size(); ++c) {
+      const FrameView &view = impl_->views[t][c];
+      bytes += view.contour.bytes() + view.others.inverse_depth.size() * sizeof(float) +
+               impl_->matches[t][c].size() * sizeof(FeatureMatch);
+    }
+  return bytes;
+}
+
+MatrixRM MaterialObjective::energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const {
+  const int count = static_cast<int>(materials.size()), regions = impl_->regions();
+  std::vector<Rollout> rollouts;
+  for (const auto &sample : materials) {
+    require(static_cast<int>(sample.size()) == regions, "MaterialObjective: materials: expected " + std::to_string(regions) +
+                                                            ", one a region, found " + std::to_string(sample.size()));
+    for (const pbd::Material &material : sample)
+      pbd::validate(material);
+    rollouts.emplace_back(impl_->topology);
+    rollouts.back().materials = &sample;
+  }
+  parallel_for(context, count, [&](int s) { impl_->start(rollouts[s]); });
+  for (int from = 0; from < impl_->frame_count(); from += kFramesPerChunk) {
+    context.check_cancelled();
+    const int to = std::min(from + kFramesPerChunk, impl_->frame_count());
+    parallel_for(context, count, [&](int s) { impl_->advance(rollouts[s], from, to); });
+  }
+  MatrixRM result(count, regions);
+  for (int s = 0; s < count; ++s)
+    for (int r = 0; r < regions; ++r)
+      result(s, r) = impl_->energy(rollouts[s], r);
+  return result;
+}
+
+MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &context) {
+  const int n = parameter_count(), regions = part_count();
+  require(samples.cols() == static_cast<Eigen::Index>(n) * regions, "MaterialObjective: samples: expected " +
+                                                                        std::to_string(n * regions) + " columns, found " +
+                                                                        std::to_string(samples.cols()));
+  require(samples.allFinite(), "MaterialObjective: samples: expected finite numbers, found NaN or infinity");
+  std::vector<std::vector<pbd::Material>> materials(static_cast<std::size_t>(samples.rows()));
+  for (Eigen::Index s = 0; s < samples.rows(); ++s)
+    for (int r = 0; r < regions; ++r)
+      materials[s].push_back(impl_->space.material(samples.row(s).segment(r * n, n).transpose()));
+  return energies(materials, context);
+}
+
+std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<pbd::Material> &materials) const {
+  require(static_cast<int>(materials.size()) == impl_->regions(), "MaterialObjective: materials: expected one a region");
+  Rollout rollout(impl_->topology);
+  rollout.materials = &materials;
+  impl_->start(rollout);
+  impl_->advance(rollout, 0, impl_->frame_count());
+  return rollout.terms;
+}
+
+} // namespace doublet

@@ -1,0 +1,174 @@
+#include "doublet/fit/minimise.h"
+
+#include "optimizer_checks.h"
+#include "state_json.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+constexpr const char *kKind = "minimise";
+
+class Run {
+public:
+  Run(Objective &objective, const MinimiseOptions &options)
+      : objective_(objective), options_(options), n_(objective.parameter_count()), parts_(objective.part_count()) {
+    require(n_ >= 1 && parts_ >= 1, "minimise: objective: expected at least one parameter and one part");
+    for (int r = 0; r < parts_; ++r) {
+      const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(r);
+      CmaEsOptions standard;
+      standard.seed = seed;
+      optimizers_.push_back(options.make_optimizer ? options.make_optimizer(n_, seed) : create_cma_es(n_, standard));
+      require(optimizers_.back() != nullptr, "minimise: make_optimizer: expected an optimiser, found none");
+    }
+  }
+
+  MinimiseResult operator()(const Context &context) {
+    resume(context);
+    while (!finished()) {
+      report(context);
+      generation(context);
+      save();
+      if (options_.on_generation)
+        options_.on_generation(log_);
+    }
+    if (context.progress)
+      context.progress("fit", 1.0);
+    MinimiseResult result;
+    for (const auto &optimizer : optimizers_)
+      result.parts.push_back(optimizer->result());
+    result.log = log_;
+    result.seconds = seconds();
+    return result;
+  }
+
+private:
+  double seconds() const {
+    return seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  }
+
+  bool finished() const {
+    return std::all_of(optimizers_.begin(), optimizers_.end(), [](const auto &o) { return o->stop(); });
+  }
+
+  void report(const Context &context) const {
+    int evaluations = optimizers_[0]->result().evaluations;
+    for (const auto &optimizer : optimizers_)
+      if (!optimizer->stop())
+        evaluations = optimizer->result().evaluations;
+    const double fraction = std::min(1.0, evaluations / static_cast<double>(options_.expected_evaluations));
+    context.report("fit", fraction);
+    if (log_.empty())
+      return;
+    std::string line = "fit: " + std::to_string(evaluations) + " evaluations";
+    for (int r = 0; r < parts_; ++r)
+      line += (r ? ", " : ", best ") + std::to_string(optimizers_[r]->result().best_energy);
+    if (fraction > 0)
+      line += ", at most " + std::to_string(std::lround(seconds() * (1 - fraction) / fraction)) + " s left";
+    context.say(line);
+  }
+
+  void generation(const Context &context) {
+    std::vector<MatrixRM> asked(parts_);
+    Eigen::Index count = 0;
+    for (int r = 0; r < parts_; ++r)
+      if (!optimizers_[r]->stop()) {
+        asked[r] = optimizers_[r]->ask();
+        require(asked[r].cols() == n_, "minimise: ask: expected (S, " + std::to_string(n_) + ") samples");
+        count = std::max(count, asked[r].rows());
+      }
+    require(count >= 1, "minimise: ask: expected at least one sample");
+
+    MatrixRM samples(count, static_cast<Eigen::Index>(parts_) * n_);
+    for (int r = 0; r < parts_; ++r) {
+      samples.middleCols(r * n_, n_).rowwise() = optimizers_[r]->result().answer.transpose();
+      samples.block(0, r * n_, asked[r].rows(), n_) = asked[r];
+    }
+    const MatrixRM inside = samples.cwiseMax(0.0).cwiseMin(1.0);
+    const MatrixRM energies = objective_.evaluate(inside, context);
+    if (energies.rows() != count || energies.cols() != parts_ || !energies.allFinite())
+      throw Error("minimise: evaluate: expected (" + std::to_string(count) + ", " + std::to_string(parts_) +
+                  ") finite energies, found (" + std::to_string(energies.rows()) + ", " + std::to_string(energies.cols()) + ")" +
+                  (energies.allFinite() ? "" : " with NaN or infinity"));
+    for (int r = 0; r < parts_; ++r)
+      if (asked[r].rows() > 0)
+        tell(r, asked[r], energies.col(r).head(asked[r].rows()));
+  }
+
+  void tell(int r, const MatrixRM &asked, Eigen::VectorXd energies) {
+    const MatrixRM inside = asked.cwiseMax(0.0).cwiseMin(1.0);
+    energies += options_.penalty * (asked - inside).rowwise().squaredNorm();
+    optimizers_[r]->tell(asked, energies);
+    const OptimizerResult now = optimizers_[r]->result();
+    GenerationRow row;
+    row.part = r;
+    row.generation = now.generations;
+    row.evaluations = now.evaluations;
+    row.best = now.best_energy;
+    row.generation_best = energies.minCoeff();
+    row.mean = now.answer;
+    row.deviation = now.deviations;
+    row.seconds = seconds();
+    log_.push_back(row);
+  }
+
+  void save() const {
+    if (options_.checkpoint.empty())
+      return;
+    state::Json json = {{"kind", kKind}, {"problem", options_.problem}, {"seconds", seconds()}};
+    for (const auto &optimizer : optimizers_) {
+      json["optimizers"].push_back(optimizer->save());
+      if (json["optimizers"].back() == "")
+        return; // cannot be saved, see Optimizer::save
+    }
+    for (const GenerationRow &row : log_)
+      json["log"].push_back({row.part, row.generation, row.evaluations, row.best, row.generation_best, state::to_json(row.mean),
+                             state::to_json(row.deviation), row.seconds});
+    write_text(options_.checkpoint, json.dump());
+  }
+
+  void resume(const Context &context) {
+    if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint))
+      return;
+    state::read(read_text(options_.checkpoint), kKind, [&](const state::Json &json) {
+      if (json.at("problem") != options_.problem || json.at("optimizers").size() != optimizers_.size()) {
+        context.say("fit: " + options_.checkpoint.string() + " belongs to other data or options; starting over");
+        return;
+      }
+      for (int r = 0; r < parts_; ++r)
+        optimizers_[r]->restore(json.at("optimizers")[r].get<std::string>());
+      for (const state::Json &entry : json.at("log"))
+        log_.push_back({entry[0], entry[1], entry[2], entry[3], entry[4], state::vector(entry[5], n_),
+                        state::vector(entry[6], n_), entry[7]});
+      seconds_before_ = json.at("seconds");
+      context.say("fit: resuming after " + std::to_string(optimizers_[0]->result().evaluations) + " evaluations");
+    });
+  }
+
+  Objective &objective_;
+  const MinimiseOptions &options_;
+  int n_, parts_;
+  std::vector<std::unique_ptr<Optimizer>> optimizers_;
+  std::vector<GenerationRow> log_;
+  double seconds_before_ = 0;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+} // namespace
+
+void MinimiseOptions::validate() const {
+  require(penalty >= 0 && std::isfinite(penalty),
+          "MinimiseOptions: penalty: expected at least 0, found " + std::to_string(penalty));
+  require(expected_evaluations >= 1,
+          "MinimiseOptions: expected_evaluations: expected at least 1, found " + std::to_string(expected_evaluations));
+}
+
+MinimiseResult minimise(Objective &objective, const MinimiseOptions &options, const Context &context) {
+  options.validate();
+  return Run(objective, options)(context);
+}
+
+} // namespace doublet
