@@ -1,0 +1,402 @@
+#include "doublet/bodymodel/body_fitter.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
+#include "nearest_points.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+namespace doublet {
+namespace {
+
+/// Surface that counts as one independent measurement, m^2: the model's errors are alike within about 2 cm.
+constexpr double kSampleArea = 4e-4;
+/// Correspondences whose normals differ by more than 60 degrees are none.
+constexpr double kNormalCosine = 0.5;
+
+/// What is estimated: world = scale * rotation * model(coefficients) + translation.
+struct State {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  double scale = 1, prior_scale = 1;
+  Eigen::VectorXd coefficients;
+
+  Vertices world(const Vertices &model) const {
+    return (scale * model * rotation.transpose()).rowwise() + translation.transpose();
+  }
+  /// Unknowns: turn about the origin of the model (3), translation (3), log scale (1), coefficients (K).
+  void move(const Eigen::VectorXd &step) {
+    const Eigen::Vector3d turn = step.head<3>();
+    if (turn.norm() > 0)
+      rotation = Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() * rotation;
+    translation += step.segment<3>(3);
+    scale *= std::exp(step[6]);
+    coefficients += step.tail(coefficients.size());
+  }
+};
+
+/// Gauss-Newton normal equations, filled in blocks of rows so that the products run at matrix speed.
+class NormalEquations {
+public:
+  explicit NormalEquations(int unknowns)
+      : matrix_(Eigen::MatrixXd::Zero(unknowns, unknowns)), right_(Eigen::VectorXd::Zero(unknowns)), rows_(256, unknowns),
+        residuals_(256) {}
+
+  /// Adds weight * (residual + row . step)^2.
+  void add(const Eigen::RowVectorXd &row, double residual, double weight) {
+    rows_.row(count_) = std::sqrt(weight) * row;
+    residuals_[count_] = std::sqrt(weight) * residual;
+    if (++count_ == rows_.rows())
+      flush();
+  }
+  void add_diagonal(int unknown, double residual, double weight) {
+    matrix_(unknown, unknown) += weight;
+    right_[unknown] -= weight * residual;
+  }
+  Eigen::VectorXd solve() {
+    flush();
+    return matrix_.selfadjointView<Eigen::Lower>().ldlt().solve(right_);
+  }
+
+private:
+  void flush() {
+    matrix_.selfadjointView<Eigen::Lower>().rankUpdate(rows_.topRows(count_).transpose());
+    right_ -= rows_.topRows(count_).transpose() * residuals_.head(count_);
+    count_ = 0;
+  }
+  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd right_;
+  MatrixRM rows_;
+  Eigen::VectorXd residuals_;
+  int count_ = 0;
+};
+
+/// direction . d(world point i) / d(unknowns), for a point of a linearisation.
+Eigen::RowVectorXd point_row(const State &state, const BodyLinearisation &at, int i, const Eigen::Vector3d &direction) {
+  const Eigen::Vector3d turned = state.scale * (state.rotation * at.points.row(i).transpose());
+  Eigen::RowVectorXd row(7 + at.jacobian.cols());
+  row.head<3>() = turned.cross(direction).transpose();
+  row.segment<3>(3) = direction.transpose();
+  row[6] = direction.dot(turned);
+  row.tail(at.jacobian.cols()) = state.scale * (direction.transpose() * state.rotation) * at.jacobian.middleRows(3 * i, 3);
+  return row;
+}
+
+/// Points known by name: a vertex or a joint of the model, where it is in the scan, how far it is trusted.
+struct NamedPoint {
+  bool joint;
+  int index;
+  Eigen::Vector3d target;
+  double deviation;
+};
+
+std::vector<NamedPoint> match_names(const RiggedMesh &actor, const BodyModel &model,
+                                    const std::map<std::string, Eigen::Vector3d> &landmarks, const BodyFitOptions &options) {
+  std::vector<NamedPoint> points;
+  for (const auto &[name, position] : landmarks) {
+    if (!position.allFinite())
+      throw Error("landmark '" + name + "': expected a finite position");
+    const auto found = model.landmarks().find(name);
+    if (found != model.landmarks().end())
+      points.push_back({false, found->second, position, options.landmark_deviation});
+  }
+  const std::vector<std::string> names = model.joint_names();
+  for (const Joint &joint : actor.skeleton.joints) {
+    const auto found = std::find(names.begin(), names.end(), joint.name);
+    if (found != names.end())
+      points.push_back({true, static_cast<int>(found - names.begin()), joint.rest, options.joint_deviation});
+  }
+  if (points.size() < 3)
+    throw Error("body fit: expected at least 3 landmarks or joints whose names the body model knows, found " +
+                std::to_string(points.size()) + " (of " + std::to_string(landmarks.size()) + " landmarks and " +
+                std::to_string(actor.skeleton.joint_count()) + " joints)");
+  return points;
+}
+
+void add_named(NormalEquations &equations, const State &state, const BodyModel &model, const std::vector<NamedPoint> &points) {
+  std::vector<int> vertices;
+  for (const NamedPoint &point : points)
+    if (!point.joint)
+      vertices.push_back(point.index);
+  const BodyLinearisation at_vertices = model.linearise(state.coefficients, vertices),
+                          at_joints = model.joints(state.coefficients);
+  int next_vertex = 0;
+  for (const NamedPoint &point : points) {
+    const BodyLinearisation &at = point.joint ? at_joints : at_vertices;
+    const int i = point.joint ? point.index : next_vertex++;
+    const Eigen::Vector3d difference =
+        state.scale * (state.rotation * at.points.row(i).transpose()) + state.translation - point.target;
+    // Cauchy weights: a mark that is far off (hair, a slip of the hand) pulls no harder than one at three deviations.
+    const double weight =
+        1 / (point.deviation * point.deviation) / (1 + difference.squaredNorm() / std::pow(3 * point.deviation, 2));
+    for (int axis = 0; axis < 3; ++axis)
+      equations.add(point_row(state, at, i, Eigen::Vector3d::Unit(axis)), difference[axis], weight);
+  }
+}
+
+void add_prior(NormalEquations &equations, const State &state, double scale_deviation) {
+  equations.add_diagonal(6, std::log(state.scale / state.prior_scale), 1 / (scale_deviation * scale_deviation));
+  for (int k = 0; k < state.coefficients.size(); ++k)
+    equations.add_diagonal(7 + k, state.coefficients[k], 1);
+}
+
+/// Similarity of the mean body to the named points (Umeyama 1991).
+State initial_state(const BodyModel &model, const std::vector<NamedPoint> &points) {
+  State state;
+  state.coefficients = Eigen::VectorXd::Zero(model.component_count());
+  const Vertices vertices = model.vertices(state.coefficients), joints = model.joints(state.coefficients).points;
+  Eigen::Matrix3Xd from(3, points.size()), to(3, points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    from.col(i) = (points[i].joint ? joints : vertices).row(points[i].index).transpose();
+    to.col(i) = points[i].target;
+  }
+  const Eigen::Matrix4d similarity = Eigen::umeyama(from, to, true);
+  state.scale = std::cbrt(similarity.topLeftCorner<3, 3>().determinant());
+  if (!(std::isfinite(state.scale) && state.scale > 1e-6))
+    throw Error("body fit: the landmarks and joints lie on one line or point, no similarity follows from them");
+  state.rotation = similarity.topLeftCorner<3, 3>() / state.scale;
+  state.translation = similarity.topRightCorner<3, 1>();
+  // Metres stay metres: stature belongs to the model's coefficients. Other units (cm, a child) take the landmarks' scale.
+  state.prior_scale = std::abs(std::log(state.scale)) < std::log(1.25) ? 1.0 : state.scale;
+  return state;
+}
+
+enum class Label : std::uint8_t { Ignored, Exposed, Cloth };
+
+/// The actor's surface as the fit sees it.
+struct Scan {
+  const RiggedMesh &actor;
+  std::vector<Label> face_label; ///< (F)
+  std::vector<char> exposed;     ///< (V) all faces around are exposed
+  Vertices normals;              ///< (V, 3) over the valid faces
+  Eigen::VectorXd areas;         ///< (V) m^2
+  RayScene scene;
+};
+
+Scan prepare_scan(const RiggedMesh &actor, const Clothness &clothness) {
+  require_usable(actor.mesh, "actor mesh");
+  const Faces &faces = actor.mesh.faces;
+  const int v = static_cast<int>(actor.mesh.vertices.rows()), f = static_cast<int>(faces.rows());
+  if (clothness.clothness.size() != v)
+    throw std::invalid_argument("clothness: expected " + std::to_string(v) + " entries, one a vertex, found " +
+                                std::to_string(clothness.clothness.size()));
+  if (static_cast<int>(actor.face_valid.size()) != f)
+    throw std::invalid_argument("face_valid: expected " + std::to_string(f) + " entries, one a face, found " +
+                                std::to_string(actor.face_valid.size()));
+  std::vector<Label> label(f, Label::Exposed);
+  std::vector<char> exposed(v, 1);
+  Faces valid(f, 3);
+  int valid_count = 0;
+  for (int i = 0; i < f; ++i) {
+    for (int k = 0; k < 3; ++k)
+      if (clothness.clothness[faces(i, k)] > 0)
+        label[i] = Label::Cloth;
+    if (!actor.face_valid[i])
+      label[i] = Label::Ignored;
+    else
+      valid.row(valid_count++) = faces.row(i);
+    if (label[i] != Label::Exposed)
+      for (int k = 0; k < 3; ++k)
+        exposed[faces(i, k)] = 0;
+  }
+  valid.conservativeResize(valid_count, 3);
+  const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, valid);
+  for (int i = 0; i < v; ++i)
+    exposed[i] = exposed[i] && areas[i] > 0;
+  if (std::count(exposed.begin(), exposed.end(), 1) == 0)
+    throw Error("body fit: no vertex of the actor is exposed (valid and clothness 0), nothing to fit to");
+  return {actor, std::move(label), std::move(exposed), vertex_normals(actor.mesh.vertices, valid), areas, RayScene(actor.mesh)};
+}
+
+Eigen::Vector3d interpolated(const Vertices &values, const Faces &faces, const ClosestPoint &at) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    sum += at.barycentric[k] * values.row(faces(at.face, k)).transpose();
+  return sum.normalized();
+}
+
+/// One point-to-plane residual: body vertex, plane, weight.
+struct Plane {
+  int vertex = -1;
+  Eigen::Vector3d point, normal;
+  double weight = 0;
+};
+
+double geman_mcclure(double residual, double scale) {
+  const double s = scale * scale / (scale * scale + residual * residual);
+  return s * s;
+}
+
+struct BodySurface {
+  Vertices vertices, normals;
+  Eigen::VectorXd areas;
+};
+
+/// Body vertex -> closest point of the whole scan: skin pulls, cloth only holds the body inside, invented surface does nothing.
+std::vector<Plane> body_to_scan(const Scan &scan, const BodySurface &body, double robust, const BodyFitOptions &options,
+                                const Context &context) {
+  std::vector<Plane> planes(body.vertices.rows());
+  parallel_for(context, static_cast<int>(planes.size()), [&](int i) {
+    const Eigen::Vector3d point = body.vertices.row(i);
+    const ClosestPoint at = scan.scene.closest(point);
+    if (at.face < 0 || scan.face_label[at.face] == Label::Ignored)
+      return;
+    const Eigen::Vector3d normal = interpolated(scan.normals, scan.actor.mesh.faces, at);
+    const double outside = normal.dot(point - at.point);
+    const double area = body.areas[i] / kSampleArea;
+    if (scan.face_label[at.face] == Label::Cloth) {
+      if (outside > -options.cloth_margin)
+        planes[i] = {i, at.point - options.cloth_margin * normal, normal, area};
+      return;
+    }
+    for (int k = 0; k < 3; ++k)
+      if (!scan.exposed[scan.actor.mesh.faces(at.face, k)])
+        return; // at the rim of the exposed part the closest point is only the nearest there is
+    if (normal.dot(body.normals.row(i).transpose()) > kNormalCosine)
+      planes[i] = {i, at.point, normal, area * geman_mcclure(at.distance, robust)};
+  });
+  return planes;
+}
+
+/// Exposed scan vertex -> nearest body vertex.
+std::vector<Plane> scan_to_body(const Scan &scan, const BodySurface &body, double robust, const Context &context) {
+  const NearestPoints nearest(body.vertices);
+  std::vector<Plane> planes(scan.exposed.size());
+  parallel_for(context, static_cast<int>(planes.size()), [&](int i) {
+    if (!scan.exposed[i])
+      return;
+    const Eigen::Vector3d point = scan.actor.mesh.vertices.row(i), normal = scan.normals.row(i);
+    const int vertex = nearest.nearest(point);
+    if (normal.dot(body.normals.row(vertex).transpose()) < kNormalCosine)
+      return;
+    const double distance = normal.dot(body.vertices.row(vertex).transpose() - point);
+    planes[i] = {vertex, point, normal, scan.areas[i] / kSampleArea * geman_mcclure(distance, robust)};
+  });
+  return planes;
+}
+
+BodySurface surface_of(const State &state, const BodyModel &model) {
+  BodySurface body;
+  body.vertices = state.world(model.vertices(state.coefficients));
+  body.normals = vertex_normals(body.vertices, model.faces());
+  body.areas = vertex_areas(body.vertices, model.faces());
+  return body;
+}
+
+double exposed_residual(const Scan &scan, const Mesh &body, const Context &context) {
+  const RayScene scene(body);
+  std::vector<double> distance(scan.exposed.size(), 0.0);
+  parallel_for(context, static_cast<int>(distance.size()), [&](int i) {
+    if (scan.exposed[i])
+      distance[i] = scene.closest(scan.actor.mesh.vertices.row(i).transpose()).distance;
+  });
+  double sum = 0, area = 0;
+  for (std::size_t i = 0; i < distance.size(); ++i)
+    if (scan.exposed[i]) {
+      sum += scan.areas[i] * distance[i];
+      area += scan.areas[i];
+    }
+  return sum / area;
+}
+
+class IcpBodyFitter : public BodyFitter {
+public:
+  explicit IcpBodyFitter(const BodyFitOptions &options) : options_(options) { options_.validate(); }
+
+  BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model,
+              const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const override {
+    context.report("body", 0.0);
+    const Scan scan = prepare_scan(actor, clothness);
+    const std::vector<NamedPoint> named = match_names(actor, model, landmarks, options_);
+    State state = initial_state(model, named);
+    for (int iteration = 0; iteration < 10; ++iteration) {
+      NormalEquations equations(7 + model.component_count());
+      add_named(equations, state, model, named);
+      add_prior(equations, state, options_.scale_deviation);
+      state.move(equations.solve());
+    }
+    for (int iteration = 0; iteration < options_.iterations; ++iteration) {
+      context.report("body", 0.1 + 0.8 * iteration / options_.iterations);
+      state.move(surface_step(scan, state, model, named, robust_scale(iteration), context));
+    }
+    BodyFit result;
+    result.body = {state.world(model.vertices(state.coefficients)), model.faces()};
+    if (!result.body.vertices.allFinite())
+      throw Error("body fit: diverged; the landmarks or joints do not fit the surface");
+    result.coefficients = state.coefficients;
+    result.model = model.name();
+    result.residual = exposed_residual(scan, result.body, context);
+    context.report("body", 1.0);
+    return result;
+  }
+
+private:
+  /// Five times the final scale at first, so that a pose that is centimetres off still finds its surface.
+  double robust_scale(int iteration) const {
+    const double progress = std::min(1.0, iteration / std::max(1.0, options_.iterations * 2.0 / 3.0));
+    return options_.outlier_scale * std::pow(5.0, 1 - progress);
+  }
+
+  Eigen::VectorXd surface_step(const Scan &scan, const State &state, const BodyModel &model, const std::vector<NamedPoint> &named,
+                               double robust, const Context &context) const {
+    const BodySurface body = surface_of(state, model);
+    std::vector<Plane> planes = body_to_scan(scan, body, robust, options_, context);
+    const std::vector<Plane> back = scan_to_body(scan, body, robust, context);
+    planes.insert(planes.end(), back.begin(), back.end());
+    std::vector<int> all(model.vertex_count());
+    std::iota(all.begin(), all.end(), 0);
+    const BodyLinearisation at = model.linearise(state.coefficients, all);
+    const double certainty = 1 / (options_.surface_deviation * options_.surface_deviation);
+    NormalEquations equations(7 + model.component_count());
+    for (const Plane &plane : planes)
+      if (plane.weight > 1e-6)
+        equations.add(point_row(state, at, plane.vertex, plane.normal),
+                      plane.normal.dot(body.vertices.row(plane.vertex).transpose() - plane.point), certainty * plane.weight);
+    add_named(equations, state, model, named);
+    add_prior(equations, state, options_.scale_deviation);
+    return equations.solve();
+  }
+
+  BodyFitOptions options_;
+};
+
+void require_positive(double value, const char *name) {
+  if (!(value > 0))
+    throw std::invalid_argument(std::string("BodyFitOptions: ") + name + " must be > 0, found " + std::to_string(value));
+}
+
+} // namespace
+
+void BodyFitOptions::validate() const {
+  if (iterations < 1)
+    throw std::invalid_argument("BodyFitOptions: iterations must be >= 1, found " + std::to_string(iterations));
+  require_positive(landmark_deviation, "landmark_deviation");
+  require_positive(joint_deviation, "joint_deviation");
+  require_positive(surface_deviation, "surface_deviation");
+  require_positive(scale_deviation, "scale_deviation");
+  require_positive(outlier_scale, "outlier_scale");
+  if (!(cloth_margin >= 0))
+    throw std::invalid_argument("BodyFitOptions: cloth_margin must be >= 0 m, found " + std::to_string(cloth_margin));
+}
+
+std::unique_ptr<BodyFitter> BodyFitter::create(const BodyFitOptions &options) {
+  return std::make_unique<IcpBodyFitter>(options);
+}
+
+std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Clothness &clothness) {
+  const Scan scan = prepare_scan(actor, clothness);
+  std::vector<std::uint8_t> under(body.vertices.rows(), 0);
+  for (std::size_t i = 0; i < under.size(); ++i) {
+    const ClosestPoint at = scan.scene.closest(body.vertices.row(i).transpose());
+    under[i] = at.face >= 0 && scan.face_label[at.face] == Label::Cloth;
+  }
+  return under;
+}
+
+} // namespace doublet
