@@ -8,7 +8,7 @@
 namespace doublet {
 namespace {
 
-constexpr double kDegenerateArea = 1e-14;  // m^2, as in MeshReport
+constexpr double kDegenerateArea = 1e-14; // m^2, as in MeshReport
 
 void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies) {
   require_usable(actor.mesh, "actor");
@@ -17,7 +17,8 @@ void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std:
   const auto joints = actor.skeleton.joint_count();
   const auto expect = [](const std::string &what, Eigen::Index found, Eigen::Index expected) {
     if (found != expected)
-      throw Error("CharacterSimulator: " + what + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
+      throw Error("CharacterSimulator: " + what + " has " + std::to_string(found) + " entries, expected " +
+                  std::to_string(expected));
   };
   expect("actor.face_valid", static_cast<Eigen::Index>(actor.face_valid.size()), faces);
   expect("actor.weights", actor.weights.rows(), vertices);
@@ -31,7 +32,8 @@ void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std:
                 ", but region_count is " + std::to_string(clothness.region_count));
   for (const TaperedCapsule &capsule : proxies)
     if (capsule.joint < 0 || capsule.joint >= joints)
-      throw Error("CharacterSimulator: a proxy hangs on joint " + std::to_string(capsule.joint) + " of " + std::to_string(joints));
+      throw Error("CharacterSimulator: a proxy hangs on joint " + std::to_string(capsule.joint) + " of " +
+                  std::to_string(joints));
 }
 
 /// Valid, non-degenerate faces with at least one vertex of the region.
@@ -73,10 +75,10 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
   return part;
 }
 
-}  // namespace
+} // namespace
 
-CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
-                                       const pbd::ClothOptions &options)
+CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
+                                       const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options)
     : actor_(actor), proxies_(proxies) {
   check_sizes(actor, clothness, proxies);
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
@@ -86,8 +88,9 @@ CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness 
 
 PosedFrame CharacterSimulator::pose(const Eigen::VectorXd &dofs) const {
   if (dofs.size() != actor_.skeleton.dof_count())
-    throw std::invalid_argument("CharacterSimulator::pose: dofs has " + std::to_string(dofs.size()) + " entries, the skeleton has " +
-                                std::to_string(actor_.skeleton.dof_count()) + " degrees of freedom");
+    throw std::invalid_argument("CharacterSimulator::pose: dofs has " + std::to_string(dofs.size()) +
+                                " entries, the skeleton has " + std::to_string(actor_.skeleton.dof_count()) +
+                                " degrees of freedom");
   PosedFrame frame;
   frame.world_from_rest = forward_kinematics(actor_.skeleton, dofs);
   frame.skinned = dual_quaternion_skinning(actor_.mesh.vertices, actor_.weights, frame.world_from_rest);
@@ -112,8 +115,8 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   return state;
 }
 
-void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials, double dt,
-                                int frames) const {
+void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials,
+                                double dt, int frames) const {
   for (int i = 0; i < frames; ++i)
     step(state, frame, frame, materials, dt);
   for (pbd::ClothState &region : state.regions)
@@ -123,8 +126,9 @@ void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, 
 void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
                               const std::vector<pbd::Material> &materials, double dt) const {
   if (materials.size() != regions_.size() || state.regions.size() != regions_.size())
-    throw std::invalid_argument("CharacterSimulator::step: the character has " + std::to_string(regions_.size()) + " cloth regions, got " +
-                                std::to_string(materials.size()) + " materials and " + std::to_string(state.regions.size()) + " states");
+    throw std::invalid_argument("CharacterSimulator::step: the character has " + std::to_string(regions_.size()) +
+                                " cloth regions, got " + std::to_string(materials.size()) + " materials and " +
+                                std::to_string(state.regions.size()) + " states");
   for (std::size_t r = 0; r < regions_.size(); ++r) {
     const ClothRegion &region = regions_[r];
     const Vertices targets = gather(current.skinned, region.vertex_from_cloth);
@@ -150,4 +154,4 @@ Vertices CharacterSimulator::surface(const CharacterState &state, const PosedFra
   return result;
 }
 
-}  // namespace doublet
+} // namespace doublet

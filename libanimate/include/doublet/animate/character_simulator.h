@@ -11,14 +11,14 @@ namespace doublet {
 
 /// A pose worked out once and shared by every sample: skinned surface, proxies.
 struct PosedFrame {
-  Vertices skinned;                     ///< (V, 3) M by dual quaternion skinning
-  std::vector<pbd::Capsule> capsules;   ///< proxies in the world
-  Transforms world_from_rest;           ///< (J)
+  Vertices skinned;                   ///< (V, 3) M by dual quaternion skinning
+  std::vector<pbd::Capsule> capsules; ///< proxies in the world
+  Transforms world_from_rest;         ///< (J)
 };
 
 /// One piece of cloth: the valid faces of M with a vertex of this region, and the rigid ring they hang from.
 struct ClothRegion {
-  std::vector<int> vertex_from_cloth;                 ///< (N) index into M
+  std::vector<int> vertex_from_cloth; ///< (N) index into M
   std::shared_ptr<const pbd::ClothModel> model;
   std::shared_ptr<const pbd::ClothSolver> solver;
 };
@@ -54,4 +54,4 @@ private:
   std::vector<ClothRegion> regions_;
 };
 
-}  // namespace doublet
+} // namespace doublet

@@ -1,0 +1,43 @@
+#pragma once
+// Motion capture files on their own skeleton: BVH, and Acclaim ASF/AMC.
+
+#include "doublet/core/types.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace doublet {
+
+struct SourceJoint {
+  std::string name;
+  int parent = -1;        ///< index, smaller than the joint's own; -1 = root
+  Eigen::Vector3d offset; ///< from the parent in the file's zero pose, file units
+};
+
+/// A clip as the file has it. Lengths stay in the file's unit: retargeting measures legs and needs no unit.
+/// The zero pose (all rotations zero) need not be a human stance: some exporters write bone-local frames.
+struct SourceMotion {
+  std::string source;              ///< file name, for messages
+  std::vector<SourceJoint> joints; ///< parents first; ends of chains are joints named "<parent>_end"
+  double fps = 0;
+  std::vector<Vertices> positions;                        ///< T x (J, 3) world, file units
+  std::vector<std::vector<Eigen::Quaterniond>> rotations; ///< T x J world, relative to the zero pose
+  int frame_count() const { return static_cast<int>(positions.size()); }
+  Vertices zero_positions() const; ///< (J, 3) joints of the zero pose
+};
+
+/// Any channel order on any joint. Position channels replace the OFFSET, as Blender and MotionBuilder read them, unless the
+/// clip's own values show that they are added to it (iClone's exporter). Throws Error "source:line: expected ..., found ..." on
+/// anything malformed or truncated.
+SourceMotion parse_bvh(const std::string &text, const std::string &source);
+
+/// Acclaim skeleton and motion; AMC carries no rate, so it is given (CMU: 120). Throws Error as parse_bvh.
+SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const std::string &asf_source,
+                           const std::string &amc_source, double fps = 120);
+
+/// By extension, .bvh or .amc. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or with
+/// the longest stem that its own begins with. Throws FileNotFound, or Error naming the file.
+SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {});
+
+} // namespace doublet

@@ -1,0 +1,72 @@
+#include "doublet/animate/motion.h"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace doublet {
+namespace {
+
+void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
+  if (!(motion.fps > 0) || !std::isfinite(motion.fps))
+    throw std::invalid_argument(who + ": motion.fps must be positive, found " + std::to_string(motion.fps));
+  if (motion.dofs.rows() == 0 || motion.dofs.cols() != skeleton.dof_count())
+    throw std::invalid_argument(who + ": motion.dofs must be (T > 0, " + std::to_string(skeleton.dof_count()) + "), found (" +
+                                std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ")");
+}
+
+double short_way(double from, double to) {
+  return from + std::remainder(to - from, 2 * M_PI);
+}
+
+} // namespace
+
+Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s) {
+  Eigen::VectorXd result = (1 - s) * a + s * b;
+  for (const Joint &joint : skeleton.joints) {
+    const int d = joint.first_dof;
+    if (joint.kind == JointKind::Root) {
+      for (int k = 3; k < 6; ++k)
+        result[d + k] = (1 - s) * a[d + k] + s * short_way(a[d + k], b[d + k]);
+    } else if (joint.kind == JointKind::Ball) {
+      const Eigen::Quaterniond from(rotation_from_vector(a.segment<3>(d))), to(rotation_from_vector(b.segment<3>(d)));
+      result.segment<3>(d) = vector_from_rotation(from.slerp(s, to).normalized().toRotationMatrix());
+    }
+  }
+  return result;
+}
+
+Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {
+  require_motion(skeleton, motion, "resample");
+  if (!(fps > 0) || !std::isfinite(fps))
+    throw std::invalid_argument("resample: fps must be positive, found " + std::to_string(fps));
+  const Eigen::Index last = motion.dofs.rows() - 1;
+  const auto count = static_cast<Eigen::Index>(std::floor(last / motion.fps * fps + 1e-6)) + 1;
+  Motion result{fps, MatrixRM(count, motion.dofs.cols())};
+  for (Eigen::Index t = 0; t < count; ++t) {
+    const double at = std::min<double>(t / fps * motion.fps, last);
+    const auto i = std::min<Eigen::Index>(static_cast<Eigen::Index>(at), std::max<Eigen::Index>(last - 1, 0));
+    const Eigen::VectorXd a = motion.dofs.row(i), b = motion.dofs.row(std::min(i + 1, last));
+    result.dofs.row(t) = interpolate_pose(skeleton, a, b, at - i);
+  }
+  return result;
+}
+
+Motion blend_in(const Skeleton &skeleton, const Motion &motion, double hold_seconds, double blend_seconds) {
+  require_motion(skeleton, motion, "blend_in");
+  if (!(hold_seconds >= 0) || !(blend_seconds >= 0) || hold_seconds + blend_seconds > 3600)
+    throw std::invalid_argument("blend_in: hold_seconds and blend_seconds must be in [0, 3600], found " +
+                                std::to_string(hold_seconds) + " and " + std::to_string(blend_seconds));
+  const auto hold = static_cast<Eigen::Index>(std::lround(hold_seconds * motion.fps));
+  const auto blend = static_cast<Eigen::Index>(std::lround(blend_seconds * motion.fps));
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(motion.dofs.cols()), first = motion.dofs.row(0);
+  Motion result{motion.fps, MatrixRM::Zero(hold + blend + motion.dofs.rows(), motion.dofs.cols())};
+  for (Eigen::Index t = 0; t < blend; ++t) {
+    const double x = static_cast<double>(t) / blend;
+    result.dofs.row(hold + t) = interpolate_pose(skeleton, rest, first, x * x * (3 - 2 * x));
+  }
+  result.dofs.bottomRows(motion.dofs.rows()) = motion.dofs;
+  return result;
+}
+
+} // namespace doublet

@@ -1,0 +1,487 @@
+// Retargeting. For every bone b: R_target = W R_source C^T A_b, where C turns the source's zero pose to our rest pose (same up,
+// same facing), W turns the source's world to ours, and A_b, constant, turns our bone's rest direction to that of the source's
+// zero pose, so that both bones point the same way in every frame while the roll counts from the rest poses.
+
+#include "doublet/animate/retarget.h"
+
+#include "doublet/core/error.h"
+#include "match_joints.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+using Names = std::map<std::string, int>;
+
+constexpr double kDegree = M_PI / 180;
+
+/// A limb bone: from joint `name` to the first of `ends` that both skeletons have.
+struct LimbBone {
+  const char *name;
+  std::vector<const char *> ends;
+  const char *parent;
+};
+const std::array<LimbBone, 6> kLimb{{{"hip", {"knee"}, "pelvis"},
+                                     {"knee", {"ankle"}, "hip"},
+                                     {"ankle", {"toe"}, "knee"},
+                                     {"shoulder", {"elbow"}, "chest"},
+                                     {"elbow", {"wrist"}, "shoulder"},
+                                     {"wrist", {"hand"}, "elbow"}}};
+
+Matrix3d shortest_turn(const Vector3d &from, const Vector3d &to) {
+  return Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+}
+
+Vector3d nearest_axis(const Vector3d &v) {
+  Eigen::Index k;
+  v.cwiseAbs().maxCoeff(&k);
+  return (v[k] < 0 ? -1.0 : 1.0) * Vector3d::Unit(k);
+}
+
+/// Columns left, up, forward. A left within 5 degrees of a coordinate axis is taken for it: marks have millimetres of noise,
+/// files none.
+Matrix3d body_frame(const Vector3d &left_raw, const Vector3d &up) {
+  Vector3d left = left_raw - left_raw.dot(up) * up;
+  if (left.norm() < 1e-9)
+    return (Matrix3d() << up.unitOrthogonal(), up, up.unitOrthogonal().cross(up)).finished();
+  left.normalize();
+  const Vector3d axis = nearest_axis(left);
+  if (std::abs(axis.dot(up)) < 1e-9 && left.dot(axis) > std::cos(5 * kDegree))
+    left = axis;
+  Matrix3d frame;
+  frame << left, up, left.cross(up);
+  return frame;
+}
+
+class Retargeter {
+public:
+  Retargeter(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options)
+      : clip_(clip), skeleton_(skeleton), source_(match_joints(clip, options.joint_names)), target_(match_target(skeleton)) {
+    for (const Joint &joint : skeleton.joints)
+      rest_.push_back(joint.rest);
+    const Vertices zero = clip.zero_positions();
+    for (Eigen::Index j = 0; j < zero.rows(); ++j)
+      zero_.push_back(zero.row(j));
+    align_worlds();
+    align_bones();
+  }
+
+  double scale() const { return leg_length_target() / leg_length_source(); }
+
+  std::vector<Quaterniond> rotations(int t) const {
+    std::vector<Quaterniond> result(skeleton_.joint_count(), Quaterniond::Identity());
+    for (int j = 0; j < skeleton_.joint_count(); ++j) {
+      const std::string &part = part_of_target_[j];
+      if (!part.empty() && source_.count(part))
+        result[j] = Quaterniond(bone_rotation(part, t));
+      else if (skeleton_.joints[j].parent >= 0)
+        result[j] = result[skeleton_.joints[j].parent];
+    }
+    return result;
+  }
+
+  /// The torso's joints as the pose has them (its fixed joints drive the free ones above); only limbs are left to fit.
+  void keep_torso(const Transforms &world_from_rest, std::vector<Quaterniond> &rotations) const {
+    for (int j = 0; j < skeleton_.joint_count(); ++j)
+      if (!bones_.count(part_of_target_[j]))
+        rotations[j] = Quaterniond(world_from_rest[j].linear());
+  }
+
+  /// Where the root goes so that the middle of the hips follows the clip's.
+  Vector3d root_position(int t) const {
+    const Vector3d hips = 0.5 * (source_at("l_hip", t) + source_at("r_hip", t));
+    const Vector3d rest_hips = 0.5 * (target_rest("l_hip") + target_rest("r_hip"));
+    const Vector3d root = skeleton_.joints[0].rest;
+    return scale() * (world_ * hips) - bone_rotation("pelvis", t) * (rest_hips - root);
+  }
+
+  /// Turns and moves the clip so that frame t faces as the rest pose does.
+  void face_rest(int t) {
+    const Vector3d ahead = bone_rotation("pelvis", t) * target_frame_.col(2);
+    const double now = std::atan2(ahead.x(), ahead.z()), wanted = std::atan2(target_frame_(0, 2), target_frame_(2, 2));
+    world_ = Eigen::AngleAxisd(wanted - now, Vector3d::UnitY()).toRotationMatrix() * world_;
+  }
+
+private:
+  Names match_target(const Skeleton &skeleton) {
+    std::vector<std::string> names;
+    std::vector<int> parents;
+    for (const Joint &joint : skeleton.joints) {
+      names.push_back(joint.name);
+      parents.push_back(joint.parent);
+    }
+    const Names found = match_human(names, parents, {}, {}, "skeleton");
+    part_of_target_.assign(names.size(), "");
+    for (const auto &[part, joint] : found)
+      part_of_target_[joint] = part;
+    return found;
+  }
+
+  Vector3d target_rest(const std::string &part) const { return rest_[target_.at(part)]; }
+  Vector3d source_at(const std::string &part, int t) const { return clip_.positions[t].row(source_.at(part)); }
+  Vector3d source_zero(const std::string &part) const { return zero_[source_.at(part)]; }
+
+  Matrix3d source_rotation(const std::string &part, int t) const {
+    // Where the forearm is split, its lower half carries the twist.
+    const auto split = part.substr(1) == "_elbow" ? source_.find(part.substr(0, 2) + "forearm") : source_.end();
+    return clip_.rotations[t][split == source_.end() ? source_.at(part) : split->second].toRotationMatrix();
+  }
+
+  Matrix3d bone_rotation(const std::string &part, int t) const {
+    const auto bone = bones_.find(part);
+    const Matrix3d turned = world_ * source_rotation(part, t) * from_zero_.transpose();
+    return bone == bones_.end() ? turned : Matrix3d(turned * bone->second);
+  }
+
+  double leg_length_source() const {
+    double sum = 0;
+    for (int t = 0; t < clip_.frame_count(); ++t)
+      for (const std::string side : {"l_", "r_"})
+        sum += (source_at(side + "hip", t) - source_at(side + "knee", t)).norm() +
+               (source_at(side + "knee", t) - source_at(side + "ankle", t)).norm();
+    return sum / clip_.frame_count() / 2;
+  }
+  double leg_length_target() const {
+    double sum = 0;
+    for (const std::string side : {"l_", "r_"})
+      sum += (target_rest(side + "hip") - target_rest(side + "knee")).norm() +
+             (target_rest(side + "knee") - target_rest(side + "ankle")).norm();
+    return sum / 2;
+  }
+
+  void align_worlds() {
+    if (!(leg_length_source() > 0) || !(leg_length_target() > 0))
+      throw Error(clip_.source + ": expected legs with a length, found none");
+    target_frame_ = body_frame(target_rest("l_hip") - target_rest("r_hip"), Vector3d::UnitY());
+    const Vector3d zero_up = nearest_axis(source_zero("chest") - source_zero("pelvis"));
+    const Matrix3d zero_frame = body_frame(source_zero("l_hip") - source_zero("r_hip"), zero_up);
+    from_zero_ = target_frame_ * zero_frame.transpose();
+    Vector3d mean = Vector3d::Zero();
+    for (int t = 0; t < clip_.frame_count(); ++t)
+      mean += (source_at("chest", t) - 0.5 * (source_at("l_ankle", t) + source_at("r_ankle", t)));
+    const Vector3d up = nearest_axis(mean);
+    world_ = up == zero_up ? from_zero_ : shortest_turn(up, Vector3d::UnitY());
+    zero_up_ = zero_up;
+  }
+
+  /// The part a bone ends at, or empty where a skeleton does not have it.
+  std::string bone_end(const std::string &side, const LimbBone &bone) const {
+    for (const char *end : bone.ends)
+      if (source_.count(side + end) && target_.count(side + end))
+        return side + end;
+    return "";
+  }
+
+  /// Legs down and arms not up: is the zero pose a stance at all? Exporters of bone-local frames write one with all bones along
+  /// one axis.
+  bool zero_is_stance() const {
+    for (const std::string side : {"l_", "r_"}) {
+      const Vector3d thigh = (source_zero(side + "knee") - source_zero(side + "hip")).normalized();
+      const Vector3d shin = (source_zero(side + "ankle") - source_zero(side + "knee")).normalized();
+      const Vector3d arm = (source_zero(side + "elbow") - source_zero(side + "shoulder")).normalized();
+      if (thigh.dot(zero_up_) > -0.5 || shin.dot(zero_up_) > -0.5 || arm.dot(zero_up_) > 0.7)
+        return false;
+    }
+    return true;
+  }
+
+  void align_bones() {
+    if (zero_is_stance())
+      align_by_zero_pose();
+    else
+      align_by_clip();
+  }
+
+  void align_by_zero_pose() {
+    for (const std::string side : {"l_", "r_"})
+      for (const LimbBone &bone : kLimb) {
+        const std::string part = side + bone.name, end = bone_end(side, bone);
+        if (end.empty())
+          continue;
+        Vector3d ours = target_rest(end) - target_rest(part), theirs = from_zero_ * (source_zero(end) - source_zero(part));
+        if (std::string(bone.name) == "ankle") // both feet stand flat, whatever the height of the marks: only the heading counts
+          ours.y() = theirs.y() = 0;
+        if (ours.norm() > 1e-9 && theirs.norm() > 1e-9)
+          bones_[part] = shortest_turn(ours, theirs);
+        if (std::string(bone.name) == "ankle" && target_.count(end))
+          bones_[end] = bones_[part];
+        if (std::string(bone.name) == "wrist" && target_.count(end))
+          bones_[end] = bones_[part];
+      }
+  }
+
+  // --- Rigs whose zero pose is no stance: bone directions from the clip's joints, roll from a neutral frame and from bent
+  // hinges.
+
+  Vector3d direction_now(const std::string &part, const std::string &end, int t) const {
+    return (world_ * (source_at(end, t) - source_at(part, t))).normalized();
+  }
+
+  /// The frame whose limbs, seen from the pelvis, point most nearly as in our rest pose.
+  int neutral_frame() const {
+    int best = 0;
+    double best_score = -1e30;
+    for (int t = 0; t < clip_.frame_count(); ++t) {
+      const Matrix3d pelvis = bone_rotation("pelvis", t);
+      double score = 0;
+      for (const std::string side : {"l_", "r_"})
+        for (const LimbBone &bone : kLimb) {
+          const std::string end = bone_end(side, bone);
+          if (!end.empty())
+            score += (target_rest(end) - target_rest(side + bone.name))
+                         .normalized()
+                         .dot(pelvis.transpose() * direction_now(side + bone.name, end, t));
+        }
+      if (score > best_score) {
+        best_score = score;
+        best = t;
+      }
+    }
+    return best;
+  }
+
+  void set_rotation_at(const std::string &part, int t, const Matrix3d &rotation) {
+    bones_[part] = (world_ * source_rotation(part, t) * from_zero_.transpose()).transpose() * rotation;
+  }
+
+  /// The frame in which this foot stands: ankle and toe together at their lowest.
+  int standing_frame(const std::string &ankle, const std::string &toe) const {
+    int best = 0;
+    double lowest = 1e30;
+    for (int t = 0; t < clip_.frame_count(); ++t) {
+      const double height = (world_ * (source_at(ankle, t) + source_at(toe, t))).y();
+      if (height < lowest) {
+        lowest = height;
+        best = t;
+      }
+    }
+    return best;
+  }
+
+  void align_by_clip() {
+    const int neutral = neutral_frame();
+    for (const std::string side : {"l_", "r_"})
+      for (const LimbBone &bone : kLimb) {
+        const std::string part = side + bone.name, end = bone_end(side, bone);
+        if (end.empty())
+          continue;
+        const std::string parent =
+            std::string(bone.parent) == "pelvis" || std::string(bone.parent) == "chest" ? bone.parent : side + bone.parent;
+        const Vector3d ours = (target_rest(end) - target_rest(part)).normalized();
+        if (std::string(bone.name) == "ankle") {
+          const int standing = standing_frame(part, end);
+          const Vector3d now = direction_now(part, end, standing);
+          const Vector3d flat_now(now.x(), 0, now.z()), flat_ours(ours.x(), 0, ours.z());
+          set_rotation_at(part, standing, shortest_turn(flat_ours, flat_now));
+          set_rotation_at(end, standing, bone_rotation(part, standing));
+          continue;
+        }
+        const Matrix3d base = bone_rotation(parent, neutral);
+        set_rotation_at(part, neutral, shortest_turn(base * ours, direction_now(part, end, neutral)) * base);
+        if (std::string(bone.name) == "wrist")
+          set_rotation_at(end, neutral, bone_rotation(part, neutral));
+        if (std::string(bone.name) == "knee")
+          roll_by_hinge(side + "hip", side + "knee", side + "ankle");
+        if (std::string(bone.name) == "elbow")
+          roll_by_hinge(side + "shoulder", side + "elbow", side + "wrist");
+      }
+  }
+
+  /// Where the limb is bent, its plane shows the roll of both bones: the hinge must be its normal. Mean over the clip, weighted
+  /// by the bend.
+  void roll_by_hinge(const std::string &upper, const std::string &hinge, const std::string &end) {
+    const Joint &joint = skeleton_.joints[target_.at(hinge)];
+    if (joint.kind != JointKind::Hinges)
+      return;
+    for (const std::string &part : {upper, hinge}) {
+      const std::string &tip = part == upper ? hinge : end;
+      double cosine = 0, sine = 0;
+      for (int t = 0; t < clip_.frame_count(); ++t) {
+        const Vector3d normal = direction_now(upper, hinge, t).cross(direction_now(hinge, end, t));
+        if (normal.norm() < std::sin(20 * kDegree))
+          continue;
+        const Vector3d axis = bone_rotation(part, t) * joint.axes[0], along = direction_now(part, tip, t);
+        cosine += axis.dot(normal);
+        sine += along.dot(axis.cross(normal));
+      }
+      if (std::hypot(cosine, sine) < 1) // never bent: the neutral frame has to do
+        continue;
+      const Vector3d ours = (target_rest(tip) - target_rest(part)).normalized();
+      bones_[part] = bones_[part] * Eigen::AngleAxisd(std::atan2(sine, cosine), ours).toRotationMatrix();
+    }
+  }
+
+  const SourceMotion &clip_;
+  const Skeleton &skeleton_;
+  std::vector<std::string> part_of_target_;
+  Names source_, target_;
+  std::vector<Vector3d> rest_, zero_;
+  Matrix3d target_frame_, from_zero_, world_;
+  Vector3d zero_up_;
+  std::map<std::string, Matrix3d> bones_;
+};
+
+/// Files often begin with one frame of reference pose somewhere else. Does the first step dwarf all others?
+bool starts_with_reference(const SourceMotion &clip) {
+  if (clip.frame_count() < 8)
+    return false;
+  const auto moved = [&](int t) { return (clip.positions[t + 1] - clip.positions[t]).rowwise().norm().mean(); };
+  double largest = 0;
+  for (int t = 1; t + 1 < clip.frame_count(); ++t)
+    largest = std::max(largest, moved(t));
+  return moved(0) > 3 * largest;
+}
+
+SourceMotion cut(const SourceMotion &clip, int first, int last) {
+  SourceMotion part = clip;
+  part.positions.assign(clip.positions.begin() + first, clip.positions.begin() + last + 1);
+  part.rotations.assign(clip.rotations.begin() + first, clip.rotations.begin() + last + 1);
+  return part;
+}
+
+SourceMotion chosen_frames(const SourceMotion &clip, const RetargetOptions &options, const Context &context) {
+  if (clip.frame_count() == 0 || !(clip.fps > 0))
+    throw Error(clip.source + ": expected a motion with frames and a rate, found none");
+  int first = static_cast<int>(std::lround(options.first_second * clip.fps));
+  const int last =
+      static_cast<int>(std::min<double>(std::lround(std::min(options.last_second, 1e6) * clip.fps), clip.frame_count() - 1));
+  if (first > last)
+    throw Error(clip.source + ": expected frames between " + std::to_string(options.first_second) + " s and " +
+                std::to_string(options.last_second) + " s, found a clip of " + std::to_string(clip.frame_count() / clip.fps) +
+                " s");
+  if (first == 0 && last > 0 && starts_with_reference(clip)) {
+    context.say(clip.source + ": the first frame stands apart from the motion (a reference pose) and is left out");
+    first = 1;
+  }
+  return cut(clip, first, last);
+}
+
+/// Joints of the skeleton with the given world rotations and every joint free.
+Vertices free_joints(const Skeleton &skeleton, const std::vector<Quaterniond> &rotations, const Vector3d &root) {
+  Vertices positions(skeleton.joint_count(), 3);
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const int p = skeleton.joints[j].parent;
+    positions.row(j) =
+        p < 0 ? root
+              : Vector3d(positions.row(p).transpose() + rotations[p] * (skeleton.joints[j].rest - skeleton.joints[p].rest));
+  }
+  return positions;
+}
+
+/// Hinges lose what they cannot turn; Gauss-Newton over the pose lets the joints above make up for it, so that the joints stand
+/// where the free rotations put them. `pose` is start and prior (2 cm a radian: it only decides what positions leave open, such
+/// as roll).
+Eigen::VectorXd fit_to_joints(const Skeleton &skeleton, const Eigen::VectorXd &pose, const Vertices &wanted,
+                              const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> &moves, bool apply_limits) {
+  constexpr double kPrior = 0.02, kRootPrior = 1e-3;
+  const int dofs = skeleton.dof_count(), joints = skeleton.joint_count();
+  Eigen::VectorXd prior = Eigen::VectorXd::Constant(dofs, kPrior * kPrior);
+  prior.segment(skeleton.joints[0].first_dof, 3).setConstant(kRootPrior * kRootPrior);
+  Eigen::VectorXd weight = Eigen::VectorXd::Ones(joints); // ends of feet and hands must not bend knees and elbows
+  for (int j = 0; j < joints; ++j)
+    if (skeleton.joints[j].kind == JointKind::Fixed)
+      weight[j] = 0.5;
+  Eigen::VectorXd x = pose;
+  for (int iteration = 0; iteration < 6; ++iteration) {
+    const Vertices now = joint_positions(skeleton, forward_kinematics(skeleton, x));
+    const std::vector<DofTwist> twists = dof_twists(skeleton, x);
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3 * joints, dofs);
+    Eigen::VectorXd r(3 * joints);
+    for (int j = 0; j < joints; ++j) {
+      const Vector3d at = now.row(j);
+      r.segment<3>(3 * j) = weight[j] * (wanted.row(j).transpose() - at);
+      for (int d = 0; d < dofs; ++d)
+        if (moves(d, j))
+          J.block<3, 1>(3 * j, d) = weight[j] * (twists[d].angular.cross(at) + twists[d].linear);
+    }
+    Eigen::MatrixXd H = J.transpose() * J;
+    H.diagonal() += prior;
+    const Eigen::VectorXd step = H.ldlt().solve(J.transpose() * r - prior.cwiseProduct(x - pose));
+    x += step * std::min(1.0, 0.5 / std::max(step.cwiseAbs().maxCoeff(), 1e-12));
+    if (apply_limits)
+      x = x.cwiseMax(skeleton.lower).cwiseMin(skeleton.upper);
+    if (step.cwiseAbs().maxCoeff() < 1e-5)
+      break;
+  }
+  return x;
+}
+
+/// How far the lowest foot of the pose is above its place in the rest pose.
+double foot_clearance(const Skeleton &skeleton, const std::vector<int> &feet, const Eigen::VectorXd &dofs) {
+  const Vertices joints = joint_positions(skeleton, forward_kinematics(skeleton, dofs));
+  double lowest = 1e30;
+  for (int j : feet)
+    lowest = std::min(lowest, joints(j, 1) - skeleton.joints[j].rest.y());
+  return lowest;
+}
+
+/// One height for all frames; 2 % of them may reach deeper, so that one bad frame does not lift the clip.
+void ground_feet(const Skeleton &skeleton, Motion &motion) {
+  std::vector<int> feet;
+  for (int j = 0; j < skeleton.joint_count(); ++j)
+    for (const char *name : {"l_ankle", "r_ankle", "l_toe", "r_toe"})
+      if (skeleton.joints[j].name == name)
+        feet.push_back(j);
+  if (feet.empty())
+    return;
+  std::vector<double> clearance;
+  for (Eigen::Index t = 0; t < motion.dofs.rows(); ++t)
+    clearance.push_back(foot_clearance(skeleton, feet, motion.dofs.row(t)));
+  const auto nth = clearance.begin() + static_cast<std::ptrdiff_t>(0.02 * clearance.size());
+  std::nth_element(clearance.begin(), nth, clearance.end());
+  motion.dofs.col(skeleton.joints[0].first_dof + 1).array() -= *nth;
+}
+
+} // namespace
+
+void RetargetOptions::validate() const {
+  const auto check = [](bool good, const std::string &text) {
+    if (!good)
+      throw std::invalid_argument("RetargetOptions." + text);
+  };
+  check(fps >= 0 && std::isfinite(fps), "fps must be >= 0, found " + std::to_string(fps));
+  check(first_second >= 0, "first_second must be >= 0, found " + std::to_string(first_second));
+  check(last_second >= first_second, "last_second must be >= first_second, found " + std::to_string(last_second));
+  check(hold_seconds >= 0 && hold_seconds <= 60, "hold_seconds must be in [0, 60], found " + std::to_string(hold_seconds));
+  check(blend_seconds >= 0 && blend_seconds <= 60, "blend_seconds must be in [0, 60], found " + std::to_string(blend_seconds));
+}
+
+Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options, const Context &context) {
+  options.validate();
+  const SourceMotion part = chosen_frames(clip, options, context);
+  Retargeter retargeter(part, skeleton, options);
+  if (options.align_start)
+    retargeter.face_rest(0);
+  Motion motion{part.fps, MatrixRM(part.frame_count(), skeleton.dof_count())};
+  Vector3d shift = Vector3d::Zero();
+  if (options.align_start) {
+    shift = skeleton.joints[0].rest - retargeter.root_position(0);
+    shift.y() = 0;
+  }
+  const auto moves = dof_moves_joint(skeleton);
+  for (int t = 0; t < part.frame_count(); ++t) {
+    std::vector<Quaterniond> rotations = retargeter.rotations(t);
+    const Vector3d root = retargeter.root_position(t) + shift;
+    const Eigen::VectorXd pose = pose_from_rotations(skeleton, rotations, root, options.apply_limits);
+    retargeter.keep_torso(forward_kinematics(skeleton, pose), rotations);
+    motion.dofs.row(t) = fit_to_joints(skeleton, pose, free_joints(skeleton, rotations, root), moves, options.apply_limits);
+    if (t % 100 == 0)
+      context.report("retarget", static_cast<double>(t) / part.frame_count());
+  }
+  if (options.ground_feet)
+    ground_feet(skeleton, motion);
+  if (options.fps > 0 && options.fps != motion.fps)
+    motion = resample(skeleton, motion, options.fps);
+  context.report("retarget", 1.0);
+  return blend_in(skeleton, motion, options.hold_seconds, options.blend_seconds);
+}
+
+} // namespace doublet
