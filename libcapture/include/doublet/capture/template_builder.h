@@ -13,7 +13,11 @@ struct TemplateOptions {
   int triangles = 5000;        ///< of M, as in the paper
   int high_triangles = 25000;  ///< of M_high, for display
   int poisson_depth = 9;       ///< octree depth of the Poisson reconstruction
-  void validate() const;
+  double hole_gap = 0.004;     ///< m; a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm)
+  double density_drop = 0.5;   ///< octree levels; and the scan is this much sparser there than usual (one level = a quarter of the samples)
+  double large_hole = 0.025;   ///< m^2; holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed
+  double sheet_hole = 0.005;   ///< m^2; so are holes from this size on that have two rims or more (garment and limb): a sheet at a hem
+  void validate() const;       ///< throws std::invalid_argument
 };
 
 /// The closed surface and its decimations.
