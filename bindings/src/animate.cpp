@@ -31,8 +31,10 @@ void bind_simulator(py::module_ &m) {
       .def("surface", &CharacterSimulator::surface, py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");
 }
 
-}  // namespace
+} // namespace
 
-void bind_animate(py::module_ &m) { bind_simulator(m); }
+void bind_animate(py::module_ &m) {
+  bind_simulator(m);
+}
 
-}  // namespace doublet::python
+} // namespace doublet::python

@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/train_body_model.h"
 
 namespace doublet::python {
 namespace {
@@ -31,9 +32,18 @@ void bind_bodymodel(py::module_ &m) {
       .def("vertices", &BodyModel::vertices, py::arg("coefficients"), "(B, 3) m")
       .def("component", &BodyModel::component, py::arg("k"), "(B, 3) m per standard deviation");
   OptionsClass<BodyFitOptions>(m, "BodyFitOptions", "Options of BodyFitter.")
-      .field("iterations", &BodyFitOptions::iterations, "rounds of closest points and solve");
+      .field("iterations", &BodyFitOptions::iterations, "of ICP")
+      .field("landmark_deviation", &BodyFitOptions::landmark_deviation, "m, how far a clicked landmark is trusted")
+      .field("joint_deviation", &BodyFitOptions::joint_deviation, "m, how far a marked joint is trusted")
+      .field("surface_deviation", &BodyFitOptions::surface_deviation, "m, of skin around the model, per 4 cm^2 of surface")
+      .field("scale_deviation", &BodyFitOptions::scale_deviation, "relative, of the similarity's scale")
+      .field("outlier_scale", &BodyFitOptions::outlier_scale, "m, of the robust weights (hair, shoes)")
+      .field("cloth_margin", &BodyFitOptions::cloth_margin, "m, the body stays this far inside cloth");
   OptionsClass<ProxyOptions>(m, "ProxyOptions", "Options of fit_proxies.")
-      .field("clearance", &ProxyOptions::clearance, "m, how far the capsules stay inside the body on average");
+      .field("clearance", &ProxyOptions::clearance, "m, how far the capsules stay inside the body on average")
+      .field("cloth_margin", &ProxyOptions::cloth_margin, "m, at least this far inside the cloth of the scan pose")
+      .field("capsules_per_bone", &ProxyOptions::capsules_per_bone, "1 to 3")
+      .field("iterations", &ProxyOptions::iterations, "of the least squares");
   py::class_<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{})

@@ -182,11 +182,11 @@ void bind_rays(py::module_ &m) {
               throw std::invalid_argument("origins and directions differ in length");
             Eigen::VectorXi faces(origins.rows());
             Eigen::VectorXd distances(origins.rows());
-            for (Eigen::Index i = 0; i < origins.rows(); ++i) {
+            parallel_for({}, static_cast<int>(origins.rows()), [&](int i) {
               const auto hit = scene.cast(origins.row(i), directions.row(i), min_distance);
               faces[i] = hit ? hit->face : -1;
               distances[i] = hit ? hit->distance : std::numeric_limits<double>::infinity();
-            }
+            });
             return std::make_pair(faces, distances);
           },
           py::arg("origins"), py::arg("directions"), py::arg("min_distance") = 0.0, Release(),
@@ -197,12 +197,12 @@ void bind_rays(py::module_ &m) {
             Eigen::VectorXi faces(points.rows());
             Eigen::VectorXd distances(points.rows());
             Vertices closest(points.rows(), 3);
-            for (Eigen::Index i = 0; i < points.rows(); ++i) {
+            parallel_for({}, static_cast<int>(points.rows()), [&](int i) {
               const ClosestPoint nearest = scene.closest(points.row(i));
               faces[i] = nearest.face;
               distances[i] = nearest.distance;
               closest.row(i) = nearest.point;
-            }
+            });
             return std::make_tuple(faces, distances, closest);
           },
           py::arg("points"), Release(), "(face, distance, point) of the closest surface point of N points.");

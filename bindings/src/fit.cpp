@@ -50,7 +50,8 @@ private:
 
 /// Wraps `make(dimension, seed) -> Optimizer` written in Python.
 OptimizerFactory factory_from(const py::object &make) {
-  if (make.is_none()) return {};
+  if (make.is_none())
+    return {};
   // Shared, so that copies of the function made without the GIL never touch the reference count.
   const std::shared_ptr<py::object> kept(new py::object(make), [](py::object *object) {
     const py::gil_scoped_acquire gil;
@@ -182,7 +183,7 @@ py::dict result_dict(const FitResult &result) {
   return dict;
 }
 
-}  // namespace
+} // namespace
 
 void bind_fit(py::module_ &m) {
   bind_optimizers(m);
@@ -216,8 +217,8 @@ void bind_fit(py::module_ &m) {
         py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release());
   m.def(
       "simulate_reference",
-      [](const CharacterSimulator &simulator, const ReferencePerformance &performance, const std::vector<pbd::Material> &materials,
-         double dt, int settle_frames, const Context &context) {
+      [](const CharacterSimulator &simulator, const ReferencePerformance &performance,
+         const std::vector<pbd::Material> &materials, double dt, int settle_frames, const Context &context) {
         std::vector<Vertices> frames;
         {
           const py::gil_scoped_release release;
@@ -231,4 +232,4 @@ void bind_fit(py::module_ &m) {
   m.def("read_materials", &read_materials, py::arg("path"), Release());
 }
 
-}  // namespace doublet::python
+} // namespace doublet::python

@@ -112,8 +112,13 @@ void bind_state(py::module_ &m) {
       .def_readwrite("r1", &Capsule::r1);
   py::class_<ClothState>(m, "ClothState", "Positions (N, 3) m and velocities (N, 3) m/s; copy() saves it.")
       .def(py::init(&pbd::initial_state), py::arg("positions"))
-      .def_readwrite("positions", &ClothState::positions)
-      .def_readwrite("velocities", &ClothState::velocities)
+      // Through a plain reference, so that the arrays may be written to in place.
+      .def_property(
+          "positions", [](ClothState &state) -> Vertices & { return state.positions; },
+          [](ClothState &state, const Vertices &positions) { state.positions = positions; })
+      .def_property(
+          "velocities", [](ClothState &state) -> Vertices & { return state.velocities; },
+          [](ClothState &state, const Vertices &velocities) { state.velocities = velocities; })
       .def("copy", [](const ClothState &state) { return state; });
   py::class_<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,

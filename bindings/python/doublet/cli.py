@@ -18,8 +18,7 @@ INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
     """`--GROUP-FIELD` for every field of the option classes, with its default and meaning."""
-    for group in groups:
-        options_class = pipeline.OPTION_GROUPS[group]
+    for group, options_class in groups.items():
         flags = parser.add_argument_group(f"{group} options", options_class.__doc__.splitlines()[0])
         for name, default in options_class().to_dict().items():
             if (group, name) in pipeline.DERIVED_FIELDS or isinstance(default, d.Material):
@@ -43,14 +42,14 @@ def shown(value) -> str:
     return str(value)
 
 
-def chosen_options(arguments: argparse.Namespace) -> dict:
+def chosen_options(arguments: argparse.Namespace, groups=pipeline.OPTION_GROUPS) -> dict:
     """The option objects, made from the flags that were given; wrong values raise ValueError here, before any work."""
     chosen: dict[str, dict] = {}
     for key, value in vars(arguments).items():
         if "." in key:
             group, name = key.split(".", 1)
             chosen.setdefault(group, {})[name] = value
-    return {group: options_class(**chosen.get(group, {})) for group, options_class in pipeline.OPTION_GROUPS.items()}
+    return {group: options_class(**chosen.get(group, {})) for group, options_class in groups.items()}
 
 
 def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
@@ -88,18 +87,28 @@ def run_animate(arguments) -> None:
 def run_evaluate(arguments) -> None:
     from .evaluate import evaluate, format_table
 
-    result = evaluate(arguments.out, arguments.truth, arguments.session, Console(arguments.threads, quiet=arguments.quiet), arguments.every)
+    result = evaluate(
+        arguments.out, arguments.truth, arguments.session, Console(arguments.threads, quiet=arguments.quiet), arguments.every
+    )
     print(json.dumps(result, indent=1) if arguments.json else format_table(result))
 
 
 def run_train_body(arguments) -> None:
-    from .body_training import train_body
-
-    train_body(arguments)
+    options = chosen_options(arguments, {"train": d.TrainOptions})["train"]
+    options.command = f"doublet train-body {arguments.population.name} -o {arguments.out.name}"
+    console = Console(arguments.threads, quiet=arguments.quiet)
+    summary = d.train_body_model(arguments.population, arguments.out, options, console.context())
+    console.finish()
+    print(
+        f"{arguments.out}: {summary.components} shape components of {summary.meshes} meshes, "
+        f"{100 * summary.variance_kept:.2f} % of the variance, {summary.reconstruction_mm:.2f} mm mean vertex error"
+    )
 
 
 def common_flags(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--threads", type=int, default=0, metavar="N", help="worker threads, 0 = one a core; results do not depend on it")
+    parser.add_argument(
+        "--threads", type=int, default=0, metavar="N", help="worker threads, 0 = one a core; results do not depend on it"
+    )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of every random choice (default: 1)")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
@@ -123,7 +132,9 @@ def build_parser() -> argparse.ArgumentParser:
 
     reconstruct = commands.add_parser("reconstruct", help="a capture session -> an animatable character and a report")
     reconstruct.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
-    reconstruct.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results; an earlier run goes on")
+    reconstruct.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results; an earlier run goes on"
+    )
     add_stage_flags(reconstruct, pipeline.OPTION_GROUPS, with_body_model=True)
     reconstruct.set_defaults(run=run_reconstruct)
 
@@ -135,7 +146,8 @@ def build_parser() -> argparse.ArgumentParser:
         else:
             command.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far")
             command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
-        groups = [g for g in pipeline.OPTION_GROUPS for s in pipeline.STAGES if s.name in stages and g in s.groups]
+        used = {group for stage in pipeline.STAGES if stage.name in stages for group in stage.groups}
+        groups = {group: c for group, c in pipeline.OPTION_GROUPS.items() if group in used}
         add_stage_flags(command, groups, with_body_model=name == "body")
         command.set_defaults(run=run_stages, stages=stages)
 
@@ -179,8 +191,8 @@ def add_train_body(commands) -> None:
     train = commands.add_parser("train-body", help="registered meshes -> statistical body model")
     train.add_argument("population", type=Path, metavar="POPULATION.npz")
     train.add_argument("-o", "--out", type=Path, required=True, metavar="MODEL.npz")
-    train.add_argument("--components", type=int, default=None, metavar="N", help="default: as the shipped model")
     common_flags(train)
+    add_option_flags(train, {"train": d.TrainOptions})
     train.set_defaults(run=run_train_body)
 
 

@@ -240,7 +240,9 @@ def plain(value):
 
 
 def stage_options(job: Job, stage: Stage) -> dict:
-    options = {f"{g}.{k}": plain(v) for g in stage.groups for k, v in job.options[g].to_dict().items() if (g, k) not in DERIVED_FIELDS}
+    options = {
+        f"{g}.{k}": plain(v) for g in stage.groups for k, v in job.options[g].to_dict().items() if (g, k) not in DERIVED_FIELDS
+    }
     if stage.uses_seed:
         options["seed"] = job.seed
     if "energy" in stage.groups:

@@ -1,0 +1,285 @@
+"""Errors of a reconstruction against a ground truth: the table of docs/formats.md."""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from . import _doublet as d
+from .console import Console
+
+#: Name -> (unit, meaning); the order of the table.
+METRICS = {
+    "joint_mm": ("mm", "mean distance of the marked joints, over joints and frames"),
+    "surface_body_mm": ("mm", "mean distance from the visible true body to the captured surface"),
+    "surface_cloth_mm": ("mm", "mean distance from the visible true garment to the captured surface"),
+    "silhouette_iou": ("", "captured surface's mask against the true mask, mean over cameras and frames"),
+    "cloth_iou": ("", "clothness > 0.5 against the true garment, by area of the visible surface in the scan pose"),
+    "hidden_body_mm": ("mm", "mean distance from the true body hidden by the garment to the fitted body, scan pose"),
+    "resim_cloth_cm": ("cm", "RMS distance from the true garment to the re-animated character"),
+    "novel_cloth_cm": ("cm", "the same on a motion that was not used"),
+}
+MASK_NAME = re.compile(r"(?P<camera>.+)_(?P<frame>\d+)\.png")
+
+
+class Missing(Exception):
+    """A metric cannot be computed; the message says what is not there."""
+
+
+class Truth:
+    """A ground_truth folder: body and garment per frame, labels, joints, masks."""
+
+    def __init__(self, folder: Path):
+        self.folder = Path(folder)
+        if not (self.folder / "static.npz").exists() and not (self.folder.parent / "static.npz").exists():
+            raise FileNotFoundError(f"{self.folder / 'static.npz'} does not exist, so {self.folder} is no ground truth")
+        own = self.folder / "static.npz"
+        with np.load(own if own.exists() else self.folder.parent / "static.npz") as static:
+            self.body_faces = static["body_tris"].astype(np.int32)
+            self.cloth_faces = static["cloth_tris"].astype(np.int32)
+        self._file = (None, None)
+
+    @cached_property
+    def chunks(self) -> dict[int, tuple[Path, int]]:
+        """Frame -> (file, row)."""
+        found = {}
+        for path in sorted(self.folder.glob("frames_*.npz")):
+            with np.load(path) as chunk:
+                count = len(chunk["cloth"])
+                frames = chunk["frames"] if "frames" in chunk else int(chunk["start"]) + np.arange(count)
+            found.update({int(f): (path, row) for row, f in enumerate(frames)})
+        return found
+
+    def frame(self, number: int) -> tuple[np.ndarray, np.ndarray]:
+        """(body, garment) vertices, m."""
+        path, row = self.chunks[number]
+        if self._file[0] != path:
+            with np.load(path) as chunk:
+                self._file = (path, {key: chunk[key] for key in ("body", "cloth")})
+        return tuple(self._file[1][key][row].astype(float) for key in ("body", "cloth"))
+
+    def surface(self, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(vertices, faces, is_garment per face) of body and garment together."""
+        body, cloth = self.frame(number)
+        faces = np.vstack([self.body_faces, self.cloth_faces + len(body)])
+        return np.vstack([body, cloth]), faces, np.arange(len(faces)) >= len(self.body_faces)
+
+    def joints(self) -> tuple[list[str], dict[int, np.ndarray]]:
+        """Names, and frame -> (J, 3)."""
+        path = self.folder / "skeleton.npz"
+        if not path.exists():
+            raise Missing(f"{path} does not exist")
+        with np.load(path) as file:
+            frames = file["frames"] if "frames" in file else np.arange(len(file["joints"]))
+            return [str(n) for n in file["joint_names"]], dict(zip((int(f) for f in frames), file["joints"].astype(float)))
+
+    def masks(self) -> list[tuple[str, int, Path]]:
+        """(camera name, frame, file)."""
+        matches = [(MASK_NAME.fullmatch(p.name), p) for p in sorted((self.folder / "masks").glob("*.png"))]
+        return [(m["camera"], int(m["frame"]), p) for m, p in matches if m]
+
+
+class Reconstruction:
+    """The files of an OUT folder, read when asked for."""
+
+    def __init__(self, out: Path):
+        self.out = Path(out)
+
+    def path(self, name: str) -> Path:
+        if not (self.out / name).exists():
+            raise Missing(f"{self.out / name} does not exist")
+        return self.out / name
+
+    @cached_property
+    def actor(self) -> d.RiggedMesh:
+        return d.read_actor(self.path("actor.npz"))
+
+    @cached_property
+    def faces(self) -> np.ndarray:
+        """Faces that the scan supports."""
+        return self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
+
+    @cached_property
+    def performance(self) -> d.ReferencePerformance:
+        return d.read_performance(self.path("performance.npz"), self.actor)
+
+    def rows(self, truth_frames, every: int) -> list[tuple[int, int]]:
+        """(row, video frame) for which there is truth."""
+        known = set(truth_frames)
+        rows = [(row, f) for row, f in enumerate(self.performance.frames) if f in known][::every]
+        if not rows:
+            raise Missing("no captured frame has a true one")
+        return rows
+
+
+def seen_faces(vertices: np.ndarray, faces: np.ndarray, cameras) -> np.ndarray:
+    """Which faces show at a pixel of at least one camera; bool (F)."""
+    seen = np.zeros(len(faces), bool)
+    for camera in cameras:
+        face, _ = d.rasterize(vertices, faces, camera)
+        seen[np.unique(face[face >= 0])] = True
+    return seen
+
+
+def centroids(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    return vertices[faces].mean(axis=1)
+
+
+def joint_mm(made: Reconstruction, truth: Truth, every: int) -> float:
+    names, true_joints = truth.joints()
+    ours = made.actor.skeleton.joint_names
+    shared = [n for n in ours if n in names]
+    if not shared:
+        raise Missing("no joint of the character has a true one of its name")
+    mine, theirs = [ours.index(n) for n in shared], [names.index(n) for n in shared]
+    joints = made.performance.joints
+    errors = [joints[row][mine] - true_joints[frame][theirs] for row, frame in made.rows(true_joints, every)]
+    return 1000 * float(np.linalg.norm(errors, axis=-1).mean())
+
+
+def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> dict[str, float]:
+    """Samples are the centroids of the true faces that a camera sees, weighted by area."""
+    rows = made.rows(truth.chunks, every)
+    frames = made.performance.surface.frames
+    total, weight = np.zeros(2), np.zeros(2)
+    for done, (row, frame) in enumerate(rows):
+        context.report("evaluate surface", done / len(rows))
+        vertices, faces, garment = truth.surface(frame)
+        seen = seen_faces(vertices, faces, cameras)
+        _, distance, _ = d.RayScene(d.Mesh(frames[row], made.faces)).closest(centroids(vertices, faces[seen]))
+        area = d.face_areas(vertices, faces[seen])
+        for label in (0, 1):
+            chosen = garment[seen] == bool(label)
+            total[label] += (distance * area)[chosen].sum()
+            weight[label] += area[chosen].sum()
+    return {"surface_body_mm": 1000 * total[0] / weight[0], "surface_cloth_mm": 1000 * total[1] / weight[1]}
+
+
+def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> float:
+    masks = truth.masks()
+    rows = {frame: row for row, frame in made.rows({frame for _, frame, _ in masks}, every)}
+    by_name = {camera.name: camera for camera in cameras}
+    chosen = [m for m in masks if m[0] in by_name and m[1] in rows]
+    frames, values = made.performance.surface.frames, []
+    for done, (name, frame, path) in enumerate(chosen):
+        context.report("evaluate silhouettes", done / len(chosen))
+        mask = np.asarray(Image.open(path).convert("L")) > 0
+        camera = by_name[name].resized(mask.shape[1], mask.shape[0])
+        face, _ = d.rasterize(frames[rows[frame]], made.faces, camera)
+        values.append(((face >= 0) & mask).sum() / max(((face >= 0) | mask).sum(), 1))
+    if not values:
+        raise Missing("no true mask belongs to a captured frame and camera")
+    return float(np.mean(values))
+
+
+def cloth_iou(made: Reconstruction, truth: Truth, cameras) -> float:
+    """Over the template's faces that a camera sees in the scan pose; the true label is that of the closest true face that one sees."""
+    if 0 not in truth.chunks:
+        raise Missing("the truth does not hold frame 0, the scan pose")
+    clothness = d.read_clothness(made.path("segmentation.npz")).clothness
+    vertices, faces, garment = truth.surface(0)
+    seen = seen_faces(vertices, faces, cameras)
+    ours = made.actor.mesh.vertices
+    our_faces = made.faces[seen_faces(ours, made.faces, cameras)]
+    nearest, _, _ = d.RayScene(d.Mesh(vertices, faces[seen])).closest(centroids(ours, our_faces))
+    true_cloth = garment[seen][nearest]
+    cloth = clothness[our_faces].mean(axis=1) > 0.5
+    area = d.face_areas(ours, our_faces)
+    union = area[cloth | true_cloth].sum()
+    return float(area[cloth & true_cloth].sum() / union) if union > 0 else 1.0
+
+
+def hidden_body_mm(made: Reconstruction, truth: Truth, cameras) -> float:
+    """Under the garment: no camera sees the body face, and the ray along its normal meets the garment first from inside."""
+    if 0 not in truth.chunks:
+        raise Missing("the truth does not hold frame 0, the scan pose")
+    fit = d.read_body(made.path("body.npz"))
+    body, cloth = truth.frame(0)
+    vertices, faces, garment = truth.surface(0)
+    unseen = ~seen_faces(vertices, faces, cameras)[~garment]
+    points, normals = centroids(body, truth.body_faces), d.face_normals(body, truth.body_faces)
+    hit, _ = d.RayScene(d.Mesh(cloth, truth.cloth_faces)).cast(points, normals, 1e-6)
+    from_inside = (normals * d.face_normals(cloth, truth.cloth_faces)[hit]).sum(axis=1) > 0
+    hidden = unseen & (hit >= 0) & from_inside
+    if not hidden.any():
+        raise Missing("no true body face is hidden by the garment")
+    _, distance, _ = d.RayScene(fit.body).closest(points[hidden])
+    return 1000 * float(np.average(distance, weights=d.face_areas(body, truth.body_faces[hidden])))
+
+
+def cloth_rms_cm(
+    surfaces: dict[int, np.ndarray], faces: np.ndarray, truth: Truth, every: int, context: d.Context, name: str
+) -> float:
+    """surfaces: frame -> (V, 3). All true garment vertices, weighted alike."""
+    frames = sorted(set(surfaces) & set(truth.chunks))[::every]
+    if not frames:
+        raise Missing("no simulated frame has a true one")
+    squares = []
+    for done, frame in enumerate(frames):
+        context.report(f"evaluate {name}", done / len(frames))
+        _, distance, _ = d.RayScene(d.Mesh(surfaces[frame], faces)).closest(truth.frame(frame)[1])
+        squares.append(np.square(distance).mean())
+    return 100 * math.sqrt(np.mean(squares))
+
+
+def resim_cloth_cm(made: Reconstruction, truth: Truth, every: int, context: d.Context) -> float:
+    with np.load(made.path("simulated.npz")) as simulated:
+        vertices = simulated["vertices"].astype(float)
+    surfaces = dict(zip(made.performance.frames, vertices))
+    return cloth_rms_cm(surfaces, made.faces, truth, every, context, "re-animation")
+
+
+def novel_cloth_cm(made: Reconstruction, truth: Truth, fps: float, every: int, context: d.Context) -> float:
+    folder = truth.folder / "novel"
+    if not (folder / "motion.bvh").exists():
+        raise Missing(f"{folder / 'motion.bvh'} does not exist")
+    from .character import animate_exactly
+
+    surfaces = animate_exactly(made.path("character.glb"), folder / "motion.bvh", fps, context)
+    return cloth_rms_cm(dict(enumerate(surfaces)), made.faces, Truth(folder), every, context, "new motion")
+
+
+def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console: Console, every: int = 1) -> dict:
+    """{"metrics": {name: value or None}, "missing": {name: reason}, ...}; a number that cannot be computed is missing, not 0."""
+    from .pipeline import recorded_session
+
+    if every < 1:
+        raise ValueError(f"--every must be 1 or more, found {every}")
+    if not Path(out).is_dir():
+        raise FileNotFoundError(f"{out} is not a folder")
+    made, truth, context = Reconstruction(out), Truth(truth_folder), console.context()
+    session = d.Session(session_folder or recorded_session(out))
+    cameras = session.rig
+    computed = {
+        "joint_mm": lambda: joint_mm(made, truth, every),
+        "surface": lambda: surface_mm(made, truth, cameras, every, context),
+        "silhouette_iou": lambda: silhouette_iou(made, truth, cameras, every, context),
+        "cloth_iou": lambda: cloth_iou(made, truth, cameras),
+        "hidden_body_mm": lambda: hidden_body_mm(made, truth, cameras),
+        "resim_cloth_cm": lambda: resim_cloth_cm(made, truth, every, context),
+        "novel_cloth_cm": lambda: novel_cloth_cm(made, truth, session.fps, every, context),
+    }
+    metrics, missing = dict.fromkeys(METRICS), {}
+    for name, compute in computed.items():
+        covered = [m for m in METRICS if m.startswith(name)]
+        try:
+            value = compute()
+            metrics.update(value if isinstance(value, dict) else {name: float(value)})
+        except Missing as reason:
+            missing.update(dict.fromkeys(covered, str(reason)))
+    console.finish()
+    rounded = {k: None if v is None else float(f"{v:.5g}") for k, v in metrics.items()}
+    return {"metrics": rounded, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
+
+
+def format_table(result: dict) -> str:
+    lines = []
+    for name, value in result["metrics"].items():
+        shown = f"{value:9.3f}" if value is not None else "  missing"
+        lines.append(f"{name:<18}{shown} {METRICS[name][0]:<3} {result['missing'].get(name) or METRICS[name][1]}")
+    return "\n".join(lines)

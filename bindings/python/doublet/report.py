@@ -1,0 +1,216 @@
+"""report.html: one self-contained page about a reconstruction."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+
+import numpy as np
+
+from . import __version__, picture
+from . import _doublet as d
+from .files import write_text
+
+UNITS = {"d_n": "1/m", "d_t": "1/s"}
+STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#222}
+h1{margin-bottom:0}h2{margin-top:2em;border-bottom:1px solid #ddd}table{border-collapse:collapse;margin:.5em 0}
+td,th{padding:.2em .8em;border-bottom:1px solid #eee;text-align:left}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
+.row{display:flex;flex-wrap:wrap;gap:8px}.row figure{margin:0}
+figcaption{font-size:13px;color:#555}img{max-height:420px;max-width:100%}
+svg{max-width:100%;height:auto}"""
+
+
+def table(header: list[str], rows: list[list]) -> str:
+    def cell(value, tag):
+        number = isinstance(value, (int, float))
+        text = f"{value:.4g}" if isinstance(value, float) else str(value)
+        return f"<{tag}{' class=n' if number else ''}>{html.escape(text)}</{tag}>"
+
+    head = "".join(cell(h, "th") for h in header)
+    body = "".join("<tr>" + "".join(cell(c, "td") for c in row) + "</tr>" for row in rows)
+    return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def figure(image: np.ndarray, caption: str) -> str:
+    text = html.escape(caption)
+    return f'<figure><img src="{picture.data_uri(image)}" alt="{text}"><figcaption>{text}</figcaption></figure>'
+
+
+def row(figures) -> str:
+    return f'<div class="row">{"".join(figures)}</div>'
+
+
+def spread(count: int, wanted: int) -> list[int]:
+    """`wanted` indices over [0, count), both ends included."""
+    return sorted({round(i) for i in np.linspace(0, count - 1, min(count, wanted))})
+
+
+class Shown:
+    """What the page shows, read from the files of OUT."""
+
+    def __init__(self, job):
+        self.job = job
+        self.session = job.session
+        self.actor = job.actor
+        self.performance = job.performance()
+        self.faces = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
+        self.captured = self.performance.surface.frames
+        with np.load(job.path("simulated.npz")) as simulated:
+            self.simulated = simulated["vertices"].astype(float)
+        self.source = d.FrameSource.open(job.session)
+
+    def photo(self, camera: int, frame: int) -> np.ndarray:
+        """RGB; grey if the camera has no image there (a session of masks)."""
+        image = self.source.image(camera, frame)
+        rig = self.session.rig[camera]
+        return image[..., ::-1] if image.size else np.full((rig.height, rig.width, 3), 128, np.uint8)
+
+
+def overlays(shown: Shown) -> str:
+    figures = []
+    for i in spread(len(shown.captured), 4):
+        for c in spread(len(shown.session.rig), 3)[: 3 if i else 2]:
+            camera, frame = shown.session.rig[c], shown.performance.frames[i]
+            edge = picture.outline(shown.captured[i], shown.faces, camera)
+            drawn = picture.draw_outline(shown.photo(c, frame), edge)
+            figures.append(figure(drawn[picture.crop_box(shown.captured[i], camera)], f"{camera.name}, frame {frame}"))
+    return "<p>Outline of the captured surface on the video.</p>" + row(figures)
+
+
+def segmentation(shown: Shown) -> str:
+    clothness = shown.job.clothness()
+    vertices = shown.actor.mesh.vertices
+    share = clothness.clothness[shown.faces].mean(axis=1)[:, None]
+    colours = (1 - share) * picture.SKIN + share * picture.CLOTH
+    views = [picture.shade(vertices, shown.faces, picture.around(vertices, a), colours) for a in (0.0, np.pi)]
+    areas = d.vertex_areas(vertices, shown.actor.mesh.faces)
+    rows = [[k, float(areas[clothness.region == k].sum())] for k in range(clothness.region_count)]
+    return row([figure(v, n) for v, n in zip(views, ("front", "back"))]) + table(["region", "area, m²"], rows)
+
+
+def body(shown: Shown) -> str:
+    fit = d.read_body(shown.job.path("body.npz"))
+    proxies = d.read_proxies(shown.job.path("proxies.json"), shown.actor.skeleton)
+    rest = shown.actor.skeleton.joint_rest
+    meshes = [picture.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
+    figures = []
+    for azimuth, name in ((0.0, "front"), (np.pi / 2, "side")):
+        camera = picture.around(shown.actor.mesh.vertices, azimuth)
+        naked = picture.shade(fit.body.vertices, fit.body.faces, camera, picture.SKIN)
+        solid = naked
+        if meshes:
+            offsets = np.cumsum([0] + [len(v) for v, _ in meshes[:-1]])
+            vertices, faces = np.vstack([v for v, _ in meshes]), np.vstack([f + o for (_, f), o in zip(meshes, offsets)])
+            solid = (0.5 * naked + 0.5 * picture.shade(vertices, faces, camera, picture.PROXY, naked)).astype(np.uint8)
+        edge = picture.outline(shown.actor.mesh.vertices, shown.faces, camera)
+        figures.append(figure(picture.draw_outline(naked, edge, (150, 150, 150)), f"body under the clothes, {name}"))
+        figures.append(figure(solid, f"collision proxies, {name}"))
+    return (
+        row(figures)
+        + f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
+    )
+
+
+def energy_plot(path) -> str:
+    """Inline SVG of best and generation energy over evaluations."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    with path.open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    chart, axes = pyplot.subplots(figsize=(8, 3.2))
+    for region in sorted({r["region"] for r in rows}, key=int):
+        mine = [r for r in rows if r["region"] == region]
+        evaluations = [int(r["evaluations"]) for r in mine]
+        axes.plot(evaluations, [float(r["generation_best"]) for r in mine], ".", label=f"region {region}: best of the generation")
+        axes.plot(evaluations, [float(r["best"]) for r in mine], label=f"region {region}: best so far")
+    axes.set_xlabel("evaluations")
+    axes.set_ylabel("E_fit, px²")
+    axes.legend(frameon=False)
+    chart.tight_layout()
+    buffer = io.StringIO()
+    chart.savefig(buffer, format="svg", metadata={"Date": None})
+    pyplot.close(chart)
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def fit(shown: Shown) -> str:
+    fitted = json.loads(shown.job.path("material.json").read_text(encoding="utf-8"))
+    boxes = d.Material.boxes()
+    parts = [energy_plot(shown.job.path("fit_log.csv"))]
+    for k, region in enumerate(fitted["regions"]):
+        rows = []
+        for name, value in region["parameters"].items():
+            deviation = region.get("deviations", {}).get(name)
+            low, high = boxes[name]
+            known = "fixed" if deviation is None else f"± {deviation * (high - low):.3g}"
+            rows.append([name, float(value), known, UNITS.get(name, "-"), f"[{low:g}, {high:g}]"])
+        saved = 100 * (1 - region["energy"] / region["energy_at_centre"])
+        parts.append(f"<h3>Region {k}</h3>" + table(["parameter", "value", "spread of the search", "unit", "box"], rows))
+        centre = region["energy_at_centre"]
+        parts.append(
+            f"<p>E_fit {region['energy']:.2f} px², {saved:.0f} % below the centre of the box ({centre:.2f} px²); "
+            f"{region['evaluations']} evaluations, stopped: {html.escape(str(region['stop_reason']))}.</p>"
+        )
+    return "".join(parts)
+
+
+def side_by_side(shown: Shown) -> str:
+    clothness = shown.job.clothness().clothness
+    share = clothness[shown.faces].mean(axis=1)[:, None]
+    colours = (1 - share) * picture.SKIN + share * picture.CLOTH
+    figures = []
+    for i in spread(len(shown.captured), 4):
+        camera = shown.session.rig[0]
+        frame = shown.performance.frames[i]
+        both = np.vstack([shown.captured[i], shown.simulated[i]])
+        box = picture.crop_box(both, camera)
+        views = [
+            shown.photo(0, frame),
+            picture.shade(shown.captured[i], shown.faces, camera, colours),
+            picture.shade(shown.simulated[i], shown.faces, camera, colours),
+        ]
+        figures.append(figure(np.hstack([v[box] for v in views]), f"frame {frame}: video, captured, simulated"))
+    return row(figures)
+
+
+def timings(shown: Shown) -> str:
+    stages = shown.job.record.data["stages"]
+    done = {k: v for k, v in stages.items() if v["state"] == "done"}
+    rows = [[k, float(v["seconds"]), float(v["peak_memory_mb"])] for k, v in done.items()]
+    rows.append(["all", float(sum(v["seconds"] for v in done.values())), float(max(v["peak_memory_mb"] for v in done.values()))])
+    numbers = [[k, n, json.dumps(value)] for k, v in done.items() for n, value in v["summary"].items()]
+    return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
+
+
+SECTIONS = (
+    ("Reference performance", overlays),
+    ("Cloth", segmentation),
+    ("Body and collision proxies", body),
+    ("Material", fit),
+    ("Simulated beside captured", side_by_side),
+    ("Time and memory", timings),
+)
+
+
+def write_report(job) -> None:
+    shown = Shown(job)
+    session = job.session
+    parts = []
+    for done, (title, section) in enumerate(SECTIONS):
+        job.context.report("report", done / len(SECTIONS))
+        parts.append(f"<h2>{title}</h2>{section(shown)}")
+    head = (
+        f"{len(session.cameras)} cameras, {len(shown.performance.frames)} frames at {session.fps:g} fps; "
+        f"seed {job.record.data.get('seed', job.seed)}; doublet {__version__}"
+    )
+    page = (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(session.name)}</title><style>{STYLE}</style>'
+        f"<h1>{html.escape(session.name)}</h1><p>{html.escape(head)}</p>{''.join(parts)}</html>\n"
+    )
+    write_text(job.path("report.html"), page)
