@@ -1,0 +1,374 @@
+// Tapered capsules for the fitted body: Levenberg-Marquardt on signed distances, all capsules together.
+#include "doublet/bodymodel/body_fitter.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+namespace doublet {
+namespace {
+
+constexpr int kParameters = 8;           ///< p0, p1, r0, r1
+constexpr double kBulgeWeight = 4;       ///< of a capsule outside the body against one inside
+constexpr double kClothWeight = 40;      ///< of a capsule in the resting cloth
+constexpr double kUncoveredWeight = 0.3; ///< of body surface that cloth does not cover in the scan pose
+constexpr double kCoveredShare = 0.1;    ///< a bone with more of its body surface under cloth is covered
+constexpr double kShortestBone = 0.03;   ///< m, shorter ones (a clavicle's stub) have no surface of their own
+constexpr double kSmallestRadius = 0.01; ///< m
+
+struct Bone {
+  int joint, end;
+  bool covered = false, chosen = false;
+};
+
+double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
+  const Eigen::Vector3d axis = b - a;
+  const double t = std::clamp((x - a).dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0);
+  return (x - a - t * axis).norm();
+}
+
+struct Anatomy {
+  std::vector<Bone> bones;
+  std::vector<int> nearest; ///< per body vertex
+};
+
+bool is_leaf(const Skeleton &skeleton, int joint) {
+  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
+}
+
+Anatomy find_bones(const Mesh &body, const Skeleton &skeleton) {
+  Anatomy anatomy;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0 && (skeleton.joints[j].rest - skeleton.joints[parent].rest).norm() > kShortestBone)
+      anatomy.bones.push_back({parent, j});
+  }
+  anatomy.nearest.assign(body.vertices.rows(), -1);
+  for (int v = 0; v < body.vertices.rows(); ++v) {
+    double best = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+      const double d = segment_distance(body.vertices.row(v).transpose(), skeleton.joints[anatomy.bones[b].joint].rest,
+                                        skeleton.joints[anatomy.bones[b].end].rest);
+      if (d < best) {
+        best = d;
+        anatomy.nearest[v] = static_cast<int>(b);
+      }
+    }
+  }
+  return anatomy;
+}
+
+/// Covered bones, and the next ones down the chain unless they end in nothing (hands, feet): swinging cloth reaches those.
+void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<std::uint8_t> &under,
+                  const Eigen::VectorXd &areas) {
+  std::vector<double> all(anatomy.bones.size(), 0), covered(anatomy.bones.size(), 0);
+  for (std::size_t v = 0; v < under.size(); ++v)
+    if (anatomy.nearest[v] >= 0) {
+      all[anatomy.nearest[v]] += areas[v];
+      covered[anatomy.nearest[v]] += under[v] ? areas[v] : 0;
+    }
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b)
+    anatomy.bones[b].chosen = anatomy.bones[b].covered = all[b] > 0 && covered[b] > kCoveredShare * all[b];
+  for (Bone &bone : anatomy.bones)
+    for (const Bone &above : anatomy.bones)
+      if (above.covered && above.end == bone.joint && !is_leaf(skeleton, bone.end))
+        bone.chosen = true;
+}
+
+struct Capsules {
+  std::vector<PosedCapsule> shape;
+  std::vector<int> joint;
+};
+
+double &parameter(PosedCapsule &c, int k) {
+  return k < 3 ? c.p0[k] : k < 6 ? c.p1[k - 3] : k == 6 ? c.r0 : c.r1;
+}
+
+/// One bone's capsules, end to end: spheres at the centroids of slices of the body.
+void start_capsules(const Mesh &body, const Anatomy &anatomy, int bone, const Skeleton &skeleton, int count, Capsules &out) {
+  const Eigen::Vector3d a = skeleton.joints[anatomy.bones[bone].joint].rest, b = skeleton.joints[anatomy.bones[bone].end].rest;
+  const Eigen::Vector3d axis = b - a;
+  std::vector<Eigen::Vector3d> centre(count + 1, Eigen::Vector3d::Zero());
+  std::vector<double> radius(count + 1, 0), weight(count + 1, 0);
+  auto slice = [&](int v) {
+    const double t = (body.vertices.row(v).transpose() - a).dot(axis) / axis.squaredNorm();
+    return std::clamp(static_cast<int>(std::lround(t * count)), 0, count);
+  };
+  for (int pass = 0; pass < 2; ++pass)
+    for (int v = 0; v < body.vertices.rows(); ++v)
+      if (anatomy.nearest[v] == bone) {
+        const int s = slice(v);
+        if (pass == 0) {
+          centre[s] += body.vertices.row(v).transpose();
+          weight[s] += 1;
+        } else {
+          radius[s] += (body.vertices.row(v).transpose() - centre[s] / weight[s]).norm() / weight[s];
+        }
+      }
+  for (int s = 0; s <= count; ++s)
+    centre[s] = weight[s] > 0 ? Eigen::Vector3d(centre[s] / weight[s]) : Eigen::Vector3d(a + axis * s / count);
+  for (int s = 0; s < count; ++s) {
+    out.shape.push_back(
+        {centre[s], centre[s + 1], std::max(0.8 * radius[s], kSmallestRadius), std::max(0.8 * radius[s + 1], kSmallestRadius)});
+    out.joint.push_back(anatomy.bones[bone].joint);
+  }
+}
+
+/// What the capsules are fitted to.
+struct Target {
+  Mesh body;
+  RayScene scene;
+  Vertices normals;                   ///< (F, 3) of the body
+  std::vector<int> points;            ///< body vertices
+  std::vector<double> weights;        ///< of points, m^2
+  std::vector<Eigen::Vector3d> cloth; ///< resting cloth
+};
+
+struct Sum {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+  double cost = 0;
+  void add(int capsule, const Eigen::Matrix<double, kParameters, 1> &gradient, double residual, double weight) {
+    const int at = capsule * kParameters;
+    matrix.block<kParameters, kParameters>(at, at) += weight * gradient * gradient.transpose();
+    right.segment<kParameters>(at) -= weight * residual * gradient;
+    cost += weight * residual * residual;
+  }
+};
+
+Eigen::Matrix<double, kParameters, 1> distance_gradient(PosedCapsule capsule, const Eigen::Vector3d &point) {
+  constexpr double h = 1e-6;
+  Eigen::Matrix<double, kParameters, 1> gradient;
+  for (int k = 0; k < kParameters; ++k) {
+    double &p = parameter(capsule, k);
+    const double value = p;
+    p = value + h;
+    const double up = signed_distance(capsule, point);
+    p = value - h;
+    gradient[k] = (up - signed_distance(capsule, point)) / (2 * h);
+    p = value;
+  }
+  return gradient;
+}
+
+int nearest_capsule(const std::vector<PosedCapsule> &capsules, const Eigen::Vector3d &point, double &distance) {
+  int best = -1;
+  distance = std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < capsules.size(); ++c)
+    if (const double d = signed_distance(capsules[c], point); d < distance) {
+      distance = d;
+      best = static_cast<int>(c);
+    }
+  return best;
+}
+
+/// Signed distance to the body (negative inside) and its outward direction at the closest point.
+double body_distance(const RayScene &scene, const Vertices &normals, const Eigen::Vector3d &point, Eigen::Vector3d &outward) {
+  const ClosestPoint at = scene.closest(point);
+  outward = normals.row(at.face);
+  return outward.dot(point - at.point) > 0 ? at.distance : -at.distance;
+}
+
+/// Points on a capsule's surface: rings along the axis and the two poles. visit(point, t in [0, 1], unit direction from the
+/// axis).
+template <typename Visit> void visit_surface(const PosedCapsule &c, Visit visit) {
+  constexpr int rings = 7, around = 12;
+  const Eigen::Vector3d axis = c.p1 - c.p0;
+  const Eigen::Vector3d along = axis.norm() > 1e-9 ? Eigen::Vector3d(axis.normalized()) : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d u = along.unitOrthogonal(), w = along.cross(u);
+  for (int i = 0; i < rings; ++i) {
+    const double t = static_cast<double>(i) / (rings - 1), radius = (1 - t) * c.r0 + t * c.r1;
+    for (int k = 0; k < around; ++k) {
+      const double phi = 2 * std::numbers::pi * k / around;
+      const Eigen::Vector3d direction = std::cos(phi) * u + std::sin(phi) * w;
+      visit(Eigen::Vector3d(c.p0 + t * axis + radius * direction), t, direction);
+    }
+  }
+  visit(Eigen::Vector3d(c.p0 - c.r0 * along), 0.0, Eigen::Vector3d(-along));
+  visit(Eigen::Vector3d(c.p1 + c.r1 * along), 1.0, along);
+}
+
+Sum accumulate(const std::vector<PosedCapsule> &capsules, const Target &target, const ProxyOptions &options) {
+  const int n = static_cast<int>(capsules.size()) * kParameters;
+  Sum sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  for (std::size_t i = 0; i < target.points.size(); ++i) {
+    const Eigen::Vector3d point = target.body.vertices.row(target.points[i]);
+    double distance;
+    const int c = nearest_capsule(capsules, point, distance);
+    const double residual = distance - options.clearance;
+    sum.add(c, distance_gradient(capsules[c], point), residual, target.weights[i] * (residual < 0 ? kBulgeWeight : 1));
+  }
+  for (std::size_t c = 0; c < capsules.size(); ++c) {
+    const PosedCapsule &capsule = capsules[c];
+    const double patch =
+        2 * std::numbers::pi * (capsule.r0 + capsule.r1) / 2 * ((capsule.p1 - capsule.p0).norm() + capsule.r0 + capsule.r1) / 86;
+    visit_surface(capsule, [&](const Eigen::Vector3d &point, double t, const Eigen::Vector3d &direction) {
+      Eigen::Vector3d outward;
+      const double outside = body_distance(target.scene, target.normals, point, outward);
+      if (outside <= 0)
+        return;
+      Eigen::Matrix<double, kParameters, 1> gradient;
+      const double by_radius = outward.dot(direction);
+      gradient << (1 - t) * outward, t * outward, (1 - t) * by_radius, t * by_radius;
+      sum.add(static_cast<int>(c), gradient, outside, kBulgeWeight * patch);
+    });
+  }
+  const double cloth_weight = kClothWeight * 1e-4; // a cloth sample stands for about a square centimetre
+  for (const Eigen::Vector3d &point : target.cloth) {
+    double distance;
+    const int c = nearest_capsule(capsules, point, distance);
+    if (distance < options.cloth_margin)
+      sum.add(c, distance_gradient(capsules[c], point), distance - options.cloth_margin, cloth_weight);
+  }
+  return sum;
+}
+
+std::vector<PosedCapsule> moved(std::vector<PosedCapsule> capsules, const Eigen::VectorXd &step) {
+  for (std::size_t c = 0; c < capsules.size(); ++c) {
+    for (int k = 0; k < kParameters; ++k)
+      parameter(capsules[c], k) += step[c * kParameters + k];
+    capsules[c].r0 = std::max(capsules[c].r0, kSmallestRadius);
+    capsules[c].r1 = std::max(capsules[c].r1, kSmallestRadius);
+  }
+  return capsules;
+}
+
+void optimise(std::vector<PosedCapsule> &capsules, const Target &target, const ProxyOptions &options) {
+  double damping = 1e-2;
+  Sum current = accumulate(capsules, target, options);
+  for (int iteration = 0; iteration < options.iterations && damping < 1e6; ++iteration) {
+    Eigen::MatrixXd damped = current.matrix;
+    damped.diagonal() += damping * (current.matrix.diagonal().array() + 1e-6).matrix();
+    const std::vector<PosedCapsule> trial = moved(capsules, damped.ldlt().solve(current.right));
+    Sum next = accumulate(trial, target, options);
+    const bool better = next.cost < current.cost;
+    damping *= better ? 0.3 : 4;
+    if (better) {
+      capsules = trial;
+      current = std::move(next);
+    }
+  }
+}
+
+/// Least squares only discourages: whatever still reaches into the resting cloth is made thinner.
+void keep_out_of_cloth(std::vector<PosedCapsule> &capsules, const Target &target, double margin) {
+  for (PosedCapsule &capsule : capsules) {
+    double least = margin;
+    for (const Eigen::Vector3d &point : target.cloth)
+      least = std::min(least, signed_distance(capsule, point));
+    capsule.r0 = std::max(capsule.r0 - (margin - least), 1e-3);
+    capsule.r1 = std::max(capsule.r1 - (margin - least), 1e-3);
+  }
+}
+
+/// Vertices and centroids of the valid faces whose corners are all cloth.
+std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothness &clothness) {
+  std::vector<Eigen::Vector3d> points;
+  const Mesh &mesh = actor.mesh;
+  std::vector<char> used(mesh.vertices.rows(), 0);
+  for (int f = 0; f < mesh.faces.rows(); ++f) {
+    const Eigen::RowVector3i corners = mesh.faces.row(f);
+    if (!actor.face_valid[f] || std::any_of(corners.begin(), corners.end(), [&](int i) { return !(clothness.clothness[i] > 0); }))
+      continue;
+    points.push_back((mesh.vertices.row(corners[0]) + mesh.vertices.row(corners[1]) + mesh.vertices.row(corners[2])).transpose() /
+                     3);
+    for (int i : corners)
+      if (!used[i]) {
+        used[i] = 1;
+        points.push_back(mesh.vertices.row(i).transpose());
+      }
+  }
+  return points;
+}
+
+} // namespace
+
+void ProxyOptions::validate() const {
+  if (!(std::abs(clearance) < 0.1))
+    throw std::invalid_argument("ProxyOptions: clearance must be within 0.1 m, found " + std::to_string(clearance));
+  if (!(cloth_margin >= 0 && cloth_margin < 0.1))
+    throw std::invalid_argument("ProxyOptions: cloth_margin must be in [0, 0.1) m, found " + std::to_string(cloth_margin));
+  if (capsules_per_bone < 1 || capsules_per_bone > 3)
+    throw std::invalid_argument("ProxyOptions: capsules_per_bone must be 1 to 3, found " + std::to_string(capsules_per_bone));
+  if (iterations < 0)
+    throw std::invalid_argument("ProxyOptions: iterations must be >= 0, found " + std::to_string(iterations));
+}
+
+std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
+                                        const ProxyOptions &options) {
+  options.validate();
+  require_usable(fit.body, "fitted body");
+  const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
+  const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);
+  Anatomy anatomy = find_bones(fit.body, actor.skeleton);
+  choose_bones(anatomy, actor.skeleton, under, areas);
+  Target target{
+      fit.body, RayScene(fit.body), face_normals(fit.body.vertices, fit.body.faces), {}, {}, resting_cloth(actor, clothness)};
+  for (std::size_t v = 0; v < under.size(); ++v)
+    if (anatomy.nearest[v] >= 0 && anatomy.bones[anatomy.nearest[v]].chosen) {
+      target.points.push_back(static_cast<int>(v));
+      target.weights.push_back(areas[v] * (under[v] ? 1 : kUncoveredWeight));
+    }
+  Capsules capsules;
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b)
+    if (anatomy.bones[b].chosen)
+      start_capsules(fit.body, anatomy, static_cast<int>(b), actor.skeleton, options.capsules_per_bone, capsules);
+  if (capsules.shape.empty())
+    return {};
+  optimise(capsules.shape, target, options);
+  keep_out_of_cloth(capsules.shape, target, options.cloth_margin);
+  std::vector<TaperedCapsule> result;
+  for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
+    const Eigen::Vector3d origin = actor.skeleton.joints[capsules.joint[c]].rest;
+    const PosedCapsule &shape = capsules.shape[c];
+    result.push_back({capsules.joint[c], shape.p0 - origin, shape.p1 - origin, shape.r0, shape.r1});
+  }
+  return result;
+}
+
+ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
+                                 const Clothness &clothness) {
+  ProxyStatistics statistics;
+  statistics.capsules = static_cast<int>(capsules.size());
+  if (capsules.empty())
+    return statistics;
+  const Transforms rest(actor.skeleton.joint_count(), Eigen::Isometry3d::Identity());
+  const std::vector<PosedCapsule> posed = pose_capsules(capsules, actor.skeleton, rest);
+  const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
+  std::vector<double> distances;
+  double distance;
+  for (std::size_t v = 0; v < under.size(); ++v)
+    if (under[v]) {
+      nearest_capsule(posed, fit.body.vertices.row(v).transpose(), distance);
+      distances.push_back(std::abs(distance));
+    }
+  std::sort(distances.begin(), distances.end());
+  statistics.samples = static_cast<int>(distances.size());
+  if (!distances.empty()) {
+    statistics.mean_distance = std::accumulate(distances.begin(), distances.end(), 0.0) / distances.size();
+    statistics.percentile95 = distances[std::min(distances.size() - 1, distances.size() * 95 / 100)];
+  }
+  const RayScene scene(fit.body);
+  const Vertices normals = face_normals(fit.body.vertices, fit.body.faces);
+  for (const PosedCapsule &capsule : posed)
+    visit_surface(capsule, [&](const Eigen::Vector3d &point, double, const Eigen::Vector3d &) {
+      Eigen::Vector3d outward;
+      statistics.largest_bulge = std::max(statistics.largest_bulge, body_distance(scene, normals, point, outward));
+    });
+  statistics.cloth_clearance = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d &point : resting_cloth(actor, clothness)) {
+    nearest_capsule(posed, point, distance);
+    statistics.cloth_clearance = std::min(statistics.cloth_clearance, distance);
+  }
+  return statistics;
+}
+
+} // namespace doublet
