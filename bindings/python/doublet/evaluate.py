@@ -178,7 +178,7 @@ def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, cont
 
 
 def cloth_iou(made: Reconstruction, truth: Truth, cameras) -> float:
-    """Over the template's faces that a camera sees in the scan pose; the true label is that of the closest true face that one sees."""
+    """Over the template faces seen in the scan pose; the true label is that of the closest true face that a camera sees."""
     if 0 not in truth.chunks:
         raise Missing("the truth does not hold frame 0, the scan pose")
     clothness = d.read_clothness(made.path("segmentation.npz")).clothness

@@ -1,0 +1,53 @@
+"""doublet as a user's CMake project sees it: installed, inside the tree, and the cloth library alone."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CONSUMERS = ROOT / "tests" / "consumer"
+
+
+@pytest.fixture(scope="session")
+def build_dir():
+    folder = os.environ.get("DOUBLET_BUILD_DIR")
+    if not folder:
+        pytest.skip("DOUBLET_BUILD_DIR does not name a build folder (tests/run_tests.sh sets it)")
+    return Path(folder)
+
+
+def run(*command):
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=900)
+    assert done.returncode == 0, f"{command}\n{done.stdout[-4000:]}\n{done.stderr[-4000:]}"
+    return done.stdout
+
+
+def build(source: Path, folder: Path, *definitions) -> Path:
+    run("cmake", "-S", source, "-B", folder, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", *definitions)
+    run("cmake", "--build", folder)
+    return folder / "consumer"
+
+
+@pytest.fixture(scope="session")
+def installed(build_dir, tmp_path_factory):
+    prefix = tmp_path_factory.mktemp("prefix")
+    run("cmake", "--install", build_dir, "--component", "development", "--prefix", prefix)
+    return prefix
+
+
+def test_installed_package(installed, tmp_path):
+    program = build(CONSUMERS / "installed", tmp_path, f"-DCMAKE_PREFIX_PATH={installed}")
+    assert "no such session" in run(program)
+
+
+def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
+    program = build(CONSUMERS / "pbd", tmp_path, f"-DCMAKE_PREFIX_PATH={installed}")
+    run(program, tmp_path / "cloth.obj")
+    libraries = run("ldd", program)
+    assert not any(name in libraries for name in ("opencv", "Open3D", "embree", "flann", "tinygltf"))
+
+
+def test_inside_the_tree_of_another_project(build_dir, tmp_path):
+    run(build(CONSUMERS / "subdirectory", tmp_path, f"-DDOUBLET_SOURCE={ROOT}", "-DDOUBLET_WERROR=ON"))

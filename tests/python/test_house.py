@@ -1,0 +1,57 @@
+"""The rules of the house: who may include and link whom, and what stays out of public headers."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+MAY_USE = {
+    "core": set(),
+    "capture": {"core"},
+    "segment": {"core"},
+    "bodymodel": {"core"},
+    "pbd": set(),
+    "animate": {"core", "pbd"},
+    "fit": {"core", "pbd", "animate"},
+}
+SOURCES = {name: sorted(p for p in (ROOT / f"lib{name}").rglob("*") if p.suffix in {".h", ".cpp"}) for name in MAY_USE}
+
+
+def includes(path: Path) -> list[str]:
+    return re.findall(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', path.read_text(encoding="utf-8"), re.MULTILINE)
+
+
+@pytest.mark.parametrize("room", MAY_USE)
+def test_includes_only_the_rooms_below(room):
+    assert SOURCES[room], f"lib{room} has no sources"
+    for path in SOURCES[room]:
+        used = {i.split("/")[1] for i in includes(path) if i.startswith("doublet/")}
+        assert used <= MAY_USE[room] | {room}, f"{path.relative_to(ROOT)} includes {used - MAY_USE[room] - {room}}"
+
+
+@pytest.mark.parametrize("room", MAY_USE)
+def test_links_only_the_rooms_below(room):
+    text = (ROOT / f"lib{room}" / "CMakeLists.txt").read_text(encoding="utf-8")
+    linked = set(re.findall(r"doublet(?:::|_)(\w+)", text)) - {"library", room}
+    assert linked <= MAY_USE[room]
+
+
+def test_pbd_needs_eigen_alone():
+    text = (ROOT / "libpbd" / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert set(re.findall(r"find_package\((\w+)", text)) <= {"Eigen3"}
+
+
+@pytest.mark.parametrize("room", MAY_USE)
+def test_public_headers_show_no_third_party_types_but_eigens(room):
+    for path in SOURCES[room]:
+        if "include" not in path.parts:
+            continue
+        for name in includes(path):
+            own_or_standard = name.startswith(("doublet/", "Eigen/")) or re.fullmatch(r"[a-z_]+", name)
+            assert own_or_standard, f"{path.relative_to(ROOT)} includes {name}"
+
+
+def test_every_room_has_tests():
+    for room in MAY_USE:
+        assert list((ROOT / "tests" / room).glob("*.cpp")), f"tests/{room} is empty"

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Builds everything once with warnings as errors and runs every check: style, ctest, pytest. Sets itself up on a bare Debian 12.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+scripts/apt-install.sh scripts/apt-packages.txt scripts/apt-packages-tests.txt
+command -v npm >/dev/null || scripts/apt-install.sh scripts/apt-packages-node.txt
+
+build=$PWD/build/tests
+venv=$PWD/build/tests-venv
+node=$PWD/build/tests-node
+mkdir -p build
+
+[ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
+"$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'ruff>=0.4' 'clang-format==14.*'
+[ -d "$node/node_modules/gltf-validator" ] || npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10
+
+echo "== style"
+"$venv/bin/ruff" check .
+"$venv/bin/ruff" format --check .
+git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
+
+echo "== build (warnings are errors)"
+# One build folder for the package and for ctest. Without isolation its paths stay the same from run to run.
+"$venv/bin/pip" install -q --disable-pip-version-check --no-build-isolation . -C build-dir="$build" \
+  -C cmake.define.DOUBLET_BUILD_TESTS=ON -C cmake.define.DOUBLET_BUILD_EXAMPLES=ON -C cmake.define.DOUBLET_WERROR=ON
+
+echo "== ctest"
+ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(nproc)"
+
+echo "== pytest"
+PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" "$venv/bin/python" -m pytest "$@"
