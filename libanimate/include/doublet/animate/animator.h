@@ -1,0 +1,46 @@
+#pragma once
+// A character and a motion give a new animation (Sect. 7).
+
+#include "doublet/animate/character.h"
+#include "doublet/animate/motion.h"
+
+#include <functional>
+
+namespace doublet {
+
+struct AnimateOptions {
+  double settle_seconds = 1.0; ///< s, the cloth falls into place in the first pose before the animation starts
+  bool high = true;            ///< also M_high
+  bool body = true;            ///< also the body under the clothes
+  void validate() const;       ///< throws std::invalid_argument naming option, range and value
+};
+
+struct AnimationFrame {
+  int index = 0;
+  Eigen::VectorXd dofs;       ///< (D)
+  Transforms world_from_rest; ///< (J)
+  Vertices joints;            ///< (J, 3) m
+  Vertices surface;           ///< (V, 3) M
+  Vertices high;              ///< (VH, 3) M_high, or empty
+  Vertices body;              ///< (B, 3), or empty
+};
+
+/// Calls `frame` once a frame, in order, and keeps nothing. The motion is resampled to the character's own rate 1/dt first,
+/// because its material holds for that step only. Throws Error naming the frame if the simulation leaves the finite numbers.
+/// Returns the number of frames.
+int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
+            const std::function<void(const AnimationFrame &)> &frame, const Context &context = {});
+
+/// The whole animation in memory.
+struct AnimationResult {
+  double fps = 0;
+  MatrixRM dofs;                 ///< (T, D)
+  std::vector<Vertices> surface; ///< T x (V, 3) M
+  std::vector<Vertices> joints;  ///< T x (J, 3)
+  std::vector<Vertices> high;    ///< T x (VH, 3), or empty
+  std::vector<Vertices> body;    ///< T x (B, 3), or empty
+};
+AnimationResult animate(const Character &character, const Motion &motion, const AnimateOptions &options = {},
+                        const Context &context = {});
+
+} // namespace doublet

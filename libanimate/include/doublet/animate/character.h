@@ -1,0 +1,59 @@
+#pragma once
+// The animatable character: everything that a new animation needs, as one value. File: character.glb (character_file.h).
+
+#include "doublet/animate/character_simulator.h"
+#include "doublet/core/context.h"
+#include "doublet/core/image.h"
+
+#include <string>
+
+namespace doublet {
+
+/// (N, 2) texture coordinates, glTF's convention: (0, 0) is the top left corner of the image.
+using TexCoords = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+/// How the cloth was simulated when its material was estimated; the parameters mean nothing without it.
+struct SolverSettings {
+  double dt = 1.0 / 40.0; ///< s, one frame
+  pbd::ClothOptions cloth;
+};
+
+struct Character {
+  std::string name = "character";
+  RiggedMesh actor; ///< M, skeleton, skin weights
+  Clothness clothness;
+  std::vector<TaperedCapsule> proxies;
+  std::vector<pbd::Material> materials; ///< one a cloth region
+  SolverSettings solver;
+
+  Mesh body;                                     ///< the body under the clothes, scan pose; may be empty
+  std::string body_model;                        ///< name and hash of the statistical model
+  MatrixRM body_weights;                         ///< (B, J)
+  std::vector<std::uint8_t> body_shown;          ///< (FB) 1 = hidden under cloth in the scan, must be drawn
+  Eigen::Vector3d body_colour{0.80, 0.62, 0.53}; ///< linear RGB in [0, 1]
+
+  Mesh high;                            ///< M_high for display, scan pose; may be empty: then M is displayed
+  std::vector<std::uint8_t> high_valid; ///< (FH)
+  TexCoords texcoords;                  ///< (3 FH, 2) per corner of M_high; empty = no texture
+  std::vector<std::uint8_t> texture;    ///< PNG or JPEG file; empty = no texture
+};
+
+/// Checks that all parts fit together. Throws Error naming the part.
+void validate_character(const Character &character);
+
+/// Puts a character together: checks sizes, computes the body's skin weights and which of its faces are needed.
+/// `high`, `body` may be empty.
+Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
+                         const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
+                         const SolverSettings &solver, const Mesh &high = {}, const std::vector<std::uint8_t> &high_valid = {});
+
+/// (B) 1 = this body vertex is hidden by cloth in the scan pose: the nearest valid surface is cloth, or the surface is away and
+/// its normal runs into cloth.
+std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body);
+
+/// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of
+/// Baran & Popovic 2007 on the body with the exposed ones as boundary, so that thighs under a skirt hang on the thigh bones, not
+/// on the skirt's weights.
+MatrixRM transfer_weights(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body);
+
+} // namespace doublet

@@ -1,0 +1,39 @@
+#pragma once
+// The display mesh follows the coarse one (as in de Aguiar et al. 2008): every fine vertex lives in the frames of a few nearby
+// coarse triangles, in-plane coordinates stretching with them, height above them in metres; the triangles' opinions are blended.
+
+#include "doublet/core/mesh.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace doublet {
+
+/// Immutable after construction; apply() is exact in the rest pose and under rigid motion.
+class SurfaceTransfer {
+public:
+  /// coarse and fine in the same pose. `coarse_valid` (F) and `fine_valid` (F'), empty = all: vertices of valid fine triangles
+  /// are bound to valid coarse triangles only. Throws Error on unusable meshes, wrong sizes, or if no coarse triangle is valid.
+  SurfaceTransfer(const Mesh &coarse, const std::vector<std::uint8_t> &coarse_valid, const Mesh &fine,
+                  const std::vector<std::uint8_t> &fine_valid);
+
+  /// (V', 3) fine vertices for the coarse vertices (V, 3), m.
+  Vertices apply(const Vertices &coarse) const;
+  /// (V', C) per-vertex values of the coarse mesh (V, C) at the closest coarse point of each fine vertex, e.g. skin weights.
+  MatrixRM sample(const MatrixRM &coarse_values) const;
+
+private:
+  struct Binding {
+    int face;
+    float weight;
+    Eigen::Vector3f local; ///< u, v along the two edges from corner 0; height along the unit normal, m
+  };
+  Faces coarse_faces_;
+  int coarse_vertices_ = 0;
+  std::vector<int> first_; ///< (V' + 1) into bindings_
+  std::vector<Binding> bindings_;
+  std::vector<int> closest_face_; ///< (V')
+  Vertices closest_;              ///< (V', 3) barycentric
+};
+
+} // namespace doublet

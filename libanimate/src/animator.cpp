@@ -1,0 +1,98 @@
+#include "doublet/animate/animator.h"
+
+#include "doublet/animate/surface_transfer.h"
+#include "doublet/core/error.h"
+#include "doublet/core/skinning.h"
+
+#include <cmath>
+#include <optional>
+
+namespace doublet {
+namespace {
+
+void require_finite(const Vertices &surface, int frame) {
+  if (!surface.allFinite())
+    throw Error("animate: the surface of frame " + std::to_string(frame) + " is not finite; expected a stable simulation");
+}
+
+Motion at_character_rate(const Character &character, const Motion &motion) {
+  const double fps = 1 / character.solver.dt;
+  return std::abs(motion.fps - fps) < 1e-6 * fps ? motion : resample(character.actor.skeleton, motion, fps);
+}
+
+} // namespace
+
+void AnimateOptions::validate() const {
+  if (!(settle_seconds >= 0) || settle_seconds > 60)
+    throw std::invalid_argument("AnimateOptions.settle_seconds must be in [0, 60], found " + std::to_string(settle_seconds));
+}
+
+int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
+            const std::function<void(const AnimationFrame &)> &frame, const Context &context) {
+  options.validate();
+  validate_character(character);
+  if (motion.dofs.rows() == 0 || motion.dofs.cols() != character.actor.skeleton.dof_count() || !motion.dofs.allFinite() ||
+      !(motion.fps > 0))
+    throw std::invalid_argument("animate: motion must have finite poses of " +
+                                std::to_string(character.actor.skeleton.dof_count()) + " degrees of freedom and a rate, found (" +
+                                std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
+                                std::to_string(motion.fps) + " 1/s");
+  const Motion poses = at_character_rate(character, motion);
+  const CharacterSimulator simulator(character.actor, character.clothness, character.proxies, character.solver.cloth);
+  std::optional<SurfaceTransfer> transfer;
+  if (options.high && character.high.faces.rows() > 0)
+    transfer.emplace(character.actor.mesh, character.actor.face_valid, character.high, character.high_valid);
+  const bool body = options.body && character.body.faces.rows() > 0;
+
+  const double dt = character.solver.dt;
+  const int frames = static_cast<int>(poses.dofs.rows());
+  PosedFrame posed = simulator.pose(poses.dofs.row(0));
+  CharacterState state = simulator.start(posed);
+  simulator.settle(state, posed, character.materials, dt, static_cast<int>(std::lround(options.settle_seconds / dt)));
+  for (int t = 0; t < frames; ++t) {
+    context.report("animate", static_cast<double>(t) / frames);
+    if (t > 0) {
+      PosedFrame next = simulator.pose(poses.dofs.row(t));
+      simulator.step(state, posed, next, character.materials, dt);
+      posed = std::move(next);
+    }
+    AnimationFrame out;
+    out.index = t;
+    out.dofs = poses.dofs.row(t);
+    out.surface = simulator.surface(state, posed);
+    require_finite(out.surface, t);
+    out.joints = joint_positions(character.actor.skeleton, posed.world_from_rest);
+    if (transfer)
+      out.high = transfer->apply(out.surface);
+    if (body)
+      out.body = dual_quaternion_skinning(character.body.vertices, character.body_weights, posed.world_from_rest);
+    out.world_from_rest = posed.world_from_rest;
+    frame(out);
+  }
+  context.report("animate", 1.0);
+  return frames;
+}
+
+AnimationResult animate(const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context) {
+  AnimationResult result;
+  result.fps = 1 / character.solver.dt;
+  std::vector<Eigen::VectorXd> dofs;
+  animate(
+      character, motion, options,
+      [&](const AnimationFrame &frame) {
+        dofs.push_back(frame.dofs);
+        result.surface.push_back(frame.surface);
+        result.joints.push_back(frame.joints);
+        if (frame.high.rows() > 0)
+          result.high.push_back(frame.high);
+        if (frame.body.rows() > 0)
+          result.body.push_back(frame.body);
+      },
+      context);
+  result.dofs.resize(dofs.size(), dofs[0].size());
+  for (std::size_t t = 0; t < dofs.size(); ++t)
+    result.dofs.row(t) = dofs[t];
+  return result;
+}
+
+} // namespace doublet

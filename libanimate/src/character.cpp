@@ -1,0 +1,213 @@
+#include "doublet/animate/character.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
+
+#include <Eigen/SparseCholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace doublet {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kTouching = 0.010; // m, closer than this body and surface are the same skin (fit residual)
+constexpr double kExposed = 0.030;  // m, farther than this the surface says nothing about the body's weights
+constexpr double kReach = 0.6;      // m, how far outside a limb its garment may hang
+
+double interpolate(const Eigen::VectorXd &values, const Faces &faces, const ClosestPoint &at) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k)
+    sum += at.barycentric[k] * values[faces(at.face, k)];
+  return sum;
+}
+
+bool touches_cloth(const Eigen::VectorXd &delta, const Faces &faces, int f) {
+  return delta[faces(f, 0)] > 0 || delta[faces(f, 1)] > 0 || delta[faces(f, 2)] > 0;
+}
+
+/// Does the body's outward ray reach cloth before it reaches skin?
+bool runs_into_cloth(const RayScene &scene, const RiggedMesh &actor, const Eigen::VectorXd &delta, const Vector3d &from,
+                     const Vector3d &along) {
+  const auto hit = scene.cast(from, along, 1e-4, kReach);
+  return hit && touches_cloth(delta, actor.mesh.faces, hit->face);
+}
+
+double distance_to_segment(const Vector3d &p, const Vector3d &a, const Vector3d &b) {
+  const Vector3d ab = b - a;
+  const double s = ab.squaredNorm() > 0 ? std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;
+  return (p - a - s * ab).norm();
+}
+
+struct NearestBone {
+  int joint = 0;
+  double distance = std::numeric_limits<double>::infinity();
+};
+
+/// A bone runs from its joint to each child.
+NearestBone nearest_bone(const Skeleton &skeleton, const Vector3d &p) {
+  NearestBone best;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent < 0)
+      continue;
+    const double d = distance_to_segment(p, skeleton.joints[parent].rest, skeleton.joints[j].rest);
+    if (d < best.distance)
+      best = {parent, d};
+  }
+  return best;
+}
+
+void expect(const std::string &what, std::size_t found, std::size_t expected) {
+  if (found != expected)
+    throw Error("character: " + what + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
+}
+
+void require_inputs(const RiggedMesh &actor, const Clothness &clothness) {
+  require_usable(actor.mesh, "actor");
+  expect("actor.face_valid", actor.face_valid.size(), actor.mesh.faces.rows());
+  expect("actor.weights", actor.weights.rows(), actor.mesh.vertices.rows());
+  expect("a row of actor.weights", actor.weights.cols(), actor.skeleton.joint_count());
+  expect("clothness.clothness", clothness.clothness.size(), actor.mesh.vertices.rows());
+  expect("clothness.region", clothness.region.size(), actor.mesh.vertices.rows());
+}
+
+/// (L + A H) w = A H p on the free vertices, w given on the others.
+MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::vector<std::uint8_t> &fixed, MatrixRM weights) {
+  const int n = static_cast<int>(body.vertices.rows());
+  std::vector<int> unknown(n, -1);
+  int count = 0;
+  for (int v = 0; v < n; ++v)
+    if (!fixed[v])
+      unknown[v] = count++;
+  if (count == 0)
+    return weights;
+  const Eigen::VectorXd areas = vertex_areas(body.vertices, body.faces);
+  MatrixRM right = MatrixRM::Zero(count, weights.cols());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int v = 0; v < n; ++v)
+    if (!fixed[v]) {
+      const NearestBone bone = nearest_bone(skeleton, body.vertices.row(v));
+      const double heat = std::max(areas[v], 1e-10) / std::max(bone.distance * bone.distance, 1e-6);
+      entries.emplace_back(unknown[v], unknown[v], heat);
+      right(unknown[v], bone.joint) += heat;
+    }
+  for (const Triplet &t : cotangent_laplacian(body.vertices, body.faces)) {
+    if (fixed[t.row])
+      continue;
+    if (fixed[t.col])
+      right.row(unknown[t.row]) -= t.value * weights.row(t.col);
+    else
+      entries.emplace_back(unknown[t.row], unknown[t.col], t.value);
+  }
+  Eigen::SparseMatrix<double> matrix(count, count);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+  if (solver.info() != Eigen::Success)
+    throw Error("transfer_weights: the body's heat equation cannot be solved; expected a mesh without degenerate triangles");
+  const Eigen::MatrixXd solution = solver.solve(Eigen::MatrixXd(right));
+  for (int v = 0; v < n; ++v)
+    if (!fixed[v])
+      weights.row(v) = solution.row(unknown[v]).cwiseMax(0);
+  return weights;
+}
+
+} // namespace
+
+std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body) {
+  require_inputs(actor, clothness);
+  require_usable(body, "body");
+  const RayScene scene(actor.mesh, actor.skip_invalid());
+  const Vertices normals = vertex_normals(body.vertices, body.faces);
+  std::vector<std::uint8_t> hidden(body.vertices.rows(), 0);
+  for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) {
+    const Vector3d p = body.vertices.row(v), n = normals.row(v);
+    const ClosestPoint at = scene.closest(p);
+    if (interpolate(clothness.clothness, actor.mesh.faces, at) > 0)
+      hidden[v] = 1;
+    else if (at.distance > kTouching && n.squaredNorm() > 0 && runs_into_cloth(scene, actor, clothness.clothness, p, n))
+      hidden[v] = 1;
+  }
+  return hidden;
+}
+
+MatrixRM transfer_weights(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body) {
+  std::vector<std::uint8_t> exposed = hidden_by_cloth(actor, clothness, body);
+  const RayScene scene(actor.mesh, actor.skip_invalid());
+  const Vertices surface_normals = face_normals(actor.mesh.vertices, actor.mesh.faces);
+  const Vertices normals = vertex_normals(body.vertices, body.faces);
+  MatrixRM weights = MatrixRM::Zero(body.vertices.rows(), actor.skeleton.joint_count());
+  for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) {
+    const ClosestPoint at = scene.closest(body.vertices.row(v));
+    exposed[v] = !exposed[v] && at.distance < kExposed && !touches_cloth(clothness.clothness, actor.mesh.faces, at.face) &&
+                 surface_normals.row(at.face).dot(normals.row(v)) > 0;
+    for (int k = 0; k < 3 && exposed[v]; ++k)
+      weights.row(v) += at.barycentric[k] * actor.weights.row(actor.mesh.faces(at.face, k));
+  }
+  weights = diffuse_weights(body, actor.skeleton, exposed, std::move(weights));
+  for (Eigen::Index v = 0; v < weights.rows(); ++v) {
+    const double sum = weights.row(v).sum();
+    if (!(sum > 1e-9)) // a vertex without faces: no equation reached it
+      weights(v, nearest_bone(actor.skeleton, body.vertices.row(v)).joint) = 1;
+    else
+      weights.row(v) /= sum;
+  }
+  return weights;
+}
+
+void validate_character(const Character &c) {
+  require_inputs(c.actor, c.clothness);
+  expect("materials", c.materials.size(), c.clothness.region_count);
+  for (const pbd::Material &material : c.materials)
+    pbd::validate(material);
+  c.solver.cloth.validate();
+  if (!(c.solver.dt > 0) || c.solver.dt > 1)
+    throw Error("character: solver.dt must be in (0, 1] s, found " + std::to_string(c.solver.dt));
+  for (const TaperedCapsule &capsule : c.proxies)
+    if (capsule.joint < 0 || capsule.joint >= c.actor.skeleton.joint_count())
+      throw Error("character: a proxy hangs on joint " + std::to_string(capsule.joint) + " of " +
+                  std::to_string(c.actor.skeleton.joint_count()));
+  if (c.body.faces.rows() > 0) {
+    require_usable(c.body, "body");
+    expect("body_weights", c.body_weights.rows(), c.body.vertices.rows());
+    expect("a row of body_weights", c.body_weights.cols(), c.actor.skeleton.joint_count());
+    expect("body_shown", c.body_shown.size(), c.body.faces.rows());
+  }
+  if (c.high.faces.rows() > 0) {
+    require_usable(c.high, "high");
+    expect("high_valid", c.high_valid.size(), c.high.faces.rows());
+  }
+  if (c.texture.empty() != (c.texcoords.rows() == 0))
+    throw Error("character: texture and texcoords must both be there or both be empty");
+  if (!c.texture.empty())
+    expect("texcoords", c.texcoords.rows(), 3 * c.high.faces.rows());
+}
+
+Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
+                         const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
+                         const SolverSettings &solver, const Mesh &high, const std::vector<std::uint8_t> &high_valid) {
+  Character c;
+  c.actor = actor;
+  c.clothness = clothness;
+  c.proxies = proxies;
+  c.materials = materials;
+  c.solver = solver;
+  c.high = high;
+  c.high_valid = high_valid.empty() ? std::vector<std::uint8_t>(high.faces.rows(), 1) : high_valid;
+  if (body.body.faces.rows() > 0) {
+    c.body = body.body;
+    c.body_model = body.model;
+    c.body_weights = transfer_weights(actor, clothness, body.body);
+    const std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
+    c.body_shown.resize(c.body.faces.rows());
+    for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f)
+      c.body_shown[f] = hidden[c.body.faces(f, 0)] || hidden[c.body.faces(f, 1)] || hidden[c.body.faces(f, 2)];
+  }
+  validate_character(c);
+  return c;
+}
+
+} // namespace doublet
