@@ -1,0 +1,48 @@
+#include "doublet/core/stage_values.h"
+
+#include "support/figure.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace doublet {
+
+TEST(Capsules, SignedDistanceIsThatOfTheHullOfSpheres) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const auto &[r0, r1] : {std::pair{0.3, 0.1}, {0.1, 0.3}, {0.2, 0.2}, {0.9, 0.1}, {0.1, 0.9}}) {
+    const PosedCapsule c{{0.1, -0.2, 0}, {0.3, 0.4, 0.2}, r0, r1};
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d p(uniform(random), uniform(random), uniform(random));
+      double best = 1e9; // over 10000 spheres
+      for (int k = 0; k <= 10000; ++k) {
+        const double t = k / 10000.0;
+        best = std::min(best, (p - (1 - t) * c.p0 - t * c.p1).norm() - (1 - t) * r0 - t * r1);
+      }
+      EXPECT_NEAR(signed_distance(c, p), best, 1e-6);
+    }
+  }
+  EXPECT_NEAR(signed_distance({{0, 0, 0}, {0, 0, 0}, 0.1, 0.2}, {1, 0, 0}), 0.8, 1e-12);
+}
+
+TEST(Capsules, FollowTheirJoints) {
+  const Skeleton s = testing::figure_skeleton();
+  Eigen::VectorXd pose = Eigen::VectorXd::Constant(36, 0.3);
+  const Transforms T = forward_kinematics(s, pose);
+  const int knee = s.find("l_knee"), ankle = s.find("l_ankle");
+  const auto posed = pose_capsules({{knee, {0, 0, 0}, s.joints[ankle].rest - s.joints[knee].rest, 0.06, 0.04}}, s, T);
+  const Vertices joints = joint_positions(s, T);
+  EXPECT_NEAR((posed[0].p0 - joints.row(knee).transpose()).norm(), 0, 1e-12);
+  EXPECT_NEAR((posed[0].p1 - joints.row(ankle).transpose()).norm(), 0, 1e-12);
+  EXPECT_THROW(pose_capsules({{99, {0, 0, 0}, {0, 1, 0}, 1, 1}}, s, T), std::invalid_argument);
+  EXPECT_THROW(pose_capsules({}, s, {}), std::invalid_argument);
+}
+
+TEST(RiggedMesh, SkipsInvalidFaces) {
+  RiggedMesh actor;
+  actor.face_valid = {1, 0, 255};
+  EXPECT_EQ(actor.skip_invalid(), (std::vector<std::uint8_t>{0, 1, 0}));
+}
+
+} // namespace doublet
