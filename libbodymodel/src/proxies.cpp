@@ -20,13 +20,14 @@ constexpr int kParameters = 8;           ///< p0, p1, r0, r1
 constexpr double kBulgeWeight = 4;       ///< of a capsule outside the body against one inside
 constexpr double kClothWeight = 40;      ///< of a capsule in the resting cloth
 constexpr double kUncoveredWeight = 0.3; ///< of body surface that cloth does not cover in the scan pose
-constexpr double kCoveredShare = 0.1;    ///< a bone with more of its body surface under cloth is covered
+constexpr double kCoveredShare = 0.1;    ///< a bone with more of its body surface under cloth gets capsules
+constexpr double kWrappedShare = 0.5;    ///< cloth that wraps more than this of a bone swings against the next one, too
 constexpr double kShortestBone = 0.03;   ///< m, shorter ones (a clavicle's stub) have no surface of their own
 constexpr double kSmallestRadius = 0.01; ///< m
 
 struct Bone {
   int joint, end;
-  bool covered = false, chosen = false;
+  bool chosen = false, wrapped = false;
 };
 
 double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
@@ -66,7 +67,7 @@ Anatomy find_bones(const Mesh &body, const Skeleton &skeleton) {
   return anatomy;
 }
 
-/// Covered bones, and the next ones down the chain unless they end in nothing (hands, feet): swinging cloth reaches those.
+/// Covered bones, and the next ones down the chain of wrapped bones unless those end in nothing (hands, feet).
 void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<std::uint8_t> &under,
                   const Eigen::VectorXd &areas) {
   std::vector<double> all(anatomy.bones.size(), 0), covered(anatomy.bones.size(), 0);
@@ -75,11 +76,13 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
       all[anatomy.nearest[v]] += areas[v];
       covered[anatomy.nearest[v]] += under[v] ? areas[v] : 0;
     }
-  for (std::size_t b = 0; b < anatomy.bones.size(); ++b)
-    anatomy.bones[b].chosen = anatomy.bones[b].covered = all[b] > 0 && covered[b] > kCoveredShare * all[b];
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+    anatomy.bones[b].chosen = all[b] > 0 && covered[b] > kCoveredShare * all[b];
+    anatomy.bones[b].wrapped = all[b] > 0 && covered[b] > kWrappedShare * all[b];
+  }
   for (Bone &bone : anatomy.bones)
     for (const Bone &above : anatomy.bones)
-      if (above.covered && above.end == bone.joint && !is_leaf(skeleton, bone.end))
+      if (above.wrapped && above.end == bone.joint && !is_leaf(skeleton, bone.end))
         bone.chosen = true;
 }
 
@@ -92,34 +95,110 @@ double &parameter(PosedCapsule &c, int k) {
   return k < 3 ? c.p0[k] : k < 6 ? c.p1[k - 3] : k == 6 ? c.r0 : c.r1;
 }
 
-/// One bone's capsules, end to end: spheres at the centroids of slices of the body.
+std::vector<int> bone_vertices(const Anatomy &anatomy, int bone) {
+  std::vector<int> members;
+  for (std::size_t v = 0; v < anatomy.nearest.size(); ++v)
+    if (anatomy.nearest[v] == bone)
+      members.push_back(static_cast<int>(v));
+  return members;
+}
+
+Eigen::Vector3d centroid(const Mesh &body, const std::vector<int> &members) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int v : members)
+    sum += body.vertices.row(v).transpose();
+  return sum / static_cast<double>(members.size());
+}
+
+/// A limb: capsules end to end, their spheres at the centroids of slices of the body.
+void start_limb(const Mesh &body, const std::vector<int> &members, const Eigen::Vector3d &a, const Eigen::Vector3d &b, int count,
+                std::vector<PosedCapsule> &out) {
+  const Eigen::Vector3d axis = b - a;
+  std::vector<std::vector<int>> slices(count + 1);
+  for (int v : members) {
+    const double t = (body.vertices.row(v).transpose() - a).dot(axis) / axis.squaredNorm();
+    slices[std::clamp(static_cast<int>(std::lround(t * count)), 0, count)].push_back(v);
+  }
+  std::vector<Eigen::Vector3d> centre(count + 1);
+  std::vector<double> radius(count + 1, kSmallestRadius);
+  for (int s = 0; s <= count; ++s) {
+    centre[s] = slices[s].empty() ? Eigen::Vector3d(a + axis * s / count) : centroid(body, slices[s]);
+    double sum = 0;
+    for (int v : slices[s])
+      sum += (body.vertices.row(v).transpose() - centre[s]).norm() / slices[s].size();
+    radius[s] = std::max(0.8 * sum, kSmallestRadius);
+  }
+  for (int s = 0; s < count; ++s)
+    out.push_back({centre[s], centre[s + 1], radius[s], radius[s + 1]});
+}
+
+/// k-means of surface points, started at mutually farthest ones.
+std::vector<std::vector<int>> clusters(const Mesh &body, const std::vector<int> &members, int count) {
+  std::vector<Eigen::Vector3d> centres{centroid(body, members)};
+  auto nearest = [&](int v) {
+    int best = 0;
+    for (std::size_t c = 1; c < centres.size(); ++c)
+      if ((body.vertices.row(v).transpose() - centres[c]).norm() < (body.vertices.row(v).transpose() - centres[best]).norm())
+        best = static_cast<int>(c);
+    return best;
+  };
+  for (int c = 0; c < count; ++c) {
+    const int farthest = *std::max_element(members.begin(), members.end(), [&](int p, int q) {
+      return (body.vertices.row(p).transpose() - centres[nearest(p)]).norm() <
+             (body.vertices.row(q).transpose() - centres[nearest(q)]).norm();
+    });
+    centres.push_back(body.vertices.row(farthest).transpose());
+  }
+  centres.erase(centres.begin());
+  std::vector<std::vector<int>> groups;
+  for (int iteration = 0; iteration < 10; ++iteration) {
+    groups.assign(count, {});
+    for (int v : members)
+      groups[nearest(v)].push_back(v);
+    for (int c = 0; c < count; ++c)
+      if (!groups[c].empty())
+        centres[c] = centroid(body, groups[c]);
+  }
+  return groups;
+}
+
+/// Algebraic least-squares sphere: |x|^2 = 2 c.x + (r^2 - |c|^2), about the centroid.
+void start_sphere(const Mesh &body, const std::vector<int> &members, const Eigen::Vector3d &along,
+                  std::vector<PosedCapsule> &out) {
+  const Eigen::Vector3d middle = centroid(body, members);
+  Eigen::Matrix4d matrix = 1e-9 * Eigen::Matrix4d::Identity();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (int v : members) {
+    const Eigen::Vector3d x = body.vertices.row(v).transpose() - middle;
+    const Eigen::Vector4d row(2 * x.x(), 2 * x.y(), 2 * x.z(), 1);
+    matrix += row * row.transpose();
+    right += row * x.squaredNorm();
+  }
+  const Eigen::Vector4d solution = matrix.ldlt().solve(right);
+  const double radius = std::sqrt(std::max(solution[3] + solution.head<3>().squaredNorm(), 0.0));
+  // A flat patch gives a huge sphere: then stand one spread of the points behind it.
+  const double bounded = std::clamp(radius, 0.02, 0.12);
+  const Eigen::Vector3d centre = middle + solution.head<3>() * std::min(1.0, bounded / std::max(radius, 1e-9));
+  const double r = 0.8 * bounded;
+  out.push_back({centre - 0.3 * r * along, centre + 0.3 * r * along, r, r});
+}
+
+/// Limbs are sliced; bones shorter than the flesh around them is thick (pelvis to hip) get one capsule more, by clusters.
 void start_capsules(const Mesh &body, const Anatomy &anatomy, int bone, const Skeleton &skeleton, int count, Capsules &out) {
   const Eigen::Vector3d a = skeleton.joints[anatomy.bones[bone].joint].rest, b = skeleton.joints[anatomy.bones[bone].end].rest;
-  const Eigen::Vector3d axis = b - a;
-  std::vector<Eigen::Vector3d> centre(count + 1, Eigen::Vector3d::Zero());
-  std::vector<double> radius(count + 1, 0), weight(count + 1, 0);
-  auto slice = [&](int v) {
-    const double t = (body.vertices.row(v).transpose() - a).dot(axis) / axis.squaredNorm();
-    return std::clamp(static_cast<int>(std::lround(t * count)), 0, count);
-  };
-  for (int pass = 0; pass < 2; ++pass)
-    for (int v = 0; v < body.vertices.rows(); ++v)
-      if (anatomy.nearest[v] == bone) {
-        const int s = slice(v);
-        if (pass == 0) {
-          centre[s] += body.vertices.row(v).transpose();
-          weight[s] += 1;
-        } else {
-          radius[s] += (body.vertices.row(v).transpose() - centre[s] / weight[s]).norm() / weight[s];
-        }
-      }
-  for (int s = 0; s <= count; ++s)
-    centre[s] = weight[s] > 0 ? Eigen::Vector3d(centre[s] / weight[s]) : Eigen::Vector3d(a + axis * s / count);
-  for (int s = 0; s < count; ++s) {
-    out.shape.push_back(
-        {centre[s], centre[s + 1], std::max(0.8 * radius[s], kSmallestRadius), std::max(0.8 * radius[s + 1], kSmallestRadius)});
-    out.joint.push_back(anatomy.bones[bone].joint);
+  const std::vector<int> members = bone_vertices(anatomy, bone);
+  double thickness = 0;
+  for (int v : members)
+    thickness += segment_distance(body.vertices.row(v).transpose(), a, b) / members.size();
+  const bool stub = (b - a).norm()<1.5 * thickness &&static_cast<int>(members.size())> 20 * (count + 1);
+  if (stub) {
+    for (const std::vector<int> &group : clusters(body, members, count + 1))
+      if (group.size() > 4)
+        start_sphere(body, group, Eigen::Vector3d::UnitY(), out.shape);
+  } else {
+    start_limb(body, members, a, b, count, out.shape);
   }
+  out.joint.resize(out.shape.size(), anatomy.bones[bone].joint);
 }
 
 /// What the capsules are fitted to.
