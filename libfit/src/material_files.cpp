@@ -94,10 +94,10 @@ void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, cons
     for (const std::string &name : space.names)
       for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
         if (name == parameter.name)
-          text += "," + number(mean.*parameter.value);
+          text += ',' + number(mean.*parameter.value);
     for (Eigen::Index i = 0; i < row.deviation.size(); ++i)
-      text += "," + number(row.deviation[i]);
-    text += "," + number(std::round(row.seconds * 1000) / 1000) + "\n";
+      text += ',' + number(row.deviation[i]);
+    text += ',' + number(std::round(row.seconds * 1000) / 1000) + "\n";
   }
   write_text(path, text);
 }
