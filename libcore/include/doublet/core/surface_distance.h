@@ -1,0 +1,24 @@
+#pragma once
+// How far points are from a surface, and which vertices the cameras see: the measures of docs/formats.md's evaluation.
+
+#include "doublet/core/camera.h"
+#include "doublet/core/context.h"
+#include "doublet/core/mesh.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace doublet {
+
+/// (N) unsigned distances, m, of `points` (N, 3) to the faces of `surface` with skip_face[f] == 0 (empty = all). In parallel; the
+/// result does not depend on the number of threads. Throws Error if the surface is not usable, std::invalid_argument on a point
+/// that is not finite.
+Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface, const std::vector<std::uint8_t> &skip_face = {},
+                                     const Context &context = {});
+
+/// (V) 1 for vertices that at least one camera sees: inside its image and no more than `tolerance` (m along the optical axis)
+/// behind the nearest surface at the closest pixel. A few times the size of a pixel on the surface is a sensible tolerance.
+std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras,
+                                           double tolerance);
+
+} // namespace doublet
