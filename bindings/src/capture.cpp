@@ -59,7 +59,8 @@ void bind_session(py::module_ &m) {
       .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
       .def("mask", &FrameSource::mask, py::arg("camera"), py::arg("frame"), Release(), "(H, W) uint8, 255 = actor");
   OptionsClass<ChromaKeyOptions>(m, "ChromaKeyOptions", "Options of the built-in SilhouetteExtractor.")
-      .field("smallest_blob", &ChromaKeyOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped");
+      .field("smallest_blob", &ChromaKeyOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped")
+      .field("smallest_key_share", &ChromaKeyOptions::smallest_key_share, "of the image border that must show one saturated hue");
   py::class_<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
       .def(py::init<>())
       .def_static("create", &SilhouetteExtractor::create, py::arg("options") = ChromaKeyOptions{})
@@ -71,7 +72,12 @@ void bind_template(py::module_ &m) {
   OptionsClass<TemplateOptions>(m, "TemplateOptions", "Options of build_template.")
       .field("triangles", &TemplateOptions::triangles, "triangles of the working surface")
       .field("high_triangles", &TemplateOptions::high_triangles, "triangles of the display surface")
-      .field("poisson_depth", &TemplateOptions::poisson_depth, "octree depth of the Poisson reconstruction");
+      .field("poisson_depth", &TemplateOptions::poisson_depth, "octree depth of the Poisson reconstruction")
+      .field("hole_gap", &TemplateOptions::hole_gap, "m, a point farther than this from the scan lies over a hole")
+      .field("density_drop", &TemplateOptions::density_drop, "octree levels by which the scan is sparser there than usual")
+      .field("narrow_hole", &TemplateOptions::narrow_hole, "m, parts of a hole narrower than this stay valid")
+      .field("large_hole", &TemplateOptions::large_hole, "m^2, holes from this size on are suggested as invalid")
+      .field("sheet_hole", &TemplateOptions::sheet_hole, "m^2, the same for holes with two rims or more");
   OptionsClass<HeatWeightOptions>(m, "HeatWeightOptions", "Options of heat_weights.")
       .field("c", &HeatWeightOptions::c, "heat of the nearest visible bones, H_ii = c / d^2");
   py::class_<Template>(m, "Template", "The closed surface of a scan, its two decimations and the invented faces.")
@@ -92,15 +98,62 @@ void bind_template(py::module_ &m) {
 }
 
 void bind_performance(py::module_ &m) {
+  OptionsClass<FeatureTrackerOptions>(m, "FeatureTrackerOptions", "Options of the SIFT feature tracker.")
+      .field("budget", &FeatureTrackerOptions::budget, "strongest features kept per image")
+      .field("erode", &FeatureTrackerOptions::erode, "px at 1004 px image height, distance kept from the silhouette")
+      .field("ratio", &FeatureTrackerOptions::ratio, "best / second best descriptor distance")
+      .field("max_displacement", &FeatureTrackerOptions::max_displacement, "between two frames, of the silhouette height");
+  OptionsClass<PoseOptions>(m, "PoseOptions", "Options of the pose optimiser.")
+      .field("iterations", &PoseOptions::iterations, "renderings with re-matching")
+      .field("first_iterations", &PoseOptions::first_iterations, "the same for the first frame")
+      .field("raster_size", &PoseOptions::raster_size, "px, longest side of the renderings")
+      .field("rims_per_view", &PoseOptions::rims_per_view, "correspondences per view and direction")
+      .field("gate_start", &PoseOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
+      .field("gate_end", &PoseOptions::gate_end, "m, the same, last iteration")
+      .field("scale_start", &PoseOptions::scale_start, "m, robust scale of the residuals, first iteration")
+      .field("scale_end", &PoseOptions::scale_end, "m, the same, last iteration")
+      .field("sift_weight", &PoseOptions::sift_weight, "of a feature track against a rim")
+      .field("prior_weight", &PoseOptions::prior_weight, "of the prediction against a rim")
+      .field("prior_angle", &PoseOptions::prior_angle, "rad, expected error of the prediction")
+      .field("prior_shift", &PoseOptions::prior_shift, "m, the same for the root")
+      .field("limit_weight", &PoseOptions::limit_weight, "of a passed joint limit against a rim");
+  OptionsClass<SurfaceOptions>(m, "SurfaceOptions", "Options of the surface refiner.")
+      .field("iterations", &SurfaceOptions::iterations, "renderings with re-matching")
+      .field("raster_size", &SurfaceOptions::raster_size, "px, longest side of the renderings")
+      .field("rims_per_view", &SurfaceOptions::rims_per_view, "correspondences per view and direction")
+      .field("gate_start", &SurfaceOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
+      .field("gate_end", &SurfaceOptions::gate_end, "m, the same, last iteration")
+      .field("scale_start", &SurfaceOptions::scale_start, "m, robust scale of the residuals, first iteration")
+      .field("scale_end", &SurfaceOptions::scale_end, "m, the same, last iteration")
+      .field("sift_weight", &SurfaceOptions::sift_weight, "of a feature track against a rim")
+      .field("bending", &SurfaceOptions::bending, "weight of the Laplacian of the displacement")
+      .field("stretching", &SurfaceOptions::stretching, "weight of differences of neighbours")
+      .field("anchor_cloth", &SurfaceOptions::anchor_cloth, "pull of a loose vertex to its expected position")
+      .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position");
   OptionsClass<CaptureOptions>(m, "CaptureOptions", "Options of PerformanceCapture.")
       .field("first_frame", &CaptureOptions::first_frame, "first video frame")
       .field("frame_count", &CaptureOptions::frame_count, "number of frames, -1 = to the end")
-      .field("use_sift", &CaptureOptions::use_sift, "use texture features; off: silhouettes alone");
+      .field("use_sift", &CaptureOptions::use_sift, "use texture features; off: silhouettes alone")
+      .field("velocity_damping", &CaptureOptions::velocity_damping, "of the constant-velocity prediction, 0 = stay")
+      .field("offset_decay", &CaptureOptions::offset_decay, "share of the non-rigid offset expected again in the next frame")
+      .field("loose", &CaptureOptions::loose, "m, offset at which a vertex tells half as much about the pose")
+      .field("smooth_window", &CaptureOptions::smooth_window, "frames of the Savitzky-Golay filter, 1 = off")
+      .field("smooth_order", &CaptureOptions::smooth_order, "of the Savitzky-Golay filter")
+      .get()
+      .def_readwrite("features", &CaptureOptions::features)
+      .def_readwrite("pose", &CaptureOptions::pose)
+      .def_readwrite("surface", &CaptureOptions::surface);
   py::class_<CaptureSummary>(m, "CaptureSummary")
       .def(py::init<>())
       .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
       .def_readwrite("sift_px", &CaptureSummary::sift_px, "(T) mean residual of the features, pixels")
       .def_readwrite("silhouette_iou", &CaptureSummary::silhouette_iou, "(T) mean over cameras, against the measured masks")
+      .def_readwrite("views", &CaptureSummary::views, "(T) cameras that took part")
+      .def_readwrite("jitter_before", &CaptureSummary::jitter_before, "rad, mean |second difference| of the joint angles")
+      .def_readwrite("jitter_after", &CaptureSummary::jitter_after, "the same after smoothing")
+      .def_readwrite("measure_seconds", &CaptureSummary::measure_seconds)
+      .def_readwrite("pose_seconds", &CaptureSummary::pose_seconds)
+      .def_readwrite("surface_seconds", &CaptureSummary::surface_seconds)
       .def_readwrite("seconds_per_frame", &CaptureSummary::seconds_per_frame);
   py::class_<CaptureResult>(m, "CaptureResult")
       .def(py::init<>())
@@ -109,7 +162,9 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("summary", &CaptureResult::summary);
   py::class_<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
       .def(py::init<>())
-      .def_static("create", &PerformanceCapture::create, py::arg("options") = CaptureOptions{})
+      .def_static(
+          "create", [](const CaptureOptions &options) { return PerformanceCapture::create(options); },
+          py::arg("options") = CaptureOptions{})
       .def("capture", &PerformanceCapture::capture, py::arg("actor"), py::arg("rig"), py::arg("frames"),
            py::arg("extractor").none(true), py::arg("context") = interruptible_context(), Release());
 }

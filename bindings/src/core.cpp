@@ -5,6 +5,7 @@
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
+#include "doublet/core/surface_distance.h"
 
 #include <cstring>
 
@@ -206,6 +207,11 @@ void bind_rays(py::module_ &m) {
             return std::make_tuple(faces, distances, closest);
           },
           py::arg("points"), Release(), "(face, distance, point) of the closest surface point of N points.");
+  m.def("distances_to_surface", &distances_to_surface, py::arg("points"), py::arg("surface"),
+        py::arg("skip_face") = std::vector<std::uint8_t>{}, py::arg("context") = interruptible_context(), Release(),
+        "(N) unsigned distances, m");
+  m.def("visible_vertices", &visible_vertices, py::arg("vertices"), py::arg("faces"), py::arg("cameras"), py::arg("tolerance"),
+        Release(), "(V) 1 where at least one camera sees the vertex; tolerance in m");
 }
 
 void bind_skeleton(py::module_ &m) {

@@ -151,7 +151,7 @@ def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context:
         context.report("evaluate surface", done / len(rows))
         vertices, faces, garment = truth.surface(frame)
         seen = seen_faces(vertices, faces, cameras)
-        _, distance, _ = d.RayScene(d.Mesh(frames[row], made.faces)).closest(centroids(vertices, faces[seen]))
+        distance = d.distances_to_surface(centroids(vertices, faces[seen]), d.Mesh(frames[row], made.faces))
         area = d.face_areas(vertices, faces[seen])
         for label in (0, 1):
             chosen = garment[seen] == bool(label)
@@ -208,7 +208,7 @@ def hidden_body_mm(made: Reconstruction, truth: Truth, cameras) -> float:
     hidden = unseen & (hit >= 0) & from_inside
     if not hidden.any():
         raise Missing("no true body face is hidden by the garment")
-    _, distance, _ = d.RayScene(fit.body).closest(points[hidden])
+    distance = d.distances_to_surface(points[hidden], fit.body)
     return 1000 * float(np.average(distance, weights=d.face_areas(body, truth.body_faces[hidden])))
 
 
@@ -222,7 +222,7 @@ def cloth_rms_cm(
     squares = []
     for done, frame in enumerate(frames):
         context.report(f"evaluate {name}", done / len(frames))
-        _, distance, _ = d.RayScene(d.Mesh(surfaces[frame], faces)).closest(truth.frame(frame)[1])
+        distance = d.distances_to_surface(truth.frame(frame)[1], d.Mesh(surfaces[frame], faces))
         squares.append(np.square(distance).mean())
     return 100 * math.sqrt(np.mean(squares))
 

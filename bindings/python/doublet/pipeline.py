@@ -21,6 +21,9 @@ OPTION_GROUPS = {
     "template": d.TemplateOptions,
     "key": d.ChromaKeyOptions,
     "capture": d.CaptureOptions,
+    "features": d.FeatureTrackerOptions,
+    "pose": d.PoseOptions,
+    "surface": d.SurfaceOptions,
     "segment": d.SegmentOptions,
     "body": d.BodyFitOptions,
     "proxy": d.ProxyOptions,
@@ -111,10 +114,11 @@ def run_template(job: Job) -> dict:
 
 
 def run_performance(job: Job) -> dict:
-    frames = d.FrameSource.open(job.session)
-    extractor = d.SilhouetteExtractor.create(job.options["key"])
-    stage = d.PerformanceCapture.create(job.options["capture"])
-    result = stage.capture(job.actor, job.session.rig, frames, extractor, job.context)
+    options = d.CaptureOptions(**job.options["capture"].to_dict())
+    options.features, options.pose, options.surface = (job.options[g] for g in ("features", "pose", "surface"))
+    extractor = trained_extractor(job.session, d.FrameSource.open(job.session), job.options["key"], job.context)
+    frames = d.FrameSource.open(job.session)  # afresh: reading on is cheap, jumping back is not
+    result = d.PerformanceCapture.create(options).capture(job.actor, job.session.rig, frames, extractor, job.context)
     d.write_observations(job.path("observations.npz"), result.observations)
     d.write_performance(job.path("performance.npz"), result.performance)
     summary = result.summary
@@ -125,6 +129,18 @@ def run_performance(job: Job) -> dict:
         "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
         "seconds_per_frame": summary.seconds_per_frame,
     }
+
+
+def trained_extractor(session: d.Session, frames: d.FrameSource, options: d.ChromaKeyOptions, context: d.Context):
+    """The chroma key, trained on the first, middle and last image of every camera without ready masks; None if all have masks."""
+    keyed = [c for c, camera in enumerate(session.cameras) if camera.masks == Path()]
+    extractor = d.SilhouetteExtractor.create(options)
+    chosen = sorted({0, session.frame_count // 2, session.frame_count - 1})
+    for done, c in enumerate(keyed):
+        context.report("key colour", done / len(keyed))
+        images = [frames.image(c, f) for f in chosen]
+        extractor.train(c, [image for image in images if image.size])
+    return extractor if keyed else None
 
 
 def run_segment(job: Job) -> dict:
@@ -186,7 +202,8 @@ STAGES = (
         lambda s: [s.scan, s.folder / "session.json", markers_file(s)],
     ),
     Stage(
-        "performance", ("actor.npz",), ("performance.npz", "observations.npz"), ("key", "capture"), run_performance,
+        "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
+        ("key", "capture", "features", "pose", "surface"), run_performance,
         lambda s: [calibration_file(s), *image_files(s)],
     ),
     Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment",), run_segment),
