@@ -6,8 +6,9 @@ namespace doublet::detail {
 /// A connected part of the reconstruction with no scan near it.
 struct HolePatch {
   std::vector<int> faces;
-  double area = 0; ///< m^2
-  int rims = 0;    ///< boundary loops longer than 0.1 m (a wrist is 0.15 m around)
+  std::vector<int> wide_faces; ///< those of `faces` that are not in a part narrower than TemplateOptions::narrow_hole
+  double area = 0;             ///< m^2
+  int rims = 0;                ///< boundary loops longer than 0.1 m (a wrist is 0.15 m around)
 };
 
 /// Finds the parts of the closed `surface` (density as Poisson gave it, NaN = none) that lie over holes of `scan`, largest first.

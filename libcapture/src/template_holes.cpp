@@ -5,7 +5,11 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
+#include <queue>
+#include <set>
 
 namespace doublet::detail {
 namespace {
@@ -17,13 +21,22 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// (V) 1 where the vertex is far from the scan and the scan is sparse.
+/// (V) 1 where the vertex is far from the scan and the scan is sparse, or where the surface turns away from a scan that is rather
+/// near: a sheet between a leg and a hem that nearly touch is nowhere far from both.
 std::vector<std::uint8_t> invented_vertices(const Mesh &surface, const Eigen::VectorXd &density, const Mesh &scan,
                                             const TemplateOptions &options, const Context &context) {
+  constexpr double kTurned = 0.5, kRatherNear = 1.0 / 3; // cosine of 60 degrees; of hole_gap, still above the noise of a scan
   const RayScene scene(scan);
+  const Vertices normals = vertex_normals(surface.vertices, surface.faces),
+                 scan_normals = face_normals(scan.vertices, scan.faces);
   const int count = static_cast<int>(surface.vertices.rows());
   std::vector<double> gap(count);
-  parallel_for(context, count, [&](int v) { gap[v] = scene.closest(surface.vertices.row(v)).distance; });
+  std::vector<std::uint8_t> turned(count);
+  parallel_for(context, count, [&](int v) {
+    const ClosestPoint closest = scene.closest(surface.vertices.row(v));
+    gap[v] = closest.distance;
+    turned[v] = normals.row(v).dot(scan_normals.row(closest.face)) < kTurned;
+  });
   std::vector<double> usual;
   for (int v = 0; v < count; ++v)
     if (gap[v] <= options.hole_gap && std::isfinite(density[v]))
@@ -34,8 +47,61 @@ std::vector<std::uint8_t> invented_vertices(const Mesh &surface, const Eigen::Ve
   const double sparse = median(usual) - options.density_drop;
   std::vector<std::uint8_t> invented(count);
   for (int v = 0; v < count; ++v)
-    invented[v] = gap[v] > options.hole_gap && !(density[v] >= sparse);
+    invented[v] =
+        (gap[v] > options.hole_gap && !(density[v] >= sparse)) || (gap[v] > kRatherNear * options.hole_gap && turned[v]);
   return invented;
+}
+
+/// Shortest distances (m) along edges from the vertices with start[v] != 0, not beyond `limit`; infinity where nothing was
+/// reached.
+std::vector<double> edge_distances(const Mesh &surface, const std::vector<std::vector<int>> &neighbours,
+                                   const std::vector<std::uint8_t> &start, double limit) {
+  using Entry = std::pair<double, int>;
+  std::vector<double> distance(start.size(), std::numeric_limits<double>::infinity());
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (int v = 0; v < static_cast<int>(start.size()); ++v)
+    if (start[v]) {
+      distance[v] = 0;
+      queue.push({0.0, v});
+    }
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance[v])
+      continue;
+    for (int n : neighbours[v]) {
+      const double next = d + (surface.vertices.row(v) - surface.vertices.row(n)).norm();
+      if (next <= limit && next < distance[n]) {
+        distance[n] = next;
+        queue.push({next, n});
+      }
+    }
+  }
+  return distance;
+}
+
+/// Morphological opening: drops what is narrower than twice `radius`, so that an unseen fold of the garment that runs into the
+/// hem does not become a slit.
+std::vector<std::uint8_t> opened(const Mesh &surface, double radius, std::vector<std::uint8_t> invented) {
+  const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
+  std::vector<std::uint8_t> outside(invented.size()), core(invented.size());
+  for (std::size_t v = 0; v < invented.size(); ++v)
+    outside[v] = !invented[v];
+  const std::vector<double> depth = edge_distances(surface, neighbours, outside, radius);
+  for (std::size_t v = 0; v < invented.size(); ++v)
+    core[v] = !(depth[v] <= radius);
+  const std::vector<double> reach = edge_distances(surface, neighbours, core, radius);
+  for (std::size_t v = 0; v < invented.size(); ++v)
+    invented[v] = reach[v] <= radius && invented[v];
+  return invented;
+}
+
+/// (F) 1 where two corners or three are marked.
+std::vector<std::uint8_t> faces_of(const Mesh &surface, const std::vector<std::uint8_t> &vertices) {
+  std::vector<std::uint8_t> faces(surface.faces.rows());
+  for (Eigen::Index f = 0; f < surface.faces.rows(); ++f)
+    faces[f] = vertices[surface.faces(f, 0)] + vertices[surface.faces(f, 1)] + vertices[surface.faces(f, 2)] >= 2;
+  return faces;
 }
 
 /// Numbers the connected regions (over edges) of faces with chosen[f] != 0; -1 elsewhere.
@@ -66,9 +132,14 @@ std::vector<int> face_regions(const std::vector<std::uint8_t> &chosen, const Edg
   return region;
 }
 
-/// Lengths of the connected sets of boundary edges of every region.
-std::vector<int> count_long_rims(const Mesh &surface, const std::vector<int> &region, int count, const EdgeTopology &topology) {
-  std::vector<std::map<int, std::vector<std::pair<int, double>>>> rims(count);
+/// The boundary loops of the regions that are longer than kLongRim.
+struct Rims {
+  std::vector<int> count;     ///< per region
+  std::vector<int> of_vertex; ///< (V) number of the rim that a vertex lies on, -1 for none
+};
+
+Rims find_rims(const Mesh &surface, const std::vector<int> &region, int region_count, const EdgeTopology &topology) {
+  std::vector<std::map<int, std::vector<std::pair<int, double>>>> edges(region_count);
   for (std::size_t e = 0; e < topology.edges.size(); ++e) {
     const auto pair = topology.edge_faces[e];
     const int a = pair[0] < 0 ? -1 : region[pair[0]], b = pair[1] < 0 ? -1 : region[pair[1]];
@@ -78,29 +149,54 @@ std::vector<int> count_long_rims(const Mesh &surface, const std::vector<int> &re
     const double length = (surface.vertices.row(from) - surface.vertices.row(to)).norm();
     for (int r : {a, b})
       if (r >= 0) {
-        rims[r][from].push_back({to, length});
-        rims[r][to].push_back({from, length});
+        edges[r][from].push_back({to, length});
+        edges[r][to].push_back({from, length});
       }
   }
-  std::vector<int> long_rims(count, 0);
-  for (int r = 0; r < count; ++r)
-    while (!rims[r].empty()) {
+  Rims rims{std::vector<int>(region_count, 0), std::vector<int>(surface.vertices.rows(), -1)};
+  int next = 0;
+  for (int r = 0; r < region_count; ++r)
+    while (!edges[r].empty()) {
       double twice = 0; // every edge is met from both ends
-      std::vector<int> stack{rims[r].begin()->first};
+      std::vector<int> loop, stack{edges[r].begin()->first};
       while (!stack.empty()) {
-        const auto at = rims[r].find(stack.back());
+        const auto at = edges[r].find(stack.back());
         stack.pop_back();
-        if (at == rims[r].end())
+        if (at == edges[r].end())
           continue;
+        loop.push_back(at->first);
         for (const auto &[to, length] : at->second) {
           twice += length;
           stack.push_back(to);
         }
-        rims[r].erase(at);
+        edges[r].erase(at);
       }
-      long_rims[r] += twice / 2 > kLongRim;
+      if (twice / 2 <= kLongRim)
+        continue;
+      ++rims.count[r];
+      for (int v : loop)
+        rims.of_vertex[v] = next;
+      ++next;
     }
-  return long_rims;
+  return rims;
+}
+
+/// A narrow part between two rims is where garment and limb nearly touch, not a fold: it stays in.
+void keep_narrow_passages(const Mesh &surface, const std::vector<std::uint8_t> &chosen, const Rims &rims,
+                          const EdgeTopology &topology, std::vector<std::uint8_t> &wide) {
+  std::vector<std::uint8_t> narrow(chosen.size());
+  for (std::size_t f = 0; f < chosen.size(); ++f)
+    narrow[f] = chosen[f] && !wide[f];
+  int count = 0;
+  const std::vector<int> part = face_regions(narrow, topology, &count);
+  std::vector<std::set<int>> touched(count);
+  for (std::size_t f = 0; f < part.size(); ++f)
+    for (int k = 0; part[f] >= 0 && k < 3; ++k)
+      if (const int rim = rims.of_vertex[surface.faces(static_cast<Eigen::Index>(f), k)]; rim >= 0)
+        touched[part[f]].insert(rim);
+  for (std::size_t f = 0; f < part.size(); ++f)
+    if (part[f] >= 0 && touched[part[f]].size() >= 2)
+      wide[f] = 1;
 }
 
 } // namespace
@@ -108,22 +204,24 @@ std::vector<int> count_long_rims(const Mesh &surface, const std::vector<int> &re
 std::vector<HolePatch> find_holes(const Mesh &surface, const Eigen::VectorXd &density, const Mesh &scan,
                                   const TemplateOptions &options, const Context &context) {
   const auto invented = invented_vertices(surface, density, scan, options, context);
-  std::vector<std::uint8_t> chosen(surface.faces.rows());
-  for (Eigen::Index f = 0; f < surface.faces.rows(); ++f)
-    chosen[f] = invented[surface.faces(f, 0)] + invented[surface.faces(f, 1)] + invented[surface.faces(f, 2)] >= 2;
+  const auto chosen = faces_of(surface, invented);
+  auto wide = faces_of(surface, opened(surface, options.narrow_hole / 2, invented));
   const EdgeTopology topology = edge_topology(surface.faces);
   int count = 0;
   const std::vector<int> region = face_regions(chosen, topology, &count);
-  const std::vector<int> rims = count_long_rims(surface, region, count, topology);
+  const Rims rims = find_rims(surface, region, count, topology);
+  keep_narrow_passages(surface, chosen, rims, topology, wide);
   const Eigen::VectorXd areas = face_areas(surface.vertices, surface.faces);
   std::vector<HolePatch> patches(count);
   for (int f = 0; f < static_cast<int>(region.size()); ++f)
     if (region[f] >= 0) {
       patches[region[f]].faces.push_back(f);
+      if (wide[f])
+        patches[region[f]].wide_faces.push_back(f);
       patches[region[f]].area += areas[f];
     }
   for (int r = 0; r < count; ++r)
-    patches[r].rims = rims[r];
+    patches[r].rims = rims.count[r];
   std::stable_sort(patches.begin(), patches.end(), [](const HolePatch &a, const HolePatch &b) { return a.area > b.area; });
   return patches;
 }

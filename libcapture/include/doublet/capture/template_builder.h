@@ -15,6 +15,7 @@ struct TemplateOptions {
   int poisson_depth = 9;       ///< octree depth of the Poisson reconstruction
   double hole_gap = 0.004;     ///< m; a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm)
   double density_drop = 0.5;   ///< octree levels; and the scan is this much sparser there than usual (one level = a quarter of the samples)
+  double narrow_hole = 0.01;   ///< m; parts of a hole narrower than this (unseen folds that run into the hem) stay valid
   double large_hole = 0.025;   ///< m^2; holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed
   double sheet_hole = 0.005;   ///< m^2; so are holes from this size on that have two rims or more (garment and limb): a sheet at a hem
   void validate() const;       ///< throws std::invalid_argument
