@@ -5,8 +5,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace doublet {
+
+namespace {
+
+/// The largest depth at the four pixel centres around `pixel`: what a slanted surface through the pixel reaches there. Minus
+/// infinity outside the image.
+double farthest_around(const FaceBuffer &buffer, const Eigen::Vector2d &pixel) {
+  double depth = -std::numeric_limits<double>::infinity();
+  if (!(pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() <= buffer.width - 0.5 && pixel.y() <= buffer.height - 0.5))
+    return depth;
+  const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
+  for (int k = 0; k < 4; ++k)
+    depth = std::max<double>(
+        depth, buffer.depth_at(std::clamp(x + k % 2, 0, buffer.width - 1), std::clamp(y + k / 2, 0, buffer.height - 1)));
+  return depth;
+}
+
+} // namespace
 
 Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface, const std::vector<std::uint8_t> &skip_face,
                                      const Context &context) {
@@ -30,9 +48,7 @@ std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces
       const double depth = camera.depth(vertices.row(v));
       if (visible[v] || !(depth > 0))
         continue;
-      const Eigen::Vector2d pixel = camera.project(vertices.row(v)).array().round();
-      const bool inside = pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() < camera.width && pixel.y() < camera.height;
-      visible[v] = inside && depth <= buffer.depth_at(static_cast<int>(pixel.x()), static_cast<int>(pixel.y())) + tolerance;
+      visible[v] = depth <= farthest_around(buffer, camera.project(vertices.row(v))) + tolerance;
     }
   }
   return visible;

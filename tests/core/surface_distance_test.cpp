@@ -56,11 +56,12 @@ TEST(Visibility, CamerasSeeTheirSideOfASphere) {
     double best = -1;
     for (const Camera &camera : ring)
       best = std::max(best, facing(camera));
-    // The rim itself is a matter of tolerance.
-    if (std::abs(facing(ring[0])) > 0.15) {
+    // The rim is a matter of a pixel: 7 mm here, the depth by which a sphere of 0.4 m has curved away where its normal is 0.19
+    // off.
+    if (facing(ring[0]) > 0.1 || facing(ring[0]) < -0.25) {
       EXPECT_EQ(one[v], facing(ring[0]) > 0);
     }
-    if (std::abs(best) > 0.15) {
+    if (best > 0.1 || best < -0.25) {
       EXPECT_EQ(all[v], best > 0);
     }
   }

@@ -17,7 +17,8 @@ Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface
                                      const Context &context = {});
 
 /// (V) 1 for vertices that at least one camera sees: inside its image and no more than `tolerance` (m along the optical axis)
-/// behind the nearest surface at the closest pixel. A few times the size of a pixel on the surface is a sensible tolerance.
+/// behind the surface drawn at the farthest of the four pixels around. So what is hidden less than a pixel behind an outline
+/// counts as seen.
 std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras,
                                            double tolerance);
 
