@@ -251,8 +251,11 @@ std::vector<Plane> body_to_scan(const Scan &scan, const BodySurface &body, doubl
     const double outside = normal.dot(point - at.point);
     const double area = body.areas[i] / kSampleArea;
     if (scan.face_label[at.face] == Label::Cloth) {
-      if (outside > -options.cloth_margin)
-        planes[i] = {i, at.point - options.cloth_margin * normal, normal, area};
+      // Outside: pushed in. Just inside: drawn a little, because cloth rests on the body somewhere and does not hover everywhere.
+      const bool pushed = outside > -options.cloth_margin;
+      const double weight =
+          pushed ? 1 : options.cloth_attraction * geman_mcclure(outside + options.cloth_margin, options.outlier_scale);
+      planes[i] = {i, at.point - options.cloth_margin * normal, normal, area * weight};
       return;
     }
     for (int k = 0; k < 3; ++k)
@@ -381,6 +384,8 @@ void BodyFitOptions::validate() const {
   require_positive(surface_deviation, "surface_deviation");
   require_positive(scale_deviation, "scale_deviation");
   require_positive(outlier_scale, "outlier_scale");
+  if (!(cloth_attraction >= 0 && cloth_attraction <= 1))
+    throw std::invalid_argument("BodyFitOptions: cloth_attraction must be in [0, 1], found " + std::to_string(cloth_attraction));
   if (!(cloth_margin >= 0))
     throw std::invalid_argument("BodyFitOptions: cloth_margin must be >= 0 m, found " + std::to_string(cloth_margin));
 }

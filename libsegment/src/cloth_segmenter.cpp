@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -14,6 +14,8 @@ namespace {
 
 /// What diffusion leaves below / above this is noise: rigid / cloth.
 constexpr double kSnap = 0.05;
+/// m, the widest transition from cloth to skin: a waistband, not a limb.
+constexpr double kTransition = 0.10;
 
 /// The valid surface with the measures that every step below needs.
 struct Surface {
@@ -21,8 +23,18 @@ struct Surface {
   Faces faces;
   Eigen::VectorXd areas;
   std::vector<std::vector<int>> neighbours;
+  std::vector<char> seam; ///< touches an invalid face
   int size() const { return static_cast<int>(vertices.rows()); }
 };
+
+std::vector<char> seam_vertices(const Faces &faces, const std::vector<std::uint8_t> &face_valid, int vertex_count) {
+  std::vector<char> seam(vertex_count, 0);
+  for (int f = 0; f < faces.rows(); ++f)
+    if (!face_valid.empty() && !face_valid[f])
+      for (int k = 0; k < 3; ++k)
+        seam[faces(f, k)] = 1;
+  return seam;
+}
 
 struct Patch {
   std::vector<int> members;
@@ -60,25 +72,48 @@ template <typename Predicate> std::vector<char> choose(const Surface &surface, P
   return chosen;
 }
 
-/// Small rigid patches inside cloth become cloth. The largest rigid patch is never a hole.
+/// Small rigid patches that border on cloth become cloth. The largest rigid patch is never a hole.
 void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
   const auto patches = connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; }));
+  auto borders_on_cloth = [&](int i) {
+    return std::any_of(surface.neighbours[i].begin(), surface.neighbours[i].end(), [&](int j) { return delta[j] > 0.5; });
+  };
   for (std::size_t p = 1; p < patches.size(); ++p)
-    if (patches[p].area < smallest)
+    if (patches[p].area < smallest && std::any_of(patches[p].members.begin(), patches[p].members.end(), borders_on_cloth))
       for (int i : patches[p].members)
         delta[i] = 1;
 }
 
-/// A region of delta > 0 stays only if enough of it is more cloth than skin: bending joints make wide but weak regions.
+/// Cloth stays where its core (delta > 0.5) is large enough, with its transition zone: every other vertex goes with the core
+/// nearest along the surface, and is rigid beyond kTransition of any (bending joints and tracking leave faint clothness there).
+/// Seams do not connect cores: where the invented surface was marked a little too small, what is left of it joins a hem to the
+/// legs.
 void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
-  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0; }))) {
-    double cloth = 0;
-    for (int i : patch.members)
-      cloth += delta[i] > 0.5 ? surface.areas[i] : 0;
-    if (cloth < smallest)
-      for (int i : patch.members)
-        delta[i] = 0;
+  std::vector<char> kept(surface.size(), 0);
+  std::vector<double> distance(surface.size(), kTransition);
+  std::set<std::pair<double, int>> front; // Dijkstra's algorithm from all cores at once
+  for (const Patch &core : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; })))
+    for (int i : core.members) {
+      kept[i] = core.area >= smallest;
+      distance[i] = 0;
+      front.emplace(0.0, i);
+    }
+  while (!front.empty()) {
+    const auto [reached, i] = *front.begin();
+    front.erase(front.begin());
+    for (int j : surface.neighbours[i]) {
+      const double next = reached + (surface.vertices.row(i) - surface.vertices.row(j)).norm();
+      if (delta[j] <= 0 || next >= distance[j])
+        continue;
+      front.erase({distance[j], j});
+      distance[j] = next;
+      kept[j] = kept[i];
+      front.emplace(next, j);
+    }
   }
+  for (int i = 0; i < surface.size(); ++i)
+    if (!kept[i])
+      delta[i] = 0;
 }
 
 void snap(Eigen::VectorXd &delta) {
@@ -145,7 +180,8 @@ Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint
     throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
                                 std::to_string(face_valid.size()));
   const Faces faces = valid_faces(pose.faces, face_valid);
-  const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n)};
+  const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
+                        seam_vertices(pose.faces, face_valid, n)};
 
   Clothness result;
   result.sigma = sigma;
@@ -156,9 +192,9 @@ Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint
   delta = diffuse_on_surface(pose.vertices, faces, delta, options.diffusion);
   snap(delta);
   fill_holes(surface, options.smallest_region, delta);
-  delta = diffuse_on_surface(pose.vertices, faces, delta, 0.5 * options.diffusion); // smooths the rims that filling left
-  snap(delta);
   drop_islands(surface, options.smallest_region, delta);
+  delta = diffuse_on_surface(pose.vertices, faces, delta, 0.5 * options.diffusion); // smooths the rims that both left
+  snap(delta);
   result.clothness = delta;
   label_regions(surface, result);
   return result;

@@ -20,8 +20,9 @@ struct BodyFitOptions {
   double surface_deviation = 0.004;  ///< m, of skin around the model, per 4 cm^2 of surface (errors of the model are correlated)
   double scale_deviation =
       0.03; ///< relative, prior of the similarity's scale: stature is the model's, this is for units and children
-  double outlier_scale = 0.010; ///< m, final scale of the Geman-McClure weights (hair, shoes)
-  double cloth_margin = 0.003;  ///< m, the body stays this far inside cloth
+  double outlier_scale = 0.010;   ///< m, final scale of the Geman-McClure weights (hair, shoes)
+  double cloth_margin = 0.003;    ///< m, the body stays this far inside cloth
+  double cloth_attraction = 0.03; ///< weight, against skin, of cloth within about outlier_scale of the body: it rests there
   void validate() const;
 };
 
