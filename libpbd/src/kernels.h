@@ -43,14 +43,17 @@ inline Bend<T> bend_constraint(const Vec3<T> &x0, const Vec3<T> &x1, const Vec3<
   r.g1 = (-t2) * r.g2 - t3 * r.g3;
   return r;
 }
-/// w: inverse masses, any common factor.
+/// w: inverse masses divided by the largest of the four. The sum under the multiplier has two floors, neither of which ordinary
+/// cloth reaches. Beside an attachment a vertex may be asked to close an angle it has (almost) no lever on: C / sum would throw
+/// it to infinity. And faces blown up to several times their size (a rubber material) would be moved by as much again, and grow
+/// without end: rest_floor, a quarter of |g2|^2 + |g3|^2 at rest, lets them be moved by their rest size at most.
 template <class T>
 inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const float (&w)[4], T rest_cos, T rest_sin,
-                         T stiffness) {
+                         T rest_floor, T stiffness) {
   const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest_cos, rest_sin);
-  const T w0 = T(w[0]), w1 = T(w[1]), w2 = T(w[2]), w3 = T(w[3]);
-  const T sum = w0 * dot(c.g0, c.g0) + w1 * dot(c.g1, c.g1) + w2 * dot(c.g2, c.g2) + w3 * dot(c.g3, c.g3);
-  const T lambda = -stiffness * c.value / lane_max(sum, T(1e-20f));
+  const T w0 = T(w[0]), w1 = T(w[1]), w2 = T(w[2]), w3 = T(w[3]), g22 = dot(c.g2, c.g2), g33 = dot(c.g3, c.g3);
+  const T sum = w0 * dot(c.g0, c.g0) + w1 * dot(c.g1, c.g1) + w2 * g22 + w3 * g33;
+  const T lambda = -stiffness * c.value / lane_max(sum, lane_max(T(0.25f) * (g22 + g33), rest_floor));
   x0 += (w0 * lambda) * c.g0;
   x1 += (w1 * lambda) * c.g1;
   x2 += (w2 * lambda) * c.g2;
@@ -96,8 +99,8 @@ template <class T> struct CapsuleContact {
   int vertex, capsule;
   T slack;           ///< m, how much of a penetration at the start of the step may stay (below the thickness)
   Vec3<T> reference; ///< unit normal
-  T plane;           ///< reference . entry point
-  T min_agreement;   ///< least cosine between normal and reference; -2 = no reference
+  T plane;           ///< reference . that place, m
+  T min_agreement;   ///< least cosine between closest normal and reference
   T touched;         ///< 1 once the contact has pushed
 };
 template <class T> inline void project_capsule(Vec3<T> &p, CapsuleContact<T> &contact, const CapsuleShape &shape, T thickness) {
@@ -113,8 +116,16 @@ template <class T> inline void project_capsule(Vec3<T> &p, CapsuleContact<T> &co
 template <class T> struct SelfContact {
   int q, a, b, c;
   T b0, b1, b2, side, thickness, touched;
-  float wq, wa, wb, wc;
+  float wq, wa, wb, wc; ///< inverse masses
+  T inverse_sum;        ///< 1 / (wq + wa b0^2 + wb b1^2 + wc b2^2), see contact_response
 };
+/// The multiplier's denominator. Where all but one corner are pinned and the contact is far from that corner the sum is next to
+/// nothing and would throw it: a quarter of the largest inverse mass is its floor.
+template <class T> inline T contact_response(const SelfContact<T> &s) {
+  const T sum = T(s.wq) + T(s.wa) * s.b0 * s.b0 + T(s.wb) * s.b1 * s.b1 + T(s.wc) * s.b2 * s.b2;
+  const float largest = lane_max(lane_max(s.wq, s.wa), lane_max(s.wb, s.wc));
+  return T(1) / lane_max(sum, T(0.25f * largest));
+}
 /// Distance along the face normal and that normal, pointing to q's side.
 template <class T>
 inline Distance<T> self_distance(const Vec3<T> &q, const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, T b0, T b1, T b2,
@@ -126,8 +137,7 @@ inline Distance<T> self_distance(const Vec3<T> &q, const Vec3<T> &a, const Vec3<
 }
 template <class T> inline void project_self(Vec3<T> &q, Vec3<T> &a, Vec3<T> &b, Vec3<T> &c, SelfContact<T> &s) {
   const Distance<T> d = self_distance(q, a, b, c, s.b0, s.b1, s.b2, s.side);
-  const T sum = T(s.wq) + T(s.wa) * s.b0 * s.b0 + T(s.wb) * s.b1 * s.b1 + T(s.wc) * s.b2 * s.b2;
-  const T lambda = lane_max(s.thickness - d.value, T(0)) / lane_max(sum, T(1e-20f));
+  const T lambda = lane_max(s.thickness - d.value, T(0)) * s.inverse_sum;
   q += (lambda * T(s.wq)) * d.normal;
   a -= (lambda * T(s.wa) * s.b0) * d.normal;
   b -= (lambda * T(s.wb) * s.b1) * d.normal;

@@ -167,14 +167,15 @@ void PbdModel::set_constraints(const Vertices &rest) {
       if (largest == 0 || v[2] == v[3])
         continue;
       const auto x = [&](int i) { return Vec3<double>{rest(v[i], 0), rest(v[i], 1), rest(v[i], 2)}; };
-      const double angle = bend_constraint<double>(x(0), x(1), x(2), x(3), 1.0, 0.0).value;
+      const Bend<double> rest_bend = bend_constraint<double>(x(0), x(1), x(2), x(3), 1.0, 0.0);
       BendConstraint c{};
       for (int i = 0; i < 4; ++i) {
         c.v[i] = v[i];
         c.w[i] = static_cast<float>(w[v[i]] / largest);
       }
-      c.cos = static_cast<float>(std::cos(angle));
-      c.sin = static_cast<float>(std::sin(angle));
+      c.cos = static_cast<float>(std::cos(rest_bend.value));
+      c.sin = static_cast<float>(std::sin(rest_bend.value));
+      c.floor = static_cast<float>(0.25 * (dot(rest_bend.g2, rest_bend.g2) + dot(rest_bend.g3, rest_bend.g3)));
       bends_.push_back(c);
       bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
     }

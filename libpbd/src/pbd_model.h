@@ -17,6 +17,7 @@ struct BendConstraint {
   int v[4];       ///< edge 0-1, opposite vertices 2 and 3
   float w[4];     ///< inverse masses divided by the largest of the four
   float cos, sin; ///< of the rest angle
+  float floor;    ///< see project_bend, 1/m^2
 };
 struct BlendConstraint {
   int vertex;

@@ -111,6 +111,7 @@ private:
   void iterate(Workspace &w, const Substep &s) const;
   void push_out_strays(Workspace &w) const;
   void update_velocities(Workspace &w, const Substep &s) const;
+  void limit_speed(Workspace &w) const;
   void rub_capsules(Workspace &w, const Substep &s) const;
   void rub_self(Workspace &w, const Substep &s) const;
   float bounce(float approach, float free_approach, const Substep &s) const;
@@ -212,6 +213,7 @@ void PbdSolver::advance(Workspace &w, const Substep &s, const StepInputs &in) co
   update_velocities(w, s);
   rub_self(w, s);
   rub_capsules(w, s);
+  limit_speed(w);
   std::swap(w.x, w.p);
 }
 
@@ -342,33 +344,27 @@ void PbdSolver::find_capsule_contacts(Workspace &w, const Substep &s) const {
       if (weights[i] == 0 || !may_touch(reach, w.x[i], w.p[i]))
         continue;
       const Distance<float> start = capsule_distance(m.start, w.x[i]);
-      CapsuleContact<float> contact{i, k, 0, {0, 0, 0}, 0, -2, 0};
+      CapsuleContact<float> contact{i, k, 0, m.rotate(start.normal), 0, kMinAgreement, 0};
       const float depth = thickness - start.value;
-      Vec3f q0 = m.carry(w.x[i]);
-      bool meets = false;
       if (depth > 0) { // starts inside: open it gently by moving start and end alike, which gives no speed
         const float moved = lane_min(depth, kDepenetrationSpeed * s.h);
         w.x[i] += moved * start.normal;
         w.p[i] += moved * start.normal;
         contact.slack = depth - moved;
-        contact.reference = m.rotate(start.normal);
-        q0 = m.carry(w.x[i]);
-        contact.plane = dot(contact.reference, q0);
-        meets = true;
+        contact.plane = dot(contact.reference, m.carry(w.x[i]));
       } else {
-        const Vec3f way = w.p[i] - q0;
+        const Vec3f q0 = m.carry(w.x[i]), way = w.p[i] - q0;
         const float t = depth + lane_sqrt(dot(way, way)) > 0 ? entry_time(m.end, q0, w.p[i], thickness) : 2.0f;
-        if (t <= 1) {
-          const Vec3f entry = q0 + t * way;
-          contact.reference = capsule_distance(m.end, entry).normal;
-          contact.plane = dot(contact.reference, entry);
-          meets = true;
-        }
+        const Vec3f q = t <= 1 ? q0 + t * way : w.p[i];
+        const Distance<float> d = capsule_distance(m.end, q);
+        if (t > 1 && start.value > margin && d.value > margin)
+          continue;
+        contact.reference = d.normal;
+        contact.plane = dot(d.normal, q) - (d.value - thickness);
+        if (t > 1)
+          contact.min_agreement = 0; // has not met the proxy, and may yet slide a quarter round it
       }
-      if (meets)
-        contact.min_agreement = kMinAgreement;
-      if (meets || start.value < margin || capsule_distance(m.end, w.p[i]).value < margin)
-        w.contacts.push_back(contact);
+      w.contacts.push_back(contact);
     }
   }
 }
@@ -381,7 +377,7 @@ void PbdSolver::iterate(Workspace &w, const Substep &s) const {
       project_stretch(p[c.a], p[c.b], c.share_a, c.share_b, c.length, s.k_stretch);
     if (s.k_bend > 0)
       for (const BendConstraint &c : model_->bends())
-        project_bend(p[c.v[0]], p[c.v[1]], p[c.v[2]], p[c.v[3]], c.w, c.cos, c.sin, s.k_bend);
+        project_bend(p[c.v[0]], p[c.v[1]], p[c.v[2]], p[c.v[3]], c.w, c.cos, c.sin, c.floor, s.k_bend);
     for (const BlendConstraint &c : model_->blends())
       project_blend(p[c.vertex], w.target[c.vertex], c.stiffness);
     for (SelfContact<float> &c : w.self_contacts)
@@ -415,11 +411,13 @@ void PbdSolver::push_out_strays(Workspace &w) const {
 
 void PbdSolver::update_velocities(Workspace &w, const Substep &s) const {
   const float rate = 1.0f / s.h;
-  for (size_t i = 0; i < w.x.size(); ++i) {
-    const Vec3f v = rate * (w.p[i] - w.x[i]);
-    const float speed = lane_sqrt(dot(v, v));
-    w.v[i] = lane_min(1.0f, kMaxSpeed / lane_max(speed, 1e-12f)) * v;
-  }
+  for (size_t i = 0; i < w.x.size(); ++i)
+    w.v[i] = rate * (w.p[i] - w.x[i]);
+}
+
+void PbdSolver::limit_speed(Workspace &w) const {
+  for (Vec3f &v : w.v)
+    v = lane_min(1.0f, kMaxSpeed / lane_max(lane_sqrt(dot(v, v)), 1e-12f)) * v;
 }
 
 /// Normal velocity after a contact: none into it; what came in faster than gravity's own doing in two steps is reflected.
@@ -462,8 +460,7 @@ void PbdSolver::rub_self(Workspace &w, const Substep &s) const {
     const float un = dot(u, d.normal);
     const float after = bounce(un, dot(relative(w.v_free), d.normal), s);
     const Vec3f change = (-s.k_friction) * u + (after - (1.0f - s.k_friction) * un) * d.normal;
-    const float sum = c.wq + c.wa * c.b0 * c.b0 + c.wb * c.b1 * c.b1 + c.wc * c.b2 * c.b2;
-    const Vec3f impulse = (1.0f / lane_max(sum, 1e-20f)) * change;
+    const Vec3f impulse = c.inverse_sum * change;
     w.v[c.q] += c.wq * impulse;
     w.v[c.a] -= (c.wa * c.b0) * impulse;
     w.v[c.b] -= (c.wb * c.b1) * impulse;

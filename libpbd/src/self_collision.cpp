@@ -190,7 +190,10 @@ void find_self_contacts(const PbdModel &model, const std::vector<Vec3f> &x, cons
     const Vec3f foot = barycentric(at(q), at(a), at(b), at(c));
     if (foot.x < 0 || foot.y < 0 || foot.z < 0 || model.excluded(q, f))
       continue;
-    contacts.push_back({q, a, b, c, foot.x, foot.y, foot.z, side, lane_min(thickness, h0 + opening), 0, w[q], w[a], w[b], w[c]});
+    SelfContact<float> contact{q, a,    b,    c,    foot.x, foot.y, foot.z, side, lane_min(thickness, h0 + opening),
+                               0, w[q], w[a], w[b], w[c],   0};
+    contact.inverse_sum = contact_response(contact);
+    contacts.push_back(contact);
   }
 }
 

@@ -1,0 +1,296 @@
+// Every constraint's gradient against central differences, and every projection against what it must achieve. Kernels in double.
+
+#include "../../libpbd/src/capsule_motion.h"
+#include "../../libpbd/src/constraint_order.h"
+#include "../../libpbd/src/kernels.h"
+
+#include <algorithm>
+#include <functional>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace doublet::pbd {
+namespace {
+
+using V = Vec3<double>;
+double &component(V &v, int k) {
+  return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
+/// d value / d x by central differences.
+V differences(const std::function<double()> &value, V &x) {
+  V g{};
+  for (int k = 0; k < 3; ++k) {
+    const double keep = component(x, k), h = 1e-6;
+    component(x, k) = keep + h;
+    const double up = value();
+    component(x, k) = keep - h;
+    const double down = value();
+    component(x, k) = keep;
+    component(g, k) = (up - down) / (2 * h);
+  }
+  return g;
+}
+void expect_near(V a, V b, double tolerance) {
+  EXPECT_NEAR(a.x, b.x, tolerance);
+  EXPECT_NEAR(a.y, b.y, tolerance);
+  EXPECT_NEAR(a.z, b.z, tolerance);
+}
+
+struct Random {
+  std::mt19937 engine{7};
+  double operator()(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(engine); }
+  V point(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
+};
+
+TEST(Kernels, Atan2MatchesTheStandardOne) {
+  Random random;
+  for (int i = 0; i < 100000; ++i) {
+    const double y = random(-2, 2), x = random(-2, 2);
+    ASSERT_NEAR(lane_atan2(y, x), std::atan2(y, x), 1.5e-7);
+    ASSERT_NEAR(lane_atan2(static_cast<float>(y), static_cast<float>(x)),
+                std::atan2(static_cast<float>(y), static_cast<float>(x)), 4e-7);
+  }
+  EXPECT_EQ(lane_atan2(0.0f, 0.0f), 0.0f);
+  EXPECT_FLOAT_EQ(lane_atan2(0.0f, -1.0f), 3.14159265f);
+  EXPECT_FLOAT_EQ(lane_atan2(-1.0f, 0.0f), -1.57079633f);
+}
+
+TEST(Kernels, StretchProjectionFollowsTheGradientAndReachesTheLength) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    V a = random.point(0.1), b = random.point(0.1);
+    const double wa = random(0, 3), wb = random(0.1, 3), rest = random(0.01, 0.2);
+    const auto value = [&] { return std::sqrt(dot(a - b, a - b)) - rest; };
+    const double c = value();
+    const V ga = differences(value, a), gb = differences(value, b);
+    const double lambda = -0.3 * c / (wa * dot(ga, ga) + wb * dot(gb, gb)); // Mueller et al. 2007, eq. (8)
+    V pa = a, pb = b;
+    project_stretch(pa, pb, wa / (wa + wb), wb / (wa + wb), rest, 0.3);
+    expect_near(pa - a, (wa * lambda) * ga, 1e-8);
+    expect_near(pb - b, (wb * lambda) * gb, 1e-8);
+    project_stretch(a, b, wa / (wa + wb), wb / (wa + wb), rest, 1.0);
+    EXPECT_NEAR(value(), 0, 1e-12);
+  }
+}
+
+TEST(Kernels, BendGradientsMatchDifferences) {
+  Random random;
+  for (int i = 0; i < 500; ++i) {
+    V x0 = random.point(0.05), x1 = random.point(0.05), x2 = random.point(0.05), x3 = random.point(0.05);
+    const double phi = random(-3, 3);
+    const auto value = [&] { return bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi)).value; };
+    const Bend<double> b = bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi));
+    const V e = x1 - x0, n1 = cross(e, x2 - x0), n2 = cross(x3 - x0, e);
+    if (dot(n1, n1) < 1e-7 || dot(n2, n2) < 1e-7 || std::abs(b.value) > 3.1)
+      continue; // slivers and the seam at pi have no useful differences
+    const double scale = std::sqrt(std::max({dot(b.g0, b.g0), dot(b.g1, b.g1), dot(b.g2, b.g2), dot(b.g3, b.g3)}));
+    // the angle itself is a polynomial, exact to 1e-7: its slope is good to about 1e-5
+    const double tolerance = 2e-5 * scale + 1e-3;
+    expect_near(b.g0, differences(value, x0), tolerance);
+    expect_near(b.g1, differences(value, x1), tolerance);
+    expect_near(b.g2, differences(value, x2), tolerance);
+    expect_near(b.g3, differences(value, x3), tolerance);
+    expect_near(b.g0 + b.g1 + b.g2 + b.g3, V{0, 0, 0}, 1e-9 * scale);
+  }
+}
+
+/// Eq. (3) as printed: acos(n_l . n_r) - phi, unsigned.
+double paper_bend_angle(V x0, V x1, V x2, V x3) {
+  const V n1 = cross(x1 - x0, x2 - x0), n2 = cross(x3 - x0, x1 - x0);
+  return std::acos(std::clamp(dot(n1, n2) / std::sqrt(dot(n1, n1) * dot(n2, n2)), -1.0, 1.0));
+}
+
+TEST(Kernels, BendIsThePapersAngleUpToSign) {
+  Random random;
+  for (int i = 0; i < 1000; ++i) {
+    const V x0 = random.point(1), x1 = random.point(1), x2 = random.point(1), x3 = random.point(1);
+    const double angle = bend_constraint(x0, x1, x2, x3, 1.0, 0.0).value;
+    EXPECT_NEAR(std::abs(angle), paper_bend_angle(x0, x1, x2, x3), 1e-6);
+    EXPECT_NEAR(bend_constraint(x0, x1, x2, x3, std::cos(angle), std::sin(angle)).value, 0, 1e-6);
+  }
+}
+
+TEST(Kernels, BendProjectionReachesTheRestAngle) {
+  const float w[4] = {1, 1, 1, 1};
+  for (double phi : {-2.0, -0.5, 0.0, 0.3, 1.5}) {
+    V x0{0, 0, 0}, x1{0.03, 0, 0}, x2{0.01, 0.03, 0.004}, x3{0.02, -0.03, 0.006};
+    const V before = x0 + x1 + x2 + x3;
+    for (int i = 0; i < 50; ++i)
+      project_bend(x0, x1, x2, x3, w, std::cos(phi), std::sin(phi), 0.0, 1.0);
+    EXPECT_NEAR(bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi)).value, 0, 1e-6) << phi;
+    expect_near(x0 + x1 + x2 + x3, before, 1e-12); // equal masses: the centre stays
+  }
+}
+
+TEST(Kernels, BendWithoutALeverThrowsNothing) {
+  // Folded flat on itself, all pinned but one end of the edge: that end has no lever on the angle.
+  const float w[4] = {1, 0, 0, 0};
+  for (float gap : {1e-2f, 1e-4f, 1e-6f, 0.0f}) {
+    Vec3f x0{0, 0, 0}, x1{0.03f, 0, 0}, x2{0.015f, 0.03f, gap}, x3{0.015f, 0.03f, -gap};
+    project_bend(x0, x1, x2, x3, w, 1.0f, 0.0f, 500.0f, 1.0f);
+    EXPECT_LT(lane_sqrt(dot(x0, x0)), 0.2f) << gap;
+  }
+}
+
+TEST(Kernels, FoldedUpFacesStayFinite) {
+  const float w[4] = {1, 1, 1, 1};
+  Vec3f x0{0, 0, 0}, x1{0.03f, 0, 0}, x2{0.01f, 0, 0}, x3{0.02f, 0, 0}; // both faces are lines
+  project_bend(x0, x1, x2, x3, w, 1.0f, 0.0f, 500.0f, 1.0f);
+  for (const Vec3f &x : {x0, x1, x2, x3})
+    EXPECT_TRUE(std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z));
+  Vec3f a{0, 0, 0}, b{0, 0, 0};
+  project_stretch(a, b, 0.5f, 0.5f, 0.1f, 1.0f);
+  EXPECT_TRUE(std::isfinite(a.x) && std::isfinite(b.x));
+}
+
+TEST(Kernels, BlendMovesTheStatedShare) {
+  V p{1, 2, 3};
+  project_blend(p, V{2, 2, 2}, 0.25);
+  expect_near(p, V{1.25, 2, 2.75}, 1e-12);
+}
+
+TEST(Kernels, CapsuleDistanceIsExactAndItsGradientTheNormal) {
+  Random random;
+  for (int i = 0; i < 100; ++i) {
+    Capsule c;
+    c.p0 = Eigen::Vector3d(random(-0.3, 0.3), random(-0.3, 0.3), random(-0.3, 0.3));
+    c.p1 = Eigen::Vector3d(random(-0.3, 0.3), random(-0.3, 0.3), random(-0.3, 0.3));
+    c.r0 = random(0.01, 0.4); // now and then one sphere holds the other
+    c.r1 = random(0.01, 0.2);
+    const CapsuleShape shape = capsule_shape(c, Eigen::Vector3d::Zero());
+    for (int k = 0; k < 20; ++k) {
+      V p = random.point(0.8);
+      // The hull is the union of all spheres in between, and outside it the distance is the least of theirs.
+      double reference = 1e9;
+      for (int s = 0; s <= 4000; ++s) {
+        const double t = s / 4000.0;
+        const Eigen::Vector3d centre = c.p0 + t * (c.p1 - c.p0);
+        reference = std::min(reference, (Eigen::Vector3d(p.x, p.y, p.z) - centre).norm() - (c.r0 + t * (c.r1 - c.r0)));
+      }
+      const Distance<double> d = capsule_distance(shape, p);
+      EXPECT_NEAR(d.value, reference, 2e-6);
+      EXPECT_NEAR(dot(d.normal, d.normal), 1, 1e-6);
+      const V g = differences([&] { return capsule_distance(shape, p).value; }, p);
+      expect_near(d.normal, g, 1e-3); // kinks where the foot passes an end are C1, not C2
+    }
+  }
+}
+
+TEST(Kernels, CapsuleDistanceOnTheAxisHasANormal) {
+  const CapsuleShape rod = capsule_shape({{0, 0, 0}, {0, 1, 0}, 0.1, 0.1}, Eigen::Vector3d::Zero());
+  const Distance<float> d = capsule_distance(rod, Vec3f{0, 0.5f, 0});
+  EXPECT_NEAR(d.value, -0.1, 1e-6);
+  EXPECT_NEAR(dot(d.normal, d.normal), 1, 1e-6);
+  EXPECT_NEAR(d.normal.y, 0, 1e-6);
+  const CapsuleShape point = capsule_shape({{0, 0, 0}, {0, 0, 0}, 0, 0}, Eigen::Vector3d::Zero());
+  EXPECT_NEAR(capsule_distance(point, Vec3f{0, 0, 2}).value, 2, 1e-6);
+}
+
+TEST(Kernels, EntryTimeIsWhereTheSegmentMeetsTheProxy) {
+  Random random;
+  int hits = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Capsule c{{random(-0.1, 0.1), random(-0.1, 0.1), 0}, {random(-0.1, 0.1), 0.4, 0}, random(0.02, 0.1), random(0.02, 0.1)};
+    const CapsuleShape shape = capsule_shape(c, Eigen::Vector3d::Zero());
+    const auto f = [](V v) { return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; };
+    const Vec3f q0 = f(random.point(0.5)), q1 = f(random.point(0.5));
+    if (capsule_distance(shape, q0).value < 0.005)
+      continue;
+    double first = 2, least = 1;
+    for (int s = 0; s <= 2000; ++s) {
+      const float t = static_cast<float>(s) / 2000;
+      const double gap = capsule_distance(shape, q0 + t * (q1 - q0)).value - 0.004;
+      least = std::min(least, gap);
+      if (gap <= 0 && first == 2)
+        first = t;
+    }
+    if (std::abs(least) < 1e-4)
+      continue; // grazing: the samples cannot tell
+    const double t = entry_time(shape, q0, q1, 0.004f);
+    EXPECT_NEAR(t, first, first == 2 ? 0 : 1e-3);
+    hits += first < 2;
+  }
+  EXPECT_GT(hits, 100);
+}
+
+TEST(Kernels, SelfContactFollowsTheGradientAndReachesTheThickness) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    V a{0, 0, 0}, b{0.03, 0.001, 0}, c{0.002, 0, 0.03};
+    double b1 = random(0.05, 0.45), b2 = random(0.05, 0.45), b0 = 1 - b1 - b2;
+    const V n = cross(b - a, c - a);
+    const double side = i % 2 ? 1 : -1, depth = random(0, 0.003);
+    V q = b0 * a + b1 * b + b2 * c + (side * depth / std::sqrt(dot(n, n))) * n;
+    // C = side (q - a) . n / |n|, Mueller et al. 2007, Sect. 4.4; over the foot its gradients are n and -b_i n.
+    const auto value = [&] {
+      const V m = cross(b - a, c - a);
+      return side * dot(q - a, m) / std::sqrt(dot(m, m));
+    };
+    const Distance<double> d = self_distance(q, a, b, c, b0, b1, b2, side);
+    EXPECT_NEAR(d.value, value(), 1e-12);
+    expect_near(differences(value, q), d.normal, 1e-6);
+    expect_near(differences(value, a), (-b0) * d.normal, 1e-6);
+    expect_near(differences(value, b), (-b1) * d.normal, 1e-6);
+    expect_near(differences(value, c), (-b2) * d.normal, 1e-6);
+    SelfContact<double> s{0, 1, 2, 3, b0, b1, b2, side, 0.004, 0, 2, 1, 0.5f, 0, 0};
+    s.wc = i % 3 ? 4 : 0; // free, and now and then pinned
+    s.inverse_sum = contact_response(s);
+    const double lambda = (0.004 - d.value) / (2 + b0 * b0 + 0.5 * b1 * b1 + s.wc * b2 * b2);
+    const V q0 = q, a0 = a, b_0 = b, c0 = c;
+    project_self(q, a, b, c, s);
+    EXPECT_EQ(s.touched, 1);
+    expect_near(q - q0, (2 * lambda) * d.normal, 1e-12); // Mueller et al. 2007, eq. (8), with the gradients above
+    expect_near(a - a0, (-b0 * lambda) * d.normal, 1e-12);
+    expect_near(b - b_0, (-0.5 * b1 * lambda) * d.normal, 1e-12);
+    expect_near(c - c0, (-s.wc * b2 * lambda) * d.normal, 1e-12);
+    EXPECT_NEAR(self_distance(q, a, b, c, b0, b1, b2, side).value, 0.004, 3e-4); // the normal turns a little
+  }
+}
+
+TEST(Kernels, DragNeverReversesAndKeepsItsClosedForm) {
+  Random random;
+  for (int i = 0; i < 1000; ++i) {
+    const V u = random.point(50), n{0, 1, 0};
+    const double dn = random(0, 32), dt = random(0, 32), h = random(0.001, 0.1);
+    const V r = apply_drag(u, n, 0.5 * dn * h, std::exp(-0.5 * dt * h));
+    EXPECT_NEAR(r.x, u.x * std::exp(-0.5 * dt * h), 1e-12);
+    EXPECT_NEAR(r.y, u.y / (1 + 0.5 * dn * h * std::abs(u.y)), 1e-12);
+    EXPECT_GE(r.x * u.x, 0);
+    EXPECT_GE(r.y * u.y, 0);
+    EXPECT_LE(std::abs(r.y), std::abs(u.y));
+  }
+}
+
+TEST(Order, LeavesVerticesAloneAndKeepsLevels) {
+  // Edges of a 30 x 30 grid of vertices, level = row.
+  std::vector<int> vertices, levels;
+  for (int r = 0; r < 30; ++r)
+    for (int c = 0; c < 30; ++c) {
+      if (c < 29)
+        vertices.insert(vertices.end(), {r * 30 + c, r * 30 + c + 1}), levels.push_back(r);
+      if (r < 29)
+        vertices.insert(vertices.end(), {r * 30 + c, r * 30 + c + 30}), levels.push_back(r);
+    }
+  const std::vector<int> order = spread_order(vertices, 2, levels, 900, kStretchGap);
+  std::vector<int> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (int i = 0; i < static_cast<int>(sorted.size()); ++i)
+    ASSERT_EQ(sorted[i], i);
+  std::vector<int> last(900, -100);
+  int crowded = 0;
+  for (int i = 0; i < static_cast<int>(order.size()); ++i)
+    for (int k = 0; k < 2; ++k) {
+      int &l = last[vertices[order[i] * 2 + k]];
+      crowded += i - l - 1 < kStretchGap;
+      l = i;
+    }
+  EXPECT_LT(crowded, 40); // the last few find no company
+  double inversions = 0;
+  for (int i = 1; i < static_cast<int>(order.size()); ++i)
+    inversions = std::max(inversions, static_cast<double>(levels[order[i - 1]] - levels[order[i]]));
+  EXPECT_LE(inversions, 8); // nearly sorted by level
+}
+
+} // namespace
+} // namespace doublet::pbd

@@ -1,0 +1,252 @@
+// Bad meshes, bad inputs, wild materials, and the conformance kit.
+
+#include "scenes.h"
+
+#include <doublet/testing/cloth_solver_conformance.h>
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <random>
+
+namespace doublet::pbd {
+namespace {
+
+using scenes::Sheet;
+
+std::string refusal(const std::function<void()> &act) {
+  try {
+    act();
+  } catch (const std::invalid_argument &e) {
+    return e.what();
+  }
+  return "";
+}
+std::string model_refusal(const Sheet &s, const ClothOptions &options = {}) {
+  return refusal([&] { ClothModel::create(s.rest, s.faces, s.clothness, options); });
+}
+::testing::AssertionResult says(const std::string &message, const std::string &part) {
+  return message.find(part) != std::string::npos ? ::testing::AssertionSuccess()
+                                                 : ::testing::AssertionFailure() << '"' << message << '"';
+}
+
+TEST(Robustness, RefusesBadMeshes) {
+  const Sheet good = scenes::grid(3, 3, 0.03);
+  Sheet s;
+  EXPECT_TRUE(says(model_refusal(s), "empty"));
+  s = good;
+  s.rest(5, 1) = std::nan("");
+  EXPECT_TRUE(says(model_refusal(s), "vertex 5"));
+  s = good;
+  s.faces(2, 1) = 99;
+  EXPECT_TRUE(says(model_refusal(s), "face 2 has index 99"));
+  s.faces(2, 1) = -1;
+  EXPECT_TRUE(says(model_refusal(s), "face 2 has index -1"));
+  s = good;
+  s.faces.row(3) << 1, 1, 2;
+  EXPECT_TRUE(says(model_refusal(s), "face 3 is degenerate"));
+  s = good;
+  s.clothness.conservativeResize(4);
+  EXPECT_TRUE(says(model_refusal(s), "clothness must have one value a vertex (16), found 4"));
+  s = good;
+  s.clothness[7] = 1.5;
+  EXPECT_TRUE(says(model_refusal(s), "at vertex 7"));
+  s = good;
+  s.rest.conservativeResize(17, 3);
+  s.rest.row(16) << 1, 1, 1;
+  s.clothness = Eigen::VectorXd::Ones(17);
+  EXPECT_TRUE(says(model_refusal(s), "vertex 16 belongs to no face"));
+}
+
+TEST(Robustness, RefusesBadOptionsAndMaterials) {
+  const Sheet s = scenes::grid(3, 3, 0.03);
+  const auto with = [&](auto &&change) {
+    ClothOptions o;
+    change(o);
+    return model_refusal(s, o);
+  };
+  EXPECT_TRUE(says(with([](ClothOptions &o) { o.iterations = 0; }), "iterations"));
+  EXPECT_TRUE(says(with([](ClothOptions &o) { o.substeps = -1; }), "substeps"));
+  EXPECT_TRUE(says(with([](ClothOptions &o) { o.gravity[0] = std::nan(""); }), "gravity"));
+  EXPECT_TRUE(says(with([](ClothOptions &o) { o.restitution = 2; }), "restitution"));
+  EXPECT_TRUE(says(with([](ClothOptions &o) { o.thickness = -1; }), "thickness"));
+  EXPECT_TRUE(says(with([](ClothOptions &o) { o.self_thickness = 7; }), "self_thickness"));
+  for (const MaterialParameter &p : material_parameters())
+    for (double bad : {p.lower - 1, p.upper + 1, std::nan("")}) {
+      Material m;
+      m.*p.value = bad;
+      EXPECT_TRUE(says(refusal([&] { validate(m); }), p.name));
+    }
+  Material m;
+  m.k_stretch = 0;
+  EXPECT_TRUE(says(refusal([&] { validate(m); }), "k_stretch must lie in ("));
+}
+
+TEST(Robustness, RefusesBadInputs) {
+  Sheet s = scenes::grid(3, 3, 0.03);
+  s.clothness[0] = 0;
+  const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness));
+  const ClothState start = initial_state(s.rest);
+  const auto with = [&](auto &&change) {
+    ClothState state = start;
+    StepInputs in;
+    in.targets = &s.rest;
+    change(state, in);
+    return refusal([&] { solver->step(state, in, {}); });
+  };
+  const Vertices few = s.rest.topRows(3);
+  const std::vector<Capsule> one(1, Capsule{{0, 0, 0}, {0, 1, 0}, 0.1, 0.1}), two(2, one[0]);
+  std::vector<Capsule> negative = one;
+  negative[0].r1 = -1;
+  EXPECT_EQ(with([](ClothState &, StepInputs &) {}), "");
+  EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.targets = nullptr; }), "targets are missing"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.previous_targets = &few; }),
+                   "previous_targets must have 16 rows, found 3"));
+  EXPECT_TRUE(says(with([](ClothState &state, StepInputs &) { state.positions(3, 1) = std::nan(""); }), "state.positions"));
+  EXPECT_TRUE(says(with([](ClothState &state, StepInputs &) { state.velocities.resize(2, 3); }), "state.velocities"));
+  EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.dt = 0; }), "dt"));
+  EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.wind[1] = INFINITY; }), "wind"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = &one, in.previous_capsules = &two; }), "equally many"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = &negative; }), "capsule 0"));
+  std::vector<ClothState> states(2, start);
+  const std::vector<Material> materials(3);
+  EXPECT_TRUE(says(refusal([&] { solver->step_many(states, {}, materials); }), "equally many"));
+
+  struct Foreign : ClothModel {
+    ClothOptions o;
+    Eigen::VectorXd w;
+    int vertex_count() const override { return 0; }
+    const ClothOptions &options() const override { return o; }
+    const Eigen::VectorXd &inverse_masses() const override { return w; }
+  };
+  EXPECT_TRUE(says(refusal([] { ClothSolver::create(std::make_shared<Foreign>()); }), "ClothModel::create"));
+  EXPECT_TRUE(says(refusal([] { ClothSolver::create(nullptr); }), "ClothModel::create"));
+}
+
+TEST(Robustness, SimulatesUglyMeshes) {
+  Sheet s = scenes::grid(5, 5, 0.03);
+  const int f = static_cast<int>(s.faces.rows()), n = static_cast<int>(s.rest.rows());
+  s.faces.conservativeResize(f + 3, 3);
+  s.rest.conservativeResize(n + 2, 3);
+  s.clothness = Eigen::VectorXd::Ones(n + 2);
+  s.rest.row(n) << 0.01, 0.03, 0.01;
+  s.rest.row(n + 1) << 0.015, 1e-7, 0;                               // a sliver
+  s.faces.row(f) << s.faces(7, 0), s.faces(7, 1), n;                 // a third face on an edge
+  s.faces.row(f + 1) << s.faces(8, 2), s.faces(8, 1), s.faces(8, 0); // a face twice, flipped
+  s.faces.row(f + 2) << 20, 21, n + 1;
+  const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness));
+  ClothState state = initial_state(s.rest);
+  const std::vector<Capsule> post{{{0, -0.15, 0}, {0, -0.2, 0}, 0.08, 0.05}};
+  StepInputs in;
+  in.capsules = &post;
+  for (int i = 0; i < 100; ++i)
+    solver->step(state, in, {});
+  EXPECT_TRUE(state.positions.allFinite());
+  EXPECT_LT(state.velocities.rowwise().norm().maxCoeff(), 50);
+}
+
+TEST(Robustness, OneTriangleIsCloth) {
+  Sheet s;
+  s.rest.resize(3, 3);
+  s.rest << 0, 0, 0, 0.1, 0, 0, 0, 0, 0.1;
+  s.faces.resize(1, 3);
+  s.faces << 0, 1, 2;
+  s.clothness = Eigen::Vector3d(0, 1, 1);
+  const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness));
+  ClothState state = initial_state(s.rest);
+  StepInputs in;
+  in.targets = &s.rest;
+  for (int i = 0; i < 100; ++i)
+    solver->step(state, in, {});
+  EXPECT_LT(state.positions(1, 1), -0.05);
+}
+
+/// Random corners of the material box in a wild dance, with and without substeps: nothing becomes NaN, nothing flies off.
+TEST(Robustness, SurvivesTheCornersOfTheBox) {
+  const Sheet s = scenes::skirt(26, 10);
+  std::mt19937 random(11);
+  for (int round = 0; round < 12; ++round) {
+    Material m;
+    for (const MaterialParameter &p : material_parameters())
+      m.*p.value = random() % 2 ? p.upper : p.lower;
+    if (m.k_stretch == 0)
+      m.k_stretch = 1e-3;
+    ClothOptions options;
+    options.substeps = round % 3 == 0 ? 3 : 1;
+    options.restitution = round % 4 == 0 ? 1 : 0;
+    const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
+    const scenes::Dancer dancer{3};
+    ClothState state = initial_state(s.rest);
+    std::uniform_real_distribution<double> jump(-0.3, 0.3);
+    Vertices previous = s.rest, targets;
+    std::vector<Capsule> previous_capsules = dancer.capsules(0), capsules;
+    for (int f = 1; f <= 120; ++f) {
+      targets = dancer.targets(s.rest, f / 40.0);
+      capsules = dancer.capsules(f / 40.0);
+      if (f % 20 == 0) { // the tracker slips: everything jumps
+        const Eigen::RowVector3d slip(jump(random), jump(random), jump(random));
+        targets.rowwise() += slip;
+        for (Capsule &c : capsules)
+          c.p0 += slip.transpose(), c.p1 -= slip.transpose();
+      }
+      StepInputs in;
+      in.targets = &targets;
+      in.previous_targets = &previous;
+      in.capsules = &capsules;
+      in.previous_capsules = &previous_capsules;
+      ASSERT_NO_THROW(solver->step(state, in, m)) << "round " << round << " frame " << f;
+      ASSERT_LE(state.velocities.rowwise().norm().maxCoeff(), 100.001) << "round " << round << " frame " << f;
+      // A rubber skirt (k_stretch near 0) falls as far as its fall lasts; any other stays about the dancer.
+      if (m.k_stretch == 1) {
+        ASSERT_LT((state.positions.rowwise() - targets.row(0)).rowwise().norm().maxCoeff(), 3)
+            << "round " << round << " frame " << f;
+      }
+      previous = targets;
+      previous_capsules = capsules;
+    }
+  }
+}
+
+TEST(Conformance, OurSolverConforms) {
+  for (const std::string &broken : doublet::testing::cloth_solver_violations(&ClothSolver::create))
+    ADD_FAILURE() << broken;
+}
+
+/// The kit finds what it is for: a solver that forgets its pins, and one that remembers the last call.
+TEST(Conformance, TheKitCatchesBrokenSolvers) {
+  struct Broken : ClothSolver {
+    std::unique_ptr<ClothSolver> real;
+    mutable int calls = 0;
+    const ClothModel &model() const override { return real->model(); }
+    void step(ClothState &state, const StepInputs &inputs, const Material &material) const override {
+      real->step(state, inputs, material);
+      state.positions.col(2).array() += 1e-3 * ++calls;
+    }
+  };
+  const auto broken = doublet::testing::cloth_solver_violations([](std::shared_ptr<const ClothModel> model) {
+    auto solver = std::make_unique<Broken>();
+    solver->real = ClothSolver::create(std::move(model));
+    return solver;
+  });
+  EXPECT_GE(broken.size(), 3u);
+}
+
+/// The room depends on Eigen and itself alone.
+TEST(House, IncludesNothingButItselfEigenAndTheStandardLibrary) {
+  for (const auto &entry : std::filesystem::recursive_directory_iterator(DOUBLET_SOURCE_DIR "/libpbd")) {
+    if (!entry.is_regular_file() || (entry.path().extension() != ".h" && entry.path().extension() != ".cpp"))
+      continue;
+    std::ifstream file(entry.path());
+    for (std::string line; std::getline(file, line);) {
+      if (line.rfind("#include", 0) != 0)
+        continue;
+      const std::string name = line.substr(10, line.find_last_of("\">") - 10);
+      const bool standard = name.find('/') == std::string::npos && name.find('.') == std::string::npos;
+      const bool own = name.rfind("doublet/pbd/", 0) == 0 || (line[9] == '"' && name.find('/') == std::string::npos);
+      EXPECT_TRUE(standard || own || name.rfind("Eigen/", 0) == 0) << entry.path() << ": " << line;
+    }
+  }
+}
+
+} // namespace
+} // namespace doublet::pbd
