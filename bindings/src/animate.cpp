@@ -77,7 +77,12 @@ void bind_motion(py::module_ &m) {
       .def_readwrite("dofs", &Motion::dofs, "(T, D) rad and m")
       .def("__len__", [](const Motion &motion) { return motion.dofs.rows(); });
   py::class_<SourceMotion>(m, "SourceMotion", "A motion capture clip on its own skeleton.")
-      .def_static("read", &read_motion_file, py::arg("path"), py::arg("skeleton") = std::filesystem::path{}, Release())
+      .def_static(
+          "read",
+          [](const std::filesystem::path &path, const std::optional<std::filesystem::path> &skeleton) {
+            return read_motion_file(path, skeleton.value_or(std::filesystem::path()));
+          },
+          py::arg("path"), py::arg("skeleton") = std::nullopt, Release(), ".bvh or .amc; skeleton: the .asf of an .amc")
       .def_readonly("source", &SourceMotion::source)
       .def_readonly("fps", &SourceMotion::fps)
       .def_property_readonly("frame_count", &SourceMotion::frame_count)

@@ -17,6 +17,37 @@ public:
   }
 };
 
+void bind_proxy_statistics(py::module_ &m) {
+  py::class_<ProxyStatistics>(m, "ProxyStatistics", "How well the capsules stand for the body under cloth, m.")
+      .def_readonly("capsules", &ProxyStatistics::capsules)
+      .def_readonly("samples", &ProxyStatistics::samples)
+      .def_readonly("mean_distance", &ProxyStatistics::mean_distance)
+      .def_readonly("percentile95", &ProxyStatistics::percentile95)
+      .def_readonly("largest_bulge", &ProxyStatistics::largest_bulge)
+      .def_readonly("cloth_clearance", &ProxyStatistics::cloth_clearance);
+  m.def("proxy_statistics", &proxy_statistics, py::arg("capsules"), py::arg("fit"), py::arg("actor"), py::arg("clothness"),
+        Release());
+}
+
+void bind_training(py::module_ &m) {
+  OptionsClass<TrainOptions>(m, "TrainOptions", "Options of train_body_model.")
+      .field("components", &TrainOptions::components, "shape components kept, at most meshes - 1")
+      .field("pose_floor", &TrainOptions::pose_floor, "rad, added in quadrature to every pose deviation")
+      .field("name", &TrainOptions::name, "of the model")
+      .field("licence", &TrainOptions::licence, "of the population; copied into the file")
+      .get()
+      .def_readwrite("individuals", &TrainOptions::individuals, "train on these only (empty = all)")
+      .def_readwrite("command", &TrainOptions::command, "recorded in the file");
+  py::class_<TrainSummary>(m, "TrainSummary")
+      .def_readonly("meshes", &TrainSummary::meshes)
+      .def_readonly("vertices", &TrainSummary::vertices)
+      .def_readonly("components", &TrainSummary::components)
+      .def_readonly("variance_kept", &TrainSummary::variance_kept, "fraction")
+      .def_readonly("reconstruction_mm", &TrainSummary::reconstruction_mm, "mean vertex error of the training set");
+  m.def("train_body_model", &train_body_model, py::arg("population"), py::arg("out"), py::arg("options") = TrainOptions{},
+        py::arg("context") = interruptible_context(), Release());
+}
+
 } // namespace
 
 void bind_bodymodel(py::module_ &m) {
@@ -51,6 +82,8 @@ void bind_bodymodel(py::module_ &m) {
            py::arg("context") = interruptible_context(), Release());
   m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("clothness"), py::arg("options") = ProxyOptions{},
         Release());
+  bind_proxy_statistics(m);
+  bind_training(m);
 }
 
 } // namespace doublet::python

@@ -122,19 +122,19 @@ void bind_minimise(py::module_ &m) {
            "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
   m.def(
       "minimise",
-      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty, const Path &checkpoint,
-         const std::string &problem, const Context &context) {
+      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty,
+         const std::optional<Path> &checkpoint, const std::string &problem, const Context &context) {
         MinimiseOptions options;
         options.make_optimizer = factory_from(make_optimizer);
         options.seed = seed;
         options.penalty = penalty;
-        options.checkpoint = checkpoint;
+        options.checkpoint = checkpoint.value_or(Path());
         options.problem = problem;
         const py::gil_scoped_release release;
         return minimise(objective, options, context);
       },
       py::arg("objective"), py::arg("make_optimizer") = py::none(), py::arg("seed") = 1, py::arg("penalty") = 16.0,
-      py::arg("checkpoint") = Path{}, py::arg("problem") = "", py::arg("context") = interruptible_context());
+      py::arg("checkpoint") = std::nullopt, py::arg("problem") = "", py::arg("context") = interruptible_context());
 }
 
 void bind_energy(py::module_ &m) {

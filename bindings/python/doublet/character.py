@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -45,8 +44,8 @@ def build_character(job) -> dict:
 
 
 def animate_exactly(character_file: Path, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
-    """(T, V, 3) m: the character on a motion of its own skeleton, whose first frame is the rest pose; nothing put in front, nothing
-    adapted to the floor."""
+    """(T, V, 3) m: the character on a motion of its own skeleton, whose first frame is the rest pose; nothing is put
+    in front of it, nothing adapted to the floor."""
     character = d.Character.read(character_file)
     as_it_is = d.RetargetOptions(fps=fps, apply_limits=False, ground_feet=False, hold_seconds=0.0, blend_seconds=0.0)
     motion = d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, as_it_is, context)

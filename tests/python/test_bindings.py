@@ -1,0 +1,233 @@
+"""The Python face of the library: arrays, options, errors, overridable stages, interruption."""
+
+import signal
+import threading
+
+import doublet as d
+import numpy as np
+import pytest
+
+TETRAHEDRON = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
+FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
+MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
+
+
+def moving_tetrahedron():
+    return d.MeshSequence(FACES, np.stack([TETRAHEDRON, TETRAHEDRON + 0.1]))
+
+
+def test_arrays_are_views_without_a_copy():
+    mesh = d.Mesh(TETRAHEDRON, FACES)
+    assert not mesh.vertices.flags.owndata
+    assert np.shares_memory(mesh.vertices, mesh.vertices)
+    np.testing.assert_array_equal(mesh.vertices, TETRAHEDRON)
+    state = d.ClothState(TETRAHEDRON)
+    state.positions[0, 1] = 7
+    assert state.positions[0, 1] == 7 and TETRAHEDRON[0, 1] == 0
+
+
+def test_options_take_keywords_and_say_what_is_wrong():
+    assert d.SegmentOptions(cloth_threshold=0.03).cloth_threshold == 0.03
+    with pytest.raises(TypeError, match="no option 'threshold'"):
+        d.SegmentOptions(threshold=1)
+    with pytest.raises(ValueError, match="rigid_threshold"):
+        d.SegmentOptions(rigid_threshold=-1)
+    with pytest.raises(ValueError, match="k_bend"):
+        d.Material(k_bend=2)
+    with pytest.raises(TypeError, match="no parameter 'stiffness'"):
+        d.Material(stiffness=1)
+
+
+@pytest.mark.parametrize("name", [n for n in dir(d) if n.endswith("Options")])
+def test_every_option_is_documented_and_has_a_default(name):
+    options_class = getattr(d, name)
+    defaults = options_class().to_dict()
+    assert list(defaults) == options_class.fields() and defaults
+    assert all(getattr(options_class, field).__doc__ for field in defaults)
+
+
+def test_errors_are_pythons(tmp_path):
+    with pytest.raises(FileNotFoundError, match="nothing.npz"):
+        d.read_actor(tmp_path / "nothing.npz")
+    (tmp_path / "broken.npz").write_text("no archive")
+    with pytest.raises(d.Error, match="broken.npz"):
+        d.read_clothness(tmp_path / "broken.npz")
+    assert issubclass(d.Error, RuntimeError)
+    with pytest.raises(d.Error, match="nobody"):
+        d.Skeleton([*MARKS, d.JointMark("head", "nobody", [0, 1.6, 0])])
+
+
+def test_skeleton_kinematics():
+    skeleton = d.Skeleton(MARKS)
+    dofs = np.zeros(len(skeleton.dof_names))
+    dofs[0] = 0.5  # root, x
+    np.testing.assert_allclose(skeleton.joint_positions(dofs), skeleton.joint_rest + [0.5, 0, 0], atol=1e-12)
+    assert skeleton.forward_kinematics(dofs).shape == (2, 4, 4)
+
+
+def test_closest_points_and_rays():
+    scene = d.RayScene(d.Mesh(TETRAHEDRON, FACES))
+    _, distance, point = scene.closest(np.array([[0.2, 0.2, -0.5]]))
+    assert distance[0] == pytest.approx(0.5, abs=1e-6)
+    np.testing.assert_allclose(point[0], [0.2, 0.2, 0], atol=1e-6)
+    face, distance = scene.cast(np.array([[0.2, 0.2, -1.0]] * 2), np.array([[0, 0, 1.0], [0, 0, -1.0]]))
+    assert face[0] >= 0 and distance[0] == pytest.approx(1, abs=1e-6)
+    assert face[1] == -1 and np.isinf(distance[1])
+
+
+def test_files_round_trip(tmp_path):
+    clothness = d.Clothness(np.array([0.001, np.nan]), np.array([0.0, 1.0]), np.array([-1, 0]))
+    d.write_clothness(tmp_path / "segmentation.npz", clothness)
+    with np.load(tmp_path / "segmentation.npz") as arrays:
+        assert set(arrays) >= {"sigma", "clothness", "region"}
+    back = d.read_clothness(tmp_path / "segmentation.npz")
+    np.testing.assert_allclose(back.sigma, clothness.sigma, rtol=1e-6)
+    assert back.region_count == 1
+
+
+def test_a_stage_can_be_written_in_python():
+    class EverythingIsCloth(d.ClothSegmenter):
+        def segment(self, sequence, face_valid, context):
+            context.report("python stage", 0.5)
+            count = sequence.frames.shape[1]
+            return d.Clothness(np.zeros(count), np.ones(count), np.zeros(count, np.int32))
+
+    seen = []
+    context = d.Context(progress=lambda name, fraction: seen.append((name, fraction)))
+    # Through the base class, as C++ would call it.
+    result = d.ClothSegmenter.segment(EverythingIsCloth(), moving_tetrahedron(), [1] * 4, context)
+    assert result.clothness.tolist() == [1] * 4
+    assert seen == [("python stage", 0.5)]
+
+
+def test_a_stage_without_its_method_says_so():
+    class Lazy(d.ClothSegmenter):
+        pass
+
+    with pytest.raises(RuntimeError, match="segment"):
+        Lazy().segment(moving_tetrahedron(), [1] * 4)
+
+
+def test_an_extractor_written_in_python_sees_arrays():
+    class Threshold(d.SilhouetteExtractor):
+        def train(self, camera, images):
+            self.level = images[0].mean()
+
+        def extract(self, camera, image):
+            return np.where(image[..., 0] > self.level, 255, 0).astype(np.uint8)
+
+    picture = np.zeros((4, 6, 3), np.uint8)
+    picture[1:3, 2:5] = 200
+    extractor = Threshold()
+    d.SilhouetteExtractor.train(extractor, 0, [picture])
+    mask = d.SilhouetteExtractor.extract(extractor, 0, picture)
+    assert mask.shape == (4, 6) and (mask > 0).sum() == 6
+
+
+class Bowl(d.Objective):
+    """Minimum at 0.7 along every axis."""
+
+    def parameter_count(self):
+        return 3
+
+    def evaluate(self, samples, context):
+        return np.square(samples - 0.7).sum(axis=1, keepdims=True)
+
+
+class RandomSearch(d.Optimizer):
+    def __init__(self, dimension, seed):
+        super().__init__()
+        self.random, self.dimension, self.told, self.found = np.random.default_rng(seed), dimension, 0, (np.inf, None)
+
+    def ask(self):
+        return self.random.random((16, self.dimension))
+
+    def tell(self, samples, energies):
+        self.told += len(energies)
+        best = int(np.argmin(energies))
+        if energies[best] < self.found[0]:
+            self.found = (energies[best], samples[best])
+
+    def stop(self):
+        return self.told >= 800
+
+    def result(self):
+        result = d.OptimizerResult()
+        result.answer = result.best = self.found[1] if self.found[1] is not None else np.full(self.dimension, 0.5)
+        result.best_energy = self.found[0]
+        result.deviations = np.zeros(self.dimension)
+        result.evaluations = self.told
+        return result
+
+
+def test_objective_in_python_optimizer_in_cpp():
+    answer = d.minimise(Bowl(), seed=3).parts[0].answer
+    np.testing.assert_allclose(answer, 0.7, atol=0.05)
+
+
+def test_objective_and_optimizer_in_python():
+    result = d.minimise(Bowl(), make_optimizer=RandomSearch, seed=3).parts[0]
+    assert result.evaluations == 800
+    np.testing.assert_allclose(result.answer, 0.7, atol=0.2)
+
+
+def test_cloth_solver_written_in_python():
+    class Lift(d.ClothSolver):
+        def step(self, state, inputs, material):
+            state.positions[:, 1] += material.d_n * inputs.dt
+
+    model = d.ClothModel(TETRAHEDRON[:3], FACES[:1], np.ones(3))
+    state = d.ClothState(TETRAHEDRON[:3])
+    d.ClothSolver.step(Lift(model), state, d.StepInputs(dt=0.5), d.Material(d_n=2))
+    np.testing.assert_allclose(state.positions[:, 1], TETRAHEDRON[:3, 1] + 1)
+
+
+def test_cloth_falls_freely():
+    model = d.ClothModel(TETRAHEDRON[:3], FACES[:1], np.ones(3), d.ClothOptions(self_collision=False))
+    solver, state = d.ClothSolver.create(model), d.ClothState(TETRAHEDRON[:3])
+    for _ in range(10):
+        solver.step(state, d.StepInputs(dt=0.01), d.Material(d_n=0, d_t=0))
+    np.testing.assert_allclose(state.velocities[:, 1], -9.81 * 0.1, rtol=1e-6)
+
+
+def test_exceptions_of_callbacks_come_back():
+    def refuse(name, fraction):
+        raise LookupError("from the callback")
+
+    class Reporting(Bowl):
+        def evaluate(self, samples, context):
+            context.report("bowl", 0.1)
+            return super().evaluate(samples, context)
+
+    with pytest.raises(LookupError, match="from the callback"):
+        d.minimise(Reporting(), context=d.Context(progress=refuse))
+
+
+def test_ctrl_c_stops_a_long_call():
+    class Endless(d.Optimizer):
+        def ask(self):
+            return np.full((4, 3), 0.5)
+
+        def tell(self, samples, energies):
+            pass
+
+        def stop(self):
+            return False
+
+        def result(self):
+            result = d.OptimizerResult()
+            result.answer = result.best = result.deviations = np.zeros(3)
+            return result
+
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        d.minimise(Bowl(), make_optimizer=lambda dimension, seed: Endless())
+    timer.join()
+
+
+def test_the_shipped_body_model_is_found_without_a_path():
+    model = d.BodyModel.read(d.body_model_path())
+    body = model.vertices(np.zeros(model.component_count))
+    assert body.shape == (model.vertex_count, 3)
+    assert 1.4 < np.ptp(body[:, 1]) < 2.0  # m, a standing adult
