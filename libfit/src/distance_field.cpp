@@ -78,34 +78,30 @@ DistanceField::DistanceField(const std::vector<Eigen::Vector2f> &points, const B
   require(cell >= 1 && cap > 0, "DistanceField: cell and cap: expected positive numbers, found " + std::to_string(cell) +
                                     " and " + std::to_string(cap));
   require(box.x1 >= box.x0 && box.y1 >= box.y0, "DistanceField: box: expected x0 <= x1 and y0 <= y1");
-  // The transform runs on a grid larger than what is kept, so that contour points just outside the box count.
-  const int margin = static_cast<int>(std::ceil(cap / cell)) + 1;
-  width_ = static_cast<int>(std::ceil((box.x1 - box.x0) / cell)) + 1;
-  height_ = static_cast<int>(std::ceil((box.y1 - box.y0) / cell)) + 1;
+  width_ = static_cast<int>(std::ceil((box.x1 - box.x0) / static_cast<float>(cell))) + 1;
+  height_ = static_cast<int>(std::ceil((box.y1 - box.y0) / static_cast<float>(cell))) + 1;
   x0_ = box.x0;
   y0_ = box.y0;
-  const int wide = width_ + 2 * margin, high = height_ + 2 * margin;
+  // The transform runs pixel by pixel, so that every contour point has a node of its own, and over more than what is kept, so
+  // that contour just outside the box counts.
+  const int margin = static_cast<int>(std::ceil(cap)) + 1;
+  const int wide = (width_ - 1) * cell + 1 + 2 * margin, high = (height_ - 1) * cell + 1 + 2 * margin;
   std::vector<std::uint8_t> seed(static_cast<std::size_t>(wide) * high, 0);
   std::vector<int> point_at(seed.size(), -1);
-  std::vector<float> best(seed.size(), 0.f);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const float gx = (points[i].x() - x0_) / cell + margin, gy = (points[i].y() - y0_) / cell + margin;
-    const float nx = std::round(gx), ny = std::round(gy);
-    if (!(nx >= 0 && ny >= 0 && nx < wide && ny < high))
+    const float x = std::round(points[i].x() - x0_) + static_cast<float>(margin);
+    const float y = std::round(points[i].y() - y0_) + static_cast<float>(margin);
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(wide) && y < static_cast<float>(high)))
       continue;
-    const std::size_t node = static_cast<std::size_t>(ny) * wide + static_cast<std::size_t>(nx);
-    const float off = (gx - nx) * (gx - nx) + (gy - ny) * (gy - ny);
-    if (!seed[node] || off < best[node]) {
-      seed[node] = 1;
-      best[node] = off;
-      point_at[node] = static_cast<int>(i);
-    }
+    const std::size_t node = static_cast<std::size_t>(y) * wide + static_cast<std::size_t>(x);
+    seed[node] = 1;
+    point_at[node] = static_cast<int>(i);
   }
   const std::vector<int> nearest = nearest_seed(wide, high, seed);
   values_.resize(static_cast<std::size_t>(width_) * height_);
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x) {
-      const int node = nearest[static_cast<std::size_t>(y + margin) * wide + x + margin];
+      const int node = nearest[static_cast<std::size_t>(y * cell + margin) * wide + x * cell + margin];
       float distance = cap;
       if (node >= 0) {
         const Eigen::Vector2f here(x0_ + static_cast<float>(x * cell), y0_ + static_cast<float>(y * cell));

@@ -1,10 +1,10 @@
 #include "doublet/fit/material_objective.h"
 
 #include "cloth_view.h"
+#include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/fit/distance_field.h"
 #include "fingerprint.h"
-#include "doublet/core/error.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>

@@ -19,8 +19,8 @@ public:
     float x0 = 0, y0 = 0, x1 = 0, y1 = 0; ///< pixels
   };
   DistanceField() = default;
-  /// points: pixels, any order. Distances are exact at the nodes, `cell` pixels apart, as long as the closest point lies within
-  /// `margin` = cap of the box; they are cut off at `cap` pixels (> 0).
+  /// points: pixels, any order. Kept are the distances at nodes `cell` pixels apart, right to about half a pixel (the transform
+  /// runs over whole pixels), cut off at `cap` pixels (> 0). Contour outside the box counts as well.
   DistanceField(const std::vector<Eigen::Vector2f> &points, const Box &box, int cell, float cap);
   /// Pixels, at most cap. Bilinear between nodes (so off by at most cell / 2 near the contour). Outside the box: the value at the
   /// box plus the distance to it, an upper bound.

@@ -1,0 +1,308 @@
+#include "doublet/core/error.h"
+#include "doublet/fit/normal_generator.h"
+#include "fit/synthetic.h"
+#include "support/temp_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+namespace doublet {
+namespace {
+
+using namespace testing;
+
+const Scene &scene() {
+  static const std::unique_ptr<Scene> shared = make_scene({cotton()});
+  return *shared;
+}
+
+pbd::Material with_drag(double d_n) {
+  pbd::Material material = cotton();
+  material.d_n = d_n;
+  return material;
+}
+
+double energy_of(const Scene &s, const pbd::Material &material, const EnergyOptions &options = {}) {
+  return material_energy(*s.simulator, s.performance, s.observations, {material}, options)[0];
+}
+
+TEST(MaterialObjective, TheTruthCostsLittleAndEverythingElseMore) {
+  const double truth = energy_of(scene(), cotton());
+  std::printf("energy: truth %.2f", truth);
+  for (double d_n : {0.0, 1.0, 16.0, 32.0}) {
+    const double other = energy_of(scene(), with_drag(d_n));
+    std::printf(", d_n %.0f %.2f", d_n, other);
+    EXPECT_GT(other, 2.5 * truth) << d_n;
+  }
+  const double centre = energy_of(scene(), pbd::Material{});
+  std::printf(", centre %.2f\n", centre);
+  EXPECT_GT(centre, 5 * truth);
+  EXPECT_LT(truth, 8); // contours are pixels, the field has two-pixel cells
+}
+
+TEST(MaterialObjective, BothTermsSeeTheMaterialAlone) {
+  EnergyOptions silhouette, feature;
+  silhouette.beta = 0;
+  feature.alpha = 0;
+  for (const EnergyOptions &options : {silhouette, feature})
+    EXPECT_GT(energy_of(scene(), with_drag(32), options), 2 * energy_of(scene(), cotton(), options));
+}
+
+TEST(MaterialObjective, FeaturesAreExactAtTheTruth) {
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  const std::vector<FrameTerms> terms = objective.terms({cotton()})[0];
+  EXPECT_EQ(terms[0].features, 0);
+  double feature = 0;
+  for (std::size_t t = 1; t < terms.size(); ++t) {
+    EXPECT_GT(terms[t].features, 50);
+    feature += terms[t].feature / static_cast<double>(terms.size());
+    EXPECT_GT(terms[t].rims, 20);
+    EXPECT_LT(terms[t].silhouette, 8) << t;
+  }
+  EXPECT_LT(feature, 0.05); // exact but for the few features beside an outline, where a coarse pixel shows another layer
+}
+
+TEST(MaterialObjective, SameEnergyForAnyNumberOfThreadsAndAnyCompany) {
+  MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  NormalGenerator random(1);
+  MatrixRM samples(5, 5);
+  for (Eigen::Index i = 0; i < samples.size(); ++i)
+    samples.data()[i] = random.uniform();
+  Context one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const MatrixRM expected = objective.evaluate(samples, one);
+  EXPECT_EQ(objective.evaluate(samples, two), expected);
+  EXPECT_EQ(objective.evaluate(samples.row(3), two)(0, 0), expected(3, 0));
+}
+
+TEST(MaterialObjective, KeepsLittleOfTheImages) {
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  EXPECT_GT(objective.image_bytes(), 0u);
+  EXPECT_LT(objective.image_bytes(), 32u * 4u * 320u * 320u); // less than a byte a pixel
+}
+
+TEST(MaterialObjective, AMissingImageIsLeftOut) {
+  Scene copy;
+  copy.observations = scene().observations;
+  for (auto &views : copy.observations.views)
+    views[1] = {};
+  const double truth = material_energy(*scene().simulator, scene().performance, copy.observations, {cotton()})[0];
+  const double other = material_energy(*scene().simulator, scene().performance, copy.observations, {with_drag(32)})[0];
+  EXPECT_GT(other, 2.5 * truth);
+}
+
+TEST(MaterialObjective, AMismatchedFeatureCostsNoMoreThanTheCap) {
+  Observations observations = scene().observations;
+  for (auto &views : observations.views)
+    for (auto &view : views)
+      if (!view.matches.empty())
+        view.matches[view.matches.size() / 2].current = {0, 0};
+  EnergyOptions options;
+  options.alpha = 0;
+  options.beta = 1;
+  const double clean = energy_of(scene(), cotton(), options);
+  const double spoiled = material_energy(*scene().simulator, scene().performance, observations, {cotton()}, options)[0];
+  const double cap = options.feature_cap * 320;
+  EXPECT_LE(spoiled, clean + cap * cap * 4 / 50); // at most four of at least fifty features a frame
+}
+
+/// A solver that blows up: NaN from the tenth frame on, or a flight to infinity.
+class Exploding : public pbd::ClothSolver {
+public:
+  Exploding(std::shared_ptr<const pbd::ClothModel> model, double value) : model_(std::move(model)), value_(value) {}
+  void step(pbd::ClothState &state, const pbd::StepInputs &, const pbd::Material &material) const override {
+    if (material.d_n > 20)
+      state.positions.row(state.positions.rows() / 2).setConstant(value_);
+  }
+  const pbd::ClothModel &model() const override { return *model_; }
+
+private:
+  std::shared_ptr<const pbd::ClothModel> model_;
+  double value_;
+};
+
+TEST(MaterialObjective, AnExplosionCostsTheWorstAndStaysFinite) {
+  for (const double value : {std::nan(""), 1e300, -100.0}) {
+    const auto s = make_scene({cotton()}, 12, 2, 160);
+    const ClothRegion &region = s->simulator->regions()[0];
+    const_cast<ClothRegion &>(region).solver = std::make_shared<Exploding>(region.model, value);
+    MaterialObjective objective(*s->simulator, s->performance, s->observations);
+    MatrixRM samples = MatrixRM::Constant(2, 5, 0.5);
+    samples(0, 0) = 1; // d_n = 32
+    const MatrixRM energies = objective.evaluate(samples, {});
+    EXPECT_TRUE(energies.allFinite());
+    EXPECT_NEAR(energies(0, 0), objective.worst_energy(), 1e-9 * objective.worst_energy());
+    EXPECT_LT(energies(1, 0), 0.9 * objective.worst_energy());
+  }
+}
+
+TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
+  const Scene &s = scene();
+  const auto make = [&](const ReferencePerformance &performance, const Observations &observations) {
+    MaterialObjective(*s.simulator, performance, observations);
+  };
+  Observations observations = s.observations;
+  observations.views.pop_back();
+  EXPECT_THROW(make(s.performance, observations), Error);
+  observations = s.observations;
+  observations.frames[3] = 77;
+  EXPECT_THROW(make(s.performance, observations), Error);
+  observations = s.observations;
+  observations.views[2].pop_back();
+  EXPECT_THROW(make(s.performance, observations), Error);
+  ReferencePerformance performance = s.performance;
+  performance.dofs.conservativeResize(performance.dofs.rows(), 3);
+  EXPECT_THROW(make(performance, s.observations), Error);
+  performance = s.performance;
+  performance.dofs(5, 0) = std::nan("");
+  EXPECT_THROW(make(performance, s.observations), Error);
+  EXPECT_THROW(make({}, {}), Error);
+
+  Clothness rigid = s.clothness;
+  rigid.region.setConstant(-1);
+  rigid.region_count = 0;
+  const CharacterSimulator naked(s.actor, rigid, s.proxies);
+  EXPECT_THROW(MaterialObjective(naked, s.performance, s.observations), std::invalid_argument);
+  MaterialObjective objective(*s.simulator, s.performance, s.observations);
+  EXPECT_THROW(objective.evaluate(MatrixRM::Zero(2, 4), {}), std::invalid_argument);
+  EXPECT_THROW(objective.energies({{}}, {}), std::invalid_argument);
+}
+
+TEST(ParameterSpace, MapsTheBoxBothWays) {
+  ParameterSpace space;
+  EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Constant(5, 0.5)).d_n, 16);
+  EXPECT_GT(space.material(Eigen::VectorXd::Zero(5)).k_stretch, 0);
+  for (bool per_iteration : {false, true}) {
+    space.per_iteration_stiffness = per_iteration;
+    const Eigen::VectorXd unit = space.unit(cotton());
+    EXPECT_NEAR((space.unit(space.material(unit)) - unit).norm(), 0, 1e-12);
+  }
+  EXPECT_NEAR(space.unit(cotton())[3], 1 - std::pow(0.001, 1.0 / 24), 1e-12); // k' of one sweep
+  space.names = {"k_damping", "d_n"};
+  space.fixed = cotton();
+  const pbd::Material material = space.material(Eigen::Vector2d(0.25, 0.5));
+  EXPECT_DOUBLE_EQ(material.k_damping, 0.25);
+  EXPECT_DOUBLE_EQ(material.d_n, 16);
+  EXPECT_DOUBLE_EQ(material.d_t, cotton().d_t);
+  space.names = {"d_n", "weight"};
+  EXPECT_THROW(space.validate(), std::invalid_argument);
+  space.names = {"d_n", "d_n"};
+  EXPECT_THROW(space.validate(), std::invalid_argument);
+}
+
+FitOptions quick() {
+  FitOptions options;
+  options.space.names = {"d_n", "k_bend"};
+  options.space.fixed = cotton();
+  options.max_evaluations = 48;
+  return options;
+}
+
+TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulation) {
+  FitOptions options = quick();
+  options.max_evaluations = 112;
+  const FitResult result = estimate_material(*scene().simulator, scene().performance, scene().observations, options);
+  const RegionFit &fit = result.regions[0];
+  std::printf("d_n %.2f (true 4), k_bend %.3f (true 0.3), energy %.2f, at the centre %.2f, %d evaluations, %s\n",
+              fit.material.d_n, fit.material.k_bend, fit.energy, fit.energy_at_centre, fit.evaluations, fit.stop_reason.c_str());
+  EXPECT_NEAR(fit.material.d_n, 4, 1.6); // 5 % of the box
+  EXPECT_LT(fit.energy, 0.5 * fit.energy_at_centre);
+  EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
+  EXPECT_LT(fit.deviations[0], 0.1);
+  EXPECT_LE(fit.best_energy, fit.energy_at_centre);
+}
+
+TEST(EstimateMaterial, ResumesToTheSameBitsForAnyNumberOfThreads) {
+  const auto s = make_scene({cotton()}, 15, 2, 160);
+  const auto run = [&](const FitOptions &options, const Context &context) {
+    return estimate_material(*s->simulator, s->performance, s->observations, options, context);
+  };
+  Context one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const FitResult whole = run(quick(), one);
+
+  const TempFolder folder;
+  FitOptions options = quick();
+  options.checkpoint = folder / "checkpoint.json";
+  options.log = folder / "fit_log.csv";
+  int reports = 0;
+  two.progress = [&](const std::string &stage, double) { reports += stage == "fit"; };
+  two.cancelled = [&] { return reports == 4; };
+  EXPECT_THROW(run(options, two), Cancelled);
+  EXPECT_TRUE(std::filesystem::exists(options.checkpoint));
+  EXPECT_TRUE(std::filesystem::exists(options.log));
+  two.cancelled = nullptr;
+  const FitResult resumed = run(options, two);
+  const auto bits = [](const FitResult &r) {
+    const RegionFit &f = r.regions[0];
+    return std::vector<double>{f.material.d_n, f.material.k_bend, f.energy, f.energy_at_centre, f.best.d_n, f.best_energy};
+  };
+  EXPECT_EQ(bits(resumed), bits(whole));
+  EXPECT_EQ(resumed.log.size(), whole.log.size());
+  std::ifstream log(options.log);
+  std::string line;
+  std::getline(log, line);
+  EXPECT_EQ(line,
+            "region,generation,evaluations,best,generation_best,mean_d_n,mean_k_bend,deviation_d_n,deviation_k_bend,seconds");
+  std::size_t rows = 0;
+  while (std::getline(log, line))
+    ++rows;
+  EXPECT_EQ(rows, resumed.log.size());
+
+  options.seed = 2; // other options: the checkpoint is not used
+  EXPECT_NE(bits(run(options, two)), bits(whole));
+}
+
+TEST(EstimateMaterial, EveryRegionGetsItsOwn) {
+  pbd::Material heavy = cotton();
+  heavy.d_n = 24;
+  const auto s = make_scene({cotton(), heavy}, 20, 2, 240);
+  FitOptions options = quick();
+  options.space.names = {"d_n"};
+  const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, options);
+  ASSERT_EQ(result.regions.size(), 2u);
+  EXPECT_NEAR(result.regions[0].material.d_n, 4, 3.2);
+  EXPECT_NEAR(result.regions[1].material.d_n, 24, 6.4);
+}
+
+TEST(MaterialFiles, AreReadBack) {
+  FitResult result;
+  result.parameters = {"d_n", "k_bend"};
+  RegionFit region;
+  region.material = cotton();
+  region.deviations = Eigen::Vector2d(0.1, 0.02);
+  result.regions = {region, region};
+  result.regions[1].material.d_n = 1.0 / 3;
+  const TempFolder folder;
+  write_materials(folder / "material.json", result);
+  const std::vector<pbd::Material> read = read_materials(folder / "material.json");
+  ASSERT_EQ(read.size(), 2u);
+  for (const pbd::MaterialParameter &p : pbd::material_parameters())
+    for (int r : {0, 1})
+      EXPECT_EQ(read[r].*p.value, result.regions[r].material.*p.value);
+
+  EXPECT_THROW(read_materials(folder / "none.json"), FileNotFound);
+  for (const char *text : {"{", "[]", "{\"regions\": [{}]}", "{\"regions\": [{\"parameters\": {\"d_n\": \"much\"}}]}"}) {
+    write_text(folder / "bad.json", text);
+    EXPECT_THROW(read_materials(folder / "bad.json"), Error) << text;
+  }
+  result.regions[0].material.d_n = 99;
+  write_materials(folder / "material.json", result);
+  EXPECT_THROW(read_materials(folder / "material.json"), Error);
+}
+
+TEST(SimulatedFile, IsReadBack) {
+  const TempFolder folder;
+  const std::vector<Vertices> frames = {scene().frames[0], scene().frames[5]};
+  write_simulated(folder / "simulated.npz", frames);
+  const std::vector<Vertices> read = read_simulated(folder / "simulated.npz");
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_LT((read[1] - frames[1]).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_THROW(write_simulated(folder / "simulated.npz", {}), std::invalid_argument);
+}
+
+} // namespace
+} // namespace doublet
