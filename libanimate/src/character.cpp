@@ -61,6 +61,20 @@ NearestBone nearest_bone(const Skeleton &skeleton, const Vector3d &p) {
   return best;
 }
 
+/// A vertex goes with the majority of its neighbours: single rays slip through edges or graze.
+std::vector<std::uint8_t> majority(const std::vector<std::uint8_t> &flags, const Faces &faces) {
+  const auto neighbours = vertex_neighbours(faces, static_cast<int>(flags.size()));
+  std::vector<std::uint8_t> result = flags;
+  for (std::size_t v = 0; v < flags.size(); ++v) {
+    std::size_t set = 0;
+    for (int n : neighbours[v])
+      set += flags[n] ? 1 : 0;
+    if (2 * set != neighbours[v].size())
+      result[v] = 2 * set > neighbours[v].size();
+  }
+  return result;
+}
+
 void expect(const std::string &what, std::size_t found, std::size_t expected) {
   if (found != expected)
     throw Error("character: " + what + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
@@ -131,7 +145,7 @@ std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Clothne
     else if (at.distance > kTouching && n.squaredNorm() > 0 && runs_into_cloth(scene, actor, clothness.clothness, p, n))
       hidden[v] = 1;
   }
-  return hidden;
+  return majority(hidden, body.faces);
 }
 
 MatrixRM transfer_weights(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body) {

@@ -1,0 +1,289 @@
+#include "doublet/animate/character_file.h"
+
+#include "doublet/animate/surface_transfer.h"
+#include "doublet/core/error.h"
+#include "glb_parts.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace doublet {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char *kExtension = "DOUBLET_character";
+constexpr int kVersion = 1;
+
+json vector_json(const Eigen::Vector3d &v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Eigen::Vector3d json_vector(const json &j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+
+/// TinyGLTF has its own tree of values.
+tinygltf::Value to_value(const json &j) {
+  if (j.is_object()) {
+    tinygltf::Value::Object object;
+    for (const auto &[key, value] : j.items())
+      object[key] = to_value(value);
+    return tinygltf::Value(object);
+  }
+  if (j.is_array()) {
+    tinygltf::Value::Array array;
+    for (const json &value : j)
+      array.push_back(to_value(value));
+    return tinygltf::Value(array);
+  }
+  if (j.is_boolean())
+    return tinygltf::Value(j.get<bool>());
+  if (j.is_number_integer())
+    return tinygltf::Value(j.get<int>());
+  if (j.is_number())
+    return tinygltf::Value(j.get<double>());
+  return tinygltf::Value(j.get<std::string>());
+}
+
+json skeleton_json(const Skeleton &skeleton) {
+  json joints = json::array();
+  for (const JointMark &mark : joint_marks(skeleton))
+    joints.push_back(
+        {{"name", mark.name}, {"parent", mark.parent}, {"dof", mark.dof.value()}, {"position", vector_json(mark.position)}});
+  return joints;
+}
+
+Skeleton json_skeleton(const json &joints) {
+  std::vector<JointMark> marks;
+  for (const json &j : joints) {
+    JointMark mark;
+    mark.name = j.at("name").get<std::string>();
+    mark.parent = j.at("parent").get<std::string>();
+    mark.dof = j.at("dof").get<int>();
+    mark.position = json_vector(j.at("position"));
+    marks.push_back(mark);
+  }
+  return make_skeleton(marks);
+}
+
+json clothness_json(glb::Writer &writer, const Clothness &clothness) {
+  std::vector<float> sigma, delta;
+  std::vector<std::uint32_t> region;
+  for (Eigen::Index v = 0; v < clothness.clothness.size(); ++v) {
+    const double s = v < clothness.sigma.size() ? clothness.sigma[v] : std::numeric_limits<double>::quiet_NaN();
+    sigma.push_back(std::isfinite(s) ? static_cast<float>(s) : -1.0f); // glTF has no NaN
+    delta.push_back(static_cast<float>(clothness.clothness[v]));
+    region.push_back(static_cast<std::uint32_t>(clothness.region[v] + 1));
+  }
+  return {{"sigma", writer.floats(sigma, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
+          {"clothness", writer.floats(delta, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
+          {"region", writer.integers(region, glb::Use::Data)},
+          {"regionCount", clothness.region_count}};
+}
+
+Clothness json_clothness(const glb::Reader &reader, const json &j) {
+  const std::vector<float> sigma = reader.floats(j.at("sigma").get<int>()), delta = reader.floats(j.at("clothness").get<int>());
+  const std::vector<std::uint32_t> region = reader.integers(j.at("region").get<int>());
+  if (sigma.size() != delta.size() || region.size() != delta.size())
+    reader.fail("expected sigma, clothness and region of one length");
+  Clothness clothness;
+  clothness.region_count = j.at("regionCount").get<int>();
+  clothness.sigma.resize(sigma.size());
+  clothness.clothness.resize(sigma.size());
+  clothness.region.resize(sigma.size());
+  for (std::size_t v = 0; v < sigma.size(); ++v) {
+    clothness.sigma[v] = sigma[v] < 0 ? std::numeric_limits<double>::quiet_NaN() : sigma[v];
+    clothness.clothness[v] = delta[v];
+    if (region[v] > static_cast<std::uint32_t>(std::max(clothness.region_count, 0)))
+      reader.fail("region " + std::to_string(region[v]) + " of " + std::to_string(clothness.region_count));
+    clothness.region[v] = static_cast<int>(region[v]) - 1;
+  }
+  return clothness;
+}
+
+json materials_json(const std::vector<pbd::Material> &materials) {
+  json list = json::array();
+  for (const pbd::Material &material : materials) {
+    json entry;
+    for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+      entry[parameter.name] = material.*parameter.value;
+    list.push_back(entry);
+  }
+  return list;
+}
+
+std::vector<pbd::Material> json_materials(const json &list) {
+  std::vector<pbd::Material> materials;
+  for (const json &entry : list) {
+    pbd::Material material;
+    for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+      material.*parameter.value = entry.at(parameter.name).get<double>();
+    materials.push_back(material);
+  }
+  return materials;
+}
+
+json solver_json(const SolverSettings &solver) {
+  return {{"dt", solver.dt},
+          {"iterations", solver.cloth.iterations},
+          {"substeps", solver.cloth.substeps},
+          {"gravity", vector_json(solver.cloth.gravity)},
+          {"restitution", solver.cloth.restitution},
+          {"thickness", solver.cloth.thickness},
+          {"selfThickness", solver.cloth.self_thickness},
+          {"selfCollision", solver.cloth.self_collision}};
+}
+
+SolverSettings json_solver(const json &j) {
+  SolverSettings solver;
+  solver.dt = j.at("dt").get<double>();
+  solver.cloth.iterations = j.at("iterations").get<int>();
+  solver.cloth.substeps = j.at("substeps").get<int>();
+  solver.cloth.gravity = json_vector(j.at("gravity"));
+  solver.cloth.restitution = j.at("restitution").get<double>();
+  solver.cloth.thickness = j.at("thickness").get<double>();
+  solver.cloth.self_thickness = j.at("selfThickness").get<double>();
+  solver.cloth.self_collision = j.at("selfCollision").get<bool>();
+  return solver;
+}
+
+json proxies_json(const std::vector<TaperedCapsule> &proxies) {
+  json list = json::array();
+  for (const TaperedCapsule &c : proxies)
+    list.push_back({{"joint", c.joint}, {"p0", vector_json(c.p0)}, {"p1", vector_json(c.p1)}, {"r0", c.r0}, {"r1", c.r1}});
+  return list;
+}
+
+std::vector<TaperedCapsule> json_proxies(const json &list) {
+  std::vector<TaperedCapsule> proxies;
+  for (const json &j : list)
+    proxies.push_back({j.at("joint").get<int>(), json_vector(j.at("p0")), json_vector(j.at("p1")), j.at("r0").get<double>(),
+                       j.at("r1").get<double>()});
+  return proxies;
+}
+
+json mesh_json(glb::Writer &writer, const Mesh &mesh) {
+  return {{"vertices", writer.vectors(mesh.vertices, glb::Use::Data)}, {"faces", writer.faces(mesh.faces, glb::Use::Data)}};
+}
+
+Mesh json_mesh(const glb::Reader &reader, const json &j) {
+  return {reader.vectors(j.at("vertices").get<int>()), reader.faces(j.at("faces").get<int>())};
+}
+
+json extension_json(glb::Writer &writer, const Character &c, int texture_image) {
+  json out;
+  out["version"] = kVersion;
+  out["name"] = c.name;
+  out["mesh"] = mesh_json(writer, c.actor.mesh);
+  out["mesh"]["faceValid"] = writer.bytes(c.actor.face_valid);
+  out["mesh"]["weights"] = writer.matrix(c.actor.weights);
+  out["skeleton"] = skeleton_json(c.actor.skeleton);
+  out["clothness"] = clothness_json(writer, c.clothness);
+  out["proxies"] = proxies_json(c.proxies);
+  out["materials"] = materials_json(c.materials);
+  out["solver"] = solver_json(c.solver);
+  if (c.body.faces.rows() > 0) {
+    out["body"] = mesh_json(writer, c.body);
+    out["body"]["weights"] = writer.matrix(c.body_weights);
+    out["body"]["shown"] = writer.bytes(c.body_shown);
+    out["body"]["model"] = c.body_model;
+    out["body"]["colour"] = vector_json(c.body_colour);
+  }
+  if (c.high.faces.rows() > 0) {
+    out["high"] = mesh_json(writer, c.high);
+    out["high"]["faceValid"] = writer.bytes(c.high_valid);
+    if (texture_image >= 0) {
+      out["high"]["texcoords"] = writer.matrix(c.texcoords);
+      out["high"]["texture"] = texture_image;
+    }
+  }
+  return out;
+}
+
+void parse_extension(const glb::Reader &reader, const json &j, Character &c) {
+  c.name = j.at("name").get<std::string>();
+  c.actor.skeleton = json_skeleton(j.at("skeleton"));
+  const int joints = c.actor.skeleton.joint_count();
+  c.actor.mesh = json_mesh(reader, j.at("mesh"));
+  c.actor.face_valid = reader.bytes(j.at("mesh").at("faceValid").get<int>());
+  c.actor.weights = reader.matrix(j.at("mesh").at("weights").get<int>(), joints);
+  c.clothness = json_clothness(reader, j.at("clothness"));
+  c.proxies = json_proxies(j.at("proxies"));
+  c.materials = json_materials(j.at("materials"));
+  c.solver = json_solver(j.at("solver"));
+  if (j.contains("body")) {
+    const json &body = j.at("body");
+    c.body = json_mesh(reader, body);
+    c.body_weights = reader.matrix(body.at("weights").get<int>(), joints);
+    c.body_shown = reader.bytes(body.at("shown").get<int>());
+    c.body_model = body.at("model").get<std::string>();
+    c.body_colour = json_vector(body.at("colour"));
+  }
+  if (j.contains("high")) {
+    const json &high = j.at("high");
+    c.high = json_mesh(reader, high);
+    c.high_valid = reader.bytes(high.at("faceValid").get<int>());
+    if (high.contains("texcoords")) {
+      c.texcoords = reader.matrix(high.at("texcoords").get<int>(), 2);
+      c.texture = reader.image(high.at("texture").get<int>());
+    }
+  }
+}
+
+/// What other viewers show: the skinned display mesh and the part of the body that cloth hides.
+void add_display(glb::Writer &writer, const Character &c, int texture_image) {
+  glb::add_joint_nodes(writer, c.actor.skeleton);
+  const int skin = glb::add_skin(writer, c.actor.skeleton);
+  const bool high = c.high.faces.rows() > 0;
+  const int material = glb::add_material(writer, "surface", Eigen::Vector3d(0.8, 0.8, 0.8), texture_image, true);
+  const glb::DisplayMesh shown =
+      high ? glb::display_mesh(c.high, c.high_valid, c.texcoords) : glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
+  const MatrixRM weights =
+      high ? SurfaceTransfer(c.actor.mesh, c.actor.face_valid, c.high, c.high_valid).sample(c.actor.weights) : c.actor.weights;
+  glb::add_mesh_node(writer, "surface", glb::add_mesh(writer, "surface", shown, material, &weights), skin);
+  const glb::DisplayMesh body = glb::display_mesh(c.body, c.body_shown, {});
+  if (body.mesh.faces.rows() > 0) {
+    const int skin_material = glb::add_material(writer, "body", c.body_colour, -1, false);
+    glb::add_mesh_node(writer, "body", glb::add_mesh(writer, "body", body, skin_material, &c.body_weights), skin);
+  }
+}
+
+} // namespace
+
+void write_character(const std::filesystem::path &path, const Character &character) {
+  validate_character(character);
+  glb::Writer writer;
+  const int texture_image = character.texture.empty() ? -1 : writer.image(character.texture);
+  add_display(writer, character, texture_image);
+  writer.model.extensions[kExtension] = to_value(extension_json(writer, character, texture_image));
+  writer.model.extensionsUsed.push_back(kExtension);
+  writer.save(path);
+}
+
+Character read_character(const std::filesystem::path &path) {
+  const glb::Reader reader(path);
+  Character character;
+  try {
+    const json extensions = reader.extensions_json().empty() ? json::object() : json::parse(reader.extensions_json());
+    if (!extensions.contains(kExtension))
+      reader.fail(std::string("expected the glTF extension ") + kExtension + ", found a GLB without it");
+    const json &extension = extensions.at(kExtension);
+    if (extension.at("version").get<int>() != kVersion)
+      reader.fail(std::string(kExtension) + ": expected version " + std::to_string(kVersion) + ", found " +
+                  extension.at("version").dump());
+    parse_extension(reader, extension, character);
+  } catch (const json::exception &problem) {
+    reader.fail(std::string(kExtension) + ": " + problem.what());
+  }
+  try {
+    validate_character(character);
+  } catch (const std::exception &problem) {
+    reader.fail(problem.what());
+  }
+  return character;
+}
+
+} // namespace doublet

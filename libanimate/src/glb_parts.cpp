@@ -1,0 +1,175 @@
+#include "glb_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace doublet::glb {
+namespace {
+
+struct Influence {
+  int joint = 0;
+  float weight = 0;
+};
+
+/// The four largest weights, normalised in float; unused slots name joint 0, as glTF asks.
+std::array<Influence, 4> strongest(const Eigen::VectorXd &weights) {
+  std::vector<int> order(weights.size());
+  std::iota(order.begin(), order.end(), 0);
+  const std::size_t n = std::min<std::size_t>(4, order.size());
+  std::partial_sort(order.begin(), order.begin() + n, order.end(),
+                    [&](int a, int b) { return weights[a] != weights[b] ? weights[a] > weights[b] : a < b; });
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    sum += std::max(weights[order[i]], 0.0);
+  std::array<Influence, 4> result;
+  float others = 0;
+  for (std::size_t i = n; i-- > 1;) {
+    const auto weight = static_cast<float>(std::max(weights[order[i]], 0.0) / sum);
+    if (weight > 1e-6f) {
+      result[i] = {order[i], weight};
+      others += weight;
+    }
+  }
+  result[0] = {order[0], 1.0f - others};
+  return result;
+}
+
+void add_influences(Writer &writer, tinygltf::Primitive &primitive, const DisplayMesh &shown, const MatrixRM &weights) {
+  std::vector<std::uint16_t> joints;
+  std::vector<float> values;
+  for (int v : shown.vertex_from_shown)
+    for (const Influence &influence : strongest(weights.row(v))) {
+      joints.push_back(static_cast<std::uint16_t>(influence.joint));
+      values.push_back(influence.weight);
+    }
+  if (weights.cols() <= 255)
+    primitive.attributes["JOINTS_0"] =
+        writer.bytes(std::vector<std::uint8_t>(joints.begin(), joints.end()), TINYGLTF_TYPE_VEC4, Use::Vertices);
+  else
+    primitive.attributes["JOINTS_0"] = writer.shorts(joints, TINYGLTF_TYPE_VEC4, Use::Vertices);
+  primitive.attributes["WEIGHTS_0"] = writer.floats(values, TINYGLTF_TYPE_VEC4, Use::Vertices);
+}
+
+} // namespace
+
+DisplayMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords) {
+  std::vector<int> faces;
+  for (int f = 0; f < mesh.faces.rows(); ++f)
+    if (shown.empty() || shown[f])
+      faces.push_back(f);
+  DisplayMesh result;
+  result.mesh = submesh(mesh, faces, &result.vertex_from_shown);
+  result.normals = vertex_normals(result.mesh.vertices, result.mesh.faces);
+  for (Eigen::Index v = 0; v < result.normals.rows(); ++v)
+    if (result.normals.row(v).squaredNorm() < 0.5)
+      result.normals.row(v) = Eigen::RowVector3d::UnitY();
+  if (corner_texcoords.rows() == 0)
+    return result;
+  const DisplayMesh shared = result;
+  const auto corners = static_cast<Eigen::Index>(3 * faces.size());
+  result.mesh.vertices.resize(corners, 3);
+  result.normals.resize(corners, 3);
+  result.texcoords.resize(corners, 2);
+  result.vertex_from_shown.resize(corners);
+  for (Eigen::Index c = 0; c < corners; ++c) {
+    const int v = shared.mesh.faces(c / 3, c % 3);
+    result.mesh.vertices.row(c) = shared.mesh.vertices.row(v);
+    result.normals.row(c) = shared.normals.row(v);
+    result.texcoords.row(c) = corner_texcoords.row(3 * faces[c / 3] + c % 3);
+    result.vertex_from_shown[c] = shared.vertex_from_shown[v];
+    result.mesh.faces(c / 3, c % 3) = static_cast<int>(c);
+  }
+  return result;
+}
+
+void add_joint_nodes(Writer &writer, const Skeleton &skeleton) {
+  for (const Joint &joint : skeleton.joints) {
+    tinygltf::Node node;
+    node.name = joint.name;
+    const Eigen::Vector3d from = joint.parent < 0 ? joint.rest : Eigen::Vector3d(joint.rest - skeleton.joints[joint.parent].rest);
+    node.translation = {from.x(), from.y(), from.z()};
+    const int index = static_cast<int>(writer.model.nodes.size());
+    writer.model.nodes.push_back(node);
+    if (joint.parent >= 0)
+      writer.model.nodes[joint.parent].children.push_back(index);
+  }
+  tinygltf::Scene scene;
+  scene.name = "scene";
+  scene.nodes.push_back(0);
+  writer.model.scenes.push_back(scene);
+  writer.model.defaultScene = 0;
+}
+
+int add_skin(Writer &writer, const Skeleton &skeleton) {
+  tinygltf::Skin skin;
+  skin.name = "skin";
+  std::vector<float> inverse_bind;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    skin.joints.push_back(j);
+    Eigen::Matrix4f bind = Eigen::Matrix4f::Identity();
+    bind.topRightCorner<3, 1>() = -skeleton.joints[j].rest.cast<float>();
+    inverse_bind.insert(inverse_bind.end(), bind.data(), bind.data() + 16); // column-major, as glTF
+  }
+  skin.skeleton = 0;
+  skin.inverseBindMatrices = writer.floats(inverse_bind, TINYGLTF_TYPE_MAT4, Use::Data);
+  writer.model.skins.push_back(skin);
+  return static_cast<int>(writer.model.skins.size()) - 1;
+}
+
+int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d &colour, int texture_image, bool double_sided) {
+  tinygltf::Material material;
+  material.name = name;
+  material.doubleSided = double_sided;
+  material.pbrMetallicRoughness.metallicFactor = 0;
+  material.pbrMetallicRoughness.roughnessFactor = 0.9;
+  if (texture_image >= 0) {
+    tinygltf::Sampler sampler;
+    sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR; // no mipmaps: they would mix neighbouring cells of the atlas
+    sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+    writer.model.samplers.push_back(sampler);
+    tinygltf::Texture texture;
+    texture.source = texture_image;
+    texture.sampler = static_cast<int>(writer.model.samplers.size()) - 1;
+    writer.model.textures.push_back(texture);
+    material.pbrMetallicRoughness.baseColorTexture.index = static_cast<int>(writer.model.textures.size()) - 1;
+  } else {
+    material.pbrMetallicRoughness.baseColorFactor = {colour.x(), colour.y(), colour.z(), 1.0};
+  }
+  writer.model.materials.push_back(material);
+  return static_cast<int>(writer.model.materials.size()) - 1;
+}
+
+int add_mesh(Writer &writer, const std::string &name, const DisplayMesh &shown, int material, const MatrixRM *weights) {
+  tinygltf::Primitive primitive;
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  primitive.material = material;
+  primitive.indices = writer.faces(shown.mesh.faces, Use::Indices);
+  primitive.attributes["POSITION"] = writer.vectors(shown.mesh.vertices, Use::Vertices, true);
+  primitive.attributes["NORMAL"] = writer.vectors(shown.normals, Use::Vertices);
+  if (shown.texcoords.rows() > 0)
+    primitive.attributes["TEXCOORD_0"] =
+        writer.floats(std::vector<float>(shown.texcoords.data(), shown.texcoords.data() + shown.texcoords.size()),
+                      TINYGLTF_TYPE_VEC2, Use::Vertices);
+  if (weights)
+    add_influences(writer, primitive, shown, *weights);
+  tinygltf::Mesh mesh;
+  mesh.name = name;
+  mesh.primitives.push_back(primitive);
+  writer.model.meshes.push_back(mesh);
+  return static_cast<int>(writer.model.meshes.size()) - 1;
+}
+
+int add_mesh_node(Writer &writer, const std::string &name, int mesh, int skin) {
+  tinygltf::Node node;
+  node.name = name;
+  node.mesh = mesh;
+  node.skin = skin;
+  writer.model.nodes.push_back(node);
+  const int index = static_cast<int>(writer.model.nodes.size()) - 1;
+  writer.model.scenes[0].nodes.push_back(index);
+  return index;
+}
+
+} // namespace doublet::glb

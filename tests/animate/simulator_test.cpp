@@ -1,0 +1,148 @@
+#include "doublet/animate/animator.h"
+#include "doublet/core/error.h"
+#include "doublet/core/skinning.h"
+#include "figure_character.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+using namespace doublet;
+using namespace doublet::testing;
+
+TEST(CharacterSimulator, WithoutClothIsSkinning) {
+  const RiggedMesh actor = figure_actor(0.05);
+  Clothness none;
+  none.clothness = Eigen::VectorXd::Zero(actor.mesh.vertices.rows());
+  none.region = Eigen::VectorXi::Constant(actor.mesh.vertices.rows(), -1);
+  const CharacterSimulator simulator(actor, none, {});
+  EXPECT_TRUE(simulator.regions().empty());
+  const MatrixRM dofs = marching(actor.skeleton, 12, 40);
+  PosedFrame previous = simulator.pose(dofs.row(0));
+  CharacterState state = simulator.start(previous);
+  for (int t = 1; t < 12; ++t) {
+    const PosedFrame current = simulator.pose(dofs.row(t));
+    simulator.step(state, previous, current, {}, 1.0 / 40);
+    const Vertices expected =
+        dual_quaternion_skinning(actor.mesh.vertices, actor.weights, forward_kinematics(actor.skeleton, dofs.row(t)));
+    EXPECT_EQ((simulator.surface(state, current) - expected).cwiseAbs().maxCoeff(), 0.0);
+    previous = current;
+  }
+}
+
+TEST(CharacterSimulator, RegionHangsFromItsRigidRing) {
+  const Character c = figure_character();
+  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  ASSERT_EQ(simulator.regions().size(), 1u);
+  const ClothRegion &region = simulator.regions()[0];
+  int pinned = 0;
+  for (std::size_t i = 0; i < region.vertex_from_cloth.size(); ++i) {
+    const bool rigid = c.clothness.clothness[region.vertex_from_cloth[i]] == 0;
+    EXPECT_EQ(region.model->inverse_masses()[i] == 0, rigid);
+    pinned += rigid;
+  }
+  EXPECT_EQ(pinned, 36); // the waist ring of the skirt
+  EXPECT_EQ(region.vertex_from_cloth.size(), static_cast<std::size_t>(skirt(16, 36).vertices.rows()));
+}
+
+TEST(CharacterSimulator, ClothHangsAndStaysOutsideTheLegs) {
+  const Character c = figure_character();
+  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(c.actor.skeleton.dof_count()));
+  CharacterState state = simulator.start(rest);
+  simulator.settle(state, rest, c.materials, c.solver.dt, 40);
+  EXPECT_EQ(state.regions[0].velocities.cwiseAbs().maxCoeff(), 0.0);
+  const Vertices hung = simulator.surface(state, rest);
+  ASSERT_TRUE(hung.allFinite());
+  const ClothRegion &region = simulator.regions()[0];
+  double lowest = 1e9, deepest = 1e9;
+  const std::vector<PosedCapsule> capsules = pose_capsules(c.proxies, c.actor.skeleton, rest.world_from_rest);
+  for (int v : region.vertex_from_cloth) {
+    if (c.clothness.clothness[v] == 0) {
+      EXPECT_LT((hung.row(v) - rest.skinned.row(v)).norm(), 1e-6); // the solver computes in float
+      continue;
+    }
+    lowest = std::min(lowest, hung(v, 1));
+    if (c.clothness.clothness[v] == 1)
+      for (const PosedCapsule &capsule : capsules)
+        deepest = std::min(deepest, signed_distance(capsule, hung.row(v)));
+  }
+  EXPECT_LT(lowest, 0.5);  // gravity pulls the hem below where it was drawn
+  EXPECT_GT(lowest, 0.35); // and the threads hold it
+  EXPECT_GT(deepest, -0.002);
+}
+
+TEST(CharacterSimulator, StartsFromACapturedSurfaceButPinsFollowTheSkeleton) {
+  const Character c = figure_character();
+  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(c.actor.skeleton.dof_count()));
+  Vertices captured = rest.skinned;
+  captured.array() += 0.01;
+  const Vertices surface = simulator.surface(simulator.start(rest, &captured), rest);
+  for (int v : simulator.regions()[0].vertex_from_cloth)
+    EXPECT_NEAR((surface.row(v) - rest.skinned.row(v)).norm(), c.clothness.clothness[v] > 0 ? 0.01 * std::sqrt(3.0) : 0.0, 1e-12);
+}
+
+TEST(CharacterSimulator, RefusesWhatDoesNotFit) {
+  const Character c = figure_character();
+  Clothness wrong = c.clothness;
+  wrong.clothness.conservativeResize(10);
+  EXPECT_THROW(CharacterSimulator(c.actor, wrong, c.proxies), Error);
+  Clothness unnamed = c.clothness;
+  unnamed.region_count = 0;
+  EXPECT_THROW(CharacterSimulator(c.actor, unnamed, c.proxies), Error);
+  std::vector<TaperedCapsule> proxies = c.proxies;
+  proxies[0].joint = 99;
+  EXPECT_THROW(CharacterSimulator(c.actor, c.clothness, proxies), Error);
+  RiggedMesh invalid = c.actor;
+  std::fill(invalid.face_valid.begin(), invalid.face_valid.end(), 0);
+  EXPECT_THROW(CharacterSimulator(invalid, c.clothness, c.proxies), Error);
+  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies);
+  EXPECT_THROW(simulator.pose(Eigen::VectorXd::Zero(3)), std::invalid_argument);
+  const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(36));
+  CharacterState state = simulator.start(rest);
+  EXPECT_THROW(simulator.step(state, rest, rest, {}, 0.025), std::invalid_argument);
+}
+
+TEST(Animator, MovesEverythingWithThePoseAndIsRepeatable) {
+  const Character c = figure_character();
+  const Motion motion{40, marching(c.actor.skeleton, 30, 40)};
+  AnimateOptions options;
+  options.settle_seconds = 0.25;
+  Context one, two;
+  one.threads = 1;
+  two.threads = 2;
+  AnimationResult a, b;
+  std::thread other([&] { b = animate(c, motion, options, two); }); // beside it, on another thread: nothing is shared
+  a = animate(c, motion, options, one);
+  other.join();
+  ASSERT_EQ(a.surface.size(), 30u);
+  ASSERT_EQ(a.high.size(), 30u);
+  ASSERT_EQ(a.body.size(), 30u);
+  for (int t = 0; t < 30; ++t) {
+    EXPECT_TRUE(a.surface[t] == b.surface[t]) << t;
+    EXPECT_TRUE(a.high[t] == b.high[t]) << t;
+    // no explosion: cloth stays within arm's reach of the pelvis
+    EXPECT_LT((a.surface[t].rowwise() - a.joints[t].row(0)).rowwise().norm().maxCoeff(), 1.2);
+  }
+  EXPECT_GT((a.surface[29] - a.surface[0]).norm(), 0.1);
+}
+
+TEST(Animator, ResamplesToTheCharactersRate) {
+  const Character c = figure_character();
+  AnimateOptions options;
+  options.settle_seconds = 0;
+  options.high = options.body = false;
+  const AnimationResult result = animate(c, {20, marching(c.actor.skeleton, 6, 20)}, options);
+  EXPECT_EQ(result.surface.size(), 11u);
+  EXPECT_DOUBLE_EQ(result.fps, 40);
+  EXPECT_TRUE(result.high.empty());
+  EXPECT_THROW(animate(c, {40, MatrixRM::Zero(3, 5)}, options), std::invalid_argument);
+}
+
+TEST(Animator, CanBeCancelled) {
+  const Character c = figure_character();
+  Context context;
+  context.cancelled = [] { return true; };
+  EXPECT_THROW(animate(c, {40, marching(c.actor.skeleton, 5, 40)}, {}, context), Cancelled);
+}
