@@ -33,26 +33,31 @@ std::vector<int> chosen_keypoints(const std::vector<cv::KeyPoint> &keypoints, in
   return order;
 }
 
-/// For each row of a: the closest row of b within reach, if it is clearly closer than the second; -1 otherwise.
+/// For each row of a: the closest row of b within reach, if it is clearly closer than any at another place; -1 otherwise.
 std::vector<int> best_matches(const Features &a, const Features &b, double reach, double ratio) {
-  std::vector<int> best(a.points.size(), -1);
-  const float reach_squared = static_cast<float>(reach * reach);
+  constexpr float kSamePlace = 3; // pixels; one corner seen in two ways is no rival of itself
+  std::vector<int> best(a.points.size(), -1), near;
+  std::vector<double> distance;
   for (size_t i = 0; i < a.points.size(); ++i) {
-    double first = 1e30, second = 1e30;
+    near.clear();
+    distance.clear();
+    int closest = -1;
     for (size_t j = 0; j < b.points.size(); ++j) {
-      if ((a.points[i] - b.points[j]).squaredNorm() > reach_squared)
+      if ((a.points[i] - b.points[j]).squaredNorm() > reach * reach)
         continue;
-      const double distance = (a.descriptors.row(i) - b.descriptors.row(j)).squaredNorm();
-      if (distance < first) {
-        second = first;
-        first = distance;
-        best[i] = static_cast<int>(j);
-      } else if (distance < second) {
-        second = distance;
-      }
+      near.push_back(static_cast<int>(j));
+      distance.push_back((a.descriptors.row(i) - b.descriptors.row(j)).squaredNorm());
+      if (closest < 0 || distance.back() < distance[closest])
+        closest = static_cast<int>(near.size()) - 1;
     }
-    if (first > ratio * ratio * second)
-      best[i] = -1;
+    if (closest < 0)
+      continue;
+    double rival = 1e30;
+    for (size_t k = 0; k < near.size(); ++k)
+      if ((b.points[near[k]] - b.points[near[closest]]).norm() > kSamePlace)
+        rival = std::min(rival, distance[k]);
+    if (distance[closest] <= ratio * ratio * rival)
+      best[i] = near[closest];
   }
   return best;
 }
@@ -79,14 +84,14 @@ public:
     return describe(grey, eroded, box.tl());
   }
 
-  std::vector<FeatureMatch> match(const Features &previous, const Features &current, double reach) const override {
-    std::vector<FeatureMatch> matches;
+  std::vector<std::pair<int, int>> match(const Features &previous, const Features &current, double reach) const override {
+    std::vector<std::pair<int, int>> pairs;
     const std::vector<int> forward = best_matches(previous, current, reach, options_.ratio);
     const std::vector<int> backward = best_matches(current, previous, reach, options_.ratio);
     for (size_t i = 0; i < forward.size(); ++i)
       if (forward[i] >= 0 && backward[forward[i]] == static_cast<int>(i))
-        matches.push_back({previous.points[i], current.points[forward[i]]});
-    return matches;
+        pairs.emplace_back(static_cast<int>(i), forward[i]);
+    return pairs;
   }
 
 private:

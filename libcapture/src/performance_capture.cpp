@@ -1,6 +1,7 @@
 #include "doublet/capture/performance_capture.h"
 
 #include "doublet/capture/smoothing.h"
+#include "feature_map.h"
 #include "first_pose.h"
 #include "view_measurement.h"
 
@@ -128,8 +129,9 @@ private:
       current[v] = measure_view(frames_, v, frame, rig_[v], extractor_, tracker);
       observed[v].contour = current[v].outline.points;
       if (tracker && t > 0)
-        observed[v].matches =
-            tracker->match(last_[v].features, current[v].features, options_.features.max_displacement * current[v].height);
+        for (const auto &[i, j] :
+             tracker->match(last_[v].features, current[v].features, options_.features.max_displacement * current[v].height))
+          observed[v].matches.push_back({last_[v].features.points[i], current[v].features.points[j]});
     });
     int present = 0;
     outlines_.resize(views);
@@ -162,17 +164,35 @@ private:
     return all;
   }
 
+  /// The lifted tracks, and the mapped features around where `dofs` would put them.
+  std::vector<SurfaceTrack> find_tracks(const Eigen::VectorXd &dofs, double reach) const {
+    std::vector<SurfaceTrack> all = lifted_;
+    if (map_.size() == 0)
+      return all;
+    const PosedSurface expected = pose_surface(actor_, dofs, offset_);
+    const int views = static_cast<int>(rig_.size());
+    std::vector<std::vector<SurfaceTrack>> found(views);
+    parallel_for(context_, views, [&](int v) {
+      found[v] = map_.find(last_[v].features, *parts_.features, actor_, expected, v, rig_[v], reach * last_[v].height);
+    });
+    for (const auto &part : found)
+      all.insert(all.end(), part.begin(), part.end());
+    return all;
+  }
+
   Eigen::VectorXd find_pose(int t) {
     PoseProblem problem;
     problem.actor = &actor_;
     problem.rig = &rig_;
     problem.outlines = &outlines_;
-    problem.tracks = tracks_ = lift_tracks(t);
+
     problem.offset = offset_;
     problem.reliability = looseness_.reliability();
     problem.first = t == 0;
     problem.predicted = t == 0 ? first_pose(actor_, rig_, outlines_, masks_, context_) : predict(t);
     problem.start = problem.predicted;
+    lifted_ = lift_tracks(t);
+    problem.tracks = find_tracks(problem.predicted, options_.map_reach);
     PoseEstimate estimate = parts_.pose->optimize(problem, context_);
     result_.summary.rim_px.push_back(estimate.rim_px);
     result_.summary.sift_px.push_back(estimate.sift_px);
@@ -195,7 +215,7 @@ private:
     problem.actor = &actor_;
     problem.rig = &rig_;
     problem.outlines = &outlines_;
-    problem.tracks = tracks_;
+    problem.tracks = tracks_ = find_tracks(dofs, options_.map_reach);
     problem.base = expected.vertices;
     problem.skinned = skinned.vertices;
     problem.reliability = looseness_.reliability();
@@ -209,6 +229,9 @@ private:
     const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
     offset_ = options_.offset_decay * (loose.asDiagonal() * offsets_.back());
     look();
+    if (t == 0 && options_.use_sift && options_.use_feature_map)
+      for (size_t v = 0; v < rig_.size(); ++v)
+        map_.add(last_[v].features, actor_, {skinned.blend, last_surface_}, rig_[v], visible_[v]);
   }
 
   /// What each camera sees of the refined surface: for lifting the next frame's tracks, and for the overlap with the measured
@@ -278,7 +301,8 @@ private:
   std::vector<ViewMeasurement> last_; // features of the latest frame
   std::vector<Outline> outlines_;
   std::vector<Image> masks_;
-  std::vector<SurfaceTrack> tracks_;
+  FeatureMap map_;
+  std::vector<SurfaceTrack> lifted_, tracks_;
   Vertices last_surface_;
   std::vector<FaceBuffer> visible_;
 };
@@ -329,8 +353,10 @@ void CaptureOptions::validate() const {
   features.validate();
   pose.validate();
   surface.validate();
-  if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0))
-    throw std::invalid_argument("CaptureOptions: velocity_damping and offset_decay must lie in [0, 1], loose must be positive");
+  if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0) ||
+      !(map_reach > 0))
+    throw std::invalid_argument(
+        "CaptureOptions: velocity_damping and offset_decay must lie in [0, 1], loose and map_reach must be positive");
   savitzky_golay_weights(smooth_window, std::min(smooth_order, smooth_window - 1));
 }
 

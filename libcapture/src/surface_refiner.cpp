@@ -168,7 +168,7 @@ private:
     for (const SurfaceTrack &track : problem.tracks)
       for (int axis = 0; axis < 2; ++axis)
         add_pull(estimate.vertices, displacement, (*problem.rig)[track.view], track.surface, Eigen::Vector2d::Unit(axis),
-                 track.pixel, scale, options_.sift_weight, pulls);
+                 track.pixel, scale, options_.sift_weight * track.weight, pulls);
     return pulls;
   }
 

@@ -1,5 +1,7 @@
 #include "view_measurement.h"
 
+#include "feature_map.h"
+
 #include "doublet/core/error.h"
 
 #include <algorithm>
@@ -47,27 +49,11 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
 
 std::vector<SurfaceTrack> lift_matches(const std::vector<FeatureMatch> &matches, int view, const Vertices &surface,
                                        const RiggedMesh &actor, const Camera &camera, const FaceBuffer &visible) {
-  constexpr double kGrazing = 0.2; // cosine between ray and normal; below it a pixel is five on the surface
   std::vector<SurfaceTrack> tracks;
   for (const FeatureMatch &match : matches) {
-    const int x = static_cast<int>(std::lround(match.previous.x())), y = static_cast<int>(std::lround(match.previous.y()));
-    if (x < 0 || y < 0 || x >= visible.width || y >= visible.height)
-      continue;
-    const int face = visible.face_at(x, y);
-    if (face < 0 || !actor.face_valid[face])
-      continue;
-    const Eigen::Vector3d a = surface.row(actor.mesh.faces(face, 0)), b = surface.row(actor.mesh.faces(face, 1)),
-                          c = surface.row(actor.mesh.faces(face, 2));
-    const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
-    if (std::abs(normal.dot(camera.ray_direction(match.previous.cast<double>()))) < kGrazing)
-      continue;
-    SurfaceTrack track;
-    track.view = view;
-    track.surface.face = face;
-    track.surface.barycentric = barycentric_at(surface, actor.mesh.faces, face, camera, match.previous.cast<double>());
-    track.pixel = match.current.cast<double>();
-    if (track.surface.barycentric.allFinite() && track.surface.barycentric.cwiseAbs().maxCoeff() < 3)
-      tracks.push_back(track);
+    const SurfacePoint point = lift(match.previous.cast<double>(), surface, actor, camera, visible);
+    if (point.face >= 0)
+      tracks.push_back({view, point, match.current.cast<double>()});
   }
   return tracks;
 }

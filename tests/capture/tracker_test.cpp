@@ -145,9 +145,9 @@ TEST(Tracker, EveryPieceCanBeSwapped) {
     mutable std::atomic<int> calls = 0;
     Features detect(const Image &, const Image &) const override {
       ++calls;
-      return {};
+      return {{{50, 50}}, MatrixRM::Zero(1, 4)};
     }
-    std::vector<FeatureMatch> match(const Features &, const Features &, double) const override { return {{{50, 50}, {51, 50}}}; }
+    std::vector<std::pair<int, int>> match(const Features &, const Features &, double) const override { return {{0, 0}}; }
   };
   struct FixedPose : PoseOptimizer {
     PoseEstimate optimize(const PoseProblem &problem, const Context &) override {

@@ -5,6 +5,7 @@
 #include "doublet/core/stage_values.h"
 
 #include <memory>
+#include <utility>
 
 namespace doublet {
 
@@ -30,8 +31,8 @@ public:
   virtual ~FeatureTracker() = default;
   /// `image` BGR or grey, `mask` 255 = actor, of one size.
   virtual Features detect(const Image &image, const Image &mask) const = 0;
-  /// `reach` = largest displacement to consider, pixels.
-  virtual std::vector<FeatureMatch> match(const Features &previous, const Features &current, double reach) const = 0;
+  /// Pairs (index in previous, index in current), each index at most once; `reach` = largest displacement to consider, pixels.
+  virtual std::vector<std::pair<int, int>> match(const Features &previous, const Features &current, double reach) const = 0;
   static std::unique_ptr<FeatureTracker> create(const FeatureTrackerOptions &options = {});
 };
 

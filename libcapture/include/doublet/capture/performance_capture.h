@@ -21,6 +21,9 @@ struct CaptureOptions {
   FeatureTrackerOptions features;
   PoseOptions pose;
   SurfaceOptions surface;
+  bool use_feature_map =
+      true;                ///< find the first frame's features again in every frame; without it, tracks span two frames and drift
+  double map_reach = 0.05; ///< of the silhouette's height; how far from its expected place a mapped feature is sought
   double velocity_damping = 0.8; ///< of the constant-velocity prediction; 0 = stay, 1 = go on as before
   double offset_decay = 0.95;    ///< share of the non-rigid offset that is expected again in the next frame
   double loose = 0.02; ///< m; a vertex that usually lies this far from its skinned position tells half as much about the pose

@@ -14,6 +14,7 @@ struct SurfaceTrack {
   int view = 0;
   SurfacePoint surface;
   Eigen::Vector2d pixel;
+  double weight = 1; ///< against the other tracks
 };
 
 /// What one frame says about the pose. Arrays over views have one entry a camera; a view with an empty outline takes no part.
