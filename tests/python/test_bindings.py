@@ -187,7 +187,7 @@ def test_cloth_falls_freely():
     solver, state = d.ClothSolver.create(model), d.ClothState(TETRAHEDRON[:3])
     for _ in range(10):
         solver.step(state, d.StepInputs(dt=0.01), d.Material(d_n=0, d_t=0))
-    np.testing.assert_allclose(state.velocities[:, 1], -9.81 * 0.1, rtol=1e-6)
+    np.testing.assert_allclose(state.velocities[:, 1], -9.81 * 0.1, rtol=1e-3)
 
 
 def test_exceptions_of_callbacks_come_back():
