@@ -1,0 +1,42 @@
+#pragma once
+// Pictures of characters without a graphics card: z-buffer, smooth normals, a key light and a soft sky, a floor with a soft
+// shadow.
+
+#include "doublet/animate/character.h"
+#include "doublet/core/camera.h"
+
+namespace doublet {
+
+/// One mesh of a picture. The colour comes from `texture` if there is one, else from `colours`, else from `colour`.
+struct RenderMesh {
+  Vertices vertices;                        ///< (V, 3) m
+  Faces faces;                              ///< (F, 3)
+  std::vector<std::uint8_t> skip_face;      ///< (F), non-zero = not drawn; empty = draw all
+  Eigen::Vector3d colour{0.75, 0.75, 0.75}; ///< R G B in [0, 1]
+  Vertices colours;                         ///< (V, 3) R G B in [0, 1], or empty
+  TexCoords texcoords;                      ///< (3 F, 2) per corner, or empty
+  std::shared_ptr<const Image> texture;     ///< B G R, or null
+};
+
+struct RenderOptions {
+  Eigen::Vector3d background{0.93, 0.94, 0.96};   ///< R G B
+  bool floor = true;                              ///< a grid at floor_height, with the meshes' soft shadow
+  double floor_height = 0;                        ///< m
+  double light = 0.75;                            ///< share of the key light; the rest is the sky
+  Eigen::Vector3d light_direction{0.4, 1.0, 0.6}; ///< to the light, world
+  bool supersample = true;                        ///< 2 x 2 samples a pixel
+  void validate() const;                          ///< throws std::invalid_argument naming option, range and value
+};
+
+/// B G R image of the camera's size. Throws std::invalid_argument if a mesh's arrays do not fit together.
+Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const RenderOptions &options = {});
+
+/// A camera that looks at `target` from `azimuth` (rad, 0 = from +Z, positive towards +X) and `elevation` (rad) so that a sphere
+/// of `radius` (m) around the target fills the image's smaller side.
+Camera orbit_camera(const Eigen::Vector3d &target, double radius, double azimuth, double elevation, int width, int height);
+
+/// A character's meshes at a frame: M_high (textured) or M, and the body where cloth hid it. `high` and `body` may be empty.
+std::vector<RenderMesh> character_meshes(const Character &character, const Vertices &surface, const Vertices &high,
+                                         const Vertices &body);
+
+} // namespace doublet

@@ -1,0 +1,28 @@
+#pragma once
+// A texture for M_high from the images of one frame. No unwrapping: every triangle has its own cell in the atlas.
+
+#include "doublet/animate/character.h"
+#include "doublet/core/camera.h"
+
+namespace doublet {
+
+struct TextureOptions {
+  int size = 2048;            ///< pixels, width and height of the atlas; 25k triangles get cells of about 18 pixels
+  double facing_power = 4;    ///< cameras count by cos^k of the angle between normal and ray
+  double grazing = 0.2;       ///< cameras below this cosine do not count: they see the silhouette's mixed pixels
+  double depth_margin = 0.01; ///< m, a point this far behind the z-buffer's surface is hidden
+  void validate() const;      ///< throws std::invalid_argument naming option, range and value
+};
+
+struct BakedTexture {
+  TexCoords texcoords;      ///< (3 F, 2) per corner
+  Image image;              ///< B G R
+  double seen_fraction = 0; ///< share of the drawn surface's area that at least one camera saw
+};
+
+/// `mesh` stands as in the images; `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one.
+/// What no camera sees is filled from its neighbours on the surface. Throws Error, std::invalid_argument if sizes do not fit.
+BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
+                          const std::vector<Image> &images, const TextureOptions &options = {}, const Context &context = {});
+
+} // namespace doublet
