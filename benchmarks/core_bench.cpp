@@ -18,7 +18,7 @@ const RiggedMesh &figure(int vertices) {
   static std::map<int, RiggedMesh> made;
   RiggedMesh &actor = made[vertices];
   if (actor.mesh.vertices.rows() == 0)
-    actor = testing::figure_actor(0.025 * std::sqrt(9600.0 / vertices));
+    actor = testing::figure_actor(0.025 * std::sqrt(12000.0 / vertices));
   return actor;
 }
 

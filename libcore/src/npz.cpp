@@ -245,6 +245,7 @@ Bytes unpack(zip_t *zip, zip_uint64_t index, const std::string &where) {
 // --- conversion
 
 template <class T, class Out> void append(const NpyArray &array, std::vector<Out> &out) {
+  out.reserve(array.bytes.size() / sizeof(T));
   for (std::size_t i = 0; i + sizeof(T) <= array.bytes.size(); i += sizeof(T)) {
     T value;
     std::memcpy(&value, array.bytes.data() + i, sizeof(T));

@@ -66,7 +66,7 @@ inline std::vector<TaperedCapsule> figure_capsules(const Skeleton &skeleton) {
   return out;
 }
 
-/// The figure's closed surface in a pose. At 0.025 m about 9000 vertices in well under a second.
+/// The figure's closed surface in a pose. At 0.025 m about 12000 vertices in well under a second.
 inline Mesh figure_surface(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double cell = 0.025) {
   const std::vector<PosedCapsule> capsules =
       pose_capsules(figure_capsules(skeleton), skeleton, forward_kinematics(skeleton, dofs));
