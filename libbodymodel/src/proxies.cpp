@@ -22,6 +22,7 @@ constexpr double kClothWeight = 40;      ///< of a capsule in the resting cloth
 constexpr double kUncoveredWeight = 0.3; ///< of body surface that cloth does not cover in the scan pose
 constexpr double kCoveredShare = 0.1;    ///< a bone with more of its body surface under cloth gets capsules
 constexpr double kWrappedShare = 0.5;    ///< cloth that wraps more than this of a bone swings against the next one, too
+constexpr double kTether = 1e-3; ///< m^2, pull of a capsule's ends to where they started: it must not wander along the chain
 constexpr double kShortestBone = 0.03;   ///< m, shorter ones (a clavicle's stub) have no surface of their own
 constexpr double kSmallestRadius = 0.01; ///< m
 
@@ -205,9 +206,10 @@ void start_capsules(const Mesh &body, const Anatomy &anatomy, int bone, const Sk
 struct Target {
   Mesh body;
   RayScene scene;
-  Vertices normals;                   ///< (F, 3) of the body
+  Vertices normals;                   ///< (B, 3) of the body
   std::vector<int> points;            ///< body vertices
   std::vector<double> weights;        ///< of points, m^2
+  std::vector<int> joints;            ///< of points: only capsules that move with this joint may stand for them
   std::vector<Eigen::Vector3d> cloth; ///< resting cloth
 };
 
@@ -238,21 +240,30 @@ Eigen::Matrix<double, kParameters, 1> distance_gradient(PosedCapsule capsule, co
   return gradient;
 }
 
-int nearest_capsule(const std::vector<PosedCapsule> &capsules, const Eigen::Vector3d &point, double &distance) {
+/// Nearest of all capsules, or of those that move with `joint`.
+int nearest_capsule(const Capsules &capsules, const Eigen::Vector3d &point, double &distance, int joint = -1) {
   int best = -1;
   distance = std::numeric_limits<double>::infinity();
-  for (std::size_t c = 0; c < capsules.size(); ++c)
-    if (const double d = signed_distance(capsules[c], point); d < distance) {
+  for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
+    if (joint >= 0 && capsules.joint[c] != joint)
+      continue;
+    if (const double d = signed_distance(capsules.shape[c], point); d < distance) {
       distance = d;
       best = static_cast<int>(c);
     }
+  }
   return best;
 }
 
-/// Signed distance to the body (negative inside) and its outward direction at the closest point.
-double body_distance(const RayScene &scene, const Vertices &normals, const Eigen::Vector3d &point, Eigen::Vector3d &outward) {
+/// Signed distance to the body (negative inside) and its outward direction at the closest point. The sign comes from interpolated
+/// vertex normals: a face normal is ambiguous where the closest point is an edge, as in every fold.
+double body_distance(const RayScene &scene, const Mesh &body, const Vertices &normals, const Eigen::Vector3d &point,
+                     Eigen::Vector3d &outward) {
   const ClosestPoint at = scene.closest(point);
-  outward = normals.row(at.face);
+  outward.setZero();
+  for (int k = 0; k < 3; ++k)
+    outward += at.barycentric[k] * normals.row(body.faces(at.face, k)).transpose();
+  outward.normalize();
   return outward.dot(point - at.point) > 0 ? at.distance : -at.distance;
 }
 
@@ -275,23 +286,26 @@ template <typename Visit> void visit_surface(const PosedCapsule &c, Visit visit)
   visit(Eigen::Vector3d(c.p1 + c.r1 * along), 1.0, along);
 }
 
-Sum accumulate(const std::vector<PosedCapsule> &capsules, const Target &target, const ProxyOptions &options) {
-  const int n = static_cast<int>(capsules.size()) * kParameters;
-  Sum sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+/// Body points against their capsules.
+void add_points(Sum &sum, const Capsules &capsules, const Target &target, double clearance) {
   for (std::size_t i = 0; i < target.points.size(); ++i) {
     const Eigen::Vector3d point = target.body.vertices.row(target.points[i]);
     double distance;
-    const int c = nearest_capsule(capsules, point, distance);
-    const double residual = distance - options.clearance;
-    sum.add(c, distance_gradient(capsules[c], point), residual, target.weights[i] * (residual < 0 ? kBulgeWeight : 1));
+    const int c = nearest_capsule(capsules, point, distance, target.joints[i]);
+    const double residual = distance - clearance;
+    sum.add(c, distance_gradient(capsules.shape[c], point), residual, target.weights[i] * (residual < 0 ? kBulgeWeight : 1));
   }
-  for (std::size_t c = 0; c < capsules.size(); ++c) {
-    const PosedCapsule &capsule = capsules[c];
+}
+
+/// Capsule surfaces against the body: whatever stands out of it.
+void add_bulges(Sum &sum, const Capsules &capsules, const Target &target) {
+  for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
+    const PosedCapsule &capsule = capsules.shape[c];
     const double patch =
         2 * std::numbers::pi * (capsule.r0 + capsule.r1) / 2 * ((capsule.p1 - capsule.p0).norm() + capsule.r0 + capsule.r1) / 86;
     visit_surface(capsule, [&](const Eigen::Vector3d &point, double t, const Eigen::Vector3d &direction) {
       Eigen::Vector3d outward;
-      const double outside = body_distance(target.scene, target.normals, point, outward);
+      const double outside = body_distance(target.scene, target.body, target.normals, point, outward);
       if (outside <= 0)
         return;
       Eigen::Matrix<double, kParameters, 1> gradient;
@@ -300,34 +314,50 @@ Sum accumulate(const std::vector<PosedCapsule> &capsules, const Target &target, 
       sum.add(static_cast<int>(c), gradient, outside, kBulgeWeight * patch);
     });
   }
+}
+
+Sum accumulate(const Capsules &capsules, const Capsules &start, const Target &target, const ProxyOptions &options) {
+  const int n = static_cast<int>(capsules.shape.size()) * kParameters;
+  Sum sum{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  add_points(sum, capsules, target, options.clearance);
+  add_bulges(sum, capsules, target);
   const double cloth_weight = kClothWeight * 1e-4; // a cloth sample stands for about a square centimetre
   for (const Eigen::Vector3d &point : target.cloth) {
     double distance;
     const int c = nearest_capsule(capsules, point, distance);
     if (distance < options.cloth_margin)
-      sum.add(c, distance_gradient(capsules[c], point), distance - options.cloth_margin, cloth_weight);
+      sum.add(c, distance_gradient(capsules.shape[c], point), distance - options.cloth_margin, cloth_weight);
   }
+  for (std::size_t c = 0; c < capsules.shape.size(); ++c)
+    for (int k = 0; k < 6; ++k) {
+      PosedCapsule now = capsules.shape[c], then = start.shape[c];
+      Eigen::Matrix<double, kParameters, 1> unit = Eigen::Matrix<double, kParameters, 1>::Zero();
+      unit[k] = 1;
+      sum.add(static_cast<int>(c), unit, parameter(now, k) - parameter(then, k), kTether);
+    }
   return sum;
 }
 
-std::vector<PosedCapsule> moved(std::vector<PosedCapsule> capsules, const Eigen::VectorXd &step) {
-  for (std::size_t c = 0; c < capsules.size(); ++c) {
+Capsules moved(Capsules capsules, const Eigen::VectorXd &step) {
+  for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
+    PosedCapsule &shape = capsules.shape[c];
     for (int k = 0; k < kParameters; ++k)
-      parameter(capsules[c], k) += step[c * kParameters + k];
-    capsules[c].r0 = std::max(capsules[c].r0, kSmallestRadius);
-    capsules[c].r1 = std::max(capsules[c].r1, kSmallestRadius);
+      parameter(shape, k) += step[c * kParameters + k];
+    shape.r0 = std::max(shape.r0, kSmallestRadius);
+    shape.r1 = std::max(shape.r1, kSmallestRadius);
   }
   return capsules;
 }
 
-void optimise(std::vector<PosedCapsule> &capsules, const Target &target, const ProxyOptions &options) {
+void optimise(Capsules &capsules, const Target &target, const ProxyOptions &options) {
+  const Capsules start = capsules;
   double damping = 1e-2;
-  Sum current = accumulate(capsules, target, options);
+  Sum current = accumulate(capsules, start, target, options);
   for (int iteration = 0; iteration < options.iterations && damping < 1e6; ++iteration) {
     Eigen::MatrixXd damped = current.matrix;
     damped.diagonal() += damping * (current.matrix.diagonal().array() + 1e-6).matrix();
-    const std::vector<PosedCapsule> trial = moved(capsules, damped.ldlt().solve(current.right));
-    Sum next = accumulate(trial, target, options);
+    const Capsules trial = moved(capsules, damped.ldlt().solve(current.right));
+    Sum next = accumulate(trial, start, target, options);
     const bool better = next.cost < current.cost;
     damping *= better ? 0.3 : 4;
     if (better) {
@@ -338,8 +368,8 @@ void optimise(std::vector<PosedCapsule> &capsules, const Target &target, const P
 }
 
 /// Least squares only discourages: whatever still reaches into the resting cloth is made thinner.
-void keep_out_of_cloth(std::vector<PosedCapsule> &capsules, const Target &target, double margin) {
-  for (PosedCapsule &capsule : capsules) {
+void keep_out_of_cloth(Capsules &capsules, const Target &target, double margin) {
+  for (PosedCapsule &capsule : capsules.shape) {
     double least = margin;
     for (const Eigen::Vector3d &point : target.cloth)
       least = std::min(least, signed_distance(capsule, point));
@@ -389,12 +419,18 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
   const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);
   Anatomy anatomy = find_bones(fit.body, actor.skeleton);
   choose_bones(anatomy, actor.skeleton, under, areas);
-  Target target{
-      fit.body, RayScene(fit.body), face_normals(fit.body.vertices, fit.body.faces), {}, {}, resting_cloth(actor, clothness)};
+  Target target{fit.body,
+                RayScene(fit.body),
+                vertex_normals(fit.body.vertices, fit.body.faces),
+                {},
+                {},
+                {},
+                resting_cloth(actor, clothness)};
   for (std::size_t v = 0; v < under.size(); ++v)
     if (anatomy.nearest[v] >= 0 && anatomy.bones[anatomy.nearest[v]].chosen) {
       target.points.push_back(static_cast<int>(v));
       target.weights.push_back(areas[v] * (under[v] ? 1 : kUncoveredWeight));
+      target.joints.push_back(anatomy.bones[anatomy.nearest[v]].joint);
     }
   Capsules capsules;
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b)
@@ -402,8 +438,8 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
       start_capsules(fit.body, anatomy, static_cast<int>(b), actor.skeleton, options.capsules_per_bone, capsules);
   if (capsules.shape.empty())
     return {};
-  optimise(capsules.shape, target, options);
-  keep_out_of_cloth(capsules.shape, target, options.cloth_margin);
+  optimise(capsules, target, options);
+  keep_out_of_cloth(capsules, target, options.cloth_margin);
   std::vector<TaperedCapsule> result;
   for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
     const Eigen::Vector3d origin = actor.skeleton.joints[capsules.joint[c]].rest;
@@ -420,7 +456,7 @@ ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, co
   if (capsules.empty())
     return statistics;
   const Transforms rest(actor.skeleton.joint_count(), Eigen::Isometry3d::Identity());
-  const std::vector<PosedCapsule> posed = pose_capsules(capsules, actor.skeleton, rest);
+  Capsules posed{pose_capsules(capsules, actor.skeleton, rest), {}};
   const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
   std::vector<double> distances;
   double distance;
@@ -436,11 +472,11 @@ ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, co
     statistics.percentile95 = distances[std::min(distances.size() - 1, distances.size() * 95 / 100)];
   }
   const RayScene scene(fit.body);
-  const Vertices normals = face_normals(fit.body.vertices, fit.body.faces);
-  for (const PosedCapsule &capsule : posed)
+  const Vertices normals = vertex_normals(fit.body.vertices, fit.body.faces);
+  for (const PosedCapsule &capsule : posed.shape)
     visit_surface(capsule, [&](const Eigen::Vector3d &point, double, const Eigen::Vector3d &) {
       Eigen::Vector3d outward;
-      statistics.largest_bulge = std::max(statistics.largest_bulge, body_distance(scene, normals, point, outward));
+      statistics.largest_bulge = std::max(statistics.largest_bulge, body_distance(scene, fit.body, normals, point, outward));
     });
   statistics.cloth_clearance = std::numeric_limits<double>::infinity();
   for (const Eigen::Vector3d &point : resting_cloth(actor, clothness)) {
