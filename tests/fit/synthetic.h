@@ -20,15 +20,14 @@ struct Scene {
 };
 
 /// Trunk (a cylinder) and `skirts` cones side by side, all on one joint; every skirt hangs from its top ring.
-inline void make_character(Scene &scene, int skirts) {
-  constexpr int kRings = 10, kSegments = 24;
+inline void make_character(Scene &scene, int skirts, int rings, int segments) {
   scene.actor.skeleton = make_skeleton({{"pelvis", "", {0, 1, 0}, {}}});
   std::vector<Mesh> parts;
   for (int i = 0; i < skirts; ++i) {
     const double x = 1.2 * i;
     parts.push_back(cylinder({x, 0.1, 0}, {x, 1.6, 0}, 0.12, 16, 16));
     parts.push_back(tube(
-        {x, 0.5, 0}, {x, 1.0, 0}, [](double s) { return 0.34 - 0.2 * s; }, kRings, kSegments));
+        {x, 0.5, 0}, {x, 1.0, 0}, [](double s) { return 0.34 - 0.2 * s; }, rings, segments));
     scene.proxies.push_back({0, Eigen::Vector3d(x, -0.9, 0), Eigen::Vector3d(x, 0.6, 0), 0.12, 0.12});
   }
   scene.actor.mesh = join(parts);
@@ -42,8 +41,8 @@ inline void make_character(Scene &scene, int skirts) {
   Eigen::Index first = 0;
   for (int i = 0; i < skirts; ++i) {
     first += parts[2 * i].vertices.rows();
-    scene.clothness.clothness.segment(first, kRings * kSegments).setOnes();
-    scene.clothness.region.segment(first, kRings * kSegments).setConstant(i);
+    scene.clothness.clothness.segment(first, rings * segments).setOnes();
+    scene.clothness.region.segment(first, rings * segments).setConstant(i);
     first += parts[2 * i + 1].vertices.rows();
   }
 }
@@ -109,12 +108,16 @@ inline void film(Scene &scene, const CameraRig &cameras) {
   }
 }
 
+struct SceneSize {
+  int frames = 32, cameras = 4, pixels = 320;
+  int rings = 10, segments = 24; ///< of a skirt
+};
+
 /// The scene under `truth`, one material a skirt.
-inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth, int frames = 32, int cameras = 4,
-                                         int size = 320) {
+inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth, const SceneSize &size = {}) {
   auto scene = std::make_unique<Scene>();
-  make_character(*scene, static_cast<int>(truth.size()));
-  make_motion(*scene, frames);
+  make_character(*scene, static_cast<int>(truth.size()), size.rings, size.segments);
+  make_motion(*scene, size.frames);
   pbd::ClothOptions options;
   options.self_collision = false; // speed
   scene->simulator = std::make_unique<CharacterSimulator>(scene->actor, scene->clothness, scene->proxies, options);
@@ -124,7 +127,7 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth
   scene->frames = simulate_reference(*scene->simulator, scene->performance, truth, 1.0 / 40);
   scene->performance.surface.frames = scene->frames;
   scene->performance.surface.frames[0] = scene->actor.mesh.vertices;
-  film(*scene, camera_ring(cameras, size));
+  film(*scene, camera_ring(size.cameras, size.pixels));
   return scene;
 }
 
