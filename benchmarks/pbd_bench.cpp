@@ -2,7 +2,7 @@
 // and proxies on, one core. Arguments: vertices around, rows (52 x 24: 1300 vertices, 2496 faces; 72 x 35: 2592, 5040),
 // self-collision (0, 1).
 
-#include "../tests/pbd/scenes.h"
+#include "pbd/scenes.h"
 
 #include <benchmark/benchmark.h>
 

@@ -43,15 +43,15 @@ inline Bend<T> bend_constraint(const Vec3<T> &x0, const Vec3<T> &x1, const Vec3<
   r.g1 = (-t2) * r.g2 - t3 * r.g3;
   return r;
 }
-/// w: inverse masses divided by the largest of the four. The sum under the multiplier has two floors, neither of which ordinary
+/// w_i: inverse masses divided by the largest of the four. The sum under the multiplier has two floors, neither of which ordinary
 /// cloth reaches. Beside an attachment a vertex may be asked to close an angle it has (almost) no lever on: C / sum would throw
 /// it to infinity. And faces blown up to several times their size (a rubber material) would be moved by as much again, and grow
 /// without end: rest_floor, a quarter of |g2|^2 + |g3|^2 at rest, lets them be moved by their rest size at most.
 template <class T>
-inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const float (&w)[4], T rest_cos, T rest_sin,
+inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, T w0, T w1, T w2, T w3, T rest_cos, T rest_sin,
                          T rest_floor, T stiffness) {
   const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest_cos, rest_sin);
-  const T w0 = T(w[0]), w1 = T(w[1]), w2 = T(w[2]), w3 = T(w[3]), g22 = dot(c.g2, c.g2), g33 = dot(c.g3, c.g3);
+  const T g22 = dot(c.g2, c.g2), g33 = dot(c.g3, c.g3);
   const T sum = w0 * dot(c.g0, c.g0) + w1 * dot(c.g1, c.g1) + w2 * g22 + w3 * g33;
   const T lambda = -stiffness * c.value / lane_max(sum, lane_max(T(0.25f) * (g22 + g33), rest_floor));
   x0 += (w0 * lambda) * c.g0;

@@ -20,8 +20,18 @@ template <class T> inline T lane_max(T a, T b) {
 template <class T> inline T lane_min(T a, T b) {
   return select(a < b, a, b);
 }
-template <class T> inline T lane_abs(T a) {
-  return select(a < T(0), -a, a);
+inline float lane_abs(float a) {
+  return std::fabs(a);
+}
+inline double lane_abs(double a) {
+  return std::fabs(a);
+}
+/// Size of the first with the sign of the second: by bits, where a select would cost a mispredicted jump every other time.
+inline float with_sign(float a, float sign) {
+  return std::copysign(a, sign);
+}
+inline double with_sign(double a, double sign) {
+  return std::copysign(a, sign);
 }
 inline float lane_sqrt(float a) {
   return std::sqrt(a);
@@ -77,7 +87,7 @@ template <class T> inline T lane_atan2(T y, T x) {
   T angle = p * a;
   angle = select(ay > ax, T(1.57079632679489662) - angle, angle);
   angle = select(x < T(0), T(3.14159265358979324) - angle, angle);
-  return select(y < T(0), -angle, angle);
+  return with_sign(angle, y);
 }
 
 } // namespace doublet::pbd

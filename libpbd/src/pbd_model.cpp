@@ -95,6 +95,40 @@ std::vector<Constraint> in_spread_order(const std::vector<Constraint> &natural, 
   return ordered;
 }
 
+void set_bend(BendBlock &block, int slot, const BendConstraint &bend) {
+  for (int k = 0; k < 4; ++k) {
+    block.v[k][slot] = bend.v[k];
+    block.w[k][slot] = bend.w[k];
+  }
+  block.cos[slot] = bend.cos;
+  block.sin[slot] = bend.sin;
+  block.floor[slot] = bend.floor;
+}
+
+std::vector<BendBlock> in_blocks(const std::vector<BendConstraint> &bends, int vertex_count) {
+  BendConstraint idle{};
+  for (int k = 0; k < 4; ++k)
+    idle.v[k] = vertex_count + k;
+  idle.cos = idle.floor = 1;
+  std::vector<BendBlock> blocks;
+  std::vector<size_t> last_block(vertex_count, std::numeric_limits<size_t>::max()); // that holds the vertex
+  int filled = 4;
+  for (const BendConstraint &bend : bends) {
+    const bool shares =
+        std::any_of(bend.v, bend.v + 4, [&](int v) { return !blocks.empty() && last_block[v] == blocks.size() - 1; });
+    if (filled == 4 || shares) {
+      blocks.emplace_back();
+      for (filled = 0; filled < 4; ++filled)
+        set_bend(blocks.back(), filled, idle);
+      filled = 0;
+    }
+    set_bend(blocks.back(), filled++, bend);
+    for (int v : bend.v)
+      last_block[v] = blocks.size() - 1;
+  }
+  return blocks;
+}
+
 } // namespace
 
 void ClothOptions::validate() const {
@@ -152,6 +186,7 @@ void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness
 void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
   const Eigen::VectorXd &w = inverse_mass_;
+  std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
   for (const auto &[edge, opposite] : edges) {
     const auto [a, b] = edge;
@@ -176,21 +211,21 @@ void PbdModel::set_constraints(const Vertices &rest) {
       c.cos = static_cast<float>(std::cos(rest_bend.value));
       c.sin = static_cast<float>(std::sin(rest_bend.value));
       c.floor = static_cast<float>(0.25 * (dot(rest_bend.g2, rest_bend.g2) + dot(rest_bend.g3, rest_bend.g3)));
-      bends_.push_back(c);
+      bends.push_back(c);
       bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
     }
   }
   const std::vector<int> ring = rings_from_attachment(edges, weights_);
   stretches_ = in_spread_order(stretches_, stretch_vertices, 2, ring, kStretchGap);
-  bends_ = in_spread_order(bends_, bend_vertices, 4, ring, kBendGap);
+  bends_ = in_blocks(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), vertex_count());
 }
 
 void PbdModel::set_exclusions(const Vertices &rest) {
-  std::vector<Vec3f> points(rest.rows());
+  std::vector<Point> points(rest.rows());
   const Eigen::RowVector3d origin = rest.colwise().mean();
   for (int i = 0; i < rest.rows(); ++i) {
     const Eigen::RowVector3d p = rest.row(i) - origin;
-    points[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    points[i] = Vec3f{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
   }
   resting_pairs_ = pairs_closer_than(points, faces_, static_cast<float>(options_.self_thickness));
 }

@@ -19,6 +19,15 @@ struct BendConstraint {
   float cos, sin; ///< of the rest angle
   float floor;    ///< see project_bend, 1/m^2
 };
+/// Four bends in a row of the order that share no vertex, so that they may be projected side by side. Where the order does not
+/// offer four, the rest are idle ones on the four spare vertices behind the last (see kSpareVertices), with no mass to move.
+struct BendBlock {
+  int v[4][4];   ///< [corner][bend]
+  float w[4][4]; ///< [corner][bend]
+  float cos[4], sin[4], floor[4];
+};
+inline constexpr int kSpareVertices = 4; ///< after the model's own, in every array of positions: the corners of a flat square
+
 struct BlendConstraint {
   int vertex;
   float stiffness; ///< in every iteration: 1 - delta^(1 / iterations)
@@ -34,7 +43,7 @@ public:
   const Faces &faces() const { return faces_; }
   const std::vector<float> &weights() const { return weights_; }
   const std::vector<StretchConstraint> &stretches() const { return stretches_; }
-  const std::vector<BendConstraint> &bends() const { return bends_; }
+  const std::vector<BendBlock> &bends() const { return bends_; }
   const std::vector<BlendConstraint> &blends() const { return blends_; }
   bool follows_targets() const { return follows_targets_; } ///< some vertex is pinned or blended
   /// True if vertex and face never collide: the vertex is one of the face's, or rests closer to it than the thickness.
@@ -50,7 +59,7 @@ private:
   Eigen::VectorXd inverse_mass_;
   std::vector<float> weights_; ///< inverse masses once more, for the loops
   std::vector<StretchConstraint> stretches_;
-  std::vector<BendConstraint> bends_;
+  std::vector<BendBlock> bends_;
   std::vector<BlendConstraint> blends_;
   std::vector<std::uint64_t> resting_pairs_; ///< sorted (vertex << 32 | face)
   bool follows_targets_ = false;

@@ -22,7 +22,8 @@ constexpr float kMinAgreement =
 /// origin.
 struct Workspace {
   Eigen::Vector3d origin;
-  std::vector<Vec3f> x, p, v, v_free, normals;         ///< start, end, velocity, velocity before contacts
+  std::vector<Point> x, p;                             ///< start, end; with the spare vertices
+  std::vector<Vec3f> v, v_free, normals;               ///< velocity, the same before contacts, unit normals
   std::vector<Vec3f> target_start, target_end, target; ///< of the frame; of the substep
   std::vector<CapsuleMotion> capsules;
   std::vector<CapsuleContact<float>> contacts; ///< ordered by capsule, then vertex
@@ -172,7 +173,12 @@ void PbdSolver::load(Workspace &w, const ClothState &state, const StepInputs &in
   w.origin = state.positions.colwise().mean().array().round().matrix().transpose(); // whole metres: exact to subtract
   const Vertices &last = in.targets ? *in.targets : state.positions;
   const Vertices &first = in.previous_targets && in.targets ? *in.previous_targets : last;
-  for (std::vector<Vec3f> *a : {&w.x, &w.p, &w.v, &w.v_free, &w.normals, &w.target_start, &w.target_end, &w.target})
+  for (std::vector<Point> *a : {&w.x, &w.p}) {
+    a->resize(n + kSpareVertices);
+    for (int k = 0; k < kSpareVertices; ++k)
+      (*a)[n + k] = Vec3f{static_cast<float>(k & 1), static_cast<float>(k >> 1), 0};
+  }
+  for (std::vector<Vec3f> *a : {&w.v, &w.v_free, &w.normals, &w.target_start, &w.target_end, &w.target})
     a->resize(n);
   for (int i = 0; i < n; ++i) {
     w.x[i] = row(state.positions, i, w.origin);
@@ -268,8 +274,8 @@ void PbdSolver::damp(Workspace &w, float k) const {
   const Eigen::VectorXd &weights = model_->inverse_masses();
   double mass = 0;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero();
-  const auto vec = [](Vec3f a) { return Eigen::Vector3d(a.x, a.y, a.z); };
-  for (size_t i = 0; i < w.x.size(); ++i)
+  const auto vec = [](const Vec3f &a) { return Eigen::Vector3d(a.x, a.y, a.z); };
+  for (size_t i = 0; i < w.v.size(); ++i)
     if (weights[static_cast<int>(i)] > 0) {
       const double m = 1 / weights[static_cast<int>(i)];
       mass += m;
@@ -282,7 +288,7 @@ void PbdSolver::damp(Workspace &w, float k) const {
   velocity /= mass;
   Eigen::Vector3d angular_momentum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  for (size_t i = 0; i < w.x.size(); ++i)
+  for (size_t i = 0; i < w.v.size(); ++i)
     if (weights[static_cast<int>(i)] > 0) {
       const double m = 1 / weights[static_cast<int>(i)];
       const Eigen::Vector3d r = vec(w.x[i]) - centre;
@@ -295,7 +301,7 @@ void PbdSolver::damp(Workspace &w, float k) const {
   for (int a = 0; a < 3; ++a)
     if (axes.eigenvalues()[a] > 1e-9 * axes.eigenvalues()[2])
       spin += axes.eigenvectors().col(a).dot(angular_momentum) / axes.eigenvalues()[a] * axes.eigenvectors().col(a);
-  for (size_t i = 0; i < w.x.size(); ++i)
+  for (size_t i = 0; i < w.v.size(); ++i)
     if (weights[static_cast<int>(i)] > 0) {
       const Eigen::Vector3d rigid = velocity + spin.cross(vec(w.x[i]) - centre);
       w.v[i] += k * (to_float(rigid) - w.v[i]);
@@ -304,7 +310,7 @@ void PbdSolver::damp(Workspace &w, float k) const {
 
 void PbdSolver::predict(Workspace &w, const Substep &s) const {
   const std::vector<float> &weights = model_->weights();
-  for (size_t i = 0; i < w.x.size(); ++i) {
+  for (size_t i = 0; i < w.v.size(); ++i) {
     w.p[i] = weights[i] > 0 ? w.x[i] + s.h * w.v[i] : w.target[i];
     w.v_free[i] = w.v[i];
   }
@@ -340,7 +346,7 @@ void PbdSolver::find_capsule_contacts(Workspace &w, const Substep &s) const {
   for (int k = 0; k < static_cast<int>(w.capsules.size()); ++k) {
     const CapsuleMotion &m = w.capsules[k];
     const Reach reach = reach_of(m, margin);
-    for (int i = 0; i < static_cast<int>(w.x.size()); ++i) {
+    for (int i = 0; i < static_cast<int>(w.v.size()); ++i) {
       if (weights[i] == 0 || !may_touch(reach, w.x[i], w.p[i]))
         continue;
       const Distance<float> start = capsule_distance(m.start, w.x[i]);
@@ -369,15 +375,26 @@ void PbdSolver::find_capsule_contacts(Workspace &w, const Substep &s) const {
   }
 }
 
+void project_bends(Point *p, const BendBlock &b, Pack4 stiffness) {
+  Vec3<Pack4> x0 = gather(p, b.v[0]), x1 = gather(p, b.v[1]), x2 = gather(p, b.v[2]), x3 = gather(p, b.v[3]);
+  project_bend(x0, x1, x2, x3, Pack4::load(b.w[0]), Pack4::load(b.w[1]), Pack4::load(b.w[2]), Pack4::load(b.w[3]),
+               Pack4::load(b.cos), Pack4::load(b.sin), Pack4::load(b.floor), stiffness);
+  scatter(p, b.v[0], x0);
+  scatter(p, b.v[1], x1);
+  scatter(p, b.v[2], x2);
+  scatter(p, b.v[3], x3);
+}
+
 void PbdSolver::iterate(Workspace &w, const Substep &s) const {
   const float thickness = static_cast<float>(model_->options().thickness);
-  Vec3f *p = w.p.data();
+  Point *p = w.p.data();
+  const Pack4 k_bend(s.k_bend);
   for (int iteration = 0; iteration < model_->options().iterations; ++iteration) {
     for (const StretchConstraint &c : model_->stretches())
       project_stretch(p[c.a], p[c.b], c.share_a, c.share_b, c.length, s.k_stretch);
     if (s.k_bend > 0)
-      for (const BendConstraint &c : model_->bends())
-        project_bend(p[c.v[0]], p[c.v[1]], p[c.v[2]], p[c.v[3]], c.w, c.cos, c.sin, c.floor, s.k_bend);
+      for (const BendBlock &b : model_->bends())
+        project_bends(p, b, k_bend);
     for (const BlendConstraint &c : model_->blends())
       project_blend(p[c.vertex], w.target[c.vertex], c.stiffness);
     for (SelfContact<float> &c : w.self_contacts)
@@ -395,7 +412,7 @@ void PbdSolver::push_out_strays(Workspace &w) const {
   for (int k = 0; k < static_cast<int>(w.capsules.size()); ++k) {
     const CapsuleMotion still{w.capsules[k].end, w.capsules[k].end, {}};
     const Reach reach = reach_of(still, thickness);
-    for (int i = 0; i < static_cast<int>(w.p.size()); ++i) {
+    for (int i = 0; i < static_cast<int>(w.v.size()); ++i) {
       if (next < w.contacts.size() && w.contacts[next].capsule == k && w.contacts[next].vertex == i) {
         ++next;
         continue;
@@ -411,7 +428,7 @@ void PbdSolver::push_out_strays(Workspace &w) const {
 
 void PbdSolver::update_velocities(Workspace &w, const Substep &s) const {
   const float rate = 1.0f / s.h;
-  for (size_t i = 0; i < w.x.size(); ++i)
+  for (size_t i = 0; i < w.v.size(); ++i)
     w.v[i] = rate * (w.p[i] - w.x[i]);
 }
 

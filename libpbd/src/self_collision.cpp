@@ -89,13 +89,16 @@ std::uint32_t PairFinder::bucket(std::uint64_t cell) const {
 }
 
 void PairFinder::insert(const std::vector<Box> &boxes) {
+  cells_.resize(boxes.size());
+  for (size_t v = 0; v < boxes.size(); ++v)
+    cells_[v] = cells_of(boxes[v]);
   size_t buckets = 64;
   while (buckets < 2 * boxes.size())
     buckets *= 2;
   start_.assign(buckets + 1, 0);
   const auto for_each_cell = [&](auto &&visit) {
     for (int v = 0; v < static_cast<int>(boxes.size()); ++v) {
-      const Cells c = cells_of(boxes[v]);
+      const Cells &c = cells_[v];
       for (int x = c.lo[0]; x <= c.hi[0]; ++x)
         for (int y = c.lo[1]; y <= c.hi[1]; ++y)
           for (int z = c.lo[2]; z <= c.hi[2]; ++z)
@@ -133,7 +136,7 @@ const std::vector<FaceVertex> &PairFinder::find(const std::vector<Box> &boxes, c
             if (entry.cell != cell || !overlap(box, boxes[entry.vertex]))
               continue;
             // Both boxes may share several cells: only the lowest one reports the pair.
-            const Cells v = cells_of(boxes[entry.vertex]);
+            const Cells &v = cells_[entry.vertex];
             if (x == std::max(c.lo[0], v.lo[0]) && y == std::max(c.lo[1], v.lo[1]) && z == std::max(c.lo[2], v.lo[2]))
               pairs_.push_back({f, entry.vertex});
           }
@@ -142,9 +145,9 @@ const std::vector<FaceVertex> &PairFinder::find(const std::vector<Box> &boxes, c
   return pairs_;
 }
 
-std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const Faces &faces, float distance) {
+std::vector<std::uint64_t> pairs_closer_than(const std::vector<Point> &points, const Faces &faces, float distance) {
   std::vector<Box> boxes;
-  for (const Vec3f &p : points)
+  for (const Point &p : points)
     boxes.push_back({p, p});
   PairFinder finder;
   std::vector<std::uint64_t> close;
@@ -157,7 +160,7 @@ std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, c
   return close;
 }
 
-void find_self_contacts(const PbdModel &model, const std::vector<Vec3f> &x, const std::vector<Vec3f> &p, float opening,
+void find_self_contacts(const PbdModel &model, const std::vector<Point> &x, const std::vector<Point> &p, float opening,
                         PairFinder &finder, std::vector<Box> &boxes, std::vector<SelfContact<float>> &contacts) {
   contacts.clear();
   const float thickness = static_cast<float>(model.options().self_thickness);
@@ -166,11 +169,12 @@ void find_self_contacts(const PbdModel &model, const std::vector<Vec3f> &x, cons
 
   // Common motion brings nobody together: leave it out of the boxes.
   Vec3f drift{0, 0, 0};
-  for (size_t i = 0; i < x.size(); ++i)
+  const int n = model.vertex_count();
+  for (int i = 0; i < n; ++i)
     drift += p[i] - x[i];
-  drift = (1.0f / static_cast<float>(x.size())) * drift;
-  boxes.resize(x.size());
-  for (size_t i = 0; i < x.size(); ++i) {
+  drift = (1.0f / static_cast<float>(n)) * drift;
+  boxes.resize(n);
+  for (int i = 0; i < n; ++i) {
     const Vec3f end = p[i] - drift;
     boxes[i] = {low(x[i], end), high(x[i], end)};
   }

@@ -3,6 +3,7 @@
 
 #include "doublet/pbd/cloth_solver.h"
 #include "kernels.h"
+#include "pack4.h"
 
 #include <cstdint>
 
@@ -41,18 +42,19 @@ private:
   void insert(const std::vector<Box> &boxes);
 
   float inverse_cell_ = 1;
+  std::vector<Cells> cells_;         ///< of each vertex
   std::vector<std::uint32_t> start_; ///< bucket -> first entry
   std::vector<Entry> entries_;
   std::vector<FaceVertex> pairs_;
 };
 
 /// Sorted (vertex << 32 | face) of all pairs closer than `distance`, the vertices of a face itself left out.
-std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const Faces &faces, float distance);
+std::vector<std::uint64_t> pairs_closer_than(const std::vector<Point> &points, const Faces &faces, float distance);
 
 /// Contacts of the cloth with itself for a step from x to p: vertices that would come nearer to a face than the thickness, on the
 /// side on which they started (so that nothing passes through), or are within a thickness of doing so. A pair that starts closer
 /// than the thickness is opened at most by `opening` in this step.
-void find_self_contacts(const PbdModel &model, const std::vector<Vec3f> &x, const std::vector<Vec3f> &p, float opening,
+void find_self_contacts(const PbdModel &model, const std::vector<Point> &x, const std::vector<Point> &p, float opening,
                         PairFinder &finder, std::vector<Box> &boxes, std::vector<SelfContact<float>> &contacts);
 
 } // namespace doublet::pbd

@@ -3,6 +3,7 @@
 #include "../../libpbd/src/capsule_motion.h"
 #include "../../libpbd/src/constraint_order.h"
 #include "../../libpbd/src/kernels.h"
+#include "../../libpbd/src/pack4.h"
 
 #include <algorithm>
 #include <functional>
@@ -112,12 +113,11 @@ TEST(Kernels, BendIsThePapersAngleUpToSign) {
 }
 
 TEST(Kernels, BendProjectionReachesTheRestAngle) {
-  const float w[4] = {1, 1, 1, 1};
   for (double phi : {-2.0, -0.5, 0.0, 0.3, 1.5}) {
     V x0{0, 0, 0}, x1{0.03, 0, 0}, x2{0.01, 0.03, 0.004}, x3{0.02, -0.03, 0.006};
     const V before = x0 + x1 + x2 + x3;
     for (int i = 0; i < 50; ++i)
-      project_bend(x0, x1, x2, x3, w, std::cos(phi), std::sin(phi), 0.0, 1.0);
+      project_bend(x0, x1, x2, x3, 1.0, 1.0, 1.0, 1.0, std::cos(phi), std::sin(phi), 0.0, 1.0);
     EXPECT_NEAR(bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi)).value, 0, 1e-6) << phi;
     expect_near(x0 + x1 + x2 + x3, before, 1e-12); // equal masses: the centre stays
   }
@@ -125,23 +125,55 @@ TEST(Kernels, BendProjectionReachesTheRestAngle) {
 
 TEST(Kernels, BendWithoutALeverThrowsNothing) {
   // Folded flat on itself, all pinned but one end of the edge: that end has no lever on the angle.
-  const float w[4] = {1, 0, 0, 0};
   for (float gap : {1e-2f, 1e-4f, 1e-6f, 0.0f}) {
     Vec3f x0{0, 0, 0}, x1{0.03f, 0, 0}, x2{0.015f, 0.03f, gap}, x3{0.015f, 0.03f, -gap};
-    project_bend(x0, x1, x2, x3, w, 1.0f, 0.0f, 500.0f, 1.0f);
+    project_bend(x0, x1, x2, x3, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 500.0f, 1.0f);
     EXPECT_LT(lane_sqrt(dot(x0, x0)), 0.2f) << gap;
   }
 }
 
 TEST(Kernels, FoldedUpFacesStayFinite) {
-  const float w[4] = {1, 1, 1, 1};
   Vec3f x0{0, 0, 0}, x1{0.03f, 0, 0}, x2{0.01f, 0, 0}, x3{0.02f, 0, 0}; // both faces are lines
-  project_bend(x0, x1, x2, x3, w, 1.0f, 0.0f, 500.0f, 1.0f);
+  project_bend(x0, x1, x2, x3, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 500.0f, 1.0f);
   for (const Vec3f &x : {x0, x1, x2, x3})
     EXPECT_TRUE(std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z));
   Vec3f a{0, 0, 0}, b{0, 0, 0};
   project_stretch(a, b, 0.5f, 0.5f, 0.1f, 1.0f);
   EXPECT_TRUE(std::isfinite(a.x) && std::isfinite(b.x));
+}
+
+/// Four constraints side by side come out as one by one, to the bit.
+TEST(Kernels, PacksGiveTheBitsOfFloats) {
+  Random random;
+  const auto f = [&](double lo, double hi) { return static_cast<float>(random(lo, hi)); };
+  for (int i = 0; i < 2000; ++i) {
+    Point p[16], q[16];
+    int v[4][4];
+    float w[4][4], angle[4], c[4], s[4];
+    for (int k = 0; k < 16; ++k) {
+      p[k] = q[k] = Vec3f{f(-0.05, 0.05), f(-0.05, 0.05), i % 3 ? f(-0.05, 0.05) : 0.0f};
+      v[k / 4][k % 4] = (k * 7) % 16;
+      w[k / 4][k % 4] = f(0, 1);
+      angle[k % 4] = f(-3, 3);
+      c[k % 4] = std::cos(angle[k % 4]);
+      s[k % 4] = std::sin(angle[k % 4]);
+    }
+    Vec3<Pack4> x[4];
+    for (int k = 0; k < 4; ++k)
+      x[k] = gather(p, v[k]);
+    project_bend(x[0], x[1], x[2], x[3], Pack4::load(w[0]), Pack4::load(w[1]), Pack4::load(w[2]), Pack4::load(w[3]),
+                 Pack4::load(c), Pack4::load(s), Pack4(100.0f), Pack4(0.3f));
+    for (int k = 0; k < 4; ++k)
+      scatter(p, v[k], x[k]);
+    for (int l = 0; l < 4; ++l)
+      project_bend<float>(q[v[0][l]], q[v[1][l]], q[v[2][l]], q[v[3][l]], w[0][l], w[1][l], w[2][l], w[3][l], c[l], s[l], 100.0f,
+                          0.3f);
+    for (int k = 0; k < 16; ++k) {
+      ASSERT_EQ(p[k].x, q[k].x) << i;
+      ASSERT_EQ(p[k].y, q[k].y) << i;
+      ASSERT_EQ(p[k].z, q[k].z) << i;
+    }
+  }
 }
 
 TEST(Kernels, BlendMovesTheStatedShare) {
