@@ -2,6 +2,7 @@
 
 #include "doublet/animate/surface_transfer.h"
 #include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
 
 #include <cmath>
@@ -25,6 +26,34 @@ Motion at_character_rate(const Character &character, const Motion &motion) {
 void AnimateOptions::validate() const {
   if (!(settle_seconds >= 0) || settle_seconds > 60)
     throw std::invalid_argument("AnimateOptions.settle_seconds must be in [0, 60], found " + std::to_string(settle_seconds));
+}
+
+Vertices tuck_body(const Character &character, const Vertices &surface, Vertices body) {
+  constexpr double kUnder = 0.004, kUnderCloth = 0.06, kUnderSkin = 0.012; // m
+  const Faces &faces = character.actor.mesh.faces;
+  const Eigen::VectorXd &delta = character.clothness.clothness;
+  const RayScene scene({surface, faces}, character.actor.skip_invalid());
+  const Vertices normals = vertex_normals(surface, faces);
+  std::vector<std::uint8_t> drawn(body.rows(), 0);
+  for (Eigen::Index f = 0; f < character.body.faces.rows(); ++f)
+    for (int k = 0; k < 3 && character.body_shown[f]; ++k)
+      drawn[character.body.faces(f, k)] = 1;
+  for (Eigen::Index v = 0; v < body.rows(); ++v) {
+    if (!drawn[v])
+      continue;
+    const Eigen::Vector3d p = body.row(v);
+    const ClosestPoint at = scene.closest(p);
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double cloth = 0;
+    for (int k = 0; k < 3; ++k) {
+      normal += at.barycentric[k] * normals.row(faces(at.face, k)).transpose();
+      cloth += at.barycentric[k] * delta[faces(at.face, k)];
+    }
+    const double out = (p - at.point).dot(normal);
+    if (normal.norm() > 0.1 && out > -kUnder && at.distance < (cloth > 0 ? kUnderCloth : kUnderSkin))
+      body.row(v) = at.point - kUnder * normal.normalized();
+  }
+  return body;
 }
 
 int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
@@ -66,6 +95,8 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
       out.high = transfer->apply(out.surface);
     if (body)
       out.body = dual_quaternion_skinning(character.body.vertices, character.body_weights, posed.world_from_rest);
+    if (body && options.tuck_body)
+      out.body = tuck_body(character, out.surface, std::move(out.body));
     out.world_from_rest = posed.world_from_rest;
     frame(out);
   }

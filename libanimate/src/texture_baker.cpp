@@ -3,6 +3,8 @@
 
 #include "doublet/animate/texture_baker.h"
 
+#include "doublet/animate/image_file.h"
+#include "doublet/animate/surface_transfer.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 
@@ -40,9 +42,22 @@ struct Atlas {
 
 struct View {
   const Camera *camera;
-  const Image *image;
+  const Image *image, *mask;
   FaceBuffer buffer;
 };
+
+/// Is the pixel in the silhouette, away from its rim? Without a mask everything is.
+bool inside_mask(const Image *mask, const Vector2d &pixel) {
+  if (!mask)
+    return true;
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  for (const auto &[dx, dy] : {std::pair{0, 0}, {3, 0}, {-3, 0}, {0, 3}, {0, -3}}) {
+    const int i = x + dx, k = y + dy;
+    if (i < 0 || k < 0 || i >= mask->width || k >= mask->height || mask->at(i, k) == 0)
+      return false;
+  }
+  return true;
+}
 
 Vector3f sample(const Image &image, const Vector2d &pixel) {
   const int x0 = static_cast<int>(pixel.x()), y0 = static_cast<int>(pixel.y());
@@ -68,14 +83,15 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
 class Baker {
 public:
   Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
-        const TextureOptions &options)
+        const std::vector<Image> &masks, const TextureOptions &options)
       : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
     std::vector<std::uint8_t> skip;
     for (std::uint8_t v : valid)
       skip.push_back(v ? 0 : 1);
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (!images[c].empty())
-        views_.push_back({&cameras[c], &images[c], rasterize(mesh.vertices, mesh.faces, cameras[c], skip)});
+        views_.push_back({&cameras[c], &images[c], masks.empty() || masks[c].empty() ? nullptr : &masks[c],
+                          rasterize(mesh.vertices, mesh.faces, cameras[c], skip)});
   }
 
   bool drawn(int f) const { return valid_.empty() || valid_[f]; }
@@ -96,7 +112,7 @@ public:
       if (!(facing > options_.grazing) || !(depth > 0.05))
         continue;
       const Vector2d pixel = view.camera->project(point);
-      if (!visible(view.buffer, pixel, depth, options_.depth_margin))
+      if (!visible(view.buffer, pixel, depth, options_.depth_margin) || !inside_mask(view.mask, pixel))
         continue;
       const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
       colour += weight * sample(*view.image, pixel);
@@ -178,7 +194,7 @@ template <class Visit> void for_texels(const Atlas &atlas, int f, const Visit &v
 }
 
 void require_inputs(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras,
-                    const std::vector<Image> &images) {
+                    const std::vector<Image> &images, const std::vector<Image> &masks) {
   require_usable(mesh, "bake_texture: mesh");
   if (!valid.empty() && static_cast<Eigen::Index>(valid.size()) != mesh.faces.rows())
     throw std::invalid_argument("bake_texture: face_valid has " + std::to_string(valid.size()) + " entries, expected " +
@@ -193,6 +209,12 @@ void require_inputs(const Mesh &mesh, const std::vector<std::uint8_t> &valid, co
                                   std::to_string(cameras[c].width) + " x " + std::to_string(cameras[c].height) +
                                   " with 3 channels, found " + std::to_string(images[c].width) + " x " +
                                   std::to_string(images[c].height) + " with " + std::to_string(images[c].channels));
+  for (std::size_t c = 0; c < masks.size(); ++c)
+    if (masks.size() != cameras.size() || (!masks[c].empty() && (masks[c].channels != 1 || masks[c].width != cameras[c].width ||
+                                                                 masks[c].height != cameras[c].height)))
+      throw std::invalid_argument("bake_texture: expected no masks or one a camera with 1 channel and the camera's size, found " +
+                                  std::to_string(masks.size()) + " masks, the one of camera " + std::to_string(c) + " being " +
+                                  std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
 }
 
 } // namespace
@@ -209,11 +231,12 @@ void TextureOptions::validate() const {
 }
 
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
-                          const std::vector<Image> &images, const TextureOptions &options, const Context &context) {
+                          const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
+                          const Context &context) {
   options.validate();
-  require_inputs(mesh, face_valid, cameras, images);
+  require_inputs(mesh, face_valid, cameras, images, masks);
   const Atlas atlas(options.size, mesh.faces.rows());
-  const Baker baker(mesh, face_valid, cameras, images, options);
+  const Baker baker(mesh, face_valid, cameras, images, masks, options);
   const Vertices fallback = vertex_colours(mesh, baker);
   const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
   const int faces = static_cast<int>(mesh.faces.rows());
@@ -258,6 +281,19 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
   baked.seen_fraction = drawn > 0 ? covered / drawn : 0;
   context.report("texture", 1.0);
   return baked;
+}
+
+double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
+                         const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
+                         const Context &context) {
+  if (character.high.faces.rows() == 0)
+    throw Error("texture_character: expected a character with a display mesh, found none");
+  const SurfaceTransfer transfer(character.actor.mesh, character.actor.face_valid, character.high, character.high_valid);
+  const Mesh posed{transfer.apply(surface), character.high.faces};
+  BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
+  character.texcoords = std::move(baked.texcoords);
+  character.texture = encode_jpeg(baked.image);
+  return baked.seen_fraction;
 }
 
 } // namespace doublet
