@@ -1,9 +1,13 @@
 #include "common.h"
 
 #include "doublet/animate/animator.h"
+#include "doublet/animate/baked_file.h"
 #include "doublet/animate/character_file.h"
+#include "doublet/animate/image_file.h"
+#include "doublet/animate/renderer.h"
 #include "doublet/animate/retarget.h"
 #include "doublet/animate/surface_transfer.h"
+#include "doublet/animate/texture_baker.h"
 
 namespace doublet::python {
 namespace {
@@ -135,6 +139,86 @@ void bind_animator(py::module_ &m) {
       py::arg("context") = interruptible_context(), Release());
 }
 
+void bind_streaming(py::module_ &m) {
+  py::class_<AnimationFrame>(m, "AnimationFrame", "One frame of an animation; keep copies, the arrays are gone after the call.")
+      .def_readonly("index", &AnimationFrame::index)
+      .def_readonly("dofs", &AnimationFrame::dofs, "(D)")
+      .def_readonly("joints", &AnimationFrame::joints, "(J, 3) m")
+      .def_readonly("surface", &AnimationFrame::surface, "(V, 3) m")
+      .def_readonly("high", &AnimationFrame::high, "(VH, 3) m, or empty")
+      .def_readonly("body", &AnimationFrame::body, "(B, 3) m, or empty");
+  m.def(
+      "animate_each",
+      [](const Character &character, const Motion &motion, const std::function<void(const AnimationFrame &)> &frame,
+         const AnimateOptions &options, const Context &context) { return animate(character, motion, options, frame, context); },
+      py::arg("character"), py::arg("motion"), py::arg("frame"), py::arg("options") = AnimateOptions{},
+      py::arg("context") = interruptible_context(), Release(), "Calls frame(AnimationFrame) in order and keeps nothing.");
+  m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release());
+  OptionsClass<BakedGlbOptions>(m, "BakedGlbOptions", "Options of write_baked_glb.")
+      .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes of the surface that are stored")
+      .field("most_keys", &BakedGlbOptions::most_keys, "a long clip gets fewer keys a second");
+  m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
+        py::arg("options") = BakedGlbOptions{}, Release());
+}
+
+void bind_pictures(py::module_ &m) {
+  py::class_<RenderMesh>(m, "RenderMesh", "One mesh of a picture; colours in [0, 1], RGB.")
+      .def(py::init([](Vertices vertices, Faces faces, const Eigen::Vector3d &colour, const std::optional<Vertices> &colours,
+                       std::vector<std::uint8_t> skip_face) {
+             RenderMesh mesh;
+             mesh.vertices = std::move(vertices);
+             mesh.faces = std::move(faces);
+             mesh.colour = colour;
+             if (colours)
+               mesh.colours = *colours;
+             mesh.skip_face = std::move(skip_face);
+             return mesh;
+           }),
+           py::arg("vertices"), py::arg("faces"), py::arg("colour") = Eigen::Vector3d(0.75, 0.75, 0.75),
+           py::arg("colours") = std::nullopt, py::arg("skip_face") = std::vector<std::uint8_t>{})
+      .def_readwrite("vertices", &RenderMesh::vertices)
+      .def_readwrite("faces", &RenderMesh::faces)
+      .def_readwrite("colour", &RenderMesh::colour);
+  OptionsClass<RenderOptions>(m, "RenderOptions", "Options of render.")
+      .field("background", &RenderOptions::background, "RGB in [0, 1]")
+      .field("floor", &RenderOptions::floor, "a grid with the meshes' soft shadow")
+      .field("floor_height", &RenderOptions::floor_height, "m")
+      .field("light", &RenderOptions::light, "share of the key light; the rest is the sky")
+      .field("light_direction", &RenderOptions::light_direction, "to the light, world")
+      .field("supersample", &RenderOptions::supersample, "2 x 2 samples a pixel");
+  m.def("render", &render, py::arg("meshes"), py::arg("camera"), py::arg("options") = RenderOptions{}, Release(),
+        "(H, W, 3) uint8, BGR");
+  m.def("orbit_camera", &orbit_camera, py::arg("target"), py::arg("radius"), py::arg("azimuth"), py::arg("elevation"),
+        py::arg("width"), py::arg("height"), "Looks at target from azimuth (rad, 0 = from +Z) and elevation.");
+  m.def("character_meshes", &character_meshes, py::arg("character"), py::arg("surface"), py::arg("high"), py::arg("body"),
+        Release(), "A character's meshes at a frame; high and body may be empty.");
+}
+
+void bind_texture(py::module_ &m) {
+  OptionsClass<TextureOptions>(m, "TextureOptions", "Options of bake_texture.")
+      .field("size", &TextureOptions::size, "pixels, width and height of the atlas")
+      .field("facing_power", &TextureOptions::facing_power, "cameras count by cos^k of the angle between normal and ray")
+      .field("grazing", &TextureOptions::grazing, "cameras below this cosine do not count")
+      .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden");
+  m.def(
+      "bake_texture",
+      [](Character &character, const Vertices &posed_high, const CameraRig &cameras, const std::vector<Image> &images,
+         const std::vector<Image> &masks, const TextureOptions &options, const Context &context) {
+        const BakedTexture baked =
+            bake_texture({posed_high, character.high.faces}, character.high_valid, cameras, images, masks, options, context);
+        character.texcoords = baked.texcoords;
+        character.texture = encode_jpeg(baked.image);
+        return baked.seen_fraction;
+      },
+      py::arg("character"), py::arg("posed_high"), py::arg("cameras"), py::arg("images"), py::arg("masks") = std::vector<Image>{},
+      py::arg("options") = TextureOptions{}, py::arg("context") = interruptible_context(), Release(),
+      "Gives the character a texture from the images of one frame; returns the share of its surface that a camera saw.");
+  py::class_<SurfaceTransfer>(m, "SurfaceTransfer", "A fine mesh that follows a coarse one.")
+      .def(py::init<const Mesh &, const std::vector<std::uint8_t> &, const Mesh &, const std::vector<std::uint8_t> &>(),
+           py::arg("coarse"), py::arg("coarse_valid"), py::arg("fine"), py::arg("fine_valid"), Release())
+      .def("apply", &SurfaceTransfer::apply, py::arg("coarse"), Release(), "(V', 3) fine vertices for the coarse (V, 3)");
+}
+
 } // namespace
 
 void bind_animate(py::module_ &m) {
@@ -142,6 +226,9 @@ void bind_animate(py::module_ &m) {
   bind_character(m);
   bind_motion(m);
   bind_animator(m);
+  bind_streaming(m);
+  bind_pictures(m);
+  bind_texture(m);
 }
 
 } // namespace doublet::python

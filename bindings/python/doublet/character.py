@@ -7,7 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from . import _doublet as d
+from .console import Console
 from .files import written_atomically
+from .video import VideoWriter
+
+FORMATS = (".npz", ".glb", ".mp4")
 
 
 def valid_high_faces(high: d.Mesh, actor: d.RiggedMesh) -> np.ndarray:
@@ -35,12 +39,74 @@ def build_character(job) -> dict:
         valid_high_faces(high, job.actor),
     )
     character.name = job.session.name
+    seen = bake_first_frame(character, job, performance)
     with written_atomically(job.path("simulated.npz")) as path:
         np.savez_compressed(path, vertices=simulated.astype(np.float32))
     character.write(job.path("character.glb"))
     error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)
     cloth = job.clothness().clothness > 0.5
-    return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean()))}
+    return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean())), "texture_seen": seen}
+
+
+def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:
+    """Texture from the images of the first captured frame; 0 for a session without images."""
+    from .pipeline import trained_extractor
+
+    source, frame = d.FrameSource.open(job.session), performance.frames[0]
+    images = [source.image(c, frame) for c in range(source.camera_count)]
+    if not any(image.size for image in images):
+        return 0.0
+    actor = character.actor
+    transfer = d.SurfaceTransfer(actor.mesh, actor.face_valid, character.high, character.high_valid)
+    posed = transfer.apply(performance.surface.frames[0])
+    extractor = trained_extractor(job.session, source, job.options["key"], job.context)
+    masks = [source.mask(c, frame) for c in range(source.camera_count)]
+    masks = [m if m.size or not i.size else extractor.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]
+    return d.bake_texture(character, posed, job.session.rig, images, masks, d.TextureOptions(), job.context)
+
+
+def animate(character_file: Path, motion_file: Path, out: Path, console: Console, retargeting: d.RetargetOptions) -> int:
+    """A new animation as .npz, .glb or .mp4; returns the number of frames."""
+    if out.suffix not in FORMATS:
+        raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
+    context = console.context()
+    character = d.Character.read(character_file)
+    motion = d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, retargeting, context)
+    if out.suffix == ".mp4":
+        return write_video(character, motion, out, context)
+    animation = d.animate(character, motion, d.AnimateOptions(high=False), context)
+    (d.write_baked_npz if out.suffix == ".npz" else d.write_baked_glb)(out, character, animation)
+    return len(animation.dofs)
+
+
+def cameras_along(character: d.Character, motion: d.Motion, count: int, size: int) -> list[d.Camera]:
+    """One camera a frame, from the front and a little above: still if the whole motion fits, else it follows the actor."""
+    joints = np.array([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
+    low, high = joints.min(axis=(0, 1)) - 0.25, joints.max(axis=(0, 1)) + 0.25
+    if np.linalg.norm(high - low) < 3.6:
+        still = d.orbit_camera((low + high) / 2, np.linalg.norm(high - low) / 2, 0.35, 0.15, size, size)
+        return [still] * count
+    middle = joints.mean(axis=1)
+    window = max(1, round(motion.fps))  # one second
+    padded = np.pad(middle, ((window // 2, window - 1 - window // 2), (0, 0)), mode="edge")
+    smooth = np.stack([np.convolve(padded[:, k], np.ones(window) / window, mode="valid") for k in range(3)], axis=1)
+    targets = smooth[np.linspace(0, len(smooth) - 1, count).round().astype(int)]
+    return [d.orbit_camera(target, 1.25, 0.35, 0.15, size, size) for target in targets]
+
+
+def write_video(character: d.Character, motion: d.Motion, out: Path, context: d.Context, size: int = 720) -> int:
+    """Headless: the library's own renderer, piped to ffmpeg."""
+    fps = 1 / character.solver.dt
+    count = int(len(motion) * fps / motion.fps) + 2  # at least as many as animate() makes of it
+    cameras = cameras_along(character, motion, count, size)
+    floor = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()))
+    with VideoWriter(out, size, size, fps) as video:
+
+        def draw(frame: d.AnimationFrame) -> None:
+            meshes = d.character_meshes(character, frame.surface, frame.high, frame.body)
+            video.write(d.render(meshes, cameras[min(frame.index, count - 1)], floor))
+
+        return d.animate_each(character, motion, draw, d.AnimateOptions(), context)
 
 
 def animate_exactly(character_file: Path, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:

@@ -81,7 +81,11 @@ def run_stages(arguments) -> None:
 def run_animate(arguments) -> None:
     from .character import animate
 
-    animate(arguments.character, arguments.motion, arguments.out, arguments)
+    console = Console(arguments.threads, quiet=arguments.quiet)
+    retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
+    frames = animate(arguments.character, arguments.motion, arguments.out, console, retargeting)
+    console.finish()
+    print(f"{arguments.out}: {frames} frames")
 
 
 def run_evaluate(arguments) -> None:
@@ -170,9 +174,8 @@ def add_animate(commands) -> None:
     animate.add_argument("character", type=Path, metavar="CHARACTER.glb")
     animate.add_argument("motion", type=Path, metavar="MOTION", help=".bvh, or .amc with its .asf beside it")
     animate.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help=".npz, .glb or .mp4")
-    animate.add_argument("--fps", type=float, default=0, help="of the animation; 0 = that of the character (default)")
-    animate.add_argument("--frames", type=int, default=0, metavar="N", help="at most so many; 0 = all")
     common_flags(animate)
+    add_option_flags(animate, {"retarget": d.RetargetOptions})
     animate.set_defaults(run=run_animate)
 
 

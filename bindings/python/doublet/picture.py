@@ -1,4 +1,4 @@
-"""Pictures of meshes by the library's own z-buffer, for the report: no window, no graphics card."""
+"""Pictures for the report and the video: the library's renderer, outlines on video, JPEG for a page."""
 
 from __future__ import annotations
 
@@ -10,21 +10,24 @@ from PIL import Image
 
 from . import _doublet as d
 
-SKIN, CLOTH, GREY, PROXY = (np.array(c, float) for c in ((224, 196, 172), (196, 78, 82), (176, 180, 186), (76, 114, 176)))
-BACKGROUND = 250
+SKIN, CLOTH, PROXY = (np.array(c) for c in ((0.85, 0.72, 0.62), (0.75, 0.25, 0.28), (0.30, 0.45, 0.70)))
+PLAIN = d.RenderOptions(background=[1, 1, 1], floor=False)
 
 
-def shade(vertices, faces, camera, colours, backdrop=None) -> np.ndarray:
-    """(H, W, 3) uint8 RGB. colours: one (3) or per face (F, 3), 0-255. Lit from the camera, with a little light from above."""
-    face, _ = d.rasterize(vertices, faces, camera)
-    picture = np.full((*face.shape, 3), BACKGROUND, float) if backdrop is None else backdrop.astype(float)
-    normals = d.face_normals(vertices, faces)
-    view = camera.R.T @ [0.0, 0.0, -1.0]
-    light = np.clip(0.35 + 0.55 * np.abs(normals @ view) + 0.10 * normals[:, 1], 0, 1)
-    lit = np.broadcast_to(colours, (len(faces), 3)) * light[:, None]
-    hit = face >= 0
-    picture[hit] = lit[face[hit]]
-    return picture.astype(np.uint8)
+def cloth_colours(clothness: np.ndarray) -> np.ndarray:
+    """(V, 3) from skin to cloth."""
+    return (1 - clothness[:, None]) * SKIN + clothness[:, None] * CLOTH
+
+
+def shade(meshes: list[d.RenderMesh], camera: d.Camera) -> np.ndarray:
+    """(H, W, 3) RGB on white."""
+    return d.render(meshes, camera, PLAIN)[..., ::-1]
+
+
+def around(vertices, azimuth: float, size: int = 480) -> d.Camera:
+    """A camera that sees all vertices from `azimuth` rad around +Y (0 = from +Z, the front)."""
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    return d.orbit_camera((low + high) / 2, 0.52 * np.linalg.norm(high - low), azimuth, 0.0, size, size)
 
 
 def outline(vertices, faces, camera) -> np.ndarray:
@@ -40,26 +43,11 @@ def draw_outline(picture: np.ndarray, edge: np.ndarray, colour=(255, 0, 120)) ->
     return drawn
 
 
-def around(vertices, azimuth: float, size: int = 480) -> d.Camera:
-    """A camera that sees all vertices from `azimuth` rad around +Y (0 = from +Z, the front)."""
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    centre, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
-    distance = 4 * radius
-    back = np.array([np.sin(azimuth), 0, np.cos(azimuth)])  # from the centre to the camera
-    camera = d.Camera()
-    camera.R = np.array([np.cross([0, 1.0, 0], back), [0, -1.0, 0], -back])
-    camera.t = -camera.R @ (centre + distance * back)
-    focal = 0.48 * size * distance / radius
-    camera.K = np.array([[focal, 0, size / 2], [0, focal, size / 2], [0, 0, 1]])
-    camera.width = camera.height = size
-    return camera
-
-
 def crop_box(vertices, camera, margin: int = 20) -> tuple[slice, slice]:
     """Rows and columns of the image around the projected vertices."""
     pixels = np.array([camera.project(v) for v in vertices])
-    low = np.maximum(pixels.min(axis=0).astype(int) - margin, 0)
-    high = np.minimum(pixels.max(axis=0).astype(int) + margin, [camera.width - 1, camera.height - 1])
+    low = np.clip(pixels.min(axis=0).astype(int) - margin, 0, [camera.width - 1, camera.height - 1])
+    high = np.clip(pixels.max(axis=0).astype(int) + margin, low, [camera.width - 1, camera.height - 1])
     return slice(low[1], high[1] + 1), slice(low[0], high[0] + 1)
 
 
@@ -86,5 +74,5 @@ def capsule_mesh(p0, p1, r0: float, r1: float, steps: int = 16) -> tuple[np.ndar
 def data_uri(picture: np.ndarray, quality: int = 80) -> str:
     """A JPEG to put into a page."""
     buffer = io.BytesIO()
-    Image.fromarray(picture).save(buffer, "JPEG", quality=quality)
+    Image.fromarray(np.ascontiguousarray(picture)).save(buffer, "JPEG", quality=quality)
     return "data:image/jpeg;base64," + base64.b64encode(buffer.getvalue()).decode()

@@ -218,7 +218,7 @@ STAGES = (
     Stage(
         "character",
         ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "material.json"),
-        ("simulated.npz", "character.glb"), ("cloth", "energy"), run_character, lambda s: image_files(s),
+        ("simulated.npz", "character.glb"), ("key", "cloth", "energy"), run_character, lambda s: image_files(s),
     ),
     Stage(
         "report",

@@ -81,11 +81,10 @@ def overlays(shown: Shown) -> str:
 
 def segmentation(shown: Shown) -> str:
     clothness = shown.job.clothness()
-    vertices = shown.actor.mesh.vertices
-    share = clothness.clothness[shown.faces].mean(axis=1)[:, None]
-    colours = (1 - share) * picture.SKIN + share * picture.CLOTH
-    views = [picture.shade(vertices, shown.faces, picture.around(vertices, a), colours) for a in (0.0, np.pi)]
-    areas = d.vertex_areas(vertices, shown.actor.mesh.faces)
+    mesh = shown.actor.mesh
+    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=picture.cloth_colours(clothness.clothness))
+    views = [picture.shade([surface], picture.around(mesh.vertices, a)) for a in (0.0, np.pi)]
+    areas = d.vertex_areas(mesh.vertices, mesh.faces)
     rows = [[k, float(areas[clothness.region == k].sum())] for k in range(clothness.region_count)]
     return row([figure(v, n) for v, n in zip(views, ("front", "back"))]) + table(["region", "area, m²"], rows)
 
@@ -94,19 +93,17 @@ def body(shown: Shown) -> str:
     fit = d.read_body(shown.job.path("body.npz"))
     proxies = d.read_proxies(shown.job.path("proxies.json"), shown.actor.skeleton)
     rest = shown.actor.skeleton.joint_rest
-    meshes = [picture.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
+    naked = d.RenderMesh(fit.body.vertices, fit.body.faces, picture.SKIN)
+    capsules = [picture.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
+    solid = [d.RenderMesh(vertices, faces, picture.PROXY) for vertices, faces in capsules]
     figures = []
     for azimuth, name in ((0.0, "front"), (np.pi / 2, "side")):
         camera = picture.around(shown.actor.mesh.vertices, azimuth)
-        naked = picture.shade(fit.body.vertices, fit.body.faces, camera, picture.SKIN)
-        solid = naked
-        if meshes:
-            offsets = np.cumsum([0] + [len(v) for v, _ in meshes[:-1]])
-            vertices, faces = np.vstack([v for v, _ in meshes]), np.vstack([f + o for (_, f), o in zip(meshes, offsets)])
-            solid = (0.5 * naked + 0.5 * picture.shade(vertices, faces, camera, picture.PROXY, naked)).astype(np.uint8)
+        skin = picture.shade([naked], camera)
         edge = picture.outline(shown.actor.mesh.vertices, shown.faces, camera)
-        figures.append(figure(picture.draw_outline(naked, edge, (150, 150, 150)), f"body under the clothes, {name}"))
-        figures.append(figure(solid, f"collision proxies, {name}"))
+        figures.append(figure(picture.draw_outline(skin, edge, (150, 150, 150)), f"body and outline of the scan, {name}"))
+        through = (0.5 * skin + 0.5 * picture.shade(solid, camera)).astype(np.uint8) if solid else skin
+        figures.append(figure(through, f"collision proxies, {name}"))
     return (
         row(figures)
         + f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
@@ -161,20 +158,13 @@ def fit(shown: Shown) -> str:
 
 
 def side_by_side(shown: Shown) -> str:
-    clothness = shown.job.clothness().clothness
-    share = clothness[shown.faces].mean(axis=1)[:, None]
-    colours = (1 - share) * picture.SKIN + share * picture.CLOTH
-    figures = []
+    colours = picture.cloth_colours(shown.job.clothness().clothness)
+    camera, figures = shown.session.rig[0], []
     for i in spread(len(shown.captured), 4):
-        camera = shown.session.rig[0]
         frame = shown.performance.frames[i]
-        both = np.vstack([shown.captured[i], shown.simulated[i]])
-        box = picture.crop_box(both, camera)
-        views = [
-            shown.photo(0, frame),
-            picture.shade(shown.captured[i], shown.faces, camera, colours),
-            picture.shade(shown.simulated[i], shown.faces, camera, colours),
-        ]
+        surfaces = [d.RenderMesh(v[i], shown.faces, colours=colours) for v in (shown.captured, shown.simulated)]
+        views = [shown.photo(0, frame), *(picture.shade([surface], camera) for surface in surfaces)]
+        box = picture.crop_box(np.vstack([shown.captured[i], shown.simulated[i]]), camera)
         figures.append(figure(np.hstack([v[box] for v in views]), f"frame {frame}: video, captured, simulated"))
     return row(figures)
 
