@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
@@ -141,7 +142,8 @@ Key make_key(const std::vector<Form> &screen) {
 }
 
 /// Midway between the means of the two classes it separates (Ridler & Calvard 1978): a pixel half covered by the actor lies on
-/// it, however few pixels the actor has. Starts at 0.5 and stays there if no pixel is below.
+/// it, however few pixels the actor has. Starts at 0.5 and stays there on an empty stage: most pixels of an actor show less than
+/// a quarter of the key's hue, those of a shadow do not.
 double class_threshold(const Key &key, const std::vector<Image> &images) {
   constexpr int kBins = 256;
   std::array<double, kBins> histogram{};
@@ -149,7 +151,12 @@ double class_threshold(const Key &key, const std::vector<Image> &images) {
     for (int y = 0; y < image.height; y += 2)
       for (int x = 0; x < image.width; x += 2)
         ++histogram[static_cast<int>(std::clamp(key.keyness(pixel(image, x, y)), 0.0, 1.0) * (kBins - 1) + 0.5)];
+  const auto below = [&](double value) {
+    return std::accumulate(histogram.begin(), histogram.begin() + static_cast<int>(value * kBins), 0.0);
+  };
   double threshold = 0.5;
+  if (below(0.25) <= 0.5 * below(0.5))
+    return threshold;
   for (int iteration = 0; iteration < 50; ++iteration) {
     double count[2] = {0, 0}, sum[2] = {0, 0};
     for (int b = 0; b < kBins; ++b) {

@@ -4,7 +4,6 @@
 #include "open3d_mesh.h"
 
 #include <open3d/io/TriangleMeshIO.h>
-#include <open3d/utility/Logging.h>
 
 namespace doublet {
 namespace {
@@ -25,7 +24,7 @@ Mesh read_mesh(const std::filesystem::path &path) {
   const std::string extension = known_extension(path);
   if (!std::filesystem::is_regular_file(path))
     throw FileNotFound(path.string() + ": the mesh file does not exist");
-  const open3d::utility::VerbosityContextManager quiet(open3d::utility::VerbosityLevel::Error);
+  const detail::QuietOpen3D quiet;
   open3d::geometry::TriangleMesh mesh;
   bool read = false;
   try {
@@ -47,7 +46,7 @@ Mesh read_mesh(const std::filesystem::path &path) {
 void write_mesh(const std::filesystem::path &path, const Mesh &mesh) {
   const std::string extension = known_extension(path);
   require_usable(mesh, "the mesh for " + path.string());
-  const open3d::utility::VerbosityContextManager quiet(open3d::utility::VerbosityLevel::Error);
+  const detail::QuietOpen3D quiet;
   const auto out = detail::to_open3d(mesh);
   if (extension == ".stl")
     out->ComputeTriangleNormals(); // the format demands them

@@ -4,8 +4,21 @@
 #include "doublet/core/mesh.h"
 
 #include <open3d/geometry/TriangleMesh.h>
+#include <open3d/utility/Logging.h>
 
 namespace doublet::detail {
+
+/// While it lives Open3D prints errors only; what went wrong is told by our own exceptions.
+class QuietOpen3D {
+public:
+  QuietOpen3D() { level_.Enter(); }
+  ~QuietOpen3D() { level_.Exit(); }
+  QuietOpen3D(const QuietOpen3D &) = delete;
+  QuietOpen3D &operator=(const QuietOpen3D &) = delete;
+
+private:
+  open3d::utility::VerbosityContextManager level_{open3d::utility::VerbosityLevel::Error};
+};
 
 inline std::shared_ptr<open3d::geometry::TriangleMesh> to_open3d(const Mesh &mesh) {
   auto out = std::make_shared<open3d::geometry::TriangleMesh>();

@@ -4,7 +4,6 @@
 #include "open3d_mesh.h"
 
 #include <open3d/geometry/PointCloud.h>
-#include <open3d/utility/Logging.h>
 
 namespace doublet::detail {
 
@@ -18,7 +17,7 @@ PoissonSurface poisson_surface(const Mesh &scan, int depth) {
     }
   if (cloud.points_.size() < 4)
     throw Error("scan: expected triangles with an area, found only degenerate ones");
-  const open3d::utility::VerbosityContextManager quiet(open3d::utility::VerbosityLevel::Error);
+  const QuietOpen3D quiet;
   constexpr int kThreads = 1; // more threads change the last bits of the result
   try {
     const auto [surface, density] =

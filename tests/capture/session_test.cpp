@@ -1,0 +1,244 @@
+// Reading sessions, whole and broken: the shipped one, with one thing changed at a time.
+#include "doublet/capture/session.h"
+#include "doublet/core/error.h"
+#include "doublet/core/files.h"
+#include "support/temp_folder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <regex>
+
+namespace doublet {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kShipped = fs::path(DOUBLET_SOURCE_DIR) / "examples/data/session";
+
+/// A copy of the shipped session of which tests may break single files.
+class SessionFiles : public ::testing::Test {
+protected:
+  testing::TempFolder folder;
+
+  void SetUp() override {
+    for (const char *name : {"session.json", "calibration.yml", "joints.json"})
+      fs::copy_file(kShipped / name, folder / name);
+    for (const char *name : {"scan.ply", "motion.bvh"})
+      fs::create_symlink(kShipped / name, folder / name);
+    fs::create_directory(folder / "videos");
+    for (const auto &entry : fs::directory_iterator(kShipped / "videos"))
+      fs::create_symlink(entry.path(), folder.path() / "videos" / entry.path().filename());
+  }
+
+  void replace(const std::string &name, const std::string &pattern, const std::string &with) {
+    const std::string text = read_text(folder / name), changed = std::regex_replace(text, std::regex(pattern), with);
+    ASSERT_NE(text, changed) << pattern;
+    write_text(folder / name, changed);
+  }
+
+  /// Reading must fail within seconds, with one sentence that has all the words.
+  template <class E = Error> void expect_failure(const std::vector<std::string> &words) {
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      read_session(folder.path());
+      ADD_FAILURE() << "the session was read";
+    } catch (const E &e) {
+      for (const std::string &word : words)
+        EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << "'" << word << "' is missing in: " << e.what();
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+  }
+};
+
+TEST(Session, ShippedSessionIsRead) {
+  const Session session = read_session(kShipped);
+  EXPECT_EQ(session.cameras.size(), 8U);
+  EXPECT_EQ(session.rig.size(), 8U);
+  EXPECT_GE(session.frame_count, 80);
+  EXPECT_EQ(session.fps, 40);
+  EXPECT_EQ(session.rig[3].name, "cam3");
+  EXPECT_EQ(session.rig[3].width, 502);
+  EXPECT_NEAR(session.rig[0].centre().norm(), session.rig[0].t.norm(), 1e-9);
+  EXPECT_EQ(session.joints.size(), 24U);
+  EXPECT_EQ(make_skeleton(session.joints).dof_count(), 36);
+  EXPECT_EQ(session.landmarks.size(), 10U);
+  EXPECT_TRUE(fs::exists(session.scan));
+  EXPECT_TRUE(fs::exists(session.new_motion));
+}
+
+TEST(Session, FramesAreTheSameInAnyOrder) {
+  const Session session = read_session(kShipped);
+  const auto forward = FrameSource::open(session), jumping = FrameSource::open(session);
+  std::vector<Image> images;
+  for (int f = 0; f < 70; ++f)
+    images.push_back(forward->image(2, f));
+  for (int f : {69, 3, 40, 41, 41, 0, 33, 64})
+    EXPECT_EQ(jumping->image(2, f).data, images[f].data) << f;
+  EXPECT_EQ(images[0].channels, 3);
+  EXPECT_EQ(images[0].width, 502);
+  EXPECT_NE(images[0].data, images[60].data);
+  EXPECT_TRUE(forward->mask(2, 0).empty());
+  // The screen is green: BGR, not RGB.
+  EXPECT_GT(images[0].at(5, 5, 1), images[0].at(5, 5, 0) + 20);
+  EXPECT_GT(images[0].at(5, 5, 1), images[0].at(5, 5, 2) + 20);
+}
+
+TEST(Session, FramesOutsideThrow) {
+  const auto frames = FrameSource::open(read_session(kShipped));
+  EXPECT_THROW(frames->image(0, -1), std::invalid_argument);
+  EXPECT_THROW(frames->image(0, frames->frame_count()), std::invalid_argument);
+  EXPECT_THROW(frames->image(8, 0), std::invalid_argument);
+  EXPECT_THROW(frames->mask(-1, 0), std::invalid_argument);
+}
+
+TEST_F(SessionFiles, TheCopyIsRead) {
+  EXPECT_EQ(read_session(folder.path()).cameras.size(), 8U);
+}
+
+TEST_F(SessionFiles, MissingFolderOrDescription) {
+  EXPECT_THROW(read_session(folder / "nowhere"), FileNotFound);
+  fs::remove(folder / "session.json");
+  expect_failure<FileNotFound>({"session.json"});
+}
+
+TEST_F(SessionFiles, MissingVideo) {
+  fs::remove(folder.path() / "videos/cam4.mp4");
+  expect_failure<FileNotFound>({"cam4.mp4", "session.json"});
+}
+
+TEST_F(SessionFiles, MissingScanOrMotion) {
+  fs::remove(folder / "motion.bvh");
+  expect_failure<FileNotFound>({"motion.bvh"});
+  replace("session.json", ",?\\s*\"new_motion\": \"motion.bvh\"", "");
+  EXPECT_TRUE(read_session(folder.path()).new_motion.empty());
+  fs::remove(folder / "scan.ply");
+  expect_failure<FileNotFound>({"scan.ply"});
+}
+
+TEST_F(SessionFiles, CalibrationLacksACamera) {
+  replace("calibration.yml", "cam6_", "camera6_");
+  expect_failure({"calibration.yml", "'cam6'", "camera6"});
+}
+
+TEST_F(SessionFiles, CalibrationIsBroken) {
+  replace("calibration.yml", "cam2_R", "cam2_Q");
+  expect_failure({"calibration.yml", "cam2_R"});
+  write_text(folder / "calibration.yml", "%YAML:1.0\n---\ncam0_K: [ 1, 2\n");
+  expect_failure({"calibration.yml"});
+  write_text(folder / "calibration.yml", "");
+  expect_failure({"calibration.yml"});
+}
+
+TEST_F(SessionFiles, CalibrationOfAnotherSize) {
+  replace("calibration.yml", "cam1_image_width: 502", "cam1_image_width: 1004");
+  expect_failure({"cam1.mp4", "1004", "502"});
+}
+
+TEST_F(SessionFiles, TruncatedVideo) {
+  // The index stands at the front of these files, so that half a file still opens and states all its frames.
+  const fs::path video = folder.path() / "videos/cam7.mp4";
+  fs::remove(video);
+  fs::copy_file(kShipped / "videos/cam7.mp4", video);
+  fs::resize_file(video, fs::file_size(video) / 2);
+  expect_failure({"cam7.mp4", "truncated"});
+  fs::resize_file(video, 400); // within the index
+  expect_failure({"cam7.mp4"});
+  write_text(video, "");
+  expect_failure({"cam7.mp4"});
+}
+
+TEST_F(SessionFiles, VideoWithTooFewFrames) {
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 500");
+  expect_failure({"cam0.mp4", "500", "128"});
+}
+
+TEST_F(SessionFiles, UnknownParentOfAJoint) {
+  replace("joints.json", "\"parent\": \"l_knee\"", "\"parent\": \"l_kneee\"");
+  expect_failure({"joints.json", "l_ankle", "l_kneee"});
+}
+
+TEST_F(SessionFiles, BadJoints) {
+  replace("joints.json", "\"parent\": null", "\"parent\": \"head\"");
+  expect_failure({"joints.json"}); // no root
+  write_text(folder / "joints.json", R"({"joints": {"a": {"position": [0, "x", 0], "parent": null}}})");
+  expect_failure({"joints.json", "'a'", "position"});
+  write_text(folder / "joints.json", R"({"joints": {"a": {"parent": null}}})");
+  expect_failure({"joints.json", "position"});
+  write_text(folder / "joints.json", R"({"joints": {"a": {"position": [0, 0, 0], "parent": null}}, "landmarks": [1]})");
+  expect_failure({"joints.json"});
+  write_text(folder / "joints.json", "{\"joints\": ");
+  expect_failure({"joints.json"});
+}
+
+TEST_F(SessionFiles, BadDescriptions) {
+  for (const std::string text :
+       {"", "[]", "{}", "{\"name\": 1}", R"({"name": "a", "fps": 0, "frame_count": 3})",
+        R"({"name": "a", "fps": "x", "frame_count": 3})", R"({"name": "a", "fps": 25, "frame_count": 0})",
+        R"({"name": "a", "fps": 25, "frame_count": 3, "cameras": {}})",
+        R"({"name": "a", "fps": 25, "frame_count": 3, "cameras": [3]})",
+        R"({"name": "a", "fps": 25, "frame_count": 3, "cameras": [{"name": "c"}]})"}) {
+    write_text(folder / "session.json", text);
+    expect_failure({"session.json"});
+  }
+  fs::copy_file(kShipped / "session.json", folder / "session.json", fs::copy_options::overwrite_existing);
+  replace("session.json", "\"name\": \"cam3\"", "\"name\": \"cam2\"");
+  expect_failure({"session.json", "cam2", "twice"});
+}
+
+TEST_F(SessionFiles, MasksWithoutVideosAreASession) {
+  // The shipped ground truth has a mask for one frame in ten; between them the camera has dropped out.
+  fs::remove_all(folder / "videos");
+  fs::create_directory_symlink(kShipped / "ground_truth/masks", folder / "masks");
+  replace("session.json", ",\\s*\"video\": \"[^\"]*\"", "");
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 121");
+  const Session session = read_session(folder.path());
+  EXPECT_TRUE(session.cameras[0].video.empty());
+  const auto frames = FrameSource::open(session);
+  EXPECT_TRUE(frames->image(1, 0).empty());
+  EXPECT_TRUE(frames->mask(1, 5).empty());
+  const Image mask = frames->mask(1, 50);
+  ASSERT_FALSE(mask.empty());
+  EXPECT_EQ(mask.channels, 1);
+  const auto actor = std::count(mask.data.begin(), mask.data.end(), 255),
+             background = std::count(mask.data.begin(), mask.data.end(), 0);
+  EXPECT_EQ(actor + background, 502 * 502);
+  EXPECT_GT(actor, 5000);
+
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 140");
+  expect_failure<FileNotFound>({"masks", "140"});
+}
+
+TEST_F(SessionFiles, MasksMayBeNamedBesideVideos) {
+  fs::create_directory_symlink(kShipped / "ground_truth/masks", folder / "silhouettes");
+  replace("session.json", "\"videos/cam0.mp4\"", "\"videos/cam0.mp4\", \"masks\": \"silhouettes/cam0_%04d.png\"");
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 121");
+  const auto frames = FrameSource::open(read_session(folder.path()));
+  EXPECT_FALSE(frames->mask(0, 10).empty());
+  EXPECT_FALSE(frames->image(0, 10).empty());
+  EXPECT_TRUE(frames->mask(1, 10).empty());
+  replace("session.json", "silhouettes/cam0_", "silhouettes/camera0_");
+  expect_failure<FileNotFound>({"camera0_%04d.png"});
+}
+
+TEST_F(SessionFiles, ImageFoldersAreVideos) {
+  // Two images of the right size in a text format that needs no library; numbered from 1.
+  fs::create_directory(folder / "cam0");
+  for (int frame : {1, 2}) {
+    std::ofstream image(folder.path() / "cam0" / (std::to_string(frame) + ".ppm"));
+    image << "P6 502 502 255\n" << std::string(502 * 502 * 3, static_cast<char>(40 * frame));
+  }
+  replace("session.json", "videos/cam0.mp4", "cam0/%d.ppm");
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 2");
+  const auto frames = FrameSource::open(read_session(folder.path()));
+  EXPECT_EQ(frames->image(0, 0).at(7, 7), 40);
+  EXPECT_EQ(frames->image(0, 1).at(7, 7), 80);
+  fs::resize_file(folder.path() / "cam0/2.ppm", 100);
+  expect_failure({"2.ppm"});
+  replace("session.json", "cam0/%d.ppm", "cam0");
+  EXPECT_THROW(read_session(folder.path()), Error); // a folder is no video
+}
+
+} // namespace
+} // namespace doublet

@@ -1,0 +1,197 @@
+// Scan -> closed template: known shapes with known holes.
+#include "capture/capture_shapes.h"
+#include "doublet/capture/template_builder.h"
+#include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
+#include "support/temp_folder.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <numbers>
+
+namespace doublet {
+namespace {
+
+using testing::lathe;
+
+constexpr double kHem = 0.5, kHemRadius = 0.25, kLegRadius = 0.06;
+
+/// A bell (skirt and body) open at its hem, and a leg of which only the part below the hem was seen. About 5 mm between samples.
+Mesh skirted_scan() {
+  std::vector<std::pair<double, double>> bell, leg;
+  testing::line(bell, kHemRadius, kHem, 0.12, 1.0, 100);
+  testing::arc(bell, 0.12, 1.005, 95, 180, 40);
+  testing::arc(leg, kLegRadius, kLegRadius, 0, 88, 20);
+  testing::line(leg, kLegRadius, kLegRadius + 0.002, kLegRadius, kHem - 0.03, 85);
+  return testing::join({lathe(bell, 250), lathe(leg, 75)});
+}
+
+TemplateOptions small_options(int poisson_depth = 8) {
+  TemplateOptions options;
+  options.triangles = 2000;
+  options.high_triangles = 8000;
+  options.poisson_depth = poisson_depth;
+  return options;
+}
+
+/// Built once, for the tests that only look at it.
+const Template &skirted_template() {
+  static const Template surface = build_template(skirted_scan(), small_options());
+  return surface;
+}
+
+int valid_components(const Mesh &mesh, const std::vector<std::uint8_t> &valid) {
+  std::vector<int> faces;
+  for (int f = 0; f < mesh.faces.rows(); ++f)
+    if (valid[f])
+      faces.push_back(f);
+  const Mesh part = submesh(mesh, faces);
+  int count = 0;
+  vertex_components(part.faces, static_cast<int>(part.vertices.rows()), &count);
+  return count;
+}
+
+TEST(Template, ClosesTheHemAndMarksTheSheet) {
+  const Mesh scan = skirted_scan();
+  const Template &surface = skirted_template();
+  for (const Mesh *mesh : {&surface.mesh, &surface.high}) {
+    const MeshReport report = report_mesh(*mesh);
+    EXPECT_TRUE(report.closed()) << report.to_string();
+    EXPECT_EQ(report.components, 1);
+    EXPECT_EQ(report.degenerate_faces, 0);
+    EXPECT_GT(testing::signed_volume(*mesh), 0);
+  }
+  EXPECT_NEAR(surface.mesh.faces.rows(), 2000, 4);
+  EXPECT_NEAR(surface.high.faces.rows(), 8000, 4);
+  const double sheet = std::numbers::pi * (kHemRadius * kHemRadius - kLegRadius * kLegRadius);
+  EXPECT_NEAR(surface.invalid_area, sheet, 0.15 * sheet);
+  const RayScene scene(scan);
+  for (Eigen::Index f = 0; f < surface.mesh.faces.rows(); ++f) {
+    const Eigen::Vector3d centre = surface.mesh.vertices(surface.mesh.faces.row(f), Eigen::all).colwise().mean();
+    if (surface.face_valid[f]) {
+      EXPECT_LT(scene.closest(centre).distance, 0.012) << centre.transpose();
+    } else {
+      EXPECT_NEAR(centre.y(), kHem, 0.06) << centre.transpose();
+    }
+  }
+}
+
+TEST(Template, SheetSeparatesLegFromGarment) {
+  const Template &surface = skirted_template();
+  EXPECT_EQ(valid_components(surface.mesh, surface.face_valid), 2);
+  EXPECT_EQ(valid_components(surface.high, surface.high_face_valid), 2);
+}
+
+TEST(Template, EverySampleOfTheScanStaysNear) {
+  const Mesh scan = skirted_scan();
+  const Template &surface = skirted_template();
+  const RayScene coarse(surface.mesh), fine(surface.high);
+  double worst_coarse = 0, worst_fine = 0;
+  for (Eigen::Index v = 0; v < scan.vertices.rows(); ++v) {
+    worst_coarse = std::max(worst_coarse, coarse.closest(scan.vertices.row(v)).distance);
+    worst_fine = std::max(worst_fine, fine.closest(scan.vertices.row(v)).distance);
+  }
+  EXPECT_LT(worst_coarse, 0.010);
+  EXPECT_LT(worst_fine, 0.006);
+}
+
+TEST(Template, SmallHolesStayValidAndFloatersGo) {
+  std::vector<std::pair<double, double>> ball, floater;
+  testing::arc(ball, 0.3, 1.0, 5, 180, 150); // a hole of 21 cm^2 at the south pole
+  testing::arc(floater, 0.01, 2.0, 0, 180, 10);
+  const Template surface = build_template(testing::join({lathe(ball, 300), lathe(floater, 16)}), small_options(7));
+  EXPECT_TRUE(report_mesh(surface.mesh).closed());
+  EXPECT_EQ(report_mesh(surface.mesh).components, 1);
+  EXPECT_EQ(surface.invalid_area, 0);
+  EXPECT_LT(surface.mesh.vertices.col(1).maxCoeff(), 1.31);
+}
+
+TEST(Template, SameBitsForAnyThreadCount) {
+  Context one;
+  one.threads = 1;
+  const Template &a = skirted_template();
+  const Template b = build_template(skirted_scan(), small_options(), one);
+  EXPECT_EQ(a.mesh.vertices, b.mesh.vertices);
+  EXPECT_EQ(a.mesh.faces, b.mesh.faces);
+  EXPECT_EQ(a.face_valid, b.face_valid);
+  EXPECT_EQ(a.high.vertices, b.high.vertices);
+  EXPECT_EQ(a.high_face_valid, b.high_face_valid);
+}
+
+TEST(Template, SurvivesNonManifoldAndDegenerateScans) {
+  Mesh scan = skirted_scan();
+  const Eigen::Index faces = scan.faces.rows();
+  scan.faces.conservativeResize(faces + 3, 3);
+  scan.faces.row(faces) = scan.faces.row(0);                            // twice the same face
+  scan.faces.row(faces + 1) << scan.faces(0, 0), scan.faces(0, 1), 900; // a third face at an edge
+  scan.faces.row(faces + 2) << 5, 5, 6;                                 // no area
+  const Template surface = build_template(scan, small_options(7));
+  EXPECT_TRUE(report_mesh(surface.mesh).closed());
+}
+
+TEST(Template, RejectsUnusableScans) {
+  EXPECT_THROW(build_template(Mesh{}), Error);
+  Mesh scan = testing::capsule(0.1, 0, 0.5, 20, 10);
+  Mesh broken = scan;
+  broken.vertices(3, 1) = std::nan("");
+  EXPECT_THROW(build_template(broken), Error);
+  broken = scan;
+  broken.faces(0, 0) = 1000000;
+  EXPECT_THROW(build_template(broken), Error);
+  broken = scan;
+  broken.vertices.setZero(); // every triangle without area
+  EXPECT_THROW(build_template(broken), Error);
+}
+
+TEST(Template, OptionsAreChecked) {
+  const Mesh scan = testing::capsule(0.1, 0, 0.5, 20, 10);
+  TemplateOptions options;
+  options.triangles = 3;
+  EXPECT_THROW(build_template(scan, options), std::invalid_argument);
+  options = {};
+  options.poisson_depth = 30;
+  EXPECT_THROW(build_template(scan, options), std::invalid_argument);
+  options = {};
+  options.hole_gap = std::nan("");
+  EXPECT_THROW(build_template(scan, options), std::invalid_argument);
+}
+
+TEST(Template, CancelStopsIt) {
+  Context context;
+  context.cancelled = [] { return true; };
+  EXPECT_THROW(build_template(skirted_scan(), small_options(), context), Cancelled);
+}
+
+TEST(MeshFiles, RoundTrip) {
+  const testing::TempFolder folder;
+  const Mesh mesh = testing::capsule(0.1, 0, 0.5, 20, 10);
+  for (const char *name : {"a.ply", "a.obj", "a.off", "a.STL"}) {
+    write_mesh(folder / name, mesh);
+    const Mesh read = read_mesh(folder / name);
+    EXPECT_EQ(read.vertices.rows(), mesh.vertices.rows()) << name;
+    EXPECT_EQ(read.faces.rows(), mesh.faces.rows()) << name;
+    EXPECT_TRUE(report_mesh(read).closed()) << name;
+    EXPECT_NEAR(testing::signed_volume(read), testing::signed_volume(mesh), 1e-6) << name;
+  }
+}
+
+TEST(MeshFiles, BrokenFilesAreNamed) {
+  const testing::TempFolder folder;
+  EXPECT_THROW(read_mesh(folder / "missing.ply"), FileNotFound);
+  std::ofstream(folder / "text.ply") << "not a mesh";
+  std::ofstream(folder / "thing.xyz") << "1 2 3";
+  write_mesh(folder / "half.ply", testing::capsule(0.1, 0, 0.5, 20, 10));
+  std::filesystem::resize_file(folder / "half.ply", std::filesystem::file_size(folder / "half.ply") / 2);
+  for (const char *name : {"text.ply", "thing.xyz", "half.ply"})
+    try {
+      read_mesh(folder / name);
+      ADD_FAILURE() << name << " was read";
+    } catch (const Error &e) {
+      EXPECT_NE(std::string(e.what()).find(name), std::string::npos) << e.what();
+    }
+}
+
+} // namespace
+} // namespace doublet
