@@ -1,0 +1,203 @@
+"""The whole way, on part of the shipped session: killed, resumed, measured, animated, validated."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import doublet
+
+OPTIONS = ["--capture-first-frame", 50, "--capture-frame-count", 24, "--template-poisson-depth", 8, "--fit-max-evaluations", 16]
+VALIDATE = Path(__file__).with_name("validate_gltf.mjs")
+FILES = [
+    "actor.npz", "template.ply", "template_high.ply", "performance.npz", "observations.npz", "segmentation.npz", "body.npz",
+    "proxies.json", "material.json", "fit_log.csv", "simulated.npz", "character.glb", "report.html", "run.json",
+]  # fmt: skip
+
+
+def wait_for(condition, process, seconds=300):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < end, "timed out"
+        time.sleep(0.1)
+
+
+@pytest.fixture(scope="module")
+def killed(shipped, tmp_path_factory):
+    """A run that was killed in the middle of the capture, and one of the same folder that was interrupted."""
+    out = tmp_path_factory.mktemp("out")
+    command = [sys.executable, "-m", "doublet", "reconstruct", str(shipped), "-o", str(out), *(str(o) for o in OPTIONS)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    wait_for(lambda: (out / "run.json").exists() and '"performance"' in (out / "run.json").read_text(), process)
+    process.kill()
+    process.communicate()
+    return command, out
+
+
+@pytest.fixture(scope="module")
+def interrupted(killed):
+    command, out = killed
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    _, shown = process.communicate(timeout=120)
+    return process.returncode, shown
+
+
+@pytest.fixture(scope="module")
+def made(killed, interrupted, shipped):
+    _, out = killed
+    done = doublet("reconstruct", shipped, "-o", out, *OPTIONS)
+    assert done.returncode == 0, done.stderr
+    return out, done.stderr
+
+
+def test_a_killed_run_leaves_complete_files_only(killed):
+    _, out = killed
+    left = {p.name for p in out.iterdir() if not p.name.startswith(".")}
+    assert "actor.npz" in left and "performance.npz" not in left
+    with np.load(out / "actor.npz") as actor:
+        assert len(actor["weights"]) == len(actor["vertices"])
+
+
+def test_ctrl_c_says_how_to_go_on(interrupted):
+    code, shown = interrupted
+    assert code == 130
+    assert "the same command goes on" in shown and "Traceback" not in shown
+
+
+def test_a_killed_run_resumes(made):
+    out, shown = made
+    assert "template: up to date" in shown
+    assert "performance: running (the last run was stopped here)" in shown
+    assert sorted(set(FILES) - {p.name for p in out.iterdir()}) == []
+    stages = json.loads((out / "run.json").read_text())["stages"]
+    assert all(s["state"] == "done" and s["seconds"] > 0 and s["peak_memory_mb"] > 0 for s in stages.values())
+
+
+def test_a_finished_run_does_nothing(made, shipped):
+    out, _ = made
+    before = {p.name: p.stat().st_mtime_ns for p in out.iterdir() if p.name != "run.json"}
+    done = doublet("reconstruct", shipped, "-o", out, *OPTIONS)
+    assert done.returncode == 0
+    assert "running" not in done.stderr
+    assert {p.name: p.stat().st_mtime_ns for p in out.iterdir() if p.name != "run.json"} == before
+
+
+def test_arrays_have_the_documented_shapes(made):
+    out, _ = made
+    actor, performance = np.load(out / "actor.npz"), np.load(out / "performance.npz")
+    frames, vertices, joints = 24, len(actor["vertices"]), len(actor["joint_names"])
+    assert actor["weights"].shape == (vertices, joints) and len(actor["dof_names"]) == 36
+    assert performance["vertices"].shape == (frames, vertices, 3) and performance["vertices"].dtype == np.float32
+    assert performance["dofs"].shape == (frames, 36) and performance["joints"].shape == (frames, joints, 3)
+    assert performance["frames"].tolist() == list(range(50, 74))
+    assert np.load(out / "segmentation.npz")["clothness"].shape == (vertices,)
+    simulated = np.load(out / "simulated.npz")["vertices"]
+    assert simulated.shape == (frames, vertices, 3) and np.isfinite(simulated).all()
+
+
+def test_the_result_is_near_the_truth(made, shipped):
+    out, _ = made
+    done = doublet("evaluate", out, "--truth", shipped / "ground_truth", "--every", 4, "--json")
+    assert done.returncode == 0, done.stderr
+    metrics = json.loads(done.stdout)["metrics"]
+    assert metrics["joint_mm"] < 60
+    assert metrics["surface_body_mm"] < 20
+    assert metrics["silhouette_iou"] > 0.9
+    assert metrics["hidden_body_mm"] < 40
+
+
+def test_report_stands_alone(made):
+    out, _ = made
+    page = (out / "report.html").read_text()
+    assert page.count("data:image/jpeg;base64,") >= 10 and "<svg" in page
+    assert not re.search(r'(src|href)="(?!data:|#)', page)
+
+
+def test_changed_option_runs_that_stage_and_the_later_ones(made, shipped, tmp_path):
+    out = tmp_path / "copy"
+    shutil.copytree(made[0], out)
+    done = doublet("segment", out, "--segment-diffusion", 0.03)
+    assert done.returncode == 0, done.stderr
+    assert "option segment.diffusion changed from 0.02 to 0.03" in done.stderr
+    done = doublet("body", out)
+    assert "segmentation.npz changed" in done.stderr
+
+
+def test_a_file_made_elsewhere_is_kept(made, shipped, tmp_path):
+    out = tmp_path / "copy"
+    shutil.copytree(made[0], out)
+    with np.load(out / "segmentation.npz") as arrays:
+        changed = {k: arrays[k] for k in arrays}
+    changed["clothness"] = np.where(changed["clothness"] > 0.5, 1, 0).astype(np.float32)
+    np.savez(out / "segmentation.npz", **changed)
+    done = doublet("segment", out, "--segment-diffusion", 0.03)
+    assert "kept" in done.stderr
+    np.testing.assert_array_equal(np.load(out / "segmentation.npz")["clothness"], changed["clothness"])
+
+
+@pytest.fixture(scope="module")
+def animations(made, shipped, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("animations")
+    for suffix in ("npz", "glb", "mp4"):
+        done = doublet(
+            "animate",
+            made[0] / "character.glb",
+            shipped / "motion.bvh",
+            "-o",
+            folder / f"new.{suffix}",
+            "--retarget-last-second",
+            0.5,
+        )
+        assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_new_animation_is_finite_and_keeps_its_shape(made, animations):
+    with np.load(animations / "new.npz") as new:
+        vertices, faces = new["vertices"].astype(float), new["faces"][new["face_valid"].astype(bool)]
+    assert len(vertices) > 20 and np.isfinite(vertices).all()
+    rest = np.load(made[0] / "actor.npz")["vertices"][faces]
+    longest = np.linalg.norm(rest - np.roll(rest, 1, axis=1), axis=-1).max()
+    edges = vertices[:, faces] - np.roll(vertices[:, faces], 1, axis=2)
+    assert np.linalg.norm(edges, axis=-1).max() < 4 * longest  # no explosion
+
+
+def test_video_plays(animations):
+    probe = ["ffprobe", "-v", "error", "-count_frames", "-select_streams", "v", "-of", "json", "-show_entries"]
+    shown = subprocess.run(
+        [*probe, "stream=codec_name,pix_fmt,nb_read_frames", animations / "new.mp4"], capture_output=True, check=True
+    )
+    stream = json.loads(shown.stdout)["streams"][0]
+    assert stream["codec_name"] == "h264" and stream["pix_fmt"] == "yuv420p" and int(stream["nb_read_frames"]) > 20
+
+
+@pytest.mark.parametrize("which", ["character", "animation"])
+def test_glb_passes_the_khronos_validator(made, animations, which):
+    modules = os.environ.get("DOUBLET_NODE_DIR")
+    if not modules:
+        pytest.skip("DOUBLET_NODE_DIR does not name a folder with gltf-validator (tests/run_tests.sh sets it)")
+    path = made[0] / "character.glb" if which == "character" else animations / "new.glb"
+    shown = subprocess.run(["node", VALIDATE, modules, path], capture_output=True, text=True, check=True)
+    issues = json.loads(shown.stdout)["issues"]
+    assert issues["numErrors"] == 0, json.dumps(issues["messages"][:5], indent=1)
+
+
+def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
+    runs = []
+    for threads in (1, 2):
+        out = tmp_path / str(threads)
+        shutil.copytree(made[0], out)
+        done = doublet("fit", out, "--force", "--threads", threads, "--fit-max-evaluations", 8)
+        assert done.returncode == 0, done.stderr
+        runs.append(json.loads((out / "material.json").read_text())["regions"])
+    assert runs[0] == runs[1]
