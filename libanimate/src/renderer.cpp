@@ -115,7 +115,7 @@ private:
 /// Distance-dependent smooth step around a line every half metre.
 float grid_line(double value) {
   const double d = std::abs(value - 0.5 * std::round(value / 0.5));
-  return static_cast<float>(std::exp(-d * d / (2 * 0.006 * 0.006)));
+  return d > 0.03 ? 0.0f : static_cast<float>(std::exp(-d * d / (2 * 0.006 * 0.006)));
 }
 
 struct Layer {
@@ -132,17 +132,21 @@ public:
       layers_.push_back({rasterize(mesh.vertices, mesh.faces, camera, mesh.skip_face), shown_normals(mesh)});
   }
 
-  Vector3f pixel(int x, int y) const {
-    int nearest = -1;
-    float depth = std::numeric_limits<float>::infinity();
-    for (std::size_t m = 0; m < layers_.size(); ++m)
-      if (layers_[m].buffer.face_at(x, y) >= 0 && layers_[m].buffer.depth_at(x, y) < depth) {
-        depth = layers_[m].buffer.depth_at(x, y);
-        nearest = static_cast<int>(m);
-      }
-    if (nearest >= 0)
-      return surface(nearest, x, y);
-    return options_.floor ? ground(x, y) : Vector3f(options_.background.cast<float>());
+  /// Mean of samples x samples of the fine image; the ground, which is smooth, is worked out once for all samples that see it.
+  Vector3f pixel(int x, int y, int samples) const {
+    Vector3f sum = Vector3f::Zero();
+    int empty = 0;
+    for (int s = 0; s < samples * samples; ++s) {
+      const int fx = samples * x + s % samples, fy = samples * y + s / samples;
+      const int mesh = nearest(fx, fy);
+      if (mesh < 0)
+        ++empty;
+      else
+        sum += surface(mesh, fx, fy);
+    }
+    if (empty > 0)
+      sum += static_cast<float>(empty) * behind(samples * x + 0.5 * (samples - 1), samples * y + 0.5 * (samples - 1));
+    return sum / static_cast<float>(samples * samples);
   }
 
 private:
@@ -156,6 +160,21 @@ private:
         shown.row(n++) = mesh.faces.row(f);
     shown.conservativeResize(n, 3);
     return vertex_normals(mesh.vertices, shown);
+  }
+
+  int nearest(int x, int y) const {
+    int best = -1;
+    float depth = std::numeric_limits<float>::infinity();
+    for (std::size_t m = 0; m < layers_.size(); ++m)
+      if (layers_[m].buffer.face_at(x, y) >= 0 && layers_[m].buffer.depth_at(x, y) < depth) {
+        depth = layers_[m].buffer.depth_at(x, y);
+        best = static_cast<int>(m);
+      }
+    return best;
+  }
+
+  Vector3f behind(double x, double y) const {
+    return options_.floor ? ground(x, y) : Vector3f(options_.background.cast<float>());
   }
 
   Vector3f surface(int m, int x, int y) const {
@@ -194,7 +213,7 @@ private:
     return colour * (inside ? 0.6f * shade : shade);
   }
 
-  Vector3f ground(int x, int y) const {
+  Vector3f ground(double x, double y) const {
     const Vector3f sky = options_.background.cast<float>();
     const Vector3d eye = camera_.centre(), ray = camera_.ray_direction({x, y});
     if (ray.y() > -1e-3)
@@ -241,10 +260,7 @@ Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const 
   Image image(camera.width, camera.height, 3);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      Vector3f sum = Vector3f::Zero();
-      for (int s = 0; s < samples * samples; ++s)
-        sum += painter.pixel(samples * x + s % samples, samples * y + s / samples);
-      sum /= static_cast<float>(samples * samples);
+      const Vector3f sum = painter.pixel(x, y, samples);
       for (int c = 0; c < 3; ++c)
         image.at(x, y, c) = to_byte(sum[2 - c]);
     }
@@ -271,29 +287,56 @@ Camera orbit_camera(const Vector3d &target, double radius, double azimuth, doubl
   return camera;
 }
 
+CharacterRenderer::CharacterRenderer(const Character &character) {
+  validate_character(character);
+  const auto inverted = [](const std::vector<std::uint8_t> &shown) {
+    std::vector<std::uint8_t> skip;
+    for (std::uint8_t s : shown)
+      skip.push_back(s ? 0 : 1);
+    return skip;
+  };
+  coarse_.vertices = character.actor.mesh.vertices;
+  coarse_.faces = character.actor.mesh.faces;
+  coarse_.skip_face = inverted(character.actor.face_valid);
+  high_.vertices = character.high.vertices;
+  high_.faces = character.high.faces;
+  high_.skip_face = inverted(character.high_valid);
+  if (!character.texture.empty()) {
+    high_.texcoords = character.texcoords;
+    high_.texture = std::make_shared<const Image>(decode_image(character.texture));
+  }
+  body_.vertices = character.body.vertices;
+  body_.faces = character.body.faces;
+  body_.skip_face = inverted(character.body_shown);
+  body_.colour = character.body_colour;
+}
+
+std::vector<RenderMesh> CharacterRenderer::meshes(const Vertices &surface, const Vertices &high, const Vertices &body) const {
+  std::vector<RenderMesh> meshes;
+  const auto add = [&](const RenderMesh &rest, const Vertices &vertices, const char *what) {
+    if (vertices.rows() != rest.vertices.rows())
+      throw std::invalid_argument(std::string("CharacterRenderer: ") + what + " has " + std::to_string(vertices.rows()) +
+                                  " vertices, the character " + std::to_string(rest.vertices.rows()));
+    meshes.push_back(rest);
+    meshes.back().vertices = vertices;
+  };
+  if (high.rows() > 0)
+    add(high_, high, "high");
+  else
+    add(coarse_, surface, "surface");
+  if (body.rows() > 0)
+    add(body_, body, "body");
+  return meshes;
+}
+
+Image CharacterRenderer::render(const Vertices &surface, const Vertices &high, const Vertices &body, const Camera &camera,
+                                const RenderOptions &options) const {
+  return doublet::render(meshes(surface, high, body), camera, options);
+}
+
 std::vector<RenderMesh> character_meshes(const Character &character, const Vertices &surface, const Vertices &high,
                                          const Vertices &body) {
-  std::vector<RenderMesh> meshes(1);
-  const bool fine = high.rows() > 0;
-  meshes[0].vertices = fine ? high : surface;
-  meshes[0].faces = fine ? character.high.faces : character.actor.mesh.faces;
-  const std::vector<std::uint8_t> &valid = fine ? character.high_valid : character.actor.face_valid;
-  for (std::uint8_t v : valid)
-    meshes[0].skip_face.push_back(v ? 0 : 1);
-  if (fine && !character.texture.empty()) {
-    meshes[0].texcoords = character.texcoords;
-    meshes[0].texture = std::make_shared<const Image>(decode_image(character.texture));
-  }
-  if (body.rows() > 0 && character.body.faces.rows() > 0) {
-    RenderMesh hidden;
-    hidden.vertices = body;
-    hidden.faces = character.body.faces;
-    for (std::uint8_t shown : character.body_shown)
-      hidden.skip_face.push_back(shown ? 0 : 1);
-    hidden.colour = character.body_colour;
-    meshes.push_back(std::move(hidden));
-  }
-  return meshes;
+  return CharacterRenderer(character).meshes(surface, high, body);
 }
 
 } // namespace doublet

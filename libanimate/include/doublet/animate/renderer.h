@@ -35,7 +35,20 @@ Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const 
 /// of `radius` (m) around the target fills the image's smaller side.
 Camera orbit_camera(const Eigen::Vector3d &target, double radius, double azimuth, double elevation, int width, int height);
 
-/// A character's meshes at a frame: M_high (textured) or M, and the body where cloth hid it. `high` and `body` may be empty.
+/// Pictures of one character in many frames: M_high (textured) or, where `high` is empty, M; and the body where cloth hid it.
+class CharacterRenderer {
+public:
+  explicit CharacterRenderer(const Character &character);
+  /// The frame's meshes; `high` and `body` may be empty. Throws std::invalid_argument if the vertices are not this character's.
+  std::vector<RenderMesh> meshes(const Vertices &surface, const Vertices &high, const Vertices &body) const;
+  Image render(const Vertices &surface, const Vertices &high, const Vertices &body, const Camera &camera,
+               const RenderOptions &options = {}) const;
+
+private:
+  RenderMesh coarse_, high_, body_;
+};
+
+/// One frame's meshes; for more than one frame keep a CharacterRenderer, which decodes the texture once.
 std::vector<RenderMesh> character_meshes(const Character &character, const Vertices &surface, const Vertices &high,
                                          const Vertices &body);
 
