@@ -83,9 +83,9 @@ def cameras_along(character: d.Character, motion: d.Motion, count: int, size: in
     """One camera a frame, from the front and a little above: still if the whole motion fits, else it follows the actor."""
     joints = np.array([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
     low, high = joints.min(axis=(0, 1)) - 0.25, joints.max(axis=(0, 1)) + 0.25
-    if np.linalg.norm(high - low) < 3.6:
-        still = d.orbit_camera((low + high) / 2, np.linalg.norm(high - low) / 2, 0.35, 0.15, size, size)
-        return [still] * count
+    radius = max(np.hypot(*(high - low)[[0, 2]]), high[1] - low[1]) / 2
+    if radius < 1.8:
+        return [d.orbit_camera((low + high) / 2, radius, 0.35, 0.15, size, size)] * count
     middle = joints.mean(axis=1)
     window = max(1, round(motion.fps))  # one second
     padded = np.pad(middle, ((window // 2, window - 1 - window // 2), (0, 0)), mode="edge")

@@ -52,6 +52,10 @@ def chosen_options(arguments: argparse.Namespace, groups=pipeline.OPTION_GROUPS)
     return {group: options_class(**chosen.get(group, {})) for group, options_class in groups.items()}
 
 
+def make_console(arguments: argparse.Namespace) -> Console:
+    return Console(arguments.threads, quiet=arguments.quiet, verbose=arguments.verbose)
+
+
 def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
     return pipeline.Job(
         session_folder=session,
@@ -59,7 +63,7 @@ def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
         options=chosen_options(arguments),
         seed=arguments.seed,
         body_model=getattr(arguments, "body_model", None) or body_model_path(),
-        console=Console(threads=arguments.threads, quiet=arguments.quiet),
+        console=make_console(arguments),
     )
 
 
@@ -81,7 +85,7 @@ def run_stages(arguments) -> None:
 def run_animate(arguments) -> None:
     from .character import animate
 
-    console = Console(arguments.threads, quiet=arguments.quiet)
+    console = make_console(arguments)
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
     frames = animate(arguments.character, arguments.motion, arguments.out, console, retargeting)
     console.finish()
@@ -91,16 +95,14 @@ def run_animate(arguments) -> None:
 def run_evaluate(arguments) -> None:
     from .evaluate import evaluate, format_table
 
-    result = evaluate(
-        arguments.out, arguments.truth, arguments.session, Console(arguments.threads, quiet=arguments.quiet), arguments.every
-    )
+    result = evaluate(arguments.out, arguments.truth, arguments.session, make_console(arguments), arguments.every)
     print(json.dumps(result, indent=1) if arguments.json else format_table(result))
 
 
 def run_train_body(arguments) -> None:
     options = chosen_options(arguments, {"train": d.TrainOptions})["train"]
     options.command = f"doublet train-body {arguments.population.name} -o {arguments.out.name}"
-    console = Console(arguments.threads, quiet=arguments.quiet)
+    console = make_console(arguments)
     summary = d.train_body_model(arguments.population, arguments.out, options, console.context())
     console.finish()
     print(
@@ -115,6 +117,7 @@ def common_flags(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of every random choice (default: 1)")
     parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument("--verbose", action="store_true", help="show what the stages say, not only their progress")
     parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
 

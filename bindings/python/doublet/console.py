@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 
 from tqdm import tqdm
 
@@ -13,10 +14,12 @@ from . import _doublet
 class Console:
     """Hands out a `Context` whose progress and log are shown."""
 
-    def __init__(self, threads: int = 0, stream=None, quiet: bool = False):
+    def __init__(self, threads: int = 0, stream=None, quiet: bool = False, verbose: bool = False):
         self.threads = threads
         self.stream = stream or sys.stderr
         self.quiet = quiet
+        self.verbose = verbose
+        self.log_file: Path | None = None
         self.bars = self.stream.isatty() and not quiet
         self._name = None
         self._bar = None
@@ -24,7 +27,7 @@ class Console:
         self._started = 0.0
 
     def context(self) -> _doublet.Context:
-        return _doublet.Context(progress=self.progress, log=self.say, threads=self.threads)
+        return _doublet.Context(progress=self.progress, log=self.log, threads=self.threads)
 
     def say(self, line: str) -> None:
         if self.quiet:
@@ -33,6 +36,14 @@ class Console:
             self._bar.write(line, file=self.stream)
         else:
             print(line, file=self.stream, flush=True)
+
+    def log(self, line: str) -> None:
+        """What a stage says: to the log file, and to the screen if asked for."""
+        if self.log_file is not None:
+            with self.log_file.open("a", encoding="utf-8") as stream:
+                print(line, file=stream)
+        if self.verbose:
+            self.say(line)
 
     def progress(self, name: str, fraction: float) -> None:
         if name != self._name:

@@ -300,6 +300,7 @@ def run_stage(job: Job, stage: Stage, force: bool = False) -> bool:
     else:
         reason = "forced"
     say(f"{stage.name}: running ({reason})")
+    job.console.log(f"== {stage.name}")
     with job.record.running(stage.name, inputs, options, stage.writes) as summary:
         summary.update(plain_summary(stage.run(job)))
     job.console.finish()
@@ -316,6 +317,7 @@ def plain_summary(summary: dict) -> dict:
 def start_record(job: Job) -> None:
     """Writes what the whole run was asked to do."""
     job.out.mkdir(parents=True, exist_ok=True)
+    job.console.log_file = job.path("log.txt")
     job.record.data["session"] = str(job.session.folder)
     job.record.data["seed"] = job.seed
     job.record.data["threads"] = job.console.threads
