@@ -71,6 +71,18 @@ std::string list(const std::vector<std::string> &names) {
   return text + (names.size() > 60 ? ", ..." : "");
 }
 
+/// A hand that starts where the wrist does gives no direction: its first joint farther out does.
+void step_out(Matcher &match, const std::string &side, const std::vector<int> &parents, const std::vector<double> &lengths) {
+  const auto wrist = match.found.find(side + "wrist"), hand = match.found.find(side + "hand");
+  if (lengths.empty() || wrist == match.found.end() || hand == match.found.end())
+    return;
+  for (int j = hand->second; j < static_cast<int>(parents.size()); ++j)
+    if ((j == hand->second || match.is_below(j, hand->second)) && length_between(wrist->second, j, parents, lengths) > 0) {
+      hand->second = j;
+      return;
+    }
+}
+
 /// CMU's rigs split the forearm: 'wrist' starts in its middle and turns with it, the hand starts at the wrist.
 void split_forearm(Matcher &match, const std::string &side, const std::vector<int> &parents, const std::vector<double> &lengths) {
   auto &found = match.found;
@@ -110,6 +122,7 @@ std::map<std::string, int> match_human(const std::vector<std::string> &names, co
     match.below(side + "hand", side + "wrist");
     match.above(side + "clavicle", side + "shoulder");
     split_forearm(match, side, parents, bone_lengths);
+    step_out(match, side, parents, bone_lengths);
   }
   match.fork("pelvis", "l_hip", "r_hip");
   match.fork("chest", "l_shoulder", "r_shoulder");

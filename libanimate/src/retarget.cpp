@@ -90,9 +90,13 @@ public:
 
   /// The torso's joints as the pose has them (its fixed joints drive the free ones above); only limbs are left to fit.
   void keep_torso(const Transforms &world_from_rest, std::vector<Quaterniond> &rotations) const {
-    for (int j = 0; j < skeleton_.joint_count(); ++j)
-      if (!bones_.count(part_of_target_[j]))
+    std::vector<bool> limb(skeleton_.joint_count(), false);
+    for (int j = 0; j < skeleton_.joint_count(); ++j) {
+      const int p = skeleton_.joints[j].parent;
+      limb[j] = bones_.count(part_of_target_[j]) > 0 || (p >= 0 && limb[p]);
+      if (!limb[j])
         rotations[j] = Quaterniond(world_from_rest[j].linear());
+    }
   }
 
   /// Where the root goes so that the middle of the hips follows the clip's.
@@ -198,6 +202,9 @@ private:
       align_by_zero_pose();
     else
       align_by_clip();
+    for (const std::string side : {"l_", "r_"}) // a file without hand ends: the hand is aligned as the forearm is
+      if (!bones_.count(side + "wrist"))
+        bones_[side + "wrist"] = bones_.at(side + "elbow");
   }
 
   void align_by_zero_pose() {
