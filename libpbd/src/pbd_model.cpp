@@ -231,8 +231,6 @@ void PbdModel::set_exclusions(const Vertices &rest) {
 }
 
 bool PbdModel::excluded(int vertex, int face) const {
-  if (faces_(face, 0) == vertex || faces_(face, 1) == vertex || faces_(face, 2) == vertex)
-    return true;
   const std::uint64_t key = static_cast<std::uint64_t>(vertex) << 32 | static_cast<std::uint32_t>(face);
   return !resting_pairs_.empty() && std::binary_search(resting_pairs_.begin(), resting_pairs_.end(), key);
 }

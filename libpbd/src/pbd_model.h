@@ -46,7 +46,7 @@ public:
   const std::vector<BendBlock> &bends() const { return bends_; }
   const std::vector<BlendConstraint> &blends() const { return blends_; }
   bool follows_targets() const { return follows_targets_; } ///< some vertex is pinned or blended
-  /// True if vertex and face never collide: the vertex is one of the face's, or rests closer to it than the thickness.
+  /// True if vertex and face (not one of its own) never collide: they rest closer to each other than the thickness.
   bool excluded(int vertex, int face) const;
 
 private:

@@ -133,12 +133,13 @@ const std::vector<FaceVertex> &PairFinder::find(const std::vector<Box> &boxes, c
           const std::uint32_t b = bucket(cell);
           for (std::uint32_t i = start_[b]; i < start_[b + 1]; ++i) {
             const Entry &entry = entries_[i];
-            if (entry.cell != cell || !overlap(box, boxes[entry.vertex]))
+            const int q = entry.vertex;
+            if (entry.cell != cell || q == faces(f, 0) || q == faces(f, 1) || q == faces(f, 2) || !overlap(box, boxes[q]))
               continue;
             // Both boxes may share several cells: only the lowest one reports the pair.
-            const Cells &v = cells_[entry.vertex];
+            const Cells &v = cells_[q];
             if (x == std::max(c.lo[0], v.lo[0]) && y == std::max(c.lo[1], v.lo[1]) && z == std::max(c.lo[2], v.lo[2]))
-              pairs_.push_back({f, entry.vertex});
+              pairs_.push_back({f, q});
           }
         }
   }
@@ -153,7 +154,7 @@ std::vector<std::uint64_t> pairs_closer_than(const std::vector<Point> &points, c
   std::vector<std::uint64_t> close;
   for (const auto &[f, v] : finder.find(boxes, faces, distance)) {
     const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
-    if (v != a && v != b && v != c && triangle_distance(points[v], points[a], points[b], points[c]) < distance)
+    if (triangle_distance(points[v], points[a], points[b], points[c]) < distance)
       close.push_back(static_cast<std::uint64_t>(v) << 32 | static_cast<std::uint32_t>(f));
   }
   std::sort(close.begin(), close.end());

@@ -18,7 +18,7 @@ struct FaceVertex {
   int face, vertex;
 };
 
-/// Finds overlapping (face box, vertex box) pairs. Holds its memory for the next call.
+/// Finds overlapping (face box, vertex box) pairs, a face's own vertices left out. Holds its memory for the next call.
 class PairFinder {
 public:
   /// boxes: where each vertex is during the step; a face's box is the union of its vertices', grown by `margin` (m). Pairs come
@@ -48,7 +48,7 @@ private:
   std::vector<FaceVertex> pairs_;
 };
 
-/// Sorted (vertex << 32 | face) of all pairs closer than `distance`, the vertices of a face itself left out.
+/// Sorted (vertex << 32 | face) of all pairs closer than `distance`, a face's own vertices left out.
 std::vector<std::uint64_t> pairs_closer_than(const std::vector<Point> &points, const Faces &faces, float distance);
 
 /// Contacts of the cloth with itself for a step from x to p: vertices that would come nearer to a face than the thickness, on the
