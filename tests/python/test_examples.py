@@ -1,0 +1,16 @@
+"""The Python examples run as they stand."""
+
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.name)
+def test_example_runs(path, capsys):
+    ran = runpy.run_path(str(path))
+    assert capsys.readouterr().out
+    if path.name == "hang_a_cloth.py":
+        assert ran["state"].positions[:, 1].min() < 0.5  # it hangs, 0.95 m long
