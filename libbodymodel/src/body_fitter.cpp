@@ -66,6 +66,8 @@ public:
 
 private:
   void flush() {
+    if (count_ == 0)
+      return; // Eigen's blocking divides by the number of rows
     matrix_.selfadjointView<Eigen::Lower>().rankUpdate(rows_.topRows(count_).transpose());
     right_ -= rows_.topRows(count_).transpose() * residuals_.head(count_);
     count_ = 0;
@@ -209,8 +211,6 @@ Scan prepare_scan(const RiggedMesh &actor, const Clothness &clothness) {
   const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, valid);
   for (int i = 0; i < v; ++i)
     exposed[i] = exposed[i] && areas[i] > 0;
-  if (std::count(exposed.begin(), exposed.end(), 1) == 0)
-    throw Error("body fit: no vertex of the actor is exposed (valid and clothness 0), nothing to fit to");
   return {actor, std::move(label), std::move(exposed), vertex_normals(actor.mesh.vertices, valid), areas, RayScene(actor.mesh)};
 }
 
@@ -316,6 +316,8 @@ public:
               const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const override {
     context.report("body", 0.0);
     const Scan scan = prepare_scan(actor, clothness);
+    if (std::count(scan.exposed.begin(), scan.exposed.end(), 1) == 0)
+      throw Error("body fit: no vertex of the actor is exposed (valid and clothness 0), nothing to fit to");
     const std::vector<NamedPoint> named = match_names(actor, model, landmarks, options_);
     State state = initial_state(model, named);
     for (int iteration = 0; iteration < 10; ++iteration) {

@@ -1,0 +1,370 @@
+#include "toy_population.h"
+
+#include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/train_body_model.h"
+#include "doublet/core/error.h"
+#include "doublet/core/files.h"
+#include "doublet/core/ray_scene.h"
+#include "support/temp_folder.h"
+
+#include <gtest/gtest.h>
+
+using namespace doublet;
+
+namespace {
+
+constexpr int kPeople = 24;
+
+/// Trained once for all tests.
+struct Trained {
+  doublet::testing::TempFolder folder;
+  std::filesystem::path population = folder.path() / "population.npz", file = folder.path() / "model.npz";
+  std::vector<Eigen::Vector3d> amounts;
+  TrainSummary summary;
+  std::shared_ptr<const BodyModel> model;
+
+  Trained() {
+    toy::population(kPeople, &amounts).write(population);
+    TrainOptions options;
+    options.components = 10;
+    options.command = "test";
+    summary = train_body_model(population, file, options);
+    model = BodyModel::read(file);
+  }
+};
+
+const Trained &trained() {
+  static const Trained instance;
+  return instance;
+}
+
+Eigen::VectorXd some_coefficients(unsigned seed, double size) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, size);
+  Eigen::VectorXd c(trained().model->component_count());
+  for (double &value : c)
+    value = normal(random);
+  return c;
+}
+
+/// A body made by the toy (not by the model) as an actor that stands elsewhere, its joints and landmarks marked.
+struct Subject {
+  RiggedMesh actor;
+  Clothness clothness;
+  std::map<std::string, Eigen::Vector3d> landmarks;
+};
+
+Subject make_subject(double scale = 1) {
+  std::mt19937 random(77);
+  const toy::Posed posed = toy::posed(toy::person({0.03, 0.008, -0.009}), toy::random_pose(random, 0.7));
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.9, Eigen::Vector3d(0.1, 1, 0.05).normalized()).toRotationMatrix();
+  auto place = [&](const Vertices &v) -> Vertices {
+    return (scale * v * turn.transpose()).rowwise() + Eigen::RowVector3d(1.5, 0.2, -0.7);
+  };
+  Subject subject;
+  subject.actor = toy::body().actor;
+  subject.actor.mesh.vertices = place(posed.vertices);
+  const Vertices joints = place(posed.joints);
+  for (int j = 0; j < joints.rows(); ++j)
+    subject.actor.skeleton.joints[j].rest = joints.row(j).transpose();
+  for (const auto &[name, index] : toy::body().landmarks)
+    subject.landmarks[name] = subject.actor.mesh.vertices.row(index).transpose();
+  const int n = static_cast<int>(joints.rows() > 0 ? subject.actor.mesh.vertices.rows() : 0);
+  subject.clothness = {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 0};
+  return subject;
+}
+
+bool on_thigh(int v) {
+  const auto p = toy::body().actor.mesh.vertices.row(v);
+  return p[1] > 0.45 && p[1] < 0.85 && std::abs(p[0]) < 0.25;
+}
+
+double mean_error(const BodyFit &fit, const RiggedMesh &truth, bool thighs_only) {
+  double sum = 0;
+  int count = 0;
+  for (int v = 0; v < fit.body.vertices.rows(); ++v)
+    if (!thighs_only || on_thigh(v)) {
+      sum += (fit.body.vertices.row(v) - truth.mesh.vertices.row(v)).norm();
+      ++count;
+    }
+  return sum / count;
+}
+
+} // namespace
+
+TEST(TrainBodyModel, RecoversTheKnownModes) {
+  const Trained &t = trained();
+  EXPECT_EQ(t.summary.meshes, 2 * kPeople);
+  EXPECT_GT(t.summary.variance_kept, 0.9999);
+  EXPECT_LT(t.summary.reconstruction_mm, 0.1);
+  // Three modes made the shapes, so three components carry them; each planted mode, with the root at the origin, lies in their
+  // span.
+  const int v = t.model->vertex_count();
+  Eigen::MatrixXd components(3 * v, toy::kModes);
+  for (int k = 0; k < toy::kModes; ++k) {
+    const Vertices c = t.model->component(k);
+    components.col(k) = Eigen::Map<const Eigen::VectorXd>(c.data(), c.size());
+  }
+  EXPECT_LT(t.model->component(toy::kModes).norm(), 0.02 * components.col(toy::kModes - 1).norm());
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(components);
+  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(3 * v, toy::kModes);
+  for (int k = 0; k < toy::kModes; ++k) {
+    Vertices planted = toy::mode(k);
+    if (k == 0)
+      planted.rowwise() -= toy::body().joints.row(0);
+    const Eigen::VectorXd x = Eigen::Map<const Eigen::VectorXd>(planted.data(), planted.size()).normalized();
+    // component() is at the model's mean pose, which is not exactly the rest pose
+    EXPECT_GT((basis.transpose() * x).norm(), 0.99) << k;
+  }
+}
+
+TEST(TrainBodyModel, ComponentsAreScaledByTheirDeviation) {
+  const Trained &t = trained();
+  double planted = 0, found = 0;
+  for (int k = 0; k < toy::kModes; ++k) {
+    double squares = 0, mean = 0;
+    for (const auto &a : t.amounts)
+      mean += a[k] / kPeople;
+    for (const auto &a : t.amounts)
+      squares += std::pow(a[k] - mean, 2) / kPeople;
+    Vertices d = toy::mode(k);
+    if (k == 0)
+      d.rowwise() -= toy::body().joints.row(0);
+    planted += squares * d.squaredNorm(); // amounts are drawn independently: variances add up, nearly
+    found += t.model->component(k).squaredNorm();
+  }
+  EXPECT_NEAR(found / planted, 1, 0.15);
+}
+
+TEST(TrainBodyModel, RejectsBrokenPopulations) {
+  const Trained &t = trained();
+  const auto out = t.folder.path() / "never.npz";
+  EXPECT_THROW(train_body_model(t.folder.path() / "nothing.npz", out), FileNotFound);
+  TrainOptions options;
+  options.components = 0;
+  EXPECT_THROW(train_body_model(t.population, out, options), std::invalid_argument);
+  options = {};
+  options.individuals = {999};
+  EXPECT_THROW(train_body_model(t.population, out, options), std::invalid_argument);
+  const Npz good = toy::population(3);
+  for (const char *name : {"vertices_q", "skin_weights", "joint_rotvec", "joint_parents", "landmark_indices"}) {
+    Npz broken = good;
+    broken.arrays.erase(name);
+    broken.write(t.folder.path() / "broken.npz");
+    try {
+      train_body_model(t.folder.path() / "broken.npz", out);
+      ADD_FAILURE() << name;
+    } catch (const Error &error) {
+      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
+    }
+  }
+  Npz broken = good;
+  broken.set_i4("mesh_individual", {6}, {0, 0, 1, 1, 2, 7});
+  broken.write(t.folder.path() / "broken.npz");
+  EXPECT_THROW(train_body_model(t.folder.path() / "broken.npz", out), Error);
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(BodyModel, DerivativesMatchFiniteDifferences) {
+  const BodyModel &model = *trained().model;
+  const Eigen::VectorXd c = some_coefficients(3, 0.8);
+  std::vector<int> chosen;
+  for (int v = 0; v < model.vertex_count(); v += 37)
+    chosen.push_back(v);
+  const BodyLinearisation at = model.linearise(c, chosen), joints = model.joints(c);
+  const Vertices all = model.vertices(c);
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    EXPECT_LT((at.points.row(i) - all.row(chosen[i])).norm(), 1e-12);
+  const double h = 1e-5;
+  for (int k = 0; k < model.component_count(); ++k) {
+    Eigen::VectorXd up = c, down = c;
+    up[k] += h;
+    down[k] -= h;
+    const Vertices difference = (model.vertices(up) - model.vertices(down)) / (2 * h);
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      EXPECT_LT((at.jacobian.block<3, 1>(3 * i, k) - difference.row(chosen[i]).transpose()).norm(), 1e-7)
+          << k << " " << chosen[i];
+    const Vertices moved = (model.joints(up).points - model.joints(down).points) / (2 * h);
+    for (int j = 0; j < moved.rows(); ++j)
+      EXPECT_LT((joints.jacobian.block<3, 1>(3 * j, k) - moved.row(j).transpose()).norm(), 1e-7) << k << " joint " << j;
+  }
+}
+
+TEST(BodyModel, LinearModelsNeedNoMoreThanTheirComponents) {
+  class Linear : public BodyModel {
+  public:
+    int vertex_count() const override { return 3; }
+    int component_count() const override { return 2; }
+    const Faces &faces() const override { return faces_; }
+    Vertices vertices(const Eigen::VectorXd &c) const override { return mean_ + c[0] * component(0) + c[1] * component(1); }
+    Vertices component(int k) const override { return (k + 1.0) * Vertices::Identity(3, 3); }
+    const std::map<std::string, int> &landmarks() const override { return landmarks_; }
+    std::string name() const override { return "linear"; }
+
+  private:
+    Faces faces_ = (Faces(1, 3) << 0, 1, 2).finished();
+    Vertices mean_ = Vertices::Constant(3, 3, 5);
+    std::map<std::string, int> landmarks_;
+  };
+  const BodyLinearisation at = Linear().linearise(Eigen::Vector2d(1, 1), {2, 0});
+  EXPECT_EQ(at.points(0, 2), 8);
+  EXPECT_EQ(at.jacobian(2, 1), 2);
+  EXPECT_EQ(at.jacobian(3, 0), 1);
+  EXPECT_EQ(at.jacobian(0, 0), 0);
+  EXPECT_EQ(Linear().joints(Eigen::Vector2d(0, 0)).points.rows(), 0);
+}
+
+TEST(BodyModel, FilesAreReadBackAndTheirNameTellsThemApart) {
+  const Trained &t = trained();
+  TrainOptions options;
+  options.components = 2;
+  train_body_model(t.population, t.folder.path() / "two.npz", options);
+  const auto two = BodyModel::read(t.folder.path() / "two.npz");
+  EXPECT_NE(two->name(), t.model->name());
+  EXPECT_EQ(BodyModel::read(t.file)->name(), t.model->name());
+  EXPECT_EQ(two->component_count(), 2 + 3 * 23);
+  EXPECT_EQ(t.model->landmarks().at("head_top"), toy::body().landmarks.at("crown"));
+  EXPECT_EQ(t.model->landmarks().at("l_middle_fingertip"), toy::body().landmarks.at("l_middle_tip"));
+  EXPECT_THROW(two->vertices(Eigen::VectorXd::Zero(3)), std::invalid_argument);
+  EXPECT_THROW(two->component(-1), std::invalid_argument);
+}
+
+TEST(BodyModel, RejectsBrokenFiles) {
+  const Trained &t = trained();
+  const auto path = t.folder.path() / "bad.npz";
+  EXPECT_THROW(BodyModel::read(t.folder.path() / "missing.npz"), FileNotFound);
+  write_text(path, "not a zip");
+  EXPECT_THROW(BodyModel::read(path), Error);
+  EXPECT_THROW(BodyModel::read(t.population), Error);
+  const Npz good = Npz::read(t.file);
+  for (const auto &[name, array] : good.arrays) {
+    if (name == "licence" || name == "command")
+      continue;
+    Npz broken = good;
+    broken.arrays.erase(name);
+    broken.write(path);
+    EXPECT_THROW(BodyModel::read(path), Error) << name;
+  }
+  Npz broken = good;
+  broken.set_i4("joint_parents", good.shape("joint_parents"), std::vector<int>(24, 3));
+  broken.write(path);
+  EXPECT_THROW(BodyModel::read(path), Error);
+  broken = good;
+  broken.set_i4("faces", {1, 3}, {0, 1, 1 << 24});
+  broken.write(path);
+  EXPECT_THROW(BodyModel::read(path), Error);
+}
+
+TEST(BodyFit, FindsAWholeBody) {
+  const Subject subject = make_subject();
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  EXPECT_LT(mean_error(fit, subject.actor, false), 0.004);
+  EXPECT_LT(fit.residual, 0.002);
+  EXPECT_EQ(fit.model, trained().model->name());
+  EXPECT_EQ(fit.coefficients.size(), trained().model->component_count());
+}
+
+TEST(BodyFit, FindsTheHiddenThighsFromTheRest) {
+  Subject subject = make_subject();
+  const Faces &faces = subject.actor.mesh.faces;
+  for (int f = 0; f < faces.rows(); ++f)
+    if (on_thigh(faces(f, 0)) || on_thigh(faces(f, 1)) || on_thigh(faces(f, 2)))
+      subject.actor.face_valid[f] = 0;
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  EXPECT_LT(mean_error(fit, subject.actor, true), 0.008);
+}
+
+TEST(BodyFit, ClothHoldsTheBodyInsideButDoesNotPullItOut) {
+  Subject subject = make_subject();
+  const RiggedMesh truth = subject.actor;
+  const Vertices normals = vertex_normals(truth.mesh.vertices, truth.mesh.faces);
+  for (int v = 0; v < normals.rows(); ++v)
+    if (on_thigh(
+            v)) { // trousers, 3 cm wider than the leg; they meet between the thighs, so legs may turn: distances to the surface
+      subject.actor.mesh.vertices.row(v) += 0.03 * normals.row(v);
+      subject.clothness.clothness[v] = 1;
+    }
+  auto thigh_distance = [&](const BodyFit &fit) {
+    const RayScene scene(fit.body);
+    double sum = 0;
+    int count = 0;
+    for (int v = 0; v < normals.rows(); ++v)
+      if (on_thigh(v)) {
+        sum += scene.closest(truth.mesh.vertices.row(v).transpose()).distance;
+        ++count;
+      }
+    return sum / count;
+  };
+  const auto fitter = BodyFitter::create();
+  const double aware = thigh_distance(fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {}));
+  EXPECT_LT(aware, 0.006);
+  subject.clothness.clothness.setZero();
+  const double unaware = thigh_distance(fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {}));
+  EXPECT_GT(unaware, 2 * aware);
+}
+
+TEST(BodyFit, ForgivesMarksThatAreOff) {
+  Subject subject = make_subject();
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal(0, 0.03 / std::sqrt(3.0));
+  for (auto &[name, point] : subject.landmarks)
+    point += Eigen::Vector3d(normal(random), normal(random), normal(random));
+  subject.landmarks["unknown_to_the_model"] = {9, 9, 9};
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  EXPECT_LT(mean_error(fit, subject.actor, false), 0.006);
+}
+
+TEST(BodyFit, IsFreeOfScale) {
+  const Subject subject = make_subject(2.0); // marked in units of half a metre
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  EXPECT_LT(mean_error(fit, subject.actor, false), 0.012);
+}
+
+TEST(BodyFit, DoesNotDependOnThreads) {
+  const Subject subject = make_subject();
+  Context one, three;
+  one.threads = 1;
+  three.threads = 3;
+  BodyFitOptions options;
+  options.iterations = 4;
+  const auto fitter = BodyFitter::create(options);
+  const BodyFit a = fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, one);
+  const BodyFit b = fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, three);
+  EXPECT_TRUE((a.body.vertices.array() == b.body.vertices.array()).all());
+}
+
+TEST(BodyFit, RejectsWhatCannotBeFitted) {
+  const BodyModel &model = *trained().model;
+  const auto fitter = BodyFitter::create();
+  Subject nameless = make_subject();
+  nameless.landmarks = {{"somewhere", {0, 0, 0}}};
+  for (Joint &joint : nameless.actor.skeleton.joints)
+    joint.name = "bone_" + joint.name;
+  EXPECT_THROW(fitter->fit(nameless.actor, nameless.clothness, model, nameless.landmarks, {}), Error);
+  Subject covered = make_subject();
+  covered.clothness.clothness.setOnes();
+  EXPECT_THROW(fitter->fit(covered.actor, covered.clothness, model, covered.landmarks, {}), Error);
+  Subject short_mask = make_subject();
+  short_mask.clothness.clothness.resize(3);
+  EXPECT_THROW(fitter->fit(short_mask.actor, short_mask.clothness, model, short_mask.landmarks, {}), std::invalid_argument);
+  Subject nan = make_subject();
+  nan.actor.mesh.vertices(3, 1) = std::nan("");
+  EXPECT_THROW(fitter->fit(nan.actor, nan.clothness, model, nan.landmarks, {}), Error);
+  Subject point = make_subject();
+  for (auto &[name, position] : point.landmarks)
+    position.setZero();
+  for (Joint &joint : point.actor.skeleton.joints)
+    joint.rest.setZero();
+  EXPECT_THROW(fitter->fit(point.actor, point.clothness, model, point.landmarks, {}), Error);
+  BodyFitOptions options;
+  options.iterations = 0;
+  EXPECT_THROW(BodyFitter::create(options), std::invalid_argument);
+}
+
+TEST(BodyFit, CanBeCancelled) {
+  const Subject subject = make_subject();
+  Context context;
+  context.cancelled = [] { return true; };
+  EXPECT_THROW(BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, context),
+               Cancelled);
+}

@@ -1,0 +1,127 @@
+#include "doublet/bodymodel/body_fitter.h"
+#include "doublet/core/error.h"
+#include "support/figure.h"
+
+#include <gtest/gtest.h>
+
+using namespace doublet;
+
+namespace {
+
+/// One long limb along y that is itself a tapered capsule (0.10 m to 0.06 m), its cloth a wider cone around the upper half.
+struct Limb {
+  RiggedMesh actor;
+  Clothness clothness;
+  BodyFit fit;
+  PosedCapsule truth{{0, 0.9, 0}, {0, 0.5, 0}, 0.10, 0.06};
+};
+
+Limb make_limb(double cloth_radius = 0.18) {
+  Limb limb;
+  auto distance = [&](const Eigen::Vector3d &p) { return signed_distance(limb.truth, p); };
+  limb.fit.body = doublet::testing::level_set(distance, {-0.2, 0.3, -0.2}, {0.2, 1.1, 0.2}, 0.015);
+  limb.actor.skeleton =
+      make_skeleton({{"root", "", {0, 0.9, 0}, 6}, {"knee", "root", {0, 0.5, 0}, 1}, {"end", "knee", {0, 0.35, 0}, 0}});
+  limb.actor.mesh = doublet::testing::closed_tube(
+      {0, 0.4, 0}, {0, 1.05, 0}, [&](double) { return cloth_radius; }, 20, 40);
+  limb.actor.face_valid.assign(limb.actor.mesh.faces.rows(), 1);
+  const int n = static_cast<int>(limb.actor.mesh.vertices.rows());
+  limb.actor.weights = MatrixRM::Constant(n, 3, 1.0 / 3);
+  limb.clothness = {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Ones(n), Eigen::VectorXi::Zero(n), 1};
+  limb.clothness.clothness[n - 1] = 0; // the top is skin
+  return limb;
+}
+
+} // namespace
+
+TEST(Proxies, RecoverAKnownCapsule) {
+  const Limb limb = make_limb();
+  ProxyOptions options;
+  options.capsules_per_bone = 1;
+  const std::vector<TaperedCapsule> capsules = fit_proxies(limb.fit, limb.actor, limb.clothness, options);
+  ASSERT_FALSE(capsules.empty());
+  EXPECT_EQ(capsules[0].joint, 0);
+  EXPECT_NEAR(std::max(capsules[0].r0, capsules[0].r1), 0.10, 0.012);
+  const ProxyStatistics statistics = proxy_statistics(capsules, limb.fit, limb.actor, limb.clothness);
+  EXPECT_LT(statistics.mean_distance, 0.005);
+  EXPECT_LT(statistics.percentile95, 0.015);
+  EXPECT_LT(statistics.largest_bulge, 0.020);
+  EXPECT_GT(statistics.cloth_clearance, 0.004);
+  EXPECT_GT(statistics.samples, 100);
+}
+
+TEST(Proxies, NeverReachIntoRestingCloth) {
+  const Limb limb = make_limb(0.07); // cloth tighter than the body at the thick end
+  const ProxyOptions options;
+  const auto capsules = fit_proxies(limb.fit, limb.actor, limb.clothness, options);
+  EXPECT_GE(proxy_statistics(capsules, limb.fit, limb.actor, limb.clothness).cloth_clearance, options.cloth_margin - 1e-9);
+}
+
+TEST(Proxies, ClearanceMovesThemIntoTheBody) {
+  const Limb limb = make_limb();
+  ProxyOptions thin;
+  thin.clearance = 0.015;
+  auto thickness = [&](const ProxyOptions &options) {
+    double sum = 0;
+    for (const TaperedCapsule &c : fit_proxies(limb.fit, limb.actor, limb.clothness, options))
+      sum += c.r0 + c.r1;
+    return sum;
+  };
+  EXPECT_LT(thickness(thin), thickness({}) - 0.02);
+}
+
+TEST(Proxies, StandWhereClothCanTouch) {
+  // The figure in a skirt: pelvis, thighs, and the shins it swings against; no arms, no feet, no head.
+  const RiggedMesh figure = doublet::testing::figure_actor(0.03);
+  BodyFit fit;
+  fit.body = figure.mesh;
+  RiggedMesh actor = figure;
+  const Mesh skirt = doublet::testing::skirt();
+  actor.mesh = doublet::testing::join({figure.mesh, skirt});
+  actor.face_valid.assign(actor.mesh.faces.rows(), 1);
+  const int body = static_cast<int>(figure.mesh.vertices.rows()), n = static_cast<int>(actor.mesh.vertices.rows());
+  actor.weights = doublet::testing::figure_weights(actor.mesh.vertices, actor.skeleton);
+  Clothness clothness{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 1};
+  for (int f = 0; f < figure.mesh.faces.rows(); ++f) { // what the skirt covers is not part of a real scan
+    const auto p = figure.mesh.vertices.row(figure.mesh.faces(f, 0));
+    if (p[1] > 0.5 && p[1] < 1.0 && std::abs(p[0]) < 0.3)
+      actor.face_valid[f] = 0;
+  }
+  std::vector<int> kept;
+  for (int f = 0; f < actor.mesh.faces.rows(); ++f)
+    if (actor.face_valid[f])
+      kept.push_back(f);
+  std::vector<int> from;
+  const Mesh scan = submesh(actor.mesh, kept, &from);
+  Clothness seen{Eigen::VectorXd::Zero(scan.vertices.rows()), Eigen::VectorXd::Zero(scan.vertices.rows()),
+                 Eigen::VectorXi::Constant(scan.vertices.rows(), -1), 1};
+  for (std::size_t i = 0; i < from.size(); ++i)
+    seen.clothness[i] = from[i] >= body;
+  actor.mesh = scan;
+  actor.face_valid.assign(scan.faces.rows(), 1);
+  std::map<std::string, int> count;
+  for (const TaperedCapsule &c : fit_proxies(fit, actor, seen))
+    ++count[actor.skeleton.joints[c.joint].name];
+  for (const char *name : {"pelvis", "l_hip", "r_hip", "l_knee", "r_knee"})
+    EXPECT_GT(count[name], 0) << name;
+  for (const char *name : {"l_shoulder", "r_elbow", "l_wrist", "l_ankle", "head", "neck"})
+    EXPECT_EQ(count[name], 0) << name;
+}
+
+TEST(Proxies, NoClothNoCapsules) {
+  Limb limb = make_limb();
+  limb.clothness.clothness.setZero();
+  EXPECT_TRUE(fit_proxies(limb.fit, limb.actor, limb.clothness).empty());
+  EXPECT_EQ(proxy_statistics({}, limb.fit, limb.actor, limb.clothness).capsules, 0);
+}
+
+TEST(Proxies, RejectWrongInput) {
+  const Limb limb = make_limb();
+  ProxyOptions options;
+  options.capsules_per_bone = 4;
+  EXPECT_THROW(fit_proxies(limb.fit, limb.actor, limb.clothness, options), std::invalid_argument);
+  BodyFit empty;
+  EXPECT_THROW(fit_proxies(empty, limb.actor, limb.clothness), Error);
+  Clothness small;
+  EXPECT_THROW(fit_proxies(limb.fit, limb.actor, small), std::invalid_argument);
+}
