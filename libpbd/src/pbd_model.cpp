@@ -210,7 +210,8 @@ void PbdModel::set_constraints(const Vertices &rest) {
       }
       c.cos = static_cast<float>(std::cos(rest_bend.value));
       c.sin = static_cast<float>(std::sin(rest_bend.value));
-      c.floor = static_cast<float>(0.25 * (dot(rest_bend.g2, rest_bend.g2) + dot(rest_bend.g3, rest_bend.g3)));
+      // Never 0: faces too small to bend have no gradient, and 0 / 0 would not leave them alone. 1 belongs to faces a metre high.
+      c.floor = static_cast<float>(std::max(1.0, 0.25 * (dot(rest_bend.g2, rest_bend.g2) + dot(rest_bend.g3, rest_bend.g3))));
       bends.push_back(c);
       bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
     }

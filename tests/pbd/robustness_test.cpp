@@ -145,6 +145,22 @@ TEST(Robustness, SimulatesUglyMeshes) {
   EXPECT_LT(state.velocities.rowwise().norm().maxCoeff(), 50);
 }
 
+TEST(Robustness, SurvivesFacesTooSmallToBend) {
+  Sheet s;
+  const double tiny = 1e-5; // m: two needles beside a short edge, as decimation leaves them
+  s.rest.resize(4, 3);
+  s.rest << 0, 0, 0, tiny, 0, 0, 0, 0, tiny, 0, 0, -tiny;
+  s.faces.resize(2, 3);
+  s.faces << 0, 2, 1, 0, 1, 3;
+  s.clothness = Eigen::VectorXd::Ones(4);
+  const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness));
+  ClothState state = initial_state(s.rest);
+  for (int i = 0; i < 10; ++i)
+    solver->step(state, StepInputs{}, {});
+  EXPECT_TRUE(state.positions.allFinite());
+  EXPECT_LT(state.positions.col(1).maxCoeff(), 0);
+}
+
 TEST(Robustness, OneTriangleIsCloth) {
   Sheet s;
   s.rest.resize(3, 3);
