@@ -10,11 +10,13 @@
 namespace doublet {
 
 struct SegmentOptions {
-  double rigid_threshold = 0.005; ///< t_rigid, m: above the 2 to 5 mm that markerless tracking leaves on three quarters of skin
-  double cloth_threshold = 0.012; ///< t_cloth, m: below it the skin's surroundings of bending joints, above it folds that travel
-  double diffusion = 0.03;        ///< m, length scale of the implicit diffusion
-  double smallest_region =
-      0.04; ///< m^2 (20 x 20 cm, less than a short sleeve), smaller islands of cloth are dropped and smaller holes filled
+  /// t_rigid, m: about what markerless tracking leaves on most of the skin (its true sigma is 1 to 4 mm).
+  double rigid_threshold = 0.004;
+  /// t_cloth, m: skin stays below it but at bending joints; loose cloth has 20 mm and more.
+  double cloth_threshold = 0.010;
+  double diffusion = 0.03; ///< m, length scale of the implicit diffusion
+  /// m^2 (25 x 25 cm, a short sleeve): smaller islands of cloth are dropped and smaller holes filled.
+  double smallest_region = 0.06;
   OppositeOptions opposite; ///< the rays
   void validate() const;
 };
