@@ -19,6 +19,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
+constexpr int kAround = 2; // pixels around a sample that must see the same surface
+
 struct Atlas {
   int size, cell, columns;
 
@@ -72,9 +74,9 @@ Vector3f sample(const Image &image, const Vector2d &pixel) {
 /// Is the whole neighbourhood of the pixel on a surface that is not in front of `depth`, and away from the background?
 bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double margin) {
   const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
-  if (x < 2 || y < 2 || x >= buffer.width - 2 || y >= buffer.height - 2)
+  if (x < kAround || y < kAround || x >= buffer.width - kAround || y >= buffer.height - kAround)
     return false;
-  for (const auto &[dx, dy] : {std::pair{0, 0}, {2, 0}, {-2, 0}, {0, 2}, {0, -2}})
+  for (const auto &[dx, dy] : {std::pair{0, 0}, {kAround, 0}, {-kAround, 0}, {0, kAround}, {0, -kAround}})
     if (buffer.face_at(x + dx, y + dy) < 0 || buffer.depth_at(x + dx, y + dy) < depth - margin)
       return false;
   return true;
@@ -112,7 +114,10 @@ public:
       if (!(facing > options_.grazing) || !(depth > 0.05))
         continue;
       const Vector2d pixel = view.camera->project(point);
-      if (!visible(view.buffer, pixel, depth, options_.depth_margin) || !inside_mask(view.mask, pixel))
+      // Within the pixels looked at, a slanted surface comes nearer by their size on it.
+      const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
+      const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
+      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel))
         continue;
       const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
       colour += weight * sample(*view.image, pixel);

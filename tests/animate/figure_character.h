@@ -6,21 +6,22 @@
 
 namespace doublet::testing {
 
+inline bool under_skirt(const Eigen::Vector3d &p) {
+  return p.y() > 0.5 && p.y() < 0.97 && std::abs(p.x()) < 0.25;
+}
+
 /// Body and skirt in one mesh (two components); the thighs under the skirt are left out of the surface, as in a scan.
 inline RiggedMesh dressed_actor(int rings = 16, int segments = 36) {
   RiggedMesh actor = figure_actor(0.035);
-  const int body_vertices = static_cast<int>(actor.mesh.vertices.rows());
   const int body_faces = static_cast<int>(actor.mesh.faces.rows());
   const Mesh cloth = skirt(rings, segments);
   actor.mesh = join({actor.mesh, cloth});
   actor.weights = figure_weights(actor.mesh.vertices, actor.skeleton);
   actor.face_valid.assign(actor.mesh.faces.rows(), 1);
   for (int f = 0; f < body_faces; ++f)
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d p = actor.mesh.vertices.row(actor.mesh.faces(f, k));
-      if (actor.mesh.faces(f, k) < body_vertices && p.y() > 0.5 && p.y() < 0.97 && std::abs(p.x()) < 0.25)
+    for (int k = 0; k < 3; ++k)
+      if (under_skirt(actor.mesh.vertices.row(actor.mesh.faces(f, k))))
         actor.face_valid[f] = 0;
-    }
   return actor;
 }
 
@@ -60,7 +61,14 @@ inline Character figure_character() {
   material.k_stretch = 1;
   SolverSettings solver;
   solver.cloth.iterations = 24;
-  return make_character(actor, clothness, body, proxies, {material}, solver, figure_surface(0.025));
+  const Mesh skin = figure_surface(0.025), cloth = skirt(24, 60);
+  const Mesh high = join({skin, cloth});
+  std::vector<std::uint8_t> high_valid(high.faces.rows(), 1);
+  for (int f = 0; f < skin.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      if (under_skirt(skin.vertices.row(skin.faces(f, k))))
+        high_valid[f] = 0;
+  return make_character(actor, clothness, body, proxies, {material}, solver, high, high_valid);
 }
 
 /// Walking on the spot: legs and arms swing, the hips turn.

@@ -347,6 +347,53 @@ TEST(Retarget, NamesOfTheField) {
   }
 }
 
+TEST(Retarget, ZeroPoseNeedNotBeAStance) {
+  // The same motion on a rig with bone-local frames: in its zero pose every limb points up. Only the pose of the joints is the
+  // same, the roll has to be found from the clip.
+  const Skeleton skeleton = figure_skeleton();
+  MatrixRM dofs = marching(skeleton, 40, 40);
+  for (int t = 0; t < 40; ++t)
+    for (const char *joint : {"l_knee", "r_knee", "l_elbow", "r_elbow"})
+      dofs(t, skeleton.joints[skeleton.find(joint)].first_dof) = 0.5 + 0.3 * std::sin(0.3 * t);
+  SourceMotion clip = parse_bvh(figure_bvh(skeleton, dofs, 1, 40), "own.bvh");
+  RetargetOptions options = alone();
+  options.ground_feet = false;
+  const Motion straight = retarget(clip, skeleton, options);
+  std::vector<Eigen::Quaterniond> local(clip.joints.size(), Eigen::Quaterniond::Identity()); // old zero pose from new zero pose
+  const Vertices zero = clip.zero_positions();
+  for (std::size_t j = 0; j < clip.joints.size(); ++j)
+    for (const char *part : {"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
+      for (std::size_t k = 0; k < clip.joints.size(); ++k)
+        if (clip.joints[j].name.substr(1) == std::string("_") + part && clip.joints[k].parent == static_cast<int>(j))
+          local[j] = Eigen::Quaterniond(Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitY())) *
+                     Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d(zero.row(k) - zero.row(j)), Eigen::Vector3d::UnitY());
+  for (std::size_t j = 0; j < clip.joints.size(); ++j)
+    if (clip.joints[j].parent >= 0)
+      clip.joints[j].offset = local[clip.joints[j].parent] * clip.joints[j].offset;
+  for (auto &frame : clip.rotations)
+    for (std::size_t j = 0; j < clip.joints.size(); ++j)
+      frame[j] = frame[j] * local[j].conjugate();
+  const Motion found = retarget(clip, skeleton, options);
+  double worst = 0;
+  for (int t = 0; t < 40; ++t)
+    worst = std::max(worst, joint_distance(skeleton, straight.dofs.row(t), found.dofs.row(t)));
+  EXPECT_LT(worst, 0.02);
+}
+
+TEST(Retarget, HandsWithoutEndsFollowTheForearm) {
+  const Skeleton skeleton = figure_skeleton();
+  const MatrixRM dofs = marching(skeleton, 10, 40);
+  SourceMotion clip = parse_bvh(figure_bvh(skeleton, dofs, 1, 40), "own.bvh");
+  RetargetOptions options = alone();
+  options.ground_feet = false;
+  for (SourceJoint &joint : clip.joints) // no direction left beyond the wrists
+    if (joint.name.substr(1) == "_hand" || joint.name.substr(1) == "_hand_end")
+      joint.name = "prop";
+  const Motion motion = retarget(clip, skeleton, options);
+  for (int t = 0; t < 10; ++t)
+    EXPECT_LT(joint_distance(skeleton, motion.dofs.row(t), dofs.row(t)), 5e-3) << t;
+}
+
 TEST(Retarget, UnknownSkeletonSaysWhatIsMissing) {
   try {
     retarget(parse_bvh(kTwoBones, "arm.bvh"), figure_skeleton());
