@@ -159,7 +159,9 @@ private:
       return;
     const double metres_per_pixel = camera.depth(x) / camera.K(0, 0);
     const Eigen::Vector2d residual = metres_per_pixel * (camera.project(x) - track.pixel);
-    const double weight = options_.sift_weight * track.weight * at(problem.reliability, track.surface, faces) / (kUnit * kUnit);
+    // Squared: cloth that hangs on a limb follows it with a lag, and its many features would hold the limb back.
+    const double reliable = at(problem.reliability, track.surface, faces);
+    const double weight = options_.sift_weight * track.weight * reliable * reliable / (kUnit * kUnit);
     system.energy += weight * scale_ * scale_ * geman_mcclure(residual.squaredNorm(), scale_);
     if (!derivatives)
       return;

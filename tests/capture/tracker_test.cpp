@@ -121,7 +121,9 @@ TEST(Tracker, RefinementFindsABulge) {
   const Vertices rest = pose_surface(actor, dofs.row(0), {}).vertices;
   const double without = mean_distance(rest, truth.back());
   EXPECT_GT(without, 0.008);
-  EXPECT_LT(mean_distance(result.performance.surface.frames.back(), truth.back()), 0.5 * without);
+  const Vertices off = result.performance.surface.frames.back() - truth.back();
+  const double left = off.cwiseProduct(vertex_normals(truth.back(), actor.mesh.faces)).rowwise().sum().cwiseAbs().mean();
+  EXPECT_LT(left, 0.4 * without);                     // across the surface; along it, vertices may slide
   EXPECT_LT(joint_error(result, actor, dofs), 0.006); // the bulge is no motion of the skeleton
 }
 

@@ -21,12 +21,11 @@ struct CaptureOptions {
   FeatureTrackerOptions features;
   PoseOptions pose;
   SurfaceOptions surface;
-  bool use_feature_map =
-      true;                ///< find the first frame's features again in every frame; without it, tracks span two frames and drift
-  double map_reach = 0.05; ///< of the silhouette's height; how far from its expected place a mapped feature is sought
+  bool use_feature_map = true;   ///< find the first frame's features again in every frame; without it, tracks drift
+  double map_reach = 0.05;       ///< of the silhouette's height; how far from its expected place a mapped feature is sought
   double velocity_damping = 0.8; ///< of the constant-velocity prediction; 0 = stay, 1 = go on as before
   double offset_decay = 0.95;    ///< share of the non-rigid offset that is expected again in the next frame
-  double loose = 0.02; ///< m; a vertex that usually lies this far from its skinned position tells half as much about the pose
+  double loose = 0.01; ///< m; a vertex that usually lies this far from its skinned position tells half as much about the pose
   int smooth_window = 5, smooth_order = 2; ///< Savitzky-Golay over frames, of pose and offsets; a window of 1 switches it off
   void validate() const;
 };
@@ -36,8 +35,8 @@ struct CaptureSummary {
   std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
   std::vector<int> views;                     ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
-  double measure_seconds = 0, pose_seconds = 0,
-         surface_seconds = 0; ///< whole run: images to outlines and features; poses; surfaces
+  /// Whole run: images to outlines and features; poses; surfaces.
+  double measure_seconds = 0, pose_seconds = 0, surface_seconds = 0;
   double seconds_per_frame = 0;
 };
 

@@ -28,8 +28,8 @@ struct SurfaceOptions {
   int rims_per_view = 500;                     ///< correspondences per view and direction
   double gate_start = 0.10, gate_end = 0.04;   ///< m; as in PoseOptions; a hem moves up to 0.1 m between frames
   double scale_start = 0.04, scale_end = 0.02; ///< m; Geman-McClure scale
-  double sift_weight = 1.0;                    ///< of one feature track against one rim correspondence
-  double bending = 3.0;       ///< weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints
+  double sift_weight = 10.0;  ///< of one feature track against one rim match; tracks are exact to a pixel and cover the inside
+  double bending = 1.0;       ///< weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints
   double stretching = 0.02;   ///< weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does
   double anchor_cloth = 0.01; ///< pull of a loose vertex to its expected position, against one rim correspondence
   double anchor_rigid = 0.5;  ///< the same for a vertex that moves with the skeleton, to its skinned position
