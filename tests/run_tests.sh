@@ -22,9 +22,10 @@ git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
 
 echo "== build (warnings are errors)"
 # One build folder for the package and for ctest. Without isolation its paths stay the same from run to run.
-"$venv/bin/pip" install -q --disable-pip-version-check --no-build-isolation . -C build-dir="$build" \
-  -C cmake.define.DOUBLET_BUILD_TESTS=ON -C cmake.define.DOUBLET_BUILD_EXAMPLES=ON -C cmake.define.DOUBLET_BUILD_BENCHMARKS=ON \
-  -C cmake.define.DOUBLET_WERROR=ON
+"$venv/bin/pip" install -q --disable-pip-version-check --no-build-isolation . \
+  --config-settings=build-dir="$build" \
+  --config-settings=cmake.define.DOUBLET_BUILD_TESTS=ON --config-settings=cmake.define.DOUBLET_BUILD_EXAMPLES=ON --config-settings=cmake.define.DOUBLET_BUILD_BENCHMARKS=ON \
+  --config-settings=cmake.define.DOUBLET_WERROR=ON
 
 echo "== ctest"
 ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(nproc)"

@@ -11,7 +11,6 @@ from PIL import Image
 from . import _doublet as d
 
 SKIN, CLOTH, PROXY = (np.array(c) for c in ((0.85, 0.72, 0.62), (0.75, 0.25, 0.28), (0.30, 0.45, 0.70)))
-PLAIN = d.RenderOptions(background=[1, 1, 1], floor=False)
 
 
 def cloth_colours(clothness: np.ndarray) -> np.ndarray:
@@ -20,8 +19,10 @@ def cloth_colours(clothness: np.ndarray) -> np.ndarray:
 
 
 def shade(meshes: list[d.RenderMesh], camera: d.Camera) -> np.ndarray:
-    """(H, W, 3) RGB on white."""
-    return d.render(meshes, camera, PLAIN)[..., ::-1]
+    """(H, W, 3) RGB on white, lit from over the photographer's shoulder."""
+    right, _, forward = camera.R
+    light = 0.4 * right - forward + [0, 0.8, 0]
+    return d.render(meshes, camera, d.RenderOptions(background=[1, 1, 1], floor=False, light_direction=light))[..., ::-1]
 
 
 def around(vertices, azimuth: float, size: int = 480) -> d.Camera:
@@ -31,10 +32,10 @@ def around(vertices, azimuth: float, size: int = 480) -> d.Camera:
 
 
 def outline(vertices, faces, camera) -> np.ndarray:
-    """(H, W) bool: pixels of the silhouette beside the background."""
+    """(H, W) bool: the two pixels on either side of the silhouette."""
     inside = np.pad(d.rasterize(vertices, faces, camera)[0] >= 0, 1)
-    core = inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:]
-    return inside[1:-1, 1:-1] & ~core
+    around_it = (inside[:-2, 1:-1], inside[2:, 1:-1], inside[1:-1, :-2], inside[1:-1, 2:])
+    return np.any([other != inside[1:-1, 1:-1] for other in around_it], axis=0)
 
 
 def draw_outline(picture: np.ndarray, edge: np.ndarray, colour=(255, 0, 120)) -> np.ndarray:
