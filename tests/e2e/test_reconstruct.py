@@ -137,9 +137,9 @@ def test_report_stands_alone(made):
 def test_changed_option_runs_that_stage_and_the_later_ones(made, shipped, tmp_path):
     out = tmp_path / "copy"
     shutil.copytree(made[0], out)
-    done = doublet("segment", out, "--segment-diffusion", 0.03)
+    done = doublet("segment", out, "--segment-diffusion", 0.025)
     assert done.returncode == 0, done.stderr
-    assert f"option segment.diffusion changed from {d.SegmentOptions().diffusion} to 0.03" in done.stderr
+    assert f"option segment.diffusion changed from {d.SegmentOptions().diffusion} to 0.025" in done.stderr
     done = doublet("body", out)
     assert "segmentation.npz changed" in done.stderr
 
@@ -151,7 +151,7 @@ def test_a_file_made_elsewhere_is_kept(made, shipped, tmp_path):
         changed = {k: arrays[k] for k in arrays}
     changed["clothness"] = np.where(changed["clothness"] > 0.5, 1, 0).astype(np.float32)
     np.savez(out / "segmentation.npz", **changed)
-    done = doublet("segment", out, "--segment-diffusion", 0.03)
+    done = doublet("segment", out, "--segment-diffusion", 0.025)
     assert "kept" in done.stderr
     np.testing.assert_array_equal(np.load(out / "segmentation.npz")["clothness"], changed["clothness"])
 
