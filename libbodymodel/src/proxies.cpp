@@ -68,7 +68,8 @@ Anatomy find_bones(const Mesh &body, const Skeleton &skeleton) {
   return anatomy;
 }
 
-/// Covered bones, and the next ones down the chain of wrapped bones unless those end in nothing (hands, feet).
+/// Covered bones, and the next ones down the chain of wrapped bones where cloth that hangs can swing against them: those that
+/// lead downwards and do not end in nothing (hands, feet).
 void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<std::uint8_t> &under,
                   const Eigen::VectorXd &areas) {
   std::vector<double> all(anatomy.bones.size(), 0), covered(anatomy.bones.size(), 0);
@@ -83,7 +84,8 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
   }
   for (Bone &bone : anatomy.bones)
     for (const Bone &above : anatomy.bones)
-      if (above.wrapped && above.end == bone.joint && !is_leaf(skeleton, bone.end))
+      if (above.wrapped && above.end == bone.joint && !is_leaf(skeleton, bone.end) &&
+          skeleton.joints[bone.end].rest.y() < skeleton.joints[bone.joint].rest.y())
         bone.chosen = true;
 }
 
