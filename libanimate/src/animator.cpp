@@ -29,7 +29,8 @@ void AnimateOptions::validate() const {
 }
 
 Vertices tuck_body(const Character &character, const Vertices &surface, Vertices body) {
-  constexpr double kUnder = 0.004, kUnderCloth = 0.06, kUnderSkin = 0.012; // m
+  // m; deeper under cloth, because the body's triangles are flat where the cloth folds inward between their corners
+  constexpr double kDeepUnderSkin = 0.003, kDeepUnderCloth = 0.010, kReachUnderSkin = 0.012, kReachUnderCloth = 0.06;
   const Faces &faces = character.actor.mesh.faces;
   const Eigen::VectorXd &delta = character.clothness.clothness;
   const RayScene scene({surface, faces}, character.actor.skip_invalid());
@@ -50,8 +51,9 @@ Vertices tuck_body(const Character &character, const Vertices &surface, Vertices
       cloth += at.barycentric[k] * delta[faces(at.face, k)];
     }
     const double out = (p - at.point).dot(normal);
-    if (normal.norm() > 0.1 && out > -kUnder && at.distance < (cloth > 0 ? kUnderCloth : kUnderSkin))
-      body.row(v) = at.point - kUnder * normal.normalized();
+    const double deep = kDeepUnderSkin + cloth * (kDeepUnderCloth - kDeepUnderSkin);
+    if (normal.norm() > 0.1 && out > -deep && at.distance < (cloth > 0 ? kReachUnderCloth : kReachUnderSkin))
+      body.row(v) = at.point - deep * normal.normalized();
   }
   return body;
 }

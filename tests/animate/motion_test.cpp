@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <iomanip>
+#include <random>
 
 using namespace doublet;
 using namespace doublet::testing;
@@ -232,6 +233,39 @@ TEST(MotionFile, FindsTheSkeletonOfAnAmc) {
   EXPECT_THROW(read_motion_file(folder / "walk.amc"), FileNotFound);
   EXPECT_THROW(read_motion_file(folder / "none.bvh"), FileNotFound);
   EXPECT_THROW(read_motion_file(folder / "dance.fbx"), Error);
+}
+
+TEST(MotionFile, DamagedTextIsReadOrRefusedNeverMore) {
+  const Skeleton skeleton = figure_skeleton();
+  const std::string bvh = figure_bvh(skeleton, marching(skeleton, 3, 40), 1, 40);
+  const std::string amc = ":DEGREES\n1\nroot 0 0 0 0 0 0\nupper 0 0\nlower 0\n";
+  std::mt19937 random(7);
+  const auto damaged = [&](std::string text) {
+    for (int i = 0; i < 3 && !text.empty(); ++i) {
+      const std::size_t at = random() % text.size();
+      if (random() % 3 == 0)
+        text.erase(at, random() % 40);
+      else
+        text[at] = static_cast<char>(random() % 96 + 32);
+    }
+    return text;
+  };
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    try {
+      const SourceMotion clip = parse_bvh(damaged(bvh), "a.bvh");
+      const Motion motion = retarget(clip, skeleton);
+      EXPECT_TRUE(motion.dofs.allFinite());
+    } catch (const Error &) {
+      ++refused;
+    }
+    try {
+      parse_acclaim(damaged(kAsf), damaged(amc), "a.asf", "a.amc");
+    } catch (const Error &) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 200);
 }
 
 TEST(Retarget, OwnMotionComesBack) {

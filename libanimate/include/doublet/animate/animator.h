@@ -34,9 +34,9 @@ struct AnimationFrame {
 int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
             const std::function<void(const AnimationFrame &)> &frame, const Context &context = {});
 
-/// The body of a frame with the vertices of its drawn faces brought 4 mm under the surface (V, 3) where they stand out of it: by
-/// up to 6 cm under cloth, 12 mm under skin (there the two are the same surface, fitted with that error). A matter of display
-/// only.
+/// The body of a frame with the vertices of its drawn faces brought under the surface (V, 3) where they stand out of it: 10 mm
+/// deep and from up to 6 cm outside under cloth; 3 mm deep and from up to 12 mm outside under skin, where the two are the same
+/// surface, fitted with that error. A matter of display only.
 Vertices tuck_body(const Character &character, const Vertices &surface, Vertices body);
 
 /// The whole animation in memory.
