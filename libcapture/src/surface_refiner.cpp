@@ -115,9 +115,7 @@ public:
 
   SurfaceEstimate refine(const SurfaceProblem &problem, const Context &context) override {
     prepare(problem);
-    const Eigen::VectorXd rigid = problem.reliability;
-    const Eigen::VectorXd anchor = options_.anchor_cloth + (options_.anchor_rigid - options_.anchor_cloth) * rigid.array();
-    const Vertices target = rigid.asDiagonal() * (problem.skinned - problem.base);
+    const Vertices to_skinned = problem.skinned - problem.base;
     Vertices displacement = Vertices::Zero(problem.base.rows(), 3);
     SurfaceEstimate estimate;
     estimate.vertices = problem.base;
@@ -126,7 +124,11 @@ public:
       const double gate = options_.gate_start * std::pow(options_.gate_end / options_.gate_start, progress);
       const double scale = options_.scale_start * std::pow(options_.scale_end / options_.scale_start, progress);
       const std::vector<Pull> pulls = find_pulls(problem, estimate, displacement, gate, scale, context);
-      displacement = system_.solve(anchor, target, pulls, problem.actor->mesh.faces, displacement);
+      // What has already left its skinned position is not held there: the anchor, too, is robust.
+      const Eigen::ArrayXd away = (displacement - to_skinned).rowwise().squaredNorm().array() / (options_.loose * options_.loose);
+      const Eigen::VectorXd rigid = problem.reliability.array() / (1 + away).square();
+      const Eigen::VectorXd anchor = options_.anchor_cloth + (options_.anchor_rigid - options_.anchor_cloth) * rigid.array();
+      displacement = system_.solve(anchor, rigid.asDiagonal() * to_skinned, pulls, problem.actor->mesh.faces, displacement);
       estimate.vertices = problem.base + displacement;
       context.check_cancelled();
     }
@@ -222,7 +224,7 @@ void SurfaceOptions::validate() const {
   if (iterations < 0 || raster_size < 64 || rims_per_view < 10)
     throw std::invalid_argument(
         "SurfaceOptions: iterations must be at least 0, raster_size at least 64, rims_per_view at least 10");
-  for (double value : {gate_start, gate_end, scale_start, scale_end, bending, stretching, anchor_cloth, anchor_rigid})
+  for (double value : {gate_start, gate_end, scale_start, scale_end, bending, stretching, anchor_cloth, anchor_rigid, loose})
     if (!(value > 0))
       throw std::invalid_argument("SurfaceOptions: gates, scales and weights must be positive, got " + std::to_string(value));
   if (!(sift_weight >= 0))

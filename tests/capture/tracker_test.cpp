@@ -118,12 +118,14 @@ TEST(Tracker, RefinementFindsABulge) {
     truth.push_back(pose_surface(actor, dofs.row(t), bulge * (t / 7.0)).vertices);
   Frames frames(actor, rig, truth);
   const CaptureResult result = track(actor, frames, rig);
-  const Vertices rest = pose_surface(actor, dofs.row(0), {}).vertices;
-  const double without = mean_distance(rest, truth.back());
-  EXPECT_GT(without, 0.008);
-  const Vertices off = result.performance.surface.frames.back() - truth.back();
-  const double left = off.cwiseProduct(vertex_normals(truth.back(), actor.mesh.faces)).rowwise().sum().cwiseAbs().mean();
-  EXPECT_LT(left, 0.4 * without);                     // across the surface; along it, vertices may slide
+  const Vertices across = vertex_normals(truth.back(), actor.mesh.faces);
+  double left = 0, moved = 0;
+  for (int i = 0; i < bulge.rows(); ++i)
+    if (bulge.row(i).norm() > 0.02) {
+      left += std::abs((result.performance.surface.frames.back().row(i) - truth.back().row(i)).dot(across.row(i)));
+      moved += bulge.row(i).norm();
+    }
+  EXPECT_LT(left, 0.25 * moved);                      // of 3.7 cm on average; a pixel is 1.1 cm
   EXPECT_LT(joint_error(result, actor, dofs), 0.006); // the bulge is no motion of the skeleton
 }
 

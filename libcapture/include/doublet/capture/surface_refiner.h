@@ -33,6 +33,7 @@ struct SurfaceOptions {
   double stretching = 0.02;   ///< weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does
   double anchor_cloth = 0.01; ///< pull of a loose vertex to its expected position, against one rim correspondence
   double anchor_rigid = 0.5;  ///< the same for a vertex that moves with the skeleton, to its skinned position
+  double loose = 0.02;        ///< m; a vertex this far from its skinned position is held there with a quarter of anchor_rigid
   void validate() const;
 };
 
