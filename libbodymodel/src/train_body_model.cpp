@@ -55,7 +55,13 @@ Population read_population(const Npz &file) {
   file.require_shape("joint_rotvec", {p.meshes, p.joints, 3});
   p.angles = file.values("joint_rotvec");
   p.quantised = file.values("vertices_q");
-  p.scale = file.values("vertex_scale").at(0);
+  const std::vector<double> scale = file.values("vertex_scale");
+  if (scale.size() != 1 || !(scale[0] > 0))
+    throw Error(file.source + ": array 'vertex_scale': expected one number > 0");
+  p.scale = scale[0];
+  file.require_shape("faces", {-1, 3});
+  if (p.joints > 256)
+    throw Error(file.source + ": array 'joint_names': expected at most 256 joints, found " + std::to_string(p.joints));
   file.require_shape("vertex_offset", {3});
   const auto offset = file.values("vertex_offset");
   p.offset << offset[0], offset[1], offset[2];

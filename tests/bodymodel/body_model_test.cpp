@@ -147,7 +147,8 @@ TEST(TrainBodyModel, RejectsBrokenPopulations) {
   options.individuals = {999};
   EXPECT_THROW(train_body_model(t.population, out, options), std::invalid_argument);
   const Npz good = toy::population(3);
-  for (const char *name : {"vertices_q", "skin_weights", "joint_rotvec", "joint_parents", "landmark_indices"}) {
+  for (const char *name :
+       {"vertices_q", "vertex_scale", "faces", "skin_weights", "joint_rotvec", "joint_parents", "landmark_indices"}) {
     Npz broken = good;
     broken.arrays.erase(name);
     broken.write(t.folder.path() / "broken.npz");
