@@ -233,6 +233,21 @@ void parse_extension(const glb::Reader &reader, const json &j, Character &c) {
   }
 }
 
+/// Rounds to what the file holds, so that what is derived from it (display weights, normals) is the same after a read.
+template <class Matrix> void round_to_float(Matrix &m) {
+  m = m.template cast<float>().template cast<double>().eval();
+}
+
+Character as_stored(Character c) {
+  round_to_float(c.actor.mesh.vertices);
+  round_to_float(c.actor.weights);
+  round_to_float(c.body.vertices);
+  round_to_float(c.body_weights);
+  round_to_float(c.high.vertices);
+  round_to_float(c.texcoords);
+  return c;
+}
+
 /// What other viewers show: the skinned display mesh and the part of the body that cloth hides.
 void add_display(glb::Writer &writer, const Character &c, int texture_image) {
   glb::add_joint_nodes(writer, c.actor.skeleton);
@@ -253,8 +268,9 @@ void add_display(glb::Writer &writer, const Character &c, int texture_image) {
 
 } // namespace
 
-void write_character(const std::filesystem::path &path, const Character &character) {
-  validate_character(character);
+void write_character(const std::filesystem::path &path, const Character &exact) {
+  validate_character(exact);
+  const Character character = as_stored(exact);
   glb::Writer writer;
   const int texture_image = character.texture.empty() ? -1 : writer.image(character.texture);
   add_display(writer, character, texture_image);

@@ -80,9 +80,8 @@ TEST(CharacterFile, ComesBackAsItWas) {
   write_character(folder / "character.glb", c);
   const Character once = read_character(folder / "character.glb");
   expect_same(c, once);
-  write_character(folder / "second.glb", once); // from float32 values a trip changes nothing at all
-  write_character(folder / "again.glb", read_character(folder / "second.glb"));
-  EXPECT_TRUE(read_text(folder / "second.glb") == read_text(folder / "again.glb"));
+  write_character(folder / "again.glb", once);
+  EXPECT_TRUE(read_text(folder / "character.glb") == read_text(folder / "again.glb"));
 }
 
 TEST(CharacterFile, WithoutBodyTextureAndHighMesh) {
