@@ -15,8 +15,8 @@ struct SegmentOptions {
   /// t_cloth, m: skin stays below it but at bending joints; loose cloth has 20 mm and more.
   double cloth_threshold = 0.010;
   double diffusion = 0.03; ///< m, length scale of the implicit diffusion
-  /// m^2 (25 x 25 cm, a short sleeve): smaller islands of cloth are dropped and smaller holes filled.
-  double smallest_region = 0.06;
+  /// m^2 (28 x 28 cm, about a short sleeve): smaller islands of cloth are dropped and smaller holes filled.
+  double smallest_region = 0.08;
   OppositeOptions opposite; ///< the rays
   void validate() const;
 };
