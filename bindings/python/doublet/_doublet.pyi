@@ -1,0 +1,2883 @@
+"""
+Native half of doublet; use the package `doublet`.
+"""
+from __future__ import annotations
+import collections.abc
+import numpy
+import numpy.typing
+import os
+import pathlib
+import typing
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTrackerOptions', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'ParameterSpace', 'PerformanceCapture', 'PoseOptions', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceOptions', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'character_meshes', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'simulate_reference', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+class Error(RuntimeError):
+    pass
+class Context:
+    """
+    Progress, log, cancellation and threads of a long call. Ctrl-C always works.
+    """
+    def __init__(self, *, progress: collections.abc.Callable[[str, float], None] = None, log: collections.abc.Callable[[str], None] = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+        """
+        progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.
+        """
+    def report(self, stage: str, fraction: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def say(self, line: str) -> None:
+        ...
+    @property
+    def threads(self) -> int:
+        ...
+    @threads.setter
+    def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class MeshReport:
+    def __repr__(self) -> str:
+        ...
+    @property
+    def boundary_edges(self) -> int:
+        ...
+    @property
+    def closed(self) -> bool:
+        ...
+    @property
+    def components(self) -> int:
+        ...
+    @property
+    def degenerate_faces(self) -> int:
+        ...
+    @property
+    def faces(self) -> int:
+        ...
+    @property
+    def non_finite_vertices(self) -> int:
+        ...
+    @property
+    def non_manifold_edges(self) -> int:
+        ...
+    @property
+    def out_of_range_faces(self) -> int:
+        ...
+    @property
+    def unused_vertices(self) -> int:
+        ...
+    @property
+    def usable(self) -> bool:
+        ...
+    @property
+    def vertices(self) -> int:
+        ...
+class Mesh:
+    """
+    Triangle mesh: vertices (V, 3) m, faces (F, 3).
+    """
+    @typing.overload
+    def __init__(self) -> None:
+        ...
+    @typing.overload
+    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+        ...
+    def report(self) -> MeshReport:
+        ...
+    @property
+    def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
+        ...
+    @faces.setter
+    def faces(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+        ...
+    @property
+    def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @vertices.setter
+    def vertices(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+class MeshSequence:
+    """
+    A deforming surface: faces (F, 3), frames (T, V, 3) m.
+    """
+    @typing.overload
+    def __init__(self) -> None:
+        ...
+    @typing.overload
+    def __init__(self, faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+    def __len__(self) -> int:
+        ...
+    @property
+    def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
+        ...
+    @faces.setter
+    def faces(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+        ...
+    @property
+    def frames(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, V, 3) m; a copy
+        """
+    @frames.setter
+    def frames(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+class Camera:
+    """
+    Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.
+    """
+    name: str
+    def __init__(self) -> None:
+        ...
+    def project(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
+        """
+        Pixel of a world point.
+        """
+    def resized(self, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
+        ...
+    @property
+    def K(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        ...
+    @K.setter
+    def K(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None:
+        ...
+    @property
+    def R(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
+        ...
+    @R.setter
+    def R(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None:
+        ...
+    @property
+    def centre(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @property
+    def distortion(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[5, 1]"]:
+        """
+        k1 k2 p1 p2 k3
+        """
+    @distortion.setter
+    def distortion(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[5, 1]"]) -> None:
+        ...
+    @property
+    def height(self) -> int:
+        ...
+    @height.setter
+    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def t(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @t.setter
+    def t(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def width(self) -> int:
+        ...
+    @width.setter
+    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class RayScene:
+    """
+    Rays and closest points against one mesh.
+    """
+    def __init__(self, mesh: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+        ...
+    def cast(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], min_distance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+        """
+        (face, distance) of the first hits of N rays; face -1 and distance inf where there is none.
+        """
+    def closest(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]]:
+        """
+        (face, distance, point) of the closest surface point of N points.
+        """
+class JointMark:
+    """
+    A joint as the user marks it.
+    """
+    name: str
+    parent: str
+    def __init__(self, name: str, parent: str, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], dof: typing.SupportsInt | typing.SupportsIndex | None = None) -> None:
+        ...
+    @property
+    def dof(self) -> int | None:
+        ...
+    @dof.setter
+    def dof(self, arg0: typing.SupportsInt | typing.SupportsIndex | None) -> None:
+        ...
+    @property
+    def position(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @position.setter
+    def position(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+class Skeleton:
+    """
+    Kinematic skeleton; joints are sorted parents first.
+    """
+    def __init__(self, marks: collections.abc.Sequence[JointMark]) -> None:
+        ...
+    def find(self, name: str) -> int:
+        ...
+    def forward_kinematics(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (J, 4, 4) world_from_rest
+        """
+    def joint_positions(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (J, 3) m
+        """
+    @property
+    def dof_names(self) -> list[str]:
+        ...
+    @property
+    def joint_names(self) -> list[str]:
+        ...
+    @property
+    def joint_parents(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
+        ...
+    @property
+    def joint_rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @property
+    def lower(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def upper(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+class ViewObservation:
+    """
+    2D data of one camera at one frame, pixels.
+    """
+    def __init__(self, contour: typing.Annotated[numpy.typing.ArrayLike, numpy.float32, "[m, 2]"], matches: typing.Annotated[numpy.typing.ArrayLike, numpy.float32, "[m, 4]"]) -> None:
+        ...
+    @property
+    def contour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], "[m, 2]"]:
+        """
+        (N, 2) boundary of the measured silhouette
+        """
+    @property
+    def matches(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], "[m, 4]"]:
+        """
+        (N, 4) features at t-1 (x, y) and t (x, y)
+        """
+class Observations:
+    def __init__(self) -> None:
+        ...
+    @property
+    def cameras(self) -> list[Camera]:
+        ...
+    @cameras.setter
+    def cameras(self, arg0: collections.abc.Sequence[Camera]) -> None:
+        ...
+    @property
+    def frames(self) -> list[int]:
+        ...
+    @frames.setter
+    def frames(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def views(self) -> list[list[ViewObservation]]:
+        """
+        [frame][camera]; a copy
+        """
+    @views.setter
+    def views(self, arg0: collections.abc.Sequence[collections.abc.Sequence[ViewObservation]]) -> None:
+        ...
+class RiggedMesh:
+    """
+    Surface in the scan pose, skeleton and skin weights (actor.npz).
+    """
+    mesh: Mesh
+    skeleton: Skeleton
+    def __init__(self, mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], skeleton: Skeleton) -> None:
+        ...
+    def skip_invalid(self) -> list[int]:
+        ...
+    @property
+    def face_valid(self) -> list[int]:
+        """
+        (F) 0 = invented over a large hole
+        """
+    @face_valid.setter
+    def face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def weights(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (V, J)
+        """
+    @weights.setter
+    def weights(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+class ReferencePerformance:
+    """
+    The captured performance (performance.npz).
+    """
+    surface: MeshSequence
+    def __init__(self) -> None:
+        ...
+    @property
+    def dofs(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (T, D)
+        """
+    @dofs.setter
+    def dofs(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    @property
+    def frames(self) -> list[int]:
+        """
+        (T) video frame numbers
+        """
+    @frames.setter
+    def frames(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def joints(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, J, 3) m; a copy
+        """
+    @joints.setter
+    def joints(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+class Clothness:
+    """
+    Which vertices are loose cloth (segmentation.npz).
+    """
+    @typing.overload
+    def __init__(self) -> None:
+        ...
+    @typing.overload
+    def __init__(self, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], region: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+        ...
+    @property
+    def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) in [0, 1]
+        """
+    @clothness.setter
+    def clothness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def region(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
+        """
+        (V), -1 = rigid
+        """
+    @region.setter
+    def region(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+        ...
+    @property
+    def region_count(self) -> int:
+        ...
+    @region_count.setter
+    def region_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sigma(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) m
+        """
+    @sigma.setter
+    def sigma(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+class TaperedCapsule:
+    """
+    Collision proxy carried by a joint.
+    """
+    def __init__(self, joint: typing.SupportsInt | typing.SupportsIndex, p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: typing.SupportsFloat | typing.SupportsIndex, r1: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def joint(self) -> int:
+        ...
+    @joint.setter
+    def joint(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def p0(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @p0.setter
+    def p0(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def p1(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @p1.setter
+    def p1(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def r0(self) -> float:
+        ...
+    @r0.setter
+    def r0(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def r1(self) -> float:
+        ...
+    @r1.setter
+    def r1(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class BodyFit:
+    """
+    The body under the clothes, scan pose (body.npz).
+    """
+    body: Mesh
+    model: str
+    def __init__(self) -> None:
+        ...
+    @property
+    def coefficients(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @coefficients.setter
+    def coefficients(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def residual(self) -> float:
+        """
+        m
+        """
+    @residual.setter
+    def residual(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class SessionCamera:
+    name: str
+    def __init__(self) -> None:
+        ...
+    @property
+    def masks(self) -> pathlib.Path:
+        """
+        the same kinds; empty = key the video
+        """
+    @masks.setter
+    def masks(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def video(self) -> pathlib.Path:
+        """
+        mp4 or printf pattern of images; empty if there are only masks
+        """
+    @video.setter
+    def video(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+class Session:
+    """
+    A capture session on disk, checked as a whole.
+    """
+    def __init__(self, folder: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def cameras(self) -> list[SessionCamera]:
+        ...
+    @property
+    def folder(self) -> pathlib.Path:
+        ...
+    @property
+    def fps(self) -> float:
+        ...
+    @property
+    def frame_count(self) -> int:
+        ...
+    @property
+    def joints(self) -> list[JointMark]:
+        ...
+    @property
+    def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
+        ...
+    @property
+    def name(self) -> str:
+        ...
+    @property
+    def new_motion(self) -> pathlib.Path:
+        ...
+    @property
+    def rig(self) -> list[Camera]:
+        ...
+    @property
+    def scan(self) -> pathlib.Path:
+        ...
+class FrameSource:
+    """
+    Swap point: where the images and masks come from.
+    """
+    @staticmethod
+    def open(session: Session) -> FrameSource:
+        ...
+    def __init__(self) -> None:
+        ...
+    def image(self, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+        """
+        (H, W, 3) uint8, BGR
+        """
+    def mask(self, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+        """
+        (H, W) uint8, 255 = actor
+        """
+    @property
+    def camera_count(self) -> int:
+        ...
+    @property
+    def frame_count(self) -> int:
+        ...
+class ChromaKeyOptions:
+    """
+    Options of the built-in SilhouetteExtractor.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def smallest_blob(self) -> int:
+        """
+        px at 1004 x 1004, smaller islands and holes are dropped
+        """
+    @smallest_blob.setter
+    def smallest_blob(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_key_share(self) -> float:
+        """
+        of the image border that must show one saturated hue
+        """
+    @smallest_key_share.setter
+    def smallest_key_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class SilhouetteExtractor:
+    """
+    Swap point: image -> mask (255 = actor).
+    """
+    @staticmethod
+    def create(options: ChromaKeyOptions = ...) -> SilhouetteExtractor:
+        ...
+    def __init__(self) -> None:
+        ...
+    def extract(self, camera: typing.SupportsInt | typing.SupportsIndex, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+        ...
+    def train(self, camera: typing.SupportsInt | typing.SupportsIndex, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
+        ...
+class TemplateOptions:
+    """
+    Options of build_template.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def density_drop(self) -> float:
+        """
+        octree levels by which the scan is sparser there than usual
+        """
+    @density_drop.setter
+    def density_drop(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def high_triangles(self) -> int:
+        """
+        triangles of the display surface
+        """
+    @high_triangles.setter
+    def high_triangles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def hole_gap(self) -> float:
+        """
+        m, a point farther than this from the scan lies over a hole
+        """
+    @hole_gap.setter
+    def hole_gap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def large_hole(self) -> float:
+        """
+        m^2, holes from this size on are suggested as invalid
+        """
+    @large_hole.setter
+    def large_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def narrow_hole(self) -> float:
+        """
+        m, parts of a hole narrower than this stay valid
+        """
+    @narrow_hole.setter
+    def narrow_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def poisson_depth(self) -> int:
+        """
+        octree depth of the Poisson reconstruction
+        """
+    @poisson_depth.setter
+    def poisson_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sheet_hole(self) -> float:
+        """
+        m^2, the same for holes with two rims or more
+        """
+    @sheet_hole.setter
+    def sheet_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def triangles(self) -> int:
+        """
+        triangles of the working surface
+        """
+    @triangles.setter
+    def triangles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class HeatWeightOptions:
+    """
+    Options of heat_weights.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def c(self) -> float:
+        """
+        heat of the nearest visible bones, H_ii = c / d^2
+        """
+    @c.setter
+    def c(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Template:
+    """
+    The closed surface of a scan, its two decimations and the invented faces.
+    """
+    high: Mesh
+    mesh: Mesh
+    def __init__(self) -> None:
+        ...
+    @property
+    def face_valid(self) -> list[int]:
+        ...
+    @face_valid.setter
+    def face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def high_face_valid(self) -> list[int]:
+        ...
+    @high_face_valid.setter
+    def high_face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def invalid_area(self) -> float:
+        """
+        m^2
+        """
+    @invalid_area.setter
+    def invalid_area(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class FeatureTrackerOptions:
+    """
+    Options of the SIFT feature tracker.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def budget(self) -> int:
+        """
+        strongest features kept per image
+        """
+    @budget.setter
+    def budget(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def erode(self) -> int:
+        """
+        px at 1004 px image height, distance kept from the silhouette
+        """
+    @erode.setter
+    def erode(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_displacement(self) -> float:
+        """
+        between two frames, of the silhouette height
+        """
+    @max_displacement.setter
+    def max_displacement(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def ratio(self) -> float:
+        """
+        best / second best descriptor distance
+        """
+    @ratio.setter
+    def ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class PoseOptions:
+    """
+    Options of the pose optimiser.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def first_iterations(self) -> int:
+        """
+        the same for the first frame
+        """
+    @first_iterations.setter
+    def first_iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def gate_end(self) -> float:
+        """
+        m, the same, last iteration
+        """
+    @gate_end.setter
+    def gate_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def gate_start(self) -> float:
+        """
+        m, rim matches farther away are dropped, first iteration
+        """
+    @gate_start.setter
+    def gate_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        renderings with re-matching
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def limit_weight(self) -> float:
+        """
+        of a passed joint limit against a rim
+        """
+    @limit_weight.setter
+    def limit_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def prior_angle(self) -> float:
+        """
+        rad, expected error of the prediction
+        """
+    @prior_angle.setter
+    def prior_angle(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def prior_shift(self) -> float:
+        """
+        m, the same for the root
+        """
+    @prior_shift.setter
+    def prior_shift(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def prior_weight(self) -> float:
+        """
+        of the prediction against a rim
+        """
+    @prior_weight.setter
+    def prior_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def raster_size(self) -> int:
+        """
+        px, longest side of the renderings
+        """
+    @raster_size.setter
+    def raster_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rims_per_view(self) -> int:
+        """
+        correspondences per view and direction
+        """
+    @rims_per_view.setter
+    def rims_per_view(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def scale_end(self) -> float:
+        """
+        m, the same, last iteration
+        """
+    @scale_end.setter
+    def scale_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def scale_start(self) -> float:
+        """
+        m, robust scale of the residuals, first iteration
+        """
+    @scale_start.setter
+    def scale_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sift_weight(self) -> float:
+        """
+        of a feature track against a rim
+        """
+    @sift_weight.setter
+    def sift_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class SurfaceOptions:
+    """
+    Options of the surface refiner.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def anchor_cloth(self) -> float:
+        """
+        pull of a loose vertex to its expected position
+        """
+    @anchor_cloth.setter
+    def anchor_cloth(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def anchor_rigid(self) -> float:
+        """
+        pull of a rigid vertex to its skinned position
+        """
+    @anchor_rigid.setter
+    def anchor_rigid(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def bending(self) -> float:
+        """
+        weight of the Laplacian of the displacement
+        """
+    @bending.setter
+    def bending(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def gate_end(self) -> float:
+        """
+        m, the same, last iteration
+        """
+    @gate_end.setter
+    def gate_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def gate_start(self) -> float:
+        """
+        m, rim matches farther away are dropped, first iteration
+        """
+    @gate_start.setter
+    def gate_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        renderings with re-matching
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def raster_size(self) -> int:
+        """
+        px, longest side of the renderings
+        """
+    @raster_size.setter
+    def raster_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rims_per_view(self) -> int:
+        """
+        correspondences per view and direction
+        """
+    @rims_per_view.setter
+    def rims_per_view(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def scale_end(self) -> float:
+        """
+        m, the same, last iteration
+        """
+    @scale_end.setter
+    def scale_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def scale_start(self) -> float:
+        """
+        m, robust scale of the residuals, first iteration
+        """
+    @scale_start.setter
+    def scale_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sift_weight(self) -> float:
+        """
+        of a feature track against a rim
+        """
+    @sift_weight.setter
+    def sift_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stretching(self) -> float:
+        """
+        weight of differences of neighbours
+        """
+    @stretching.setter
+    def stretching(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class CaptureOptions:
+    """
+    Options of PerformanceCapture.
+    """
+    features: FeatureTrackerOptions
+    pose: PoseOptions
+    surface: SurfaceOptions
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def first_frame(self) -> int:
+        """
+        first video frame
+        """
+    @first_frame.setter
+    def first_frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def frame_count(self) -> int:
+        """
+        number of frames, -1 = to the end
+        """
+    @frame_count.setter
+    def frame_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def loose(self) -> float:
+        """
+        m, offset at which a vertex tells half as much about the pose
+        """
+    @loose.setter
+    def loose(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def offset_decay(self) -> float:
+        """
+        share of the non-rigid offset expected again in the next frame
+        """
+    @offset_decay.setter
+    def offset_decay(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smooth_order(self) -> int:
+        """
+        of the Savitzky-Golay filter
+        """
+    @smooth_order.setter
+    def smooth_order(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smooth_window(self) -> int:
+        """
+        frames of the Savitzky-Golay filter, 1 = off
+        """
+    @smooth_window.setter
+    def smooth_window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def use_sift(self) -> bool:
+        """
+        use texture features; off: silhouettes alone
+        """
+    @use_sift.setter
+    def use_sift(self, arg0: bool) -> None:
+        ...
+    @property
+    def velocity_damping(self) -> float:
+        """
+        of the constant-velocity prediction, 0 = stay
+        """
+    @velocity_damping.setter
+    def velocity_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class CaptureSummary:
+    def __init__(self) -> None:
+        ...
+    @property
+    def jitter_after(self) -> float:
+        """
+        the same after smoothing
+        """
+    @jitter_after.setter
+    def jitter_after(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def jitter_before(self) -> float:
+        """
+        rad, mean |second difference| of the joint angles
+        """
+    @jitter_before.setter
+    def jitter_before(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def measure_seconds(self) -> float:
+        ...
+    @measure_seconds.setter
+    def measure_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def pose_seconds(self) -> float:
+        ...
+    @pose_seconds.setter
+    def pose_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rim_px(self) -> list[float]:
+        """
+        (T) mean residual of the outlines, pixels
+        """
+    @rim_px.setter
+    def rim_px(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def seconds_per_frame(self) -> float:
+        ...
+    @seconds_per_frame.setter
+    def seconds_per_frame(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sift_px(self) -> list[float]:
+        """
+        (T) mean residual of the features, pixels
+        """
+    @sift_px.setter
+    def sift_px(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def silhouette_iou(self) -> list[float]:
+        """
+        (T) mean over cameras, against the measured masks
+        """
+    @silhouette_iou.setter
+    def silhouette_iou(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def surface_seconds(self) -> float:
+        ...
+    @surface_seconds.setter
+    def surface_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def views(self) -> list[int]:
+        """
+        (T) cameras that took part
+        """
+    @views.setter
+    def views(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+class CaptureResult:
+    observations: Observations
+    performance: ReferencePerformance
+    summary: CaptureSummary
+    def __init__(self) -> None:
+        ...
+class PerformanceCapture:
+    """
+    Stage: video -> reference performance.
+    """
+    @staticmethod
+    def create(options: CaptureOptions = ...) -> PerformanceCapture:
+        ...
+    def __init__(self) -> None:
+        ...
+    def capture(self, actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor, context: Context = ...) -> CaptureResult:
+        ...
+class SegmentOptions:
+    """
+    Options of ClothSegmenter.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def cloth_threshold(self) -> float:
+        """
+        t_cloth, m: above, a vertex is cloth
+        """
+    @cloth_threshold.setter
+    def cloth_threshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def diffusion(self) -> float:
+        """
+        length scale of the diffusion, m
+        """
+    @diffusion.setter
+    def diffusion(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rigid_threshold(self) -> float:
+        """
+        t_rigid, m: below, a vertex is rigid
+        """
+    @rigid_threshold.setter
+    def rigid_threshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_region(self) -> float:
+        """
+        smaller islands and holes are dropped, m^2
+        """
+    @smallest_region.setter
+    def smallest_region(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class ClothSegmenter:
+    """
+    Stage: mesh sequence -> clothness. Subclass to replace it.
+    """
+    @staticmethod
+    def create(options: SegmentOptions = ...) -> ClothSegmenter:
+        ...
+    def __init__(self) -> None:
+        ...
+    def segment(self, sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], context: Context = ...) -> Clothness:
+        ...
+class BodyModel:
+    """
+    vertices = mean + components s, s ~ N(0, I).
+    """
+    @staticmethod
+    def read(path: os.PathLike | str | bytes) -> BodyModel:
+        ...
+    def component(self, k: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (B, 3) m per standard deviation
+        """
+    def vertices(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (B, 3) m
+        """
+    @property
+    def component_count(self) -> int:
+        ...
+    @property
+    def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
+        ...
+    @property
+    def landmarks(self) -> dict[str, int]:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        name and hash of the file
+        """
+    @property
+    def vertex_count(self) -> int:
+        ...
+class BodyFitOptions:
+    """
+    Options of BodyFitter.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def cloth_margin(self) -> float:
+        """
+        m, the body stays this far inside cloth
+        """
+    @cloth_margin.setter
+    def cloth_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        of ICP
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def joint_deviation(self) -> float:
+        """
+        m, how far a marked joint is trusted
+        """
+    @joint_deviation.setter
+    def joint_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def landmark_deviation(self) -> float:
+        """
+        m, how far a clicked landmark is trusted
+        """
+    @landmark_deviation.setter
+    def landmark_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def outlier_scale(self) -> float:
+        """
+        m, of the robust weights (hair, shoes)
+        """
+    @outlier_scale.setter
+    def outlier_scale(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def scale_deviation(self) -> float:
+        """
+        relative, of the similarity's scale
+        """
+    @scale_deviation.setter
+    def scale_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def surface_deviation(self) -> float:
+        """
+        m, of skin around the model, per 4 cm^2 of surface
+        """
+    @surface_deviation.setter
+    def surface_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class ProxyOptions:
+    """
+    Options of fit_proxies.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def capsules_per_bone(self) -> int:
+        """
+        1 to 3
+        """
+    @capsules_per_bone.setter
+    def capsules_per_bone(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def clearance(self) -> float:
+        """
+        m, how far the capsules stay inside the body on average
+        """
+    @clearance.setter
+    def clearance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def cloth_margin(self) -> float:
+        """
+        m, at least this far inside the cloth of the scan pose
+        """
+    @cloth_margin.setter
+    def cloth_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        of the least squares
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class BodyFitter:
+    """
+    Stage: dressed surface -> body underneath. Subclass to replace it.
+    """
+    @staticmethod
+    def create(options: BodyFitOptions = ...) -> BodyFitter:
+        ...
+    def __init__(self) -> None:
+        ...
+    def fit(self, actor: RiggedMesh, clothness: Clothness, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
+        ...
+class ProxyStatistics:
+    """
+    How well the capsules stand for the body under cloth, m.
+    """
+    @property
+    def capsules(self) -> int:
+        ...
+    @property
+    def cloth_clearance(self) -> float:
+        ...
+    @property
+    def largest_bulge(self) -> float:
+        ...
+    @property
+    def mean_distance(self) -> float:
+        ...
+    @property
+    def percentile95(self) -> float:
+        ...
+    @property
+    def samples(self) -> int:
+        ...
+class TrainOptions:
+    """
+    Options of train_body_model.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def command(self) -> str:
+        """
+        recorded in the file
+        """
+    @command.setter
+    def command(self, arg0: str) -> None:
+        ...
+    @property
+    def components(self) -> int:
+        """
+        shape components kept, at most meshes - 1
+        """
+    @components.setter
+    def components(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def individuals(self) -> list[int]:
+        """
+        train on these only (empty = all)
+        """
+    @individuals.setter
+    def individuals(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def licence(self) -> str:
+        """
+        of the population; copied into the file
+        """
+    @licence.setter
+    def licence(self, arg0: str) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        of the model
+        """
+    @name.setter
+    def name(self, arg0: str) -> None:
+        ...
+    @property
+    def pose_floor(self) -> float:
+        """
+        rad, added in quadrature to every pose deviation
+        """
+    @pose_floor.setter
+    def pose_floor(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class TrainSummary:
+    @property
+    def components(self) -> int:
+        ...
+    @property
+    def meshes(self) -> int:
+        ...
+    @property
+    def reconstruction_mm(self) -> float:
+        """
+        mean vertex error of the training set
+        """
+    @property
+    def variance_kept(self) -> float:
+        """
+        fraction
+        """
+    @property
+    def vertices(self) -> int:
+        ...
+class Material:
+    """
+    Material of a piece of cloth; see Material.boxes() for units and ranges.
+    """
+    @staticmethod
+    def boxes() -> dict:
+        ...
+    def __init__(self, **kwargs) -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def d_n(self) -> float:
+        ...
+    @d_n.setter
+    def d_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def d_t(self) -> float:
+        ...
+    @d_t.setter
+    def d_t(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def k_bend(self) -> float:
+        ...
+    @k_bend.setter
+    def k_bend(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def k_damping(self) -> float:
+        ...
+    @k_damping.setter
+    def k_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def k_friction(self) -> float:
+        ...
+    @k_friction.setter
+    def k_friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def k_stretch(self) -> float:
+        ...
+    @k_stretch.setter
+    def k_stretch(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Capsule:
+    """
+    Tapered capsule in the world, m.
+    """
+    def __init__(self, p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: typing.SupportsFloat | typing.SupportsIndex, r1: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def p0(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @p0.setter
+    def p0(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def p1(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @p1.setter
+    def p1(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def r0(self) -> float:
+        ...
+    @r0.setter
+    def r0(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def r1(self) -> float:
+        ...
+    @r1.setter
+    def r1(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class ClothState:
+    """
+    Positions (N, 3) m and velocities (N, 3) m/s; copy() saves it.
+    """
+    def __init__(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    def copy(self) -> ClothState:
+        ...
+    @property
+    def positions(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @positions.setter
+    def positions(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
+    def velocities(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @velocities.setter
+    def velocities(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+class StepInputs:
+    """
+    What the world does during one frame.
+    """
+    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: typing.SupportsFloat | typing.SupportsIndex = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...) -> None:
+        ...
+    @property
+    def capsules(self) -> list[Capsule]:
+        ...
+    @capsules.setter
+    def capsules(self, arg0: collections.abc.Sequence[Capsule]) -> None:
+        ...
+    @property
+    def dt(self) -> float:
+        """
+        s
+        """
+    @dt.setter
+    def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def previous_capsules(self) -> list[Capsule]:
+        ...
+    @previous_capsules.setter
+    def previous_capsules(self, arg0: collections.abc.Sequence[Capsule]) -> None:
+        ...
+    @property
+    def previous_targets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @previous_targets.setter
+    def previous_targets(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
+    def targets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @targets.setter
+    def targets(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
+    def wind(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        m/s
+        """
+    @wind.setter
+    def wind(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+class ClothOptions:
+    """
+    Settings of the cloth solver.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        m/s^2
+        """
+    @gravity.setter
+    def gravity(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        Gauss-Seidel sweeps a step
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def restitution(self) -> float:
+        """
+        0 = inelastic
+        """
+    @restitution.setter
+    def restitution(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def self_collision(self) -> bool:
+        """
+        cloth collides with itself
+        """
+    @self_collision.setter
+    def self_collision(self, arg0: bool) -> None:
+        ...
+    @property
+    def self_thickness(self) -> float:
+        """
+        m, kept between cloth and itself
+        """
+    @self_thickness.setter
+    def self_thickness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def substeps(self) -> int:
+        """
+        steps a frame
+        """
+    @substeps.setter
+    def substeps(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def thickness(self) -> float:
+        """
+        m, kept between cloth and proxies
+        """
+    @thickness.setter
+    def thickness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class ClothModel:
+    """
+    Topology and rest state of a piece of cloth; immutable.
+    """
+    def __init__(self, rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: ClothOptions = ...) -> None:
+        ...
+    @property
+    def inverse_masses(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def options(self) -> ClothOptions:
+        ...
+    @property
+    def vertex_count(self) -> int:
+        ...
+class ClothSolver:
+    """
+    Advances a state by a frame. Subclass to replace it.
+    """
+    @staticmethod
+    def create(model: ClothModel) -> ClothSolver:
+        ...
+    def __init__(self, model: ClothModel) -> None:
+        ...
+    def step(self, state: ClothState, inputs: StepInputs, material: Material) -> None:
+        ...
+    @property
+    def model(self) -> ClothModel:
+        ...
+class PosedFrame:
+    """
+    A pose worked out once: skinned surface and proxies.
+    """
+    @property
+    def capsules(self) -> list[Capsule]:
+        ...
+    @property
+    def skinned(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m
+        """
+class CharacterState:
+    """
+    Simulated state of all cloth regions; copy() saves it.
+    """
+    def copy(self) -> CharacterState:
+        ...
+    @property
+    def regions(self) -> list[ClothState]:
+        ...
+    @regions.setter
+    def regions(self, arg0: collections.abc.Sequence[ClothState]) -> None:
+        ...
+class CharacterSimulator:
+    """
+    The forward model: pose in, surface out.
+    """
+    def __init__(self, actor: RiggedMesh, clothness: Clothness, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ...) -> None:
+        ...
+    def pose(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> PosedFrame:
+        ...
+    def settle(self, state: CharacterState, frame: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, frames: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    def start(self, frame: PosedFrame, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None) -> CharacterState:
+        ...
+    def step(self, state: CharacterState, previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    def surface(self, state: CharacterState, frame: PosedFrame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m
+        """
+    @property
+    def actor(self) -> RiggedMesh:
+        ...
+    @property
+    def region_count(self) -> int:
+        ...
+class SolverSettings:
+    """
+    How the cloth was simulated when its material was estimated.
+    """
+    cloth: ClothOptions
+    def __init__(self, dt: typing.SupportsFloat | typing.SupportsIndex = 0.025, cloth: ClothOptions = ...) -> None:
+        ...
+    @property
+    def dt(self) -> float:
+        """
+        s, one frame
+        """
+    @dt.setter
+    def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Character:
+    """
+    The animatable character: everything that a new animation needs (character.glb).
+    """
+    actor: RiggedMesh
+    body: Mesh
+    clothness: Clothness
+    high: Mesh
+    name: str
+    solver: SolverSettings
+    @staticmethod
+    def read(path: os.PathLike | str | bytes) -> Character:
+        ...
+    def write(self, path: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def body_colour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        linear RGB in [0, 1]
+        """
+    @body_colour.setter
+    def body_colour(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def body_shown(self) -> list[int]:
+        """
+        (FB) 1 = hidden under cloth in the scan, must be drawn
+        """
+    @body_shown.setter
+    def body_shown(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def high_valid(self) -> list[int]:
+        ...
+    @high_valid.setter
+    def high_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def materials(self) -> list[Material]:
+        ...
+    @materials.setter
+    def materials(self, arg0: collections.abc.Sequence[Material]) -> None:
+        ...
+    @property
+    def proxies(self) -> list[TaperedCapsule]:
+        ...
+    @proxies.setter
+    def proxies(self, arg0: collections.abc.Sequence[TaperedCapsule]) -> None:
+        ...
+    @property
+    def texcoords(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 2]"]:
+        """
+        (3 FH, 2) per corner of `high`
+        """
+    @texcoords.setter
+    def texcoords(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 2]"]) -> None:
+        ...
+    @property
+    def texture(self) -> bytes:
+        ...
+class Motion:
+    """
+    Poses of a character's skeleton at a constant rate.
+    """
+    def __init__(self, fps: typing.SupportsFloat | typing.SupportsIndex, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    def __len__(self) -> int:
+        ...
+    @property
+    def dofs(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (T, D) rad and m
+        """
+    @dofs.setter
+    def dofs(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    @property
+    def fps(self) -> float:
+        ...
+    @fps.setter
+    def fps(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class SourceMotion:
+    """
+    A motion capture clip on its own skeleton.
+    """
+    @staticmethod
+    def read(path: os.PathLike | str | bytes, skeleton: os.PathLike | str | bytes | None = None) -> SourceMotion:
+        """
+        .bvh or .amc; skeleton: the .asf of an .amc
+        """
+    @property
+    def fps(self) -> float:
+        ...
+    @property
+    def frame_count(self) -> int:
+        ...
+    @property
+    def joint_names(self) -> list[str]:
+        ...
+    @property
+    def positions(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, J, 3) world, file units; a copy
+        """
+    @property
+    def source(self) -> str:
+        ...
+class RetargetOptions:
+    """
+    Options of retarget.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def align_start(self) -> bool:
+        """
+        start where the actor stands in the rest pose
+        """
+    @align_start.setter
+    def align_start(self, arg0: bool) -> None:
+        ...
+    @property
+    def apply_limits(self) -> bool:
+        """
+        keep joints inside the skeleton's limits
+        """
+    @apply_limits.setter
+    def apply_limits(self, arg0: bool) -> None:
+        ...
+    @property
+    def blend_seconds(self) -> float:
+        """
+        s, from the rest pose to the first pose
+        """
+    @blend_seconds.setter
+    def blend_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def first_second(self) -> float:
+        """
+        s, where in the file to start
+        """
+    @first_second.setter
+    def first_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def fps(self) -> float:
+        """
+        1/s, of the result; 0 = that of the file
+        """
+    @fps.setter
+    def fps(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def ground_feet(self) -> bool:
+        """
+        one height for the whole clip so that the feet reach the floor
+        """
+    @ground_feet.setter
+    def ground_feet(self, arg0: bool) -> None:
+        ...
+    @property
+    def hold_seconds(self) -> float:
+        """
+        s, in the rest pose before the motion
+        """
+    @hold_seconds.setter
+    def hold_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def joint_names(self) -> dict[str, str]:
+        """
+        our joint -> joint of the file
+        """
+    @joint_names.setter
+    def joint_names(self, arg0: collections.abc.Mapping[str, str]) -> None:
+        ...
+    @property
+    def last_second(self) -> float:
+        """
+        s, where to stop
+        """
+    @last_second.setter
+    def last_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class AnimateOptions:
+    """
+    Options of animate.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def body(self) -> bool:
+        """
+        also the body under the clothes
+        """
+    @body.setter
+    def body(self, arg0: bool) -> None:
+        ...
+    @property
+    def high(self) -> bool:
+        """
+        also the display mesh
+        """
+    @high.setter
+    def high(self, arg0: bool) -> None:
+        ...
+    @property
+    def settle_seconds(self) -> float:
+        """
+        s, the cloth falls into place before the animation starts
+        """
+    @settle_seconds.setter
+    def settle_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class AnimationResult:
+    """
+    An animation in memory; arrays are copies.
+    """
+    @property
+    def body(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, B, 3) m
+        """
+    @property
+    def dofs(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (T, D)
+        """
+    @property
+    def fps(self) -> float:
+        ...
+    @property
+    def high(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, VH, 3) m
+        """
+    @property
+    def joints(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, J, 3) m
+        """
+    @property
+    def surface(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, V, 3) m
+        """
+class AnimationFrame:
+    """
+    One frame of an animation; keep copies, the arrays are gone after the call.
+    """
+    @property
+    def body(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (B, 3) m, or empty
+        """
+    @property
+    def dofs(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (D)
+        """
+    @property
+    def high(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (VH, 3) m, or empty
+        """
+    @property
+    def index(self) -> int:
+        ...
+    @property
+    def joints(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (J, 3) m
+        """
+    @property
+    def surface(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m
+        """
+class BakedGlbOptions:
+    """
+    Options of write_baked_glb.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def keys_per_second(self) -> float:
+        """
+        1/s, shapes of the surface that are stored
+        """
+    @keys_per_second.setter
+    def keys_per_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def most_keys(self) -> int:
+        """
+        a long clip gets fewer keys a second
+        """
+    @most_keys.setter
+    def most_keys(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class RenderMesh:
+    """
+    One mesh of a picture; colours in [0, 1], RGB.
+    """
+    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], colour: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+        ...
+    @property
+    def colour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @colour.setter
+    def colour(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
+        ...
+    @faces.setter
+    def faces(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+        ...
+    @property
+    def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        ...
+    @vertices.setter
+    def vertices(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+class RenderOptions:
+    """
+    Options of render.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def background(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        RGB in [0, 1]
+        """
+    @background.setter
+    def background(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def floor(self) -> bool:
+        """
+        a grid with the meshes' soft shadow
+        """
+    @floor.setter
+    def floor(self, arg0: bool) -> None:
+        ...
+    @property
+    def floor_height(self) -> float:
+        """
+        m
+        """
+    @floor_height.setter
+    def floor_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def light(self) -> float:
+        """
+        share of the key light; the rest is the sky
+        """
+    @light.setter
+    def light(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def light_direction(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        to the light, world
+        """
+    @light_direction.setter
+    def light_direction(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def supersample(self) -> bool:
+        """
+        2 x 2 samples a pixel
+        """
+    @supersample.setter
+    def supersample(self, arg0: bool) -> None:
+        ...
+class TextureOptions:
+    """
+    Options of bake_texture.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def depth_margin(self) -> float:
+        """
+        m, a point this far behind the nearest surface is hidden
+        """
+    @depth_margin.setter
+    def depth_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def facing_power(self) -> float:
+        """
+        cameras count by cos^k of the angle between normal and ray
+        """
+    @facing_power.setter
+    def facing_power(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def grazing(self) -> float:
+        """
+        cameras below this cosine do not count
+        """
+    @grazing.setter
+    def grazing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def size(self) -> int:
+        """
+        pixels, width and height of the atlas
+        """
+    @size.setter
+    def size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class SurfaceTransfer:
+    """
+    A fine mesh that follows a coarse one.
+    """
+    def __init__(self, coarse: Mesh, coarse_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], fine: Mesh, fine_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    def apply(self, coarse: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V', 3) fine vertices for the coarse (V, 3)
+        """
+class OptimizerResult:
+    stop_reason: str
+    def __init__(self) -> None:
+        ...
+    @property
+    def answer(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @answer.setter
+    def answer(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def best(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @best.setter
+    def best(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def best_energy(self) -> float:
+        ...
+    @best_energy.setter
+    def best_energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def deviations(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @deviations.setter
+    def deviations(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def evaluations(self) -> int:
+        ...
+    @evaluations.setter
+    def evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def generations(self) -> int:
+        ...
+    @generations.setter
+    def generations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class Optimizer:
+    """
+    Swap point: ask() a generation, tell() its energies. Box [0, 1]^n.
+    """
+    def __init__(self) -> None:
+        ...
+    def ask(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        ...
+    def restore(self, state: str) -> None:
+        ...
+    def result(self) -> OptimizerResult:
+        ...
+    def save(self) -> str:
+        ...
+    def stop(self) -> bool:
+        ...
+    def tell(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+class CmaEsOptions:
+    """
+    Options of create_cma_es.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def initial_mean(self) -> float:
+        """
+        along every axis
+        """
+    @initial_mean.setter
+    def initial_mean(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def initial_sigma(self) -> float:
+        """
+        along every axis
+        """
+    @initial_sigma.setter
+    def initial_sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_evaluations(self) -> int:
+        """
+        no generation begins at or beyond it
+        """
+    @max_evaluations.setter
+    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def population(self) -> int:
+        """
+        lambda; 0 = 4 + floor(3 ln n)
+        """
+    @population.setter
+    def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        of the random numbers
+        """
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_deviation(self) -> float:
+        """
+        stop when all standard deviations are below it
+        """
+    @smallest_deviation.setter
+    def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class AnnealingOptions:
+    """
+    Options of create_simulated_annealing.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def chains(self) -> int:
+        """
+        samples a generation
+        """
+    @chains.setter
+    def chains(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def final_step(self) -> float:
+        """
+        box units
+        """
+    @final_step.setter
+    def final_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def final_temperature(self) -> float:
+        """
+        likewise
+        """
+    @final_temperature.setter
+    def final_temperature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def initial_step(self) -> float:
+        """
+        box units
+        """
+    @initial_step.setter
+    def initial_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def initial_temperature(self) -> float:
+        """
+        fraction of the first generation's mean energy
+        """
+    @initial_temperature.setter
+    def initial_temperature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_evaluations(self) -> int:
+        """
+        the schedule's length
+        """
+    @max_evaluations.setter
+    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        of the random numbers
+        """
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class GenerationRow:
+    @property
+    def best(self) -> float:
+        ...
+    @property
+    def deviation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def evaluations(self) -> int:
+        ...
+    @property
+    def generation(self) -> int:
+        ...
+    @property
+    def generation_best(self) -> float:
+        ...
+    @property
+    def mean(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def part(self) -> int:
+        ...
+    @property
+    def seconds(self) -> float:
+        ...
+class MinimiseResult:
+    @property
+    def log(self) -> list[GenerationRow]:
+        ...
+    @property
+    def parts(self) -> list[OptimizerResult]:
+        ...
+    @property
+    def seconds(self) -> float:
+        ...
+class Objective:
+    """
+    Swap point: energies of a whole generation in one call.
+    """
+    def __init__(self) -> None:
+        ...
+    def evaluate(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        samples (S, parts * n) in [0, 1] -> energies (S, parts)
+        """
+    def parameter_count(self) -> int:
+        ...
+    def part_count(self) -> int:
+        ...
+class EnergyOptions:
+    """
+    Options of the energy E_fit.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def alpha(self) -> float:
+        """
+        weight of the silhouettes
+        """
+    @alpha.setter
+    def alpha(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def beta(self) -> float:
+        """
+        weight of the texture features
+        """
+    @beta.setter
+    def beta(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def dt(self) -> float:
+        """
+        s, one video frame
+        """
+    @dt.setter
+    def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def feature_cap(self) -> float:
+        """
+        longest feature distance, likewise
+        """
+    @feature_cap.setter
+    def feature_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def field_size(self) -> int:
+        """
+        nodes along the larger side of a distance field
+        """
+    @field_size.setter
+    def field_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def outline_size(self) -> int:
+        """
+        pixels of the views in which visibility is decided
+        """
+    @outline_size.setter
+    def outline_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rim_cap(self) -> float:
+        """
+        longest rim distance, fraction of the larger image side
+        """
+    @rim_cap.setter
+    def rim_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def settle_frames(self) -> int:
+        """
+        frames to fall into place before the first
+        """
+    @settle_frames.setter
+    def settle_frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class ParameterSpace:
+    """
+    Which material parameters are searched.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def material(self, unit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> Material:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    def unit(self, material: Material) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
+    @property
+    def fixed(self) -> Material:
+        """
+        gives the parameters that are not searched
+        """
+    @fixed.setter
+    def fixed(self, arg0: Material) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        of the solver; only for the above
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def names(self) -> list[str]:
+        """
+        of Material
+        """
+    @names.setter
+    def names(self, arg0: collections.abc.Sequence[str]) -> None:
+        ...
+    @property
+    def per_iteration_stiffness(self) -> bool:
+        """
+        search k' = 1 - (1 - k)^(1 / iterations)
+        """
+    @per_iteration_stiffness.setter
+    def per_iteration_stiffness(self, arg0: bool) -> None:
+        ...
+class MaterialObjective(Objective):
+    """
+    E_fit of Sect. 6.2 over the box of the parameter space.
+    """
+    def __init__(self, simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> None:
+        ...
+class FitOptions:
+    """
+    Options of estimate_material.
+    """
+    energy: EnergyOptions
+    space: ParameterSpace
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def answer_best(self) -> bool:
+        """
+        answer the best sample instead of the final mean
+        """
+    @answer_best.setter
+    def answer_best(self, arg0: bool) -> None:
+        ...
+    @property
+    def checkpoint(self) -> pathlib.Path:
+        ...
+    @checkpoint.setter
+    def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def initial_sigma(self) -> float:
+        """
+        of the search, box units
+        """
+    @initial_sigma.setter
+    def initial_sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def log(self) -> pathlib.Path:
+        ...
+    @log.setter
+    def log(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def make_optimizer(self) -> None:
+        """
+        make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.
+        """
+    @make_optimizer.setter
+    def make_optimizer(self, arg1: typing.Any) -> None:
+        ...
+    @property
+    def max_evaluations(self) -> int:
+        """
+        no generation begins at or beyond it
+        """
+    @max_evaluations.setter
+    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def penalty(self) -> float:
+        """
+        omega, of samples outside the box
+        """
+    @penalty.setter
+    def penalty(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def population(self) -> int:
+        """
+        samples a generation, 0 = 4 + floor(3 ln n)
+        """
+    @population.setter
+    def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        of the search
+        """
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_deviation(self) -> float:
+        """
+        stop when all are below, box units
+        """
+    @smallest_deviation.setter
+    def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class FitResult:
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def log(self) -> list[GenerationRow]:
+        ...
+    @property
+    def materials(self) -> list[Material]:
+        """
+        one a region
+        """
+    @property
+    def seconds(self) -> float:
+        ...
+def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ...) -> AnimationResult:
+    ...
+def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ...) -> int:
+    """
+    Calls frame(AnimationFrame) in order and keeps nothing.
+    """
+def bake_texture(character: Character, posed_high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
+    """
+    Gives the character a texture from the images of one frame; returns the share of its surface that a camera saw.
+    """
+def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context = ...) -> Template:
+    ...
+def character_meshes(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> list[RenderMesh]:
+    """
+    A character's meshes at a frame; high and body may be empty.
+    """
+def create_cma_es(dimension: typing.SupportsInt | typing.SupportsIndex, options: CmaEsOptions = ...) -> Optimizer:
+    ...
+def create_simulated_annealing(dimension: typing.SupportsInt | typing.SupportsIndex, options: AnnealingOptions = ...) -> Optimizer:
+    ...
+def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    (N) unsigned distances, m
+    """
+def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], world_from_rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    ...
+def estimate_material(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: FitOptions = ..., context: Context = ...) -> FitResult:
+    ...
+def face_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    ...
+def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    ...
+def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Clothness, options: ProxyOptions = ...) -> list[TaperedCapsule]:
+    ...
+def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    ...
+def make_character(actor: RiggedMesh, clothness: Clothness, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> Character:
+    ...
+def material_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, materials: collections.abc.Sequence[Material], options: EnergyOptions = ..., context: Context = ...) -> list[float]:
+    ...
+def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
+    ...
+def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
+    """
+    Looks at target from azimuth (rad, 0 = from +Z) and elevation.
+    """
+def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> ProxyStatistics:
+    ...
+def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
+    """
+    (face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).
+    """
+def read_actor(path: os.PathLike | str | bytes) -> RiggedMesh:
+    ...
+def read_body(path: os.PathLike | str | bytes) -> BodyFit:
+    ...
+def read_clothness(path: os.PathLike | str | bytes) -> Clothness:
+    ...
+def read_materials(path: os.PathLike | str | bytes) -> list[Material]:
+    ...
+def read_mesh(path: os.PathLike | str | bytes) -> Mesh:
+    ...
+def read_observations(path: os.PathLike | str | bytes) -> Observations:
+    ...
+def read_performance(path: os.PathLike | str | bytes, actor: RiggedMesh) -> ReferencePerformance:
+    ...
+def read_proxies(path: os.PathLike | str | bytes, skeleton: Skeleton) -> list[TaperedCapsule]:
+    ...
+def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    """
+    (H, W, 3) uint8, BGR
+    """
+def retarget(clip: SourceMotion, skeleton: Skeleton, options: RetargetOptions = ..., context: Context = ...) -> Motion:
+    ...
+def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark], context: Context = ...) -> RiggedMesh:
+    ...
+def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Clothness:
+    ...
+def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    (T, V, 3) the reference motion re-animated
+    """
+def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | str | bytes, options: TrainOptions = ..., context: Context = ...) -> TrainSummary:
+    ...
+def vertex_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    ...
+def vertex_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    ...
+def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[int]:
+    """
+    (V) 1 where at least one camera sees the vertex; tolerance in m
+    """
+def write_actor(path: os.PathLike | str | bytes, actor: RiggedMesh) -> None:
+    ...
+def write_baked_glb(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult, options: BakedGlbOptions = ...) -> None:
+    ...
+def write_baked_npz(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult) -> None:
+    ...
+def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
+    ...
+def write_clothness(path: os.PathLike | str | bytes, clothness: Clothness) -> None:
+    ...
+def write_materials(path: os.PathLike | str | bytes, result: FitResult) -> None:
+    ...
+def write_mesh(path: os.PathLike | str | bytes, mesh: Mesh) -> None:
+    ...
+def write_observations(path: os.PathLike | str | bytes, observations: Observations) -> None:
+    ...
+def write_performance(path: os.PathLike | str | bytes, performance: ReferencePerformance) -> None:
+    ...
+def write_proxies(path: os.PathLike | str | bytes, capsules: collections.abc.Sequence[TaperedCapsule], skeleton: Skeleton) -> None:
+    ...
+__version__: str = '0.1.0'
