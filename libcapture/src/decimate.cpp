@@ -79,7 +79,79 @@ LabelledMesh from_openmesh(const Surface &surface, LabelHandle labels) {
   return out;
 }
 
+/// 1 for an equilateral triangle, 0 for a degenerate one.
+double shape(const Surface::Point *c) {
+  const double sides = (c[1] - c[0]).sqrnorm() + (c[2] - c[1]).sqrnorm() + (c[0] - c[2]).sqrnorm();
+  return sides > 0 ? 2 * std::sqrt(3.0) * ((c[1] - c[0]) % (c[2] - c[0])).norm() / sides : 0;
+}
+
+double longest_edge(const Surface::Point *c) {
+  return std::sqrt(std::max({(c[1] - c[0]).sqrnorm(), (c[2] - c[1]).sqrnorm(), (c[0] - c[2]).sqrnorm()}));
+}
+
+/// May the first vertex of the half-edge move onto the second? No face of a size that stays may turn over or become a needle.
+bool collapse_helps(Surface &surface, Surface::HalfedgeHandle edge, double length) {
+  if (!surface.is_collapse_ok(edge))
+    return false;
+  const auto from = surface.from_vertex_handle(edge), to = surface.to_vertex_handle(edge);
+  const Surface::FaceHandle left = surface.face_handle(edge), right = surface.opposite_face_handle(edge);
+  for (const auto face : surface.vf_range(from)) {
+    if (face == left || face == right)
+      continue;
+    Surface::Point before[3], after[3];
+    int k = 0;
+    for (const auto v : surface.fv_range(face)) {
+      before[k] = surface.point(v);
+      after[k++] = surface.point(v == from ? to : v);
+    }
+    const auto normal = [](const Surface::Point *c) { return (c[1] - c[0]) % (c[2] - c[0]); };
+    constexpr double kNeedle = 0.1; // below this shape a normal says little
+    if (longest_edge(before) < length || shape(before) < kNeedle)
+      continue; // it goes, too
+    if ((normal(before) | normal(after)) <= 0 || shape(after) < kNeedle)
+      return false;
+  }
+  return true;
+}
+
+/// One pass over all edges; returns how many went.
+int collapse_pass(Surface &surface, double length) {
+  int collapsed = 0;
+  for (const auto edge : surface.edges()) {
+    if (surface.status(edge).deleted() || surface.calc_edge_sqr_length(edge) >= length * length)
+      continue;
+    const auto half = surface.halfedge_handle(edge, 0), opposite = surface.halfedge_handle(edge, 1);
+    const bool forward = collapse_helps(surface, half, length);
+    if (!forward && !collapse_helps(surface, opposite, length))
+      continue;
+    surface.collapse(forward ? half : opposite);
+    ++collapsed;
+  }
+  return collapsed;
+}
+
 } // namespace
+
+Mesh collapse_short_edges(const Mesh &mesh, double length, std::vector<int> &old_vertex) {
+  LabelHandle labels;
+  Surface surface = to_openmesh({mesh, std::vector<std::uint8_t>(mesh.faces.rows(), 1)}, labels);
+  OpenMesh::VPropHandleT<int> index;
+  surface.add_property(index);
+  for (const auto v : surface.vertices())
+    surface.property(index, v) = v.idx();
+  surface.request_vertex_status();
+  surface.request_edge_status();
+  surface.request_halfedge_status();
+  surface.request_face_status();
+  constexpr int kPasses = 10;
+  for (int pass = 0; pass < kPasses && collapse_pass(surface, length) > 0; ++pass) {
+  }
+  surface.garbage_collection();
+  old_vertex.clear();
+  for (const auto v : surface.vertices())
+    old_vertex.push_back(surface.property(index, v));
+  return from_openmesh(surface, labels).mesh;
+}
 
 LabelledMesh decimate(const LabelledMesh &labelled, int triangles) {
   LabelHandle labels;

@@ -18,4 +18,8 @@ struct LabelledMesh {
 /// manifold. Throws Error if the mesh is not manifold.
 LabelledMesh decimate(const LabelledMesh &surface, int triangles);
 
+/// Collapses edges shorter than `length` (m) of a closed manifold where that turns no face over and makes no needle: the slivers
+/// that contouring a Poisson field leaves. `old_vertex[i]` is the vertex of `surface` that i was.
+Mesh collapse_short_edges(const Mesh &surface, double length, std::vector<int> &old_vertex);
+
 } // namespace doublet::detail

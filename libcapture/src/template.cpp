@@ -22,12 +22,16 @@ detail::LabelledMesh close_scan(const Mesh &scan, const TemplateOptions &options
   context.report("template: Poisson reconstruction", 0.0);
   const detail::PoissonSurface poisson = detail::poisson_surface(scan, options.poisson_depth);
   context.report("template: closing", 0.6);
-  std::vector<int> source;
+  std::vector<int> source, kept;
   detail::LabelledMesh closed;
-  closed.mesh = detail::closed_surface(poisson.mesh, source);
-  Eigen::VectorXd density(static_cast<Eigen::Index>(source.size()));
-  for (std::size_t v = 0; v < source.size(); ++v)
-    density[static_cast<Eigen::Index>(v)] = source[v] < 0 ? std::numeric_limits<double>::quiet_NaN() : poisson.density[source[v]];
+  const Mesh whole = detail::closed_surface(poisson.mesh, source);
+  constexpr double kShortEdge = 0.3; // of the mean edge
+  closed.mesh = detail::collapse_short_edges(whole, kShortEdge * mean_edge_length(whole.vertices, whole.faces), kept);
+  Eigen::VectorXd density(static_cast<Eigen::Index>(kept.size()));
+  for (std::size_t v = 0; v < kept.size(); ++v) {
+    const int from = source[kept[v]];
+    density[static_cast<Eigen::Index>(v)] = from < 0 ? std::numeric_limits<double>::quiet_NaN() : poisson.density[from];
+  }
   context.report("template: holes", 0.65);
   std::vector<detail::HolePatch> patches = detail::find_holes(closed.mesh, density, scan, options, context);
   std::erase_if(patches, [&](const detail::HolePatch &patch) { return patch.area < options.sheet_hole; });
