@@ -40,7 +40,7 @@ struct Carried {
 };
 
 struct Rollout {
-  const std::vector<pbd::Material> *materials = nullptr;
+  std::vector<pbd::Material> materials;
   CharacterState state;
   Vertices surface;
   ClothView view;
@@ -96,7 +96,9 @@ struct MaterialObjective::Impl {
 
   void keep_image(int t, std::size_t c, const Vertices &captured, const ViewObservation &observation, const CoarseCamera &camera);
   CoarseBuffer draw_others(const PosedFrame &frame, const CoarseCamera &camera, const Box &box) const;
+  void put_back(Rollout &rollout, const PosedFrame &frame) const;
   void check_explosion(Rollout &rollout, const PosedFrame &frame) const;
+  void step(Rollout &rollout, int t) const;
   void measure(Rollout &rollout, int t) const;
   void measure_rims(Rollout &rollout, int t, std::size_t c) const;
   void measure_features(Rollout &rollout, int t, std::size_t c) const;
@@ -220,21 +222,49 @@ void MaterialObjective::Impl::keep_image(int t, std::size_t c, const Vertices &c
   view.seen = true;
 }
 
-/// A region that has exploded is put back on the skinned surface, so that it cannot spoil the views of the others.
+/// A region that has exploded is put back on the skinned surface, so that it cannot spoil the views of the others, and goes on
+/// with the centre of the box, so that it does not explode again.
+void MaterialObjective::Impl::put_back(Rollout &rollout, const PosedFrame &frame) const {
+  for (int r = 0; r < regions(); ++r) {
+    if (!rollout.exploded[r])
+      continue;
+    const std::vector<int> &vertices = simulator->regions()[r].vertex_from_cloth;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      rollout.state.regions[r].positions.row(static_cast<Eigen::Index>(i)) = frame.skinned.row(vertices[i]);
+    rollout.state.regions[r].velocities.setZero();
+    rollout.materials[r] = {};
+  }
+}
+
 void MaterialObjective::Impl::check_explosion(Rollout &rollout, const PosedFrame &frame) const {
   for (int r = 0; r < regions(); ++r) {
     const std::vector<int> &vertices = simulator->regions()[r].vertex_from_cloth;
-    Vertices &positions = rollout.state.regions[r].positions;
+    const Vertices &positions = rollout.state.regions[r].positions;
     for (std::size_t i = 0; i < vertices.size() && !rollout.exploded[r]; ++i) {
       const double distance = (positions.row(static_cast<Eigen::Index>(i)) - frame.skinned.row(vertices[i])).norm();
       rollout.exploded[r] = !(distance <= farthest); // NaN is not
     }
-    if (!rollout.exploded[r])
-      continue;
-    for (std::size_t i = 0; i < vertices.size(); ++i)
-      positions.row(static_cast<Eigen::Index>(i)) = frame.skinned.row(vertices[i]);
-    rollout.state.regions[r].velocities.setZero();
   }
+  put_back(rollout, frame);
+}
+
+/// A solver throws std::runtime_error, and leaves its state alone, when the cloth stops being finite. Regions step in order: the
+/// first that has not moved has exploded; the others step again without it.
+void MaterialObjective::Impl::step(Rollout &rollout, int t) const {
+  const CharacterState before = rollout.state;
+  for (int attempt = 0; attempt < regions(); ++attempt)
+    try {
+      simulator->step(rollout.state, frames[t - 1], frames[t], rollout.materials, options.dt);
+      return;
+    } catch (const std::runtime_error &) {
+      int failed = 0;
+      while (failed + 1 < regions() && rollout.state.regions[failed].positions != before.regions[failed].positions)
+        ++failed;
+      rollout.exploded[failed] = 1;
+      rollout.state = before;
+      put_back(rollout, frames[t - 1]);
+    }
+  rollout.exploded.assign(regions(), 1);
 }
 
 /// Eq. (6).
@@ -297,13 +327,17 @@ void MaterialObjective::Impl::start(Rollout &rollout) const {
   rollout.carried.assign(cameras.size(), {});
   rollout.exploded.assign(regions(), 0);
   rollout.terms.assign(regions(), std::vector<FrameTerms>(frames.size()));
-  simulator->settle(rollout.state, frames[0], *rollout.materials, options.dt, options.settle_frames);
+  try {
+    simulator->settle(rollout.state, frames[0], rollout.materials, options.dt, options.settle_frames);
+  } catch (const std::runtime_error &) {
+    rollout.exploded.assign(regions(), 1);
+  }
 }
 
 void MaterialObjective::Impl::advance(Rollout &rollout, int from, int to) const {
   for (int t = from; t < to; ++t) {
     if (t > 0)
-      simulator->step(rollout.state, frames[t - 1], frames[t], *rollout.materials, options.dt);
+      step(rollout, t);
     check_explosion(rollout, frames[t]);
     measure(rollout, t);
   }
@@ -396,7 +430,7 @@ MatrixRM MaterialObjective::energies(const std::vector<std::vector<pbd::Material
     for (const pbd::Material &material : sample)
       pbd::validate(material);
     rollouts.emplace_back(impl_->topology);
-    rollouts.back().materials = &sample;
+    rollouts.back().materials = sample;
   }
   parallel_for(context, count, [&](int s) { impl_->start(rollouts[s]); });
   for (int from = 0; from < impl_->frame_count(); from += kFramesPerChunk) {
@@ -427,7 +461,7 @@ MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &con
 std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<pbd::Material> &materials) const {
   require(static_cast<int>(materials.size()) == impl_->regions(), "MaterialObjective: materials: expected one a region");
   Rollout rollout(impl_->topology);
-  rollout.materials = &materials;
+  rollout.materials = materials;
   impl_->start(rollout);
   impl_->advance(rollout, 0, impl_->frame_count());
   return rollout.terms;
