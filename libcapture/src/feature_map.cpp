@@ -1,5 +1,7 @@
 #include "feature_map.h"
 
+#include "doublet/core/error.h"
+
 #include <cmath>
 
 namespace doublet {
@@ -16,6 +18,17 @@ Eigen::Vector3d rest_view(const SurfacePoint &point, const RiggedMesh &actor, co
 }
 
 } // namespace
+
+std::vector<std::pair<int, int>> checked_match(const FeatureTracker &tracker, const Features &previous, const Features &current,
+                                               double reach) {
+  const auto pairs = tracker.match(previous, current, reach);
+  const int n = static_cast<int>(previous.points.size()), m = static_cast<int>(current.points.size());
+  for (const auto &[i, j] : pairs)
+    if (i < 0 || i >= n || j < 0 || j >= m)
+      throw Error("capture: the feature tracker matched feature " + std::to_string(i) + " of " + std::to_string(n) + " with " +
+                  std::to_string(j) + " of " + std::to_string(m));
+  return pairs;
+}
 
 SurfacePoint lift(const Eigen::Vector2d &pixel, const Vertices &surface, const RiggedMesh &actor, const Camera &camera,
                   const FaceBuffer &visible) {
@@ -67,7 +80,7 @@ std::vector<SurfaceTrack> FeatureMap::find(const Features &features, const Featu
   predicted.descriptors.resize(candidates.size(), features.descriptors.cols());
   for (size_t i = 0; i < candidates.size(); ++i)
     predicted.descriptors.row(i) = entries_[candidates[i]].descriptor;
-  for (const auto &[i, j] : tracker.match(predicted, features, reach))
+  for (const auto &[i, j] : checked_match(tracker, predicted, features, reach))
     tracks.push_back({view, entries_[candidates[i]].surface, features.points[j].cast<double>()});
   return tracks;
 }

@@ -7,6 +7,10 @@
 
 namespace doublet {
 
+/// tracker.match with its answer checked: trackers may come from outside. Throws Error if an index is out of range.
+std::vector<std::pair<int, int>> checked_match(const FeatureTracker &tracker, const Features &previous, const Features &current,
+                                               double reach);
+
 class FeatureMap {
 public:
   /// Lifts the features of one view onto `surface` (V, 3), posed by `blend`; `visible` = rasterize() of it in the camera.

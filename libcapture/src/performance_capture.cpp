@@ -90,6 +90,8 @@ public:
 
   CaptureResult run(int first, int count) {
     const double start = now();
+    if (!options_.use_sift)
+      context_.say("capture: silhouettes alone, no texture features");
     result_.performance.surface.faces = actor_.mesh.faces;
     result_.performance.dofs.resize(count, actor_.skeleton.dof_count());
     result_.observations.cameras = rig_;
@@ -129,8 +131,8 @@ private:
       current[v] = measure_view(frames_, v, frame, rig_[v], extractor_, tracker);
       observed[v].contour = current[v].outline.points;
       if (tracker && t > 0)
-        for (const auto &[i, j] :
-             tracker->match(last_[v].features, current[v].features, options_.features.max_displacement * current[v].height))
+        for (const auto &[i, j] : checked_match(*tracker, last_[v].features, current[v].features,
+                                                options_.features.max_displacement * current[v].height))
           observed[v].matches.push_back({last_[v].features.points[i], current[v].features.points[j]});
     });
     int present = 0;
@@ -194,6 +196,10 @@ private:
     lifted_ = lift_tracks(t);
     problem.tracks = find_tracks(problem.predicted, options_.map_reach);
     PoseEstimate estimate = parts_.pose->optimize(problem, context_);
+    if (estimate.dofs.size() != problem.start.size() || !estimate.dofs.allFinite())
+      throw Error("capture: the pose optimizer returned " + std::to_string(estimate.dofs.size()) + " values at frame " +
+                  std::to_string(result_.performance.frames[t]) + ", expected " + std::to_string(problem.start.size()) +
+                  " finite ones");
     result_.summary.rim_px.push_back(estimate.rim_px);
     result_.summary.sift_px.push_back(estimate.sift_px);
     return estimate.dofs;

@@ -42,8 +42,12 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
     bottom = std::max(bottom, p.y());
   }
   measured.height = static_cast<int>(std::max(0.f, bottom - top));
-  if (tracker && !image.empty())
+  if (tracker && !image.empty()) {
     measured.features = tracker->detect(image, measured.mask);
+    if (measured.features.descriptors.rows() != static_cast<Eigen::Index>(measured.features.points.size()))
+      throw Error("capture: the feature tracker returned " + std::to_string(measured.features.points.size()) + " points and " +
+                  std::to_string(measured.features.descriptors.rows()) + " descriptors");
+  }
   return measured;
 }
 
