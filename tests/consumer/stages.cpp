@@ -2,6 +2,7 @@
 #include <doublet/bodymodel/body_fitter.h>
 #include <doublet/capture/performance_capture.h>
 #include <doublet/capture/template_builder.h>
+#include <doublet/core/error.h>
 #include <doublet/fit/material_estimator.h>
 #include <doublet/segment/cloth_segmenter.h>
 
