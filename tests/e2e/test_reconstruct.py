@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import doublet as d
@@ -56,7 +57,9 @@ def killed(shipped, tmp_path_factory):
 @pytest.fixture(scope="module")
 def interrupted(killed):
     command, out = killed
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    # A test runner in the background may ignore Ctrl-C, and its children would with it.
+    listen = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=listen)
     shown_before = next(line for line in process.stderr if "performance: running" in line)
     time.sleep(1)
     process.send_signal(signal.SIGINT)
