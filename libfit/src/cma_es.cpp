@@ -135,6 +135,8 @@ private:
       return std::to_string(options_.max_evaluations) + " evaluations";
     if (lengths_.minCoeff() <= 0 || std::pow(lengths_.maxCoeff() / lengths_.minCoeff(), 2) > kLargestCondition)
       return "condition of the covariance above 1e14";
+    if ((mean_ + 0.2 * deviations()).cwiseEqual(mean_).all())
+      return "steps below the precision of the numbers";
     return {};
   }
 

@@ -91,6 +91,14 @@ TEST(CmaEs, LearnsTheCovariance) {
   EXPECT_LT(deviations[0] / deviations[1], 300); // 100 in the limit
 }
 
+TEST(CmaEs, StopsWhereNumbersEnd) {
+  const auto optimizer = create_cma_es(3, unlimited(1));
+  while (!optimizer->stop())
+    one_generation(*optimizer, sphere_function);
+  EXPECT_EQ(optimizer->result().stop_reason, "steps below the precision of the numbers");
+  EXPECT_LT(optimizer->result().evaluations, 20000);
+}
+
 TEST(CmaEs, FlatEnergiesDoNoHarm) {
   const auto optimizer = create_cma_es(4);
   while (!optimizer->stop())
