@@ -22,7 +22,7 @@ git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
 
 echo "== build (warnings are errors)"
 # One build folder for the package and for ctest. Without isolation its paths stay the same from run to run.
-"$venv/bin/pip" install -q --disable-pip-version-check --no-build-isolation . \
+CC=cc CXX=c++ "$venv/bin/pip" install -q --disable-pip-version-check --no-build-isolation . \
   --config-settings=build-dir="$build" \
   --config-settings=cmake.define.DOUBLET_BUILD_TESTS=ON --config-settings=cmake.define.DOUBLET_BUILD_EXAMPLES=ON --config-settings=cmake.define.DOUBLET_BUILD_BENCHMARKS=ON \
   --config-settings=cmake.define.DOUBLET_WERROR=ON
