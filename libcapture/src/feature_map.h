@@ -33,7 +33,8 @@ private:
   std::vector<Entry> entries_;
 };
 
-/// The surface point seen at a pixel; face = -1 where there is none, on invalid faces, and where the surface is seen edge-on.
+/// The surface point seen at a pixel; face = -1 where there is none, on invalid or overstretched faces, and where the surface is
+/// seen edge-on.
 SurfacePoint lift(const Eigen::Vector2d &pixel, const Vertices &surface, const RiggedMesh &actor, const Camera &camera,
                   const FaceBuffer &visible);
 

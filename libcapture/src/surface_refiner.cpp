@@ -53,11 +53,13 @@ public:
     solver_.analyzePattern(stiffness_);
   }
 
-  /// `anchor` (V) weights of the pull to `target` (V, 3); `start` (V, 3) is refined.
-  Vertices solve(const Eigen::VectorXd &anchor, const Vertices &target, const std::vector<Pull> &pulls, const Faces &faces,
-                 const Vertices &start) {
+  /// `anchor` (V) weights of the pull to `target` (V, 3); the stiffness is at rest at the displacement `relaxed` (V, 3); `start`
+  /// (V, 3) is refined.
+  Vertices solve(const Eigen::VectorXd &anchor, const Vertices &target, const Vertices &relaxed, const std::vector<Pull> &pulls,
+                 const Faces &faces, const Vertices &start) {
     Eigen::VectorXd uncoupled = anchor;
     Vertices right = anchor.asDiagonal() * target;
+    right += stiffness_ * relaxed;
     for (const Pull &p : pulls)
       for (int c = 0; c < 3; ++c) {
         const int i = faces(p.surface.face, c);
@@ -128,7 +130,8 @@ public:
       const Eigen::ArrayXd away = (displacement - to_skinned).rowwise().squaredNorm().array() / (options_.loose * options_.loose);
       const Eigen::VectorXd rigid = problem.reliability.array() / (1 + away).square();
       const Eigen::VectorXd anchor = options_.anchor_cloth + (options_.anchor_rigid - options_.anchor_cloth) * rigid.array();
-      displacement = system_.solve(anchor, rigid.asDiagonal() * to_skinned, pulls, problem.actor->mesh.faces, displacement);
+      displacement = system_.solve(anchor, rigid.asDiagonal() * to_skinned, options_.memory * to_skinned, pulls,
+                                   problem.actor->mesh.faces, displacement);
       estimate.vertices = problem.base + displacement;
       context.check_cancelled();
     }
@@ -227,8 +230,21 @@ void SurfaceOptions::validate() const {
   for (double value : {gate_start, gate_end, scale_start, scale_end, bending, stretching, anchor_cloth, anchor_rigid, loose})
     if (!(value > 0))
       throw std::invalid_argument("SurfaceOptions: gates, scales and weights must be positive, got " + std::to_string(value));
+  if (!(memory >= 0 && memory <= 1))
+    throw std::invalid_argument("SurfaceOptions: memory must lie in [0, 1], got " + std::to_string(memory));
   if (!(sift_weight >= 0))
     throw std::invalid_argument("SurfaceOptions: sift_weight must not be negative, got " + std::to_string(sift_weight));
+}
+
+bool overstretched(const Vertices &vertices, const Mesh &rest, int face) {
+  constexpr double kMost = 2;
+  double now = 0, before = 0;
+  for (int c = 0; c < 3; ++c) {
+    const int a = rest.faces(face, c), b = rest.faces(face, (c + 1) % 3);
+    now = std::max(now, (vertices.row(a) - vertices.row(b)).squaredNorm());
+    before = std::max(before, (rest.vertices.row(a) - rest.vertices.row(b)).squaredNorm());
+  }
+  return now > kMost * kMost * before;
 }
 
 std::unique_ptr<SurfaceRefiner> SurfaceRefiner::create(const SurfaceOptions &options) {

@@ -28,14 +28,19 @@ struct SurfaceOptions {
   int rims_per_view = 500;                     ///< correspondences per view and direction
   double gate_start = 0.10, gate_end = 0.04;   ///< m; as in PoseOptions; a hem moves up to 0.1 m between frames
   double scale_start = 0.04, scale_end = 0.02; ///< m; Geman-McClure scale
-  double sift_weight = 10.0;  ///< of one feature track against one rim match; tracks are exact to a pixel and cover the inside
-  double bending = 1.0;       ///< weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints
-  double stretching = 0.02;   ///< weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does
+  double sift_weight = 2.0; ///< of one feature track against one rim match; more lets skin slide where tracks are off
+  double bending = 1.0;     ///< weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints
+  double stretching = 0.02; ///< weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does
+  double memory = 1.0;      ///< share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up
   double anchor_cloth = 0.01; ///< pull of a loose vertex to its expected position, against one rim correspondence
   double anchor_rigid = 0.5;  ///< the same for a vertex that moves with the skeleton, to its skinned position
   double loose = 0.02;        ///< m; a vertex this far from its skinned position is held there with a quarter of anchor_rigid
   void validate() const;
 };
+
+/// Is the face's longest edge more than twice what it was at rest? Cloth and skin do not stretch so far: such a face has lost its
+/// place, and what is seen there belongs to something else.
+bool overstretched(const Vertices &vertices, const Mesh &rest, int face);
 
 /// The swap point: expected surface and correspondences in, refined surface out. May keep factorisations from call to call.
 class SurfaceRefiner {
