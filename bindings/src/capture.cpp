@@ -127,9 +127,12 @@ void bind_performance(py::module_ &m) {
       .field("scale_end", &SurfaceOptions::scale_end, "m, the same, last iteration")
       .field("sift_weight", &SurfaceOptions::sift_weight, "of a feature track against a rim")
       .field("bending", &SurfaceOptions::bending, "weight of the Laplacian of the displacement")
+      .field("memory", &SurfaceOptions::memory, "share of the offset from the skinned surface that bends and stretches back")
       .field("stretching", &SurfaceOptions::stretching, "weight of differences of neighbours")
       .field("anchor_cloth", &SurfaceOptions::anchor_cloth, "pull of a loose vertex to its expected position")
-      .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position");
+      .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position")
+      .field("loose", &SurfaceOptions::loose,
+             "m, a vertex this far from its skinned position is held with a quarter of anchor_rigid");
   OptionsClass<CaptureOptions>(m, "CaptureOptions", "Options of PerformanceCapture.")
       .field("first_frame", &CaptureOptions::first_frame, "first video frame")
       .field("frame_count", &CaptureOptions::frame_count, "number of frames, -1 = to the end")

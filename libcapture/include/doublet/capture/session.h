@@ -15,8 +15,8 @@ namespace doublet {
 
 struct SessionCamera {
   std::string name;
-  std::filesystem::path video;  ///< absolute; an mp4, or a printf pattern such as cam0/%04d.png; empty if there are only masks
-  std::filesystem::path masks;  ///< absolute; the same kinds; empty = key the video
+  std::filesystem::path video; ///< absolute; an mp4, or a printf pattern such as cam0/%04d.png; empty if there are only masks
+  std::filesystem::path masks; ///< absolute; the same kinds; empty = key the video
 };
 
 struct Session {
@@ -25,20 +25,20 @@ struct Session {
   double fps = 0;
   int frame_count = 0;
   std::vector<SessionCamera> cameras;
-  CameraRig rig;                                         ///< one camera for each of `cameras`
-  std::filesystem::path scan;                            ///< absolute
-  std::vector<JointMark> joints;                         ///< joints.json
-  std::map<std::string, Eigen::Vector3d> landmarks;      ///< joints.json, clicked on the body surface, m
-  std::filesystem::path new_motion;                      ///< absolute; empty if not given
+  CameraRig rig;                                    ///< one camera for each of `cameras`
+  std::filesystem::path scan;                       ///< absolute
+  std::vector<JointMark> joints;                    ///< joints.json
+  std::map<std::string, Eigen::Vector3d> landmarks; ///< joints.json, clicked on the body surface, m
+  std::filesystem::path new_motion;                 ///< absolute; empty if not given
 };
 
-/// Reads and checks a whole session within seconds, before any work: every file named exists, every camera is calibrated, every joint's parent is
-/// known, every video opens with the stated size and has frame_count frames (a truncated mp4 is found here).
+/// Reads and checks a whole session within seconds, before any work: every file named exists, every camera is calibrated, every
+/// joint's parent is known, every video opens with the stated size and has frame_count frames (a truncated mp4 is found here).
 /// Throws FileNotFound or Error with one sentence naming file, expectation and finding.
 Session read_session(const std::filesystem::path &folder);
 
-/// Swap point: where frames come from. Sequential reading is cheap, jumping may not be. Not thread-safe per camera; different cameras may
-/// be read from different threads.
+/// Swap point: where frames come from. Sequential reading is cheap, jumping may not be. Not thread-safe per camera; different
+/// cameras may be read from different threads.
 class FrameSource {
 public:
   virtual ~FrameSource() = default;
@@ -51,4 +51,4 @@ public:
   static std::unique_ptr<FrameSource> open(const Session &session);
 };
 
-}  // namespace doublet
+} // namespace doublet

@@ -12,10 +12,10 @@ namespace doublet {
 struct Camera {
   std::string name;
   Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 5, 1> distortion = Eigen::Matrix<double, 5, 1>::Zero();  ///< k1 k2 p1 p2 k3
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();                               ///< cam_from_world rotation
-  Eigen::Vector3d t = Eigen::Vector3d::Zero();                                   ///< cam_from_world translation, m
-  int width = 0, height = 0;                                                     ///< pixels
+  Eigen::Matrix<double, 5, 1> distortion = Eigen::Matrix<double, 5, 1>::Zero(); ///< k1 k2 p1 p2 k3
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();                              ///< cam_from_world rotation
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();                                  ///< cam_from_world translation, m
+  int width = 0, height = 0;                                                    ///< pixels
 
   Eigen::Vector3d centre() const { return -R.transpose() * t; }
   bool distorted() const { return distortion.squaredNorm() > 0; }
@@ -36,4 +36,4 @@ using CameraRig = std::vector<Camera>;
 /// Throws Error naming `source` if K, R or the size make no sense (R not a rotation to 1e-3, focal length <= 0, NaN, size <= 0).
 void validate_camera(const Camera &camera, const std::string &source);
 
-}  // namespace doublet
+} // namespace doublet

@@ -27,4 +27,4 @@ struct Context {
 /// belongs to i. Rethrows the exception of the lowest i that threw. Does not poll cancellation inside; call in chunks for that.
 void parallel_for(const Context &context, int count, const std::function<void(int)> &body);
 
-}  // namespace doublet
+} // namespace doublet

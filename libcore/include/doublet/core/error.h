@@ -24,4 +24,4 @@ public:
   Cancelled() : Error("cancelled") {}
 };
 
-}  // namespace doublet
+} // namespace doublet

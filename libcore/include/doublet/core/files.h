@@ -17,17 +17,17 @@ void write_atomically(const Path &path, const std::function<void(const Path &)> 
 void write_text(const Path &path, const std::string &text);
 std::string read_text(const Path &path);
 
-void write_actor(const Path &path, const RiggedMesh &actor);  // actor.npz
+void write_actor(const Path &path, const RiggedMesh &actor); // actor.npz
 RiggedMesh read_actor(const Path &path);
-void write_performance(const Path &path, const ReferencePerformance &performance);  // performance.npz; faces come from the actor
+void write_performance(const Path &path, const ReferencePerformance &performance); // performance.npz; faces come from the actor
 ReferencePerformance read_performance(const Path &path, const RiggedMesh &actor);
-void write_clothness(const Path &path, const Clothness &clothness);  // segmentation.npz
+void write_clothness(const Path &path, const Clothness &clothness); // segmentation.npz
 Clothness read_clothness(const Path &path);
-void write_body(const Path &path, const BodyFit &fit);  // body.npz
+void write_body(const Path &path, const BodyFit &fit); // body.npz
 BodyFit read_body(const Path &path);
-void write_proxies(const Path &path, const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton);  // proxies.json
+void write_proxies(const Path &path, const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton); // proxies.json
 std::vector<TaperedCapsule> read_proxies(const Path &path, const Skeleton &skeleton);
-void write_observations(const Path &path, const Observations &observations);  // observations.npz, cameras included
+void write_observations(const Path &path, const Observations &observations); // observations.npz, cameras included
 Observations read_observations(const Path &path);
 
-}  // namespace doublet
+} // namespace doublet

@@ -10,24 +10,24 @@
 namespace doublet {
 
 struct Mesh {
-  Vertices vertices;  ///< (V, 3) metres
-  Faces faces;        ///< (F, 3)
+  Vertices vertices; ///< (V, 3) metres
+  Faces faces;       ///< (F, 3)
 };
 
 /// What is wrong, or right, with a mesh. A stage asks before it starts.
 struct MeshReport {
   int vertices = 0, faces = 0;
   int non_finite_vertices = 0;
-  int out_of_range_faces = 0;  ///< a corner index < 0 or >= V
-  int degenerate_faces = 0;    ///< repeated corner, or area below 1e-14 m^2
-  int boundary_edges = 0;      ///< edges with one face
-  int non_manifold_edges = 0;  ///< edges with more than two faces, or two faces in the same direction
+  int out_of_range_faces = 0; ///< a corner index < 0 or >= V
+  int degenerate_faces = 0;   ///< repeated corner, or area below 1e-14 m^2
+  int boundary_edges = 0;     ///< edges with one face
+  int non_manifold_edges = 0; ///< edges with more than two faces, or two faces in the same direction
   int unused_vertices = 0;
-  int components = 0;  ///< connected components of faces
+  int components = 0; ///< connected components of faces
   bool closed() const { return boundary_edges == 0 && non_manifold_edges == 0; }
   /// Finite, in range, not empty: what no stage can do without.
   bool usable() const { return faces > 0 && vertices > 0 && non_finite_vertices == 0 && out_of_range_faces == 0; }
-  std::string to_string() const;  ///< one line
+  std::string to_string() const; ///< one line
 };
 
 MeshReport report_mesh(const Mesh &mesh);
@@ -52,7 +52,8 @@ struct EdgeTopology {
 EdgeTopology edge_topology(const Faces &faces);
 /// Neighbouring vertices by edge, sorted, for each of vertex_count vertices.
 std::vector<std::vector<int>> vertex_neighbours(const Faces &faces, int vertex_count);
-/// Connected components over `faces` (by shared vertices): per vertex the component, -1 for unused vertices; numbered by lowest vertex.
+/// Connected components over `faces` (by shared vertices): per vertex the component, -1 for unused vertices; numbered by lowest
+/// vertex.
 Eigen::VectorXi vertex_components(const Faces &faces, int vertex_count, int *count = nullptr);
 
 /// Rows of the cotangent Laplacian as (neighbour, weight): L = D - W with W_ij = (cot a + cot b) / 2, clamped to >= 0.
@@ -66,4 +67,4 @@ std::vector<Triplet> cotangent_laplacian(const Vertices &vertices, const Faces &
 /// The mesh of the chosen faces with unused vertices dropped; `vertex_from_sub[i]` is the old index of new vertex i.
 Mesh submesh(const Mesh &mesh, const std::vector<int> &face_indices, std::vector<int> *vertex_from_sub = nullptr);
 
-}  // namespace doublet
+} // namespace doublet

@@ -11,13 +11,14 @@
 
 namespace doublet {
 
-/// One array in C order. `type` is NumPy's: "f4" "f8" "i1" "u1" "b1" "i2" "u2" "i4" "i8" or "U<n>" (UTF-32 strings, decoded into `strings`).
+/// One array in C order. `type` is NumPy's: "f4" "f8" "i1" "u1" "b1" "i2" "u2" "i4" "i8" or "U<n>" (UTF-32 strings, decoded into
+/// `strings`).
 struct NpyArray {
   std::string type;
   std::vector<std::int64_t> shape;
-  std::vector<std::uint8_t> bytes;     ///< raw little-endian data unless strings
-  std::vector<std::string> strings;    ///< UTF-8, only for "U"
-  std::int64_t size() const;           ///< product of shape
+  std::vector<std::uint8_t> bytes;  ///< raw little-endian data unless strings
+  std::vector<std::string> strings; ///< UTF-8, only for "U"
+  std::int64_t size() const;        ///< product of shape
 };
 
 class Npz {
@@ -30,9 +31,9 @@ public:
 
   bool has(const std::string &name) const { return arrays.count(name) > 0; }
   /// Throws Error naming file, array, expected and found shape (-1 in `shape` = any) or type.
-  MatrixRM matrix(const std::string &name) const;           ///< any numeric 1-D or 2-D array
-  std::vector<double> values(const std::string &name) const;  ///< any numeric array, flattened
-  std::vector<int> integers(const std::string &name) const;   ///< any integer or bool array, flattened
+  MatrixRM matrix(const std::string &name) const;            ///< any numeric 1-D or 2-D array
+  std::vector<double> values(const std::string &name) const; ///< any numeric array, flattened
+  std::vector<int> integers(const std::string &name) const;  ///< any integer or bool array, flattened
   std::vector<std::string> text(const std::string &name) const;
   std::vector<std::int64_t> shape(const std::string &name) const;
   void require_shape(const std::string &name, const std::vector<std::int64_t> &shape) const;
@@ -44,7 +45,7 @@ public:
   void set_text(const std::string &name, const std::vector<std::string> &values);
 
   std::map<std::string, NpyArray> arrays;
-  std::string source;  ///< file name, for messages
+  std::string source; ///< file name, for messages
 };
 
-}  // namespace doublet
+} // namespace doublet

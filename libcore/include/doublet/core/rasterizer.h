@@ -1,5 +1,6 @@
 #pragma once
-// A z-buffer: which face is seen at each pixel, and how far away. Used for silhouettes, visibility, lifting features and rendering.
+// A z-buffer: which face is seen at each pixel, and how far away. Used for silhouettes, visibility, lifting features and
+// rendering.
 
 #include "doublet/core/camera.h"
 #include "doublet/core/image.h"
@@ -9,14 +10,15 @@ namespace doublet {
 
 struct FaceBuffer {
   int width = 0, height = 0;
-  std::vector<int> face;     ///< height * width, -1 = background
-  std::vector<float> depth;  ///< height * width, m along the optical axis, +infinity = background
+  std::vector<int> face;    ///< height * width, -1 = background
+  std::vector<float> depth; ///< height * width, m along the optical axis, +infinity = background
   int face_at(int x, int y) const { return face[static_cast<std::size_t>(y) * width + x]; }
   float depth_at(int x, int y) const { return depth[static_cast<std::size_t>(y) * width + x]; }
 };
 
-/// Draws both sides of every face (with `skip_face[f]` non-zero left out; empty = draw all). Vertices are projected with distortion,
-/// edges are straight between them. Faces that reach behind the near plane (0.05 m) are left out. Sampled at pixel centres.
+/// Draws both sides of every face (with `skip_face[f]` non-zero left out; empty = draw all). Vertices are projected with
+/// distortion, edges are straight between them. Faces that reach behind the near plane (0.05 m) are left out. Sampled at pixel
+/// centres.
 FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera,
                      const std::vector<std::uint8_t> &skip_face = {});
 
@@ -30,4 +32,4 @@ Image silhouette(const FaceBuffer &buffer);
 /// Intersection over union of two masks of one size (> 0 counts as inside); 1 if both are empty.
 double mask_iou(const Image &a, const Image &b);
 
-}  // namespace doublet
+} // namespace doublet

@@ -10,15 +10,15 @@ namespace doublet {
 
 struct RayHit {
   int face = -1;
-  double distance = 0;          ///< m along the unit direction
-  Eigen::Vector3d barycentric;  ///< of the face's three corners, sums to one
+  double distance = 0;         ///< m along the unit direction
+  Eigen::Vector3d barycentric; ///< of the face's three corners, sums to one
 };
 
 struct ClosestPoint {
   int face = -1;
-  Eigen::Vector3d point;        ///< m
-  Eigen::Vector3d barycentric;  ///< of the face's three corners
-  double distance = 0;          ///< m, unsigned
+  Eigen::Vector3d point;       ///< m
+  Eigen::Vector3d barycentric; ///< of the face's three corners
+  double distance = 0;         ///< m, unsigned
 };
 
 /// Immutable; const calls are safe from many threads. Copies share the same scene.
@@ -37,4 +37,4 @@ private:
   std::shared_ptr<const Impl> impl_;
 };
 
-}  // namespace doublet
+} // namespace doublet

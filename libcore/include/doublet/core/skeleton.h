@@ -14,33 +14,33 @@ namespace doublet {
 
 /// How a joint's degrees of freedom move it.
 enum class JointKind {
-  Fixed,   ///< 0 dof
-  Root,    ///< 6 dof: translation x y z (m) from the rest position, then angles y x z (rad), R = Ry Rx Rz (yaw never locks)
-  Ball,    ///< 3 dof: rotation vector (rad), world axes of the rest pose
-  Hinges,  ///< 1 or 2 dof: R = exp(axes[0] a0) exp(axes[1] a1)
+  Fixed,  ///< 0 dof
+  Root,   ///< 6 dof: translation x y z (m) from the rest position, then angles y x z (rad), R = Ry Rx Rz (yaw never locks)
+  Ball,   ///< 3 dof: rotation vector (rad), world axes of the rest pose
+  Hinges, ///< 1 or 2 dof: R = exp(axes[0] a0) exp(axes[1] a1)
 };
 
 /// A joint as the user marks it (joints.json).
 struct JointMark {
   std::string name;
-  std::string parent;        ///< empty for the root
-  Eigen::Vector3d position;  ///< rest pose, world, m
-  std::optional<int> dof;    ///< 0, 1, 2, 3 or 6; without it the default for the joint's name (36 in all for the standard names)
+  std::string parent;       ///< empty for the root
+  Eigen::Vector3d position; ///< rest pose, world, m
+  std::optional<int> dof;   ///< 0, 1, 2, 3 or 6; without it the default for the joint's name (36 in all for the standard names)
 };
 
 struct Joint {
   std::string name;
-  int parent = -1;       ///< index, always smaller than the joint's own
-  Eigen::Vector3d rest;  ///< rest pose, world, m
+  int parent = -1;      ///< index, always smaller than the joint's own
+  Eigen::Vector3d rest; ///< rest pose, world, m
   JointKind kind = JointKind::Fixed;
-  std::vector<Eigen::Vector3d> axes;  ///< Hinges: unit axes, world frame of the rest pose; axes[0] is outermost
+  std::vector<Eigen::Vector3d> axes; ///< Hinges: unit axes, world frame of the rest pose; axes[0] is outermost
   int first_dof = 0, dof_count = 0;
 };
 
 struct Skeleton {
-  std::vector<Joint> joints;           ///< parents first
-  std::vector<std::string> dof_names;  ///< (D) "joint.component", e.g. "pelvis.tx", "l_knee.flex"
-  Eigen::VectorXd lower, upper;        ///< (D) limits, human defaults; +-infinity where free
+  std::vector<Joint> joints;          ///< parents first
+  std::vector<std::string> dof_names; ///< (D) "joint.component", e.g. "pelvis.tx", "l_knee.flex"
+  Eigen::VectorXd lower, upper;       ///< (D) limits, human defaults; +-infinity where free
 
   int joint_count() const { return static_cast<int>(joints.size()); }
   int dof_count() const { return static_cast<int>(dof_names.size()); }
@@ -48,9 +48,9 @@ struct Skeleton {
   int find(const std::string &name) const;
 };
 
-/// Builds the skeleton: sorts parents first (stable), chooses hinge axes from the rest geometry (knee, ankle, elbow flexion about the
-/// normal of the bend; elbow twist along the forearm; wrist flexion and deviation across the hand), sets limits.
-/// Throws Error on an unknown or missing parent, a cycle, no or two roots, a repeated name, a dof outside {0,1,2,3,6}.
+/// Builds the skeleton: sorts parents first (stable), chooses hinge axes from the rest geometry (knee, ankle, elbow flexion about
+/// the normal of the bend; elbow twist along the forearm; wrist flexion and deviation across the hand), sets limits. Throws Error
+/// on an unknown or missing parent, a cycle, no or two roots, a repeated name, a dof outside {0,1,2,3,6}.
 Skeleton make_skeleton(const std::vector<JointMark> &marks);
 
 /// The inverse of make_skeleton as far as files go: name, parent, rest, dof count of every joint.
@@ -71,9 +71,9 @@ std::vector<DofTwist> dof_twists(const Skeleton &skeleton, const Eigen::VectorXd
 /// moved(d, j): does degree of freedom d move points attached to joint j? (D, J)
 Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> dof_moves_joint(const Skeleton &skeleton);
 
-/// The pose whose joints' world rotations (relative to the rest pose) come closest to the given ones, joint by joint from the root;
-/// the root joint stands at `root_position`. A joint with freedom takes the rotation of the last fixed joint of its chain down to the
-/// next free one (spine drives chest, neck drives head). Limits are applied if asked for.
+/// The pose whose joints' world rotations (relative to the rest pose) come closest to the given ones, joint by joint from the
+/// root; the root joint stands at `root_position`. A joint with freedom takes the rotation of the last fixed joint of its chain
+/// down to the next free one (spine drives chest, neck drives head). Limits are applied if asked for.
 Eigen::VectorXd pose_from_rotations(const Skeleton &skeleton, const std::vector<Eigen::Quaterniond> &world_rotations,
                                     const Eigen::Vector3d &root_position, bool apply_limits);
 
@@ -82,4 +82,4 @@ Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d &rotation_vector);
 Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d &rotation);
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d &rotation_vector);
 
-}  // namespace doublet
+} // namespace doublet

@@ -14,4 +14,4 @@ Transforms dual_quaternion_blend(const MatrixRM &weights, const Transforms &worl
 /// Linear blend skinning, for files made with it.
 Vertices linear_blend_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest);
 
-}  // namespace doublet
+} // namespace doublet

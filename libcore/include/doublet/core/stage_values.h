@@ -15,8 +15,8 @@ namespace doublet {
 /// The animatable template of Sect. 4: closed surface M in the scan pose, skeleton and skin weights. File: actor.npz.
 struct RiggedMesh {
   Mesh mesh;
-  std::vector<std::uint8_t> face_valid;  ///< (F) 0 = semantically invalid (invented over a large hole)
-  MatrixRM weights;                      ///< (V, J), rows sum to one
+  std::vector<std::uint8_t> face_valid; ///< (F) 0 = semantically invalid (invented over a large hole)
+  MatrixRM weights;                     ///< (V, J), rows sum to one
   Skeleton skeleton;
 
   /// (F) 1 where face_valid is 0: the form rasterize() and RayScene take.
@@ -33,35 +33,36 @@ struct ReferencePerformance {
 
 /// One texture feature seen in one camera in two successive frames.
 struct FeatureMatch {
-  Eigen::Vector2f previous, current;  ///< pixels of the original (distorted) image at t-1 and t
+  Eigen::Vector2f previous, current; ///< pixels of the original (distorted) image at t-1 and t
 };
 
 /// What is kept of one camera's image at one frame: 2D data only (Sect. 6.2).
 struct ViewObservation {
-  std::vector<Eigen::Vector2f> contour;  ///< boundary points of the measured silhouette, pixels, about one a pixel; empty = image missing
-  std::vector<FeatureMatch> matches;     ///< features inside the silhouette matched from t-1 to t; empty at the first frame
+  std::vector<Eigen::Vector2f>
+      contour; ///< boundary points of the measured silhouette, pixels, about one a pixel; empty = image missing
+  std::vector<FeatureMatch> matches; ///< features inside the silhouette matched from t-1 to t; empty at the first frame
 };
 
 /// 2D observations of the whole reference sequence. File: observations.npz.
 struct Observations {
   CameraRig cameras;
-  std::vector<int> frames;                          ///< (T) video frame numbers
-  std::vector<std::vector<ViewObservation>> views;  ///< [T][cameras]
+  std::vector<int> frames;                         ///< (T) video frame numbers
+  std::vector<std::vector<ViewObservation>> views; ///< [T][cameras]
 };
 
 /// Sect. 5. File: segmentation.npz.
 struct Clothness {
-  Eigen::VectorXd sigma;      ///< (V) m, standard deviation of the opposite-ray distance; NaN where no valid ray was found
-  Eigen::VectorXd clothness;  ///< (V) delta in [0, 1]
-  Eigen::VectorXi region;     ///< (V) connected region of delta > 0, numbered by falling area; -1 = rigid
+  Eigen::VectorXd sigma;     ///< (V) m, standard deviation of the opposite-ray distance; NaN where no valid ray was found
+  Eigen::VectorXd clothness; ///< (V) delta in [0, 1]
+  Eigen::VectorXi region;    ///< (V) connected region of delta > 0, numbered by falling area; -1 = rigid
   int region_count = 0;
 };
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.
 struct TaperedCapsule {
   int joint = 0;
-  Eigen::Vector3d p0, p1;  ///< m; in the joint's frame (rest-pose axes, origin at the joint's rest position)
-  double r0 = 0, r1 = 0;   ///< m
+  Eigen::Vector3d p0, p1; ///< m; in the joint's frame (rest-pose axes, origin at the joint's rest position)
+  double r0 = 0, r1 = 0;  ///< m
 };
 
 /// A capsule in the world for a pose.
@@ -76,10 +77,10 @@ double signed_distance(const PosedCapsule &capsule, const Eigen::Vector3d &point
 
 /// The body under the clothes, scan pose. File: body.npz.
 struct BodyFit {
-  Mesh body;                          ///< (B, 3) scan pose
-  Eigen::VectorXd coefficients;       ///< of the statistical model, ~ N(0, 1)
-  std::string model;                  ///< name and hash of the model file
-  double residual = 0;                ///< m, mean |distance| of the exposed scan surface to the body
+  Mesh body;                    ///< (B, 3) scan pose
+  Eigen::VectorXd coefficients; ///< of the statistical model, ~ N(0, 1)
+  std::string model;            ///< name and hash of the model file
+  double residual = 0;          ///< m, mean |distance| of the exposed scan surface to the body
 };
 
-}  // namespace doublet
+} // namespace doublet

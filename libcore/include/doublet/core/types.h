@@ -16,4 +16,4 @@ using MatrixRM = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// One rigid transform per joint or bone, named `a_from_b` where it is used.
 using Transforms = std::vector<Eigen::Isometry3d>;
 
-}  // namespace doublet
+} // namespace doublet

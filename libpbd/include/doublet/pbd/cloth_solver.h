@@ -20,56 +20,56 @@ struct Capsule {
 };
 
 struct ClothOptions {
-  int iterations = 24;                          ///< Gauss-Seidel sweeps a step, as in the paper
-  int substeps = 1;                             ///< steps a frame
-  Eigen::Vector3d gravity{0.0, -9.81, 0.0};     ///< m/s^2
-  double restitution = 0.0;                     ///< 0 = inelastic
-  double thickness = 0.004;                     ///< m, kept between cloth and proxies
-  double self_thickness = 0.004;                ///< m, kept between cloth and itself
+  int iterations = 24;                      ///< Gauss-Seidel sweeps a step, as in the paper
+  int substeps = 1;                         ///< steps a frame
+  Eigen::Vector3d gravity{0.0, -9.81, 0.0}; ///< m/s^2
+  double restitution = 0.0;                 ///< 0 = inelastic
+  double thickness = 0.004;                 ///< m, kept between cloth and proxies
+  double self_thickness = 0.004;            ///< m, kept between cloth and itself
   bool self_collision = true;
-  void validate() const;  ///< throws std::invalid_argument naming option, range and value
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Topology, rest state and constraint order of one piece of cloth. Built once, shared by any number of states.
 class ClothModel {
 public:
-  /// rest (N, 3): rest lengths and angles come from here. clothness (N) in [0, 1]: 0 = follows its target (infinite mass), 1 = free,
-  /// between = blended with stiffness 1 - clothness. Masses are one third of the adjacent areas.
-  /// Throws std::invalid_argument on an empty or non-finite mesh, bad indices, degenerate faces, wrong lengths.
+  /// rest (N, 3): rest lengths and angles come from here. clothness (N) in [0, 1]: 0 = follows its target (infinite mass), 1 =
+  /// free, between = blended with stiffness 1 - clothness. Masses are one third of the adjacent areas. Throws
+  /// std::invalid_argument on an empty or non-finite mesh, bad indices, degenerate faces, wrong lengths.
   static std::shared_ptr<const ClothModel> create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
                                                   const ClothOptions &options = {});
   virtual ~ClothModel() = default;
   virtual int vertex_count() const = 0;
   virtual const ClothOptions &options() const = 0;
-  virtual const Eigen::VectorXd &inverse_masses() const = 0;  ///< (N) 1/m^2, 0 = pinned
+  virtual const Eigen::VectorXd &inverse_masses() const = 0; ///< (N) 1/m^2, 0 = pinned
 };
 
 /// Everything that changes; copy it to save, assign it to restore.
 struct ClothState {
-  Vertices positions;   ///< (N, 3) m
-  Vertices velocities;  ///< (N, 3) m/s
+  Vertices positions;  ///< (N, 3) m
+  Vertices velocities; ///< (N, 3) m/s
 };
 
 /// What the world does during one frame.
 struct StepInputs {
-  const Vertices *targets = nullptr;           ///< (N, 3) skinned positions at the end of the frame
-  const Vertices *previous_targets = nullptr;  ///< (N, 3) at its start
-  const std::vector<Capsule> *capsules = nullptr;           ///< proxies at the end of the frame
-  const std::vector<Capsule> *previous_capsules = nullptr;  ///< at its start, same order
-  double dt = 1.0 / 40.0;                      ///< s, one video frame
-  Eigen::Vector3d wind{0.0, 0.0, 0.0};         ///< m/s, drag acts on the velocity relative to it
+  const Vertices *targets = nullptr;                       ///< (N, 3) skinned positions at the end of the frame
+  const Vertices *previous_targets = nullptr;              ///< (N, 3) at its start
+  const std::vector<Capsule> *capsules = nullptr;          ///< proxies at the end of the frame
+  const std::vector<Capsule> *previous_capsules = nullptr; ///< at its start, same order
+  double dt = 1.0 / 40.0;                                  ///< s, one video frame
+  Eigen::Vector3d wind{0.0, 0.0, 0.0};                     ///< m/s, drag acts on the velocity relative to it
 };
 
-/// The swap point: advances a state by one frame. Implementations are immutable after construction and safe to call from many threads
-/// with different states.
+/// The swap point: advances a state by one frame. Implementations are immutable after construction and safe to call from many
+/// threads with different states.
 class ClothSolver {
 public:
   virtual ~ClothSolver() = default;
   /// external forces -> predict -> collisions -> iterations x project -> velocities -> friction and restitution.
   virtual void step(ClothState &state, const StepInputs &inputs, const Material &material) const = 0;
   virtual const ClothModel &model() const = 0;
-  /// The same frame for several simulations that differ in state and material: states[i] is stepped with materials[i]. The same bits as
-  /// one step each, which is what the default does; throws std::invalid_argument if the counts differ.
+  /// The same frame for several simulations that differ in state and material: states[i] is stepped with materials[i]. The same
+  /// bits as one step each, which is what the default does; throws std::invalid_argument if the counts differ.
   virtual void step_many(std::span<ClothState> states, const StepInputs &inputs, std::span<const Material> materials) const;
   static std::unique_ptr<ClothSolver> create(std::shared_ptr<const ClothModel> model);
 };
@@ -77,4 +77,4 @@ public:
 /// positions = rest positions of the model's targets, velocities zero.
 ClothState initial_state(const Vertices &positions);
 
-}  // namespace doublet::pbd
+} // namespace doublet::pbd

@@ -1,5 +1,6 @@
 #pragma once
-// The material of a piece of cloth: the parameter vector of Stoll et al. 2010, Sect. 6 (the sixth, damping, is Mueller 2007 Sect. 3.5).
+// The material of a piece of cloth: the parameter vector of Stoll et al. 2010, Sect. 6 (the sixth, damping, is Mueller 2007
+// Sect. 3.5).
 
 #include <array>
 #include <string>
@@ -7,12 +8,12 @@
 namespace doublet::pbd {
 
 struct Material {
-  double d_n = 16.0;        ///< drag along the normal, quadratic, 1/m, box [0, 32]
-  double d_t = 16.0;        ///< drag along the surface, linear, 1/s, box [0, 32]
-  double k_bend = 0.5;      ///< bending stiffness, box [0, 1]
-  double k_stretch = 0.5;   ///< stretching stiffness, box (0, 1]
-  double k_friction = 0.5;  ///< friction against proxies and itself, box [0, 1]
-  double k_damping = 0.0;   ///< velocity damping towards rigid motion, box [0, 1]; not estimated unless asked for
+  double d_n = 16.0;       ///< drag along the normal, quadratic, 1/m, box [0, 32]
+  double d_t = 16.0;       ///< drag along the surface, linear, 1/s, box [0, 32]
+  double k_bend = 0.5;     ///< bending stiffness, box [0, 1]
+  double k_stretch = 0.5;  ///< stretching stiffness, box (0, 1]
+  double k_friction = 0.5; ///< friction against proxies and itself, box [0, 1]
+  double k_damping = 0.0;  ///< velocity damping towards rigid motion, box [0, 1]; not estimated unless asked for
 };
 
 /// A parameter by name, with the box it is estimated in.
@@ -26,4 +27,4 @@ const std::array<MaterialParameter, 6> &material_parameters();
 /// Throws std::invalid_argument naming parameter, box and value if one lies outside its box or is NaN.
 void validate(const Material &material);
 
-}  // namespace doublet::pbd
+} // namespace doublet::pbd
