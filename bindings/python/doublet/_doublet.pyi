@@ -926,6 +926,22 @@ class SurfaceOptions:
     def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def loose(self) -> float:
+        """
+        m, a vertex this far from its skinned position is held with a quarter of anchor_rigid
+        """
+    @loose.setter
+    def loose(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def memory(self) -> float:
+        """
+        share of the offset from the skinned surface that bends and stretches back
+        """
+    @memory.setter
+    def memory(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def raster_size(self) -> int:
         """
         px, longest side of the renderings

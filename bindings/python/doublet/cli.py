@@ -20,7 +20,7 @@ def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
     """`--GROUP-FIELD` for every field of the option classes, with its default and meaning."""
     for group, options_class in groups.items():
         flags = parser.add_argument_group(f"{group} options", options_class.__doc__.splitlines()[0])
-        for name, default in options_class().to_dict().items():
+        for name, default in pipeline.make_options(group, options_class).to_dict().items():
             if (group, name) in pipeline.DERIVED_FIELDS or isinstance(default, d.Material):
                 continue
             meaning = getattr(options_class, name).__doc__.splitlines()[-1].replace("%", "%%")
@@ -49,7 +49,7 @@ def chosen_options(arguments: argparse.Namespace, groups=pipeline.OPTION_GROUPS)
         if "." in key:
             group, name = key.split(".", 1)
             chosen.setdefault(group, {})[name] = value
-    return {group: options_class(**chosen.get(group, {})) for group, options_class in groups.items()}
+    return {group: pipeline.make_options(group, c, **chosen.get(group, {})) for group, c in groups.items()}
 
 
 def make_console(arguments: argparse.Namespace) -> Console:
