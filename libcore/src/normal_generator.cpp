@@ -1,4 +1,4 @@
-#include "doublet/fit/normal_generator.h"
+#include "doublet/core/normal_generator.h"
 
 #include "doublet/core/error.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 // Normal random numbers that do not depend on the standard library: std::normal_distribution may differ between vendors.
 
+#include <cstdint>
 #include <random>
 #include <string>
 
