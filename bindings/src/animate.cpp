@@ -190,8 +190,11 @@ void bind_pictures(py::module_ &m) {
         "(H, W, 3) uint8, BGR");
   m.def("orbit_camera", &orbit_camera, py::arg("target"), py::arg("radius"), py::arg("azimuth"), py::arg("elevation"),
         py::arg("width"), py::arg("height"), "Looks at target from azimuth (rad, 0 = from +Z) and elevation.");
-  m.def("character_meshes", &character_meshes, py::arg("character"), py::arg("surface"), py::arg("high"), py::arg("body"),
-        Release(), "A character's meshes at a frame; high and body may be empty.");
+  py::class_<CharacterRenderer>(m, "CharacterRenderer", "Pictures of one character in many frames; safe from many threads.")
+      .def(py::init<const Character &>(), py::arg("character"), Release())
+      .def("meshes", &CharacterRenderer::meshes, py::arg("surface"), py::arg("high"), py::arg("body"), Release())
+      .def("render", &CharacterRenderer::render, py::arg("surface"), py::arg("high"), py::arg("body"), py::arg("camera"),
+           py::arg("options") = RenderOptions{}, Release(), "(H, W, 3) uint8, BGR");
 }
 
 void bind_texture(py::module_ &m) {

@@ -334,9 +334,4 @@ Image CharacterRenderer::render(const Vertices &surface, const Vertices &high, c
   return doublet::render(meshes(surface, high, body), camera, options);
 }
 
-std::vector<RenderMesh> character_meshes(const Character &character, const Vertices &surface, const Vertices &high,
-                                         const Vertices &body) {
-  return CharacterRenderer(character).meshes(surface, high, body);
-}
-
 } // namespace doublet

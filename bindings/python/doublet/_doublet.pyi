@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTrackerOptions', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'ParameterSpace', 'PerformanceCapture', 'PoseOptions', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceOptions', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'character_meshes', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'simulate_reference', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTrackerOptions', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'ParameterSpace', 'PerformanceCapture', 'PoseOptions', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceOptions', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'simulate_reference', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -2231,6 +2231,18 @@ class RenderOptions:
     @supersample.setter
     def supersample(self, arg0: bool) -> None:
         ...
+class CharacterRenderer:
+    """
+    Pictures of one character in many frames; safe from many threads.
+    """
+    def __init__(self, character: Character) -> None:
+        ...
+    def meshes(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> list[RenderMesh]:
+        ...
+    def render(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+        """
+        (H, W, 3) uint8, BGR
+        """
 class TextureOptions:
     """
     Options of bake_texture.
@@ -2796,10 +2808,6 @@ def bake_texture(character: Character, posed_high: typing.Annotated[numpy.typing
     """
 def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context = ...) -> Template:
     ...
-def character_meshes(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> list[RenderMesh]:
-    """
-    A character's meshes at a frame; high and body may be empty.
-    """
 def create_cma_es(dimension: typing.SupportsInt | typing.SupportsIndex, options: CmaEsOptions = ...) -> Optimizer:
     ...
 def create_simulated_annealing(dimension: typing.SupportsInt | typing.SupportsIndex, options: AnnealingOptions = ...) -> Optimizer:

@@ -100,11 +100,12 @@ def write_video(character: d.Character, motion: d.Motion, out: Path, context: d.
     count = int(len(motion) * fps / motion.fps) + 2  # at least as many as animate() makes of it
     cameras = cameras_along(character, motion, count, size)
     floor = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()))
+    renderer = d.CharacterRenderer(character)
     with VideoWriter(out, size, size, fps) as video:
 
         def draw(frame: d.AnimationFrame) -> None:
-            meshes = d.character_meshes(character, frame.surface, frame.high, frame.body)
-            video.write(d.render(meshes, cameras[min(frame.index, count - 1)], floor))
+            camera = cameras[min(frame.index, count - 1)]
+            video.write(renderer.render(frame.surface, frame.high, frame.body, camera, floor))
 
         return d.animate_each(character, motion, draw, d.AnimateOptions(), context)
 

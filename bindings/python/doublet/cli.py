@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -99,6 +100,38 @@ def run_evaluate(arguments) -> None:
     print(json.dumps(result, indent=1) if arguments.json else format_table(result))
 
 
+def run_synthesize(arguments) -> None:
+    from .synthesize import SynthesisOptions, read_motion, synthesize
+
+    console = make_console(arguments)
+    character = d.Character.read(arguments.character)
+    chosen = {f.name: getattr(arguments, f.name) for f in fields(SynthesisOptions) if f.name not in ("key_colour",)}
+    options = SynthesisOptions(**chosen)
+    options.validate()
+    if arguments.material:
+        character.materials = [changed(material, arguments.material) for material in character.materials]
+    retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
+    motion = read_motion(arguments.motion, character, 1 / character.solver.dt, retargeting)
+    rig = d.Session(arguments.cameras).rig if arguments.cameras else None
+    frames = synthesize(character, motion, arguments.out, options, rig, console)
+    console.finish()
+    print(f"{arguments.out}: {frames} frames")
+
+
+def changed(material: d.Material, settings: list[str]) -> d.Material:
+    """`material` with settings such as "k_bend=0.7"."""
+    values = material.to_dict()
+    for setting in settings:
+        name, _, value = setting.partition("=")
+        if name not in values:
+            raise ValueError(f"--material: expected one of {', '.join(values)}, found '{name}'")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise ValueError(f"--material: expected a number for {name}, found '{value}'") from None
+    return d.Material(**values)
+
+
 def run_train_body(arguments) -> None:
     options = chosen_options(arguments, {"train": d.TrainOptions})["train"]
     options.command = f"doublet train-body {arguments.population.name} -o {arguments.out.name}"
@@ -160,6 +193,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     add_animate(commands)
     add_evaluate(commands)
+    add_synthesize(commands)
     add_train_body(commands)
     return parser
 
@@ -191,6 +225,32 @@ def add_evaluate(commands) -> None:
     evaluate.add_argument("--json", action="store_true", help="print JSON instead of a table")
     common_flags(evaluate)
     evaluate.set_defaults(run=run_evaluate)
+
+
+def add_synthesize(commands) -> None:
+    text = "a character and a motion -> a capture session with known truth"
+    synthesize = commands.add_parser("synthesize", help=text, description=text)
+    synthesize.add_argument("character", type=Path, metavar="CHARACTER.glb")
+    synthesize.add_argument(
+        "--motion", type=Path, required=True, metavar="FILE", help=".bvh, .amc, or performance.npz of the same skeleton"
+    )
+    synthesize.add_argument("-o", "--out", type=Path, required=True, metavar="SESSION", help="folder of the new session")
+    synthesize.add_argument("--cameras", type=Path, metavar="DIR", help="those of this session (default: a ring of them)")
+    synthesize.add_argument(
+        "--material", nargs="+", metavar="NAME=X", help="of every cloth region, e.g. k_bend=0.7 (default: the character's)"
+    )
+    flag = synthesize.add_argument
+    flag("--camera-count", type=int, default=8, metavar="N", help="of the ring (default: 8)")
+    flag("--image-size", type=int, default=1004, metavar="N", help="px, of the ring's images (default: 1004)")
+    flag("--frame-count", type=int, default=-1, metavar="N", help="default: the whole motion")
+    flag("--noise", type=float, default=0.0, metavar="X", help="grey levels, sensor noise (default: 0)")
+    flag("--blur", type=float, default=0.0, metavar="X", help="px, Gaussian blur (default: 0)")
+    flag("--scan-noise", type=float, default=0.0004, metavar="X", help="m, noise of the scan (default: 0.0004)")
+    flag("--mark-noise", type=float, default=0.004, metavar="X", help="m, noise of the marked joints (default: 0.004)")
+    flag("--mask-step", type=int, default=10, metavar="N", help="true masks every n-th frame (default: 10)")
+    common_flags(synthesize)
+    add_option_flags(synthesize, {"retarget": d.RetargetOptions})
+    synthesize.set_defaults(run=run_synthesize)
 
 
 def add_train_body(commands) -> None:

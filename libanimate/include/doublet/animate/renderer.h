@@ -48,8 +48,4 @@ private:
   RenderMesh coarse_, high_, body_;
 };
 
-/// One frame's meshes; for more than one frame keep a CharacterRenderer, which decodes the texture once.
-std::vector<RenderMesh> character_meshes(const Character &character, const Vertices &surface, const Vertices &high,
-                                         const Vertices &body);
-
 } // namespace doublet
