@@ -6,13 +6,15 @@
 namespace doublet::python {
 namespace {
 
+constexpr const char *kMask = "a uint8 array (H, W), 255 = actor, or (0, 0) for none";
+
 class PySilhouetteExtractor : public SilhouetteExtractor {
 public:
   void train(int camera, const std::vector<Image> &images) override {
     PYBIND11_OVERRIDE_PURE(void, SilhouetteExtractor, train, camera, images);
   }
   Image extract(int camera, const Image &image) const override {
-    PYBIND11_OVERRIDE_PURE(Image, SilhouetteExtractor, extract, camera, image);
+    return call_override<Image>(this, "SilhouetteExtractor.extract", kMask, camera, image);
   }
 };
 
@@ -20,8 +22,10 @@ class PyFrameSource : public FrameSource {
 public:
   int frame_count() const override { PYBIND11_OVERRIDE_PURE(int, FrameSource, frame_count, ); }
   int camera_count() const override { PYBIND11_OVERRIDE_PURE(int, FrameSource, camera_count, ); }
-  Image image(int camera, int frame) override { PYBIND11_OVERRIDE_PURE(Image, FrameSource, image, camera, frame); }
-  Image mask(int camera, int frame) override { PYBIND11_OVERRIDE_PURE(Image, FrameSource, mask, camera, frame); }
+  Image image(int camera, int frame) override {
+    return call_override<Image>(this, "FrameSource.image", "a uint8 array (H, W, 3), or (0, 0) for none", camera, frame);
+  }
+  Image mask(int camera, int frame) override { return call_override<Image>(this, "FrameSource.mask", kMask, camera, frame); }
 };
 
 class PyPerformanceCapture : public PerformanceCapture {
@@ -98,45 +102,12 @@ void bind_template(py::module_ &m) {
 }
 
 void bind_performance(py::module_ &m) {
-  OptionsClass<FeatureTrackerOptions>(m, "FeatureTrackerOptions", "Options of the SIFT feature tracker.")
-      .field("budget", &FeatureTrackerOptions::budget, "strongest features kept per image")
-      .field("erode", &FeatureTrackerOptions::erode, "px at 1004 px image height, distance kept from the silhouette")
-      .field("ratio", &FeatureTrackerOptions::ratio, "best / second best descriptor distance")
-      .field("max_displacement", &FeatureTrackerOptions::max_displacement, "between two frames, of the silhouette height");
-  OptionsClass<PoseOptions>(m, "PoseOptions", "Options of the pose optimiser.")
-      .field("iterations", &PoseOptions::iterations, "renderings with re-matching")
-      .field("first_iterations", &PoseOptions::first_iterations, "the same for the first frame")
-      .field("raster_size", &PoseOptions::raster_size, "px, longest side of the renderings")
-      .field("rims_per_view", &PoseOptions::rims_per_view, "correspondences per view and direction")
-      .field("gate_start", &PoseOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
-      .field("gate_end", &PoseOptions::gate_end, "m, the same, last iteration")
-      .field("scale_start", &PoseOptions::scale_start, "m, robust scale of the residuals, first iteration")
-      .field("scale_end", &PoseOptions::scale_end, "m, the same, last iteration")
-      .field("sift_weight", &PoseOptions::sift_weight, "of a feature track against a rim")
-      .field("prior_weight", &PoseOptions::prior_weight, "of the prediction against a rim")
-      .field("prior_angle", &PoseOptions::prior_angle, "rad, expected error of the prediction")
-      .field("prior_shift", &PoseOptions::prior_shift, "m, the same for the root")
-      .field("limit_weight", &PoseOptions::limit_weight, "of a passed joint limit against a rim");
-  OptionsClass<SurfaceOptions>(m, "SurfaceOptions", "Options of the surface refiner.")
-      .field("iterations", &SurfaceOptions::iterations, "renderings with re-matching")
-      .field("raster_size", &SurfaceOptions::raster_size, "px, longest side of the renderings")
-      .field("rims_per_view", &SurfaceOptions::rims_per_view, "correspondences per view and direction")
-      .field("gate_start", &SurfaceOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
-      .field("gate_end", &SurfaceOptions::gate_end, "m, the same, last iteration")
-      .field("scale_start", &SurfaceOptions::scale_start, "m, robust scale of the residuals, first iteration")
-      .field("scale_end", &SurfaceOptions::scale_end, "m, the same, last iteration")
-      .field("sift_weight", &SurfaceOptions::sift_weight, "of a feature track against a rim")
-      .field("bending", &SurfaceOptions::bending, "weight of the Laplacian of the displacement")
-      .field("memory", &SurfaceOptions::memory, "share of the offset from the skinned surface that bends and stretches back")
-      .field("stretching", &SurfaceOptions::stretching, "weight of differences of neighbours")
-      .field("anchor_cloth", &SurfaceOptions::anchor_cloth, "pull of a loose vertex to its expected position")
-      .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position")
-      .field("loose", &SurfaceOptions::loose,
-             "m, a vertex this far from its skinned position is held with a quarter of anchor_rigid");
   OptionsClass<CaptureOptions>(m, "CaptureOptions", "Options of PerformanceCapture.")
       .field("first_frame", &CaptureOptions::first_frame, "first video frame")
       .field("frame_count", &CaptureOptions::frame_count, "number of frames, -1 = to the end")
       .field("use_sift", &CaptureOptions::use_sift, "use texture features; off: silhouettes alone")
+      .field("use_feature_map", &CaptureOptions::use_feature_map, "find the features of the first frame again in every frame")
+      .field("map_reach", &CaptureOptions::map_reach, "of the silhouette height, how far a mapped feature is sought")
       .field("velocity_damping", &CaptureOptions::velocity_damping, "of the constant-velocity prediction, 0 = stay")
       .field("offset_decay", &CaptureOptions::offset_decay, "share of the non-rigid offset expected again in the next frame")
       .field("loose", &CaptureOptions::loose, "m, offset at which a vertex tells half as much about the pose")
@@ -166,8 +137,9 @@ void bind_performance(py::module_ &m) {
   py::class_<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
       .def(py::init<>())
       .def_static(
-          "create", [](const CaptureOptions &options) { return PerformanceCapture::create(options); },
-          py::arg("options") = CaptureOptions{})
+          "create",
+          [](const CaptureOptions &options, const CaptureParts &parts) { return PerformanceCapture::create(options, parts); },
+          py::arg("options") = CaptureOptions{}, py::arg("parts") = CaptureParts{})
       .def("capture", &PerformanceCapture::capture, py::arg("actor"), py::arg("rig"), py::arg("frames"),
            py::arg("extractor").none(true), py::arg("context") = interruptible_context(), Release());
 }
@@ -177,6 +149,7 @@ void bind_performance(py::module_ &m) {
 void bind_capture(py::module_ &m) {
   bind_session(m);
   bind_template(m);
+  bind_capture_parts(m);
   bind_performance(m);
 }
 

@@ -12,7 +12,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pybind11::detail {
@@ -51,8 +53,38 @@ namespace doublet::python {
 namespace py = pybind11;
 using Release = py::call_guard<py::gil_scoped_release>;
 
+/// "an array of int64 (3, 4)", "a list": what a user's function returned.
+std::string described(const py::object &object);
+
 /// A context that Ctrl-C interrupts: the default of every long call.
 Context interruptible_context();
+
+/// Calls a Python override, on whatever thread: `where` = "Class.method". Throws TypeError naming it if it returns something that
+/// is no `R`, RuntimeError if the class has no such method. What it raises itself comes back as it is.
+template <class R, class Base, class... Arguments>
+R call_override(const Base *self, const std::string &where, const char *expected, Arguments &&...arguments) {
+  const py::gil_scoped_acquire gil;
+  const py::function method = py::get_override(self, where.substr(where.find('.') + 1).c_str());
+  if (!method)
+    throw std::runtime_error(where + " is not defined by the subclass");
+  const py::object result = method(std::forward<Arguments>(arguments)...);
+  try {
+    return result.template cast<R>();
+  } catch (const py::cast_error &) {
+    throw py::type_error(where + " must return " + expected + ", found " + described(result));
+  }
+}
+
+/// A C++ owner of an object that may be a Python subclass: keeps the Python half alive, too. None = null.
+template <class T> std::shared_ptr<T> kept(const py::object &object) {
+  if (object.is_none())
+    return nullptr;
+  PyObject *owned = py::object(object).release().ptr();
+  return std::shared_ptr<T>(object.cast<T *>(), [owned](T *) {
+    const py::gil_scoped_acquire gil;
+    Py_DECREF(owned);
+  });
+}
 
 /// An array that owns `values` without a copy.
 template <class T> py::array_t<T> move_to_array(std::vector<T> values, const std::vector<py::ssize_t> &shape) {
@@ -113,6 +145,7 @@ private:
 
 void bind_core(py::module_ &m);
 void bind_capture(py::module_ &m);
+void bind_capture_parts(py::module_ &m);
 void bind_segment(py::module_ &m);
 void bind_bodymodel(py::module_ &m);
 void bind_pbd(py::module_ &m);

@@ -11,6 +11,12 @@
 
 namespace doublet::python {
 
+std::string described(const py::object &object) {
+  if (py::isinstance<py::array>(object))
+    return py::str("an array of {} {}").format(object.attr("dtype"), object.attr("shape"));
+  return py::str("{}").format(py::type::of(object).attr("__name__"));
+}
+
 py::array_t<double> stack(const std::vector<Vertices> &frames) {
   const py::ssize_t rows = frames.empty() ? 0 : frames.front().rows();
   py::array_t<double> result({static_cast<py::ssize_t>(frames.size()), rows, py::ssize_t(3)});

@@ -75,6 +75,9 @@ std::vector<SurfaceTrack> FeatureMap::find(const Features &features, const Featu
     const Eigen::Vector3d x = entry.surface.position(expected.vertices, actor.mesh.faces);
     if (camera.depth(x) <= 0)
       continue;
+    if (entry.descriptor.size() != features.descriptors.cols())
+      throw Error("capture: the feature tracker returned descriptors of " + std::to_string(features.descriptors.cols()) +
+                  " numbers, in the first frame of " + std::to_string(entry.descriptor.size()));
     candidates.push_back(static_cast<int>(e));
     predicted.points.push_back(camera.project(x).cast<float>());
   }

@@ -267,10 +267,11 @@ private:
     const int frames = static_cast<int>(offsets_.size()), vertices = static_cast<int>(actor_.mesh.vertices.rows());
     const int angles = actor_.skeleton.dof_count() - 3; // all but the root's translation, which comes first
     summary.jitter_before = mean_second_difference(performance.dofs, 3, angles);
-    performance.dofs = savitzky_golay(performance.dofs, options_.smooth_window, options_.smooth_order);
-    summary.jitter_after = mean_second_difference(performance.dofs, 3, angles);
     const int window = frames < options_.smooth_window ? 1 : options_.smooth_window;
-    const MatrixRM weights = savitzky_golay_weights(window, window == 1 ? 0 : options_.smooth_order);
+    const int order = std::min(options_.smooth_order, window - 1);
+    performance.dofs = savitzky_golay(performance.dofs, window, order);
+    summary.jitter_after = mean_second_difference(performance.dofs, 3, angles);
+    const MatrixRM weights = savitzky_golay_weights(window, order);
     performance.surface.frames.resize(frames);
     performance.joints.resize(frames);
     for (int t = 0; t < frames; ++t) {

@@ -17,6 +17,18 @@ void require_size(const Image &image, const Camera &camera, int frame, const cha
                 std::to_string(camera.width) + " x " + std::to_string(camera.height));
 }
 
+/// Trackers may come from outside.
+void require_usable(const Features &features, const Camera &camera, int frame) {
+  const std::string where = "camera '" + camera.name + "': the features of frame " + std::to_string(frame);
+  if (features.descriptors.rows() != static_cast<Eigen::Index>(features.points.size()))
+    throw Error(where + " are " + std::to_string(features.points.size()) + " points and " +
+                std::to_string(features.descriptors.rows()) + " descriptors");
+  for (const Eigen::Vector2f &p : features.points)
+    if (!(p.x() >= 0 && p.y() >= 0 && p.x() <= float(camera.width - 1) && p.y() <= float(camera.height - 1)))
+      throw Error(where + " have a point outside the image of " + std::to_string(camera.width) + " x " +
+                  std::to_string(camera.height) + " at (" + std::to_string(p.x()) + ", " + std::to_string(p.y()) + ")");
+}
+
 } // namespace
 
 ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Camera &camera, const SilhouetteExtractor *extractor,
@@ -35,6 +47,9 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
   if (measured.mask.empty())
     return measured;
   require_size(measured.mask, camera, frame, "the mask");
+  if (measured.mask.channels != 1)
+    throw Error("camera '" + camera.name + "': the mask of frame " + std::to_string(frame) + " has " +
+                std::to_string(measured.mask.channels) + " channels, expected 1");
   measured.outline = trace_outline(measured.mask);
   float top = 1e9f, bottom = 0;
   for (const Eigen::Vector2f &p : measured.outline.points) {
@@ -44,9 +59,7 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
   measured.height = static_cast<int>(std::max(0.f, bottom - top));
   if (tracker && !image.empty()) {
     measured.features = tracker->detect(image, measured.mask);
-    if (measured.features.descriptors.rows() != static_cast<Eigen::Index>(measured.features.points.size()))
-      throw Error("capture: the feature tracker returned " + std::to_string(measured.features.points.size()) + " points and " +
-                  std::to_string(measured.features.descriptors.rows()) + " descriptors");
+    require_usable(measured.features, camera, frame);
   }
   return measured;
 }

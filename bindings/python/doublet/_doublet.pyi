@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTrackerOptions', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'ParameterSpace', 'PerformanceCapture', 'PoseOptions', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceOptions', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'simulate_reference', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'simulate_reference', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -739,6 +739,152 @@ class FeatureTrackerOptions:
     @ratio.setter
     def ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class Features:
+    """
+    Features of one image.
+    """
+    def __init__(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float32, "[m, 2]"], descriptors: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    @property
+    def descriptors(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (N, C); closeness is Euclidean distance
+        """
+    @property
+    def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], "[m, 2]"]:
+        """
+        (N, 2) pixels
+        """
+class FeatureTracker:
+    """
+    Swap point: image -> features, features -> matches.
+    """
+    @staticmethod
+    def create(options: FeatureTrackerOptions = ...) -> FeatureTracker:
+        ...
+    def __init__(self) -> None:
+        ...
+    def detect(self, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8]) -> Features:
+        """
+        Features of an image (H, W, 3) inside its mask (H, W). Called from many threads.
+        """
+    def match(self, previous: Features, current: Features, reach: typing.SupportsFloat | typing.SupportsIndex) -> list[tuple[int, int]]:
+        """
+        Pairs (index in previous, index in current) no farther apart than `reach` pixels. Called from many threads.
+        """
+class Outline:
+    """
+    Boundary of a mask, N points.
+    """
+    @property
+    def normals(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], "[m, 2]"]:
+        """
+        (N, 2) unit, out of the mask
+        """
+    @property
+    def points(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float32], "[m, 2]"]:
+        """
+        (N, 2) pixels
+        """
+class SurfaceTrack:
+    """
+    A surface point and the pixel where it is seen.
+    """
+    @property
+    def barycentric(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        ...
+    @property
+    def face(self) -> int:
+        ...
+    @property
+    def pixel(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
+        ...
+    @property
+    def view(self) -> int:
+        ...
+    @property
+    def weight(self) -> float:
+        ...
+class PoseProblem:
+    """
+    What one frame says about the pose. Lives as long as the call it was given to.
+    """
+    @property
+    def actor(self) -> RiggedMesh:
+        """
+        a copy
+        """
+    @property
+    def first(self) -> bool:
+        """
+        nothing is known yet
+        """
+    @property
+    def offset(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m, rest pose, carried over from the frame before
+        """
+    @property
+    def outlines(self) -> list[Outline]:
+        """
+        measured, one a camera; empty = no part
+        """
+    @property
+    def predicted(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (D)
+        """
+    @property
+    def reliability(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) in [0, 1], low on loose cloth
+        """
+    @property
+    def rig(self) -> list[Camera]:
+        ...
+    @property
+    def start(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (D)
+        """
+    @property
+    def tracks(self) -> list[SurfaceTrack]:
+        ...
+class SurfaceProblem:
+    """
+    What one frame says about the surface. Lives as long as the call.
+    """
+    @property
+    def actor(self) -> RiggedMesh:
+        """
+        a copy
+        """
+    @property
+    def base(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m, the surface expected
+        """
+    @property
+    def outlines(self) -> list[Outline]:
+        """
+        measured, one a camera; empty = no part
+        """
+    @property
+    def reliability(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) in [0, 1], low on loose cloth
+        """
+    @property
+    def rig(self) -> list[Camera]:
+        ...
+    @property
+    def skinned(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m, posed without any offset
+        """
+    @property
+    def tracks(self) -> list[SurfaceTrack]:
+        ...
 class PoseOptions:
     """
     Options of the pose optimiser.
@@ -859,6 +1005,58 @@ class PoseOptions:
         """
     @sift_weight.setter
     def sift_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class PoseEstimate:
+    def __init__(self) -> None:
+        ...
+    @property
+    def dofs(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (D)
+        """
+    @dofs.setter
+    def dofs(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def energy(self) -> float:
+        """
+        robust mean, in [0, 1]
+        """
+    @energy.setter
+    def energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        ...
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rim_px(self) -> float:
+        """
+        mean residual of the outlines, pixels
+        """
+    @rim_px.setter
+    def rim_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sift_px(self) -> float:
+        """
+        mean residual of the features, pixels
+        """
+    @sift_px.setter
+    def sift_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class PoseOptimizer:
+    """
+    Swap point: one frame's correspondences -> pose.
+    """
+    @staticmethod
+    def create(options: PoseOptions = ...) -> PoseOptimizer:
+        ...
+    def __init__(self) -> None:
+        ...
+    def optimize(self, problem: PoseProblem, context: Context = ...) -> PoseEstimate:
         ...
 class SurfaceOptions:
     """
@@ -989,6 +1187,53 @@ class SurfaceOptions:
     @stretching.setter
     def stretching(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class SurfaceEstimate:
+    def __init__(self) -> None:
+        ...
+    @property
+    def rim_px(self) -> float:
+        """
+        mean residual of the outlines, pixels
+        """
+    @rim_px.setter
+    def rim_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def sift_px(self) -> float:
+        """
+        mean residual of the features, pixels
+        """
+    @sift_px.setter
+    def sift_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m
+        """
+    @vertices.setter
+    def vertices(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+class SurfaceRefiner:
+    """
+    Swap point: posed surface and correspondences -> surface.
+    """
+    @staticmethod
+    def create(options: SurfaceOptions = ...) -> SurfaceRefiner:
+        ...
+    def __init__(self) -> None:
+        ...
+    def refine(self, problem: SurfaceProblem, context: Context = ...) -> SurfaceEstimate:
+        ...
+class CaptureParts:
+    """
+    The pieces of a capture; None = the built-in one, made from the options.
+    """
+    features: typing.Any
+    pose: typing.Any
+    surface: typing.Any
+    def __init__(self, features: typing.Any = None, pose: typing.Any = None, surface: typing.Any = None) -> None:
+        ...
 class CaptureOptions:
     """
     Options of PerformanceCapture.
@@ -1034,6 +1279,14 @@ class CaptureOptions:
     def loose(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
+    def map_reach(self) -> float:
+        """
+        of the silhouette height, how far a mapped feature is sought
+        """
+    @map_reach.setter
+    def map_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def offset_decay(self) -> float:
         """
         share of the non-rigid offset expected again in the next frame
@@ -1056,6 +1309,14 @@ class CaptureOptions:
         """
     @smooth_window.setter
     def smooth_window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def use_feature_map(self) -> bool:
+        """
+        find the features of the first frame again in every frame
+        """
+    @use_feature_map.setter
+    def use_feature_map(self, arg0: bool) -> None:
         ...
     @property
     def use_sift(self) -> bool:
@@ -1159,7 +1420,7 @@ class PerformanceCapture:
     Stage: video -> reference performance.
     """
     @staticmethod
-    def create(options: CaptureOptions = ...) -> PerformanceCapture:
+    def create(options: CaptureOptions = ..., parts: CaptureParts = ...) -> PerformanceCapture:
         ...
     def __init__(self) -> None:
         ...
@@ -2838,6 +3099,10 @@ def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64,
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
     """
+def pose_surface(actor: RiggedMesh, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], offset: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    """
+    (V, 3) m, skinned positions of the rest pose + offset (V, 3).
+    """
 def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> ProxyStatistics:
     ...
 def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
@@ -2873,6 +3138,10 @@ def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[t
 def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) the reference motion re-animated
+    """
+def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: typing.SupportsInt | typing.SupportsIndex = 2) -> Outline:
+    """
+    Boundary of a mask (H, W).
     """
 def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | str | bytes, options: TrainOptions = ..., context: Context = ...) -> TrainSummary:
     ...

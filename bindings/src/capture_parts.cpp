@@ -1,0 +1,238 @@
+// The pieces of a capture that Python may replace: features, pose, surface.
+#include "common.h"
+
+#include "doublet/capture/performance_capture.h"
+
+namespace doublet::python {
+namespace {
+
+using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
+class PyFeatureTracker : public FeatureTracker {
+public:
+  Features detect(const Image &image, const Image &mask) const override {
+    return call_override<Features>(this, "FeatureTracker.detect", "Features", image, mask);
+  }
+  std::vector<std::pair<int, int>> match(const Features &previous, const Features &current, double reach) const override {
+    return call_override<std::vector<std::pair<int, int>>>(this, "FeatureTracker.match", "pairs of indices (N, 2)", previous,
+                                                           current, reach);
+  }
+};
+
+/// A copy of a problem for Python, which may keep it: when the call ends its pointers do, too.
+template <class Problem> class Lent {
+public:
+  explicit Lent(const Problem &problem) : object(py::cast(problem)), problem_(object.cast<Problem *>()) {}
+  Lent(const Lent &) = delete;
+  Lent &operator=(const Lent &) = delete;
+  ~Lent() {
+    problem_->actor = nullptr;
+    problem_->rig = nullptr;
+    problem_->outlines = nullptr;
+  }
+  const py::object object;
+
+private:
+  Problem *problem_;
+};
+
+/// What a problem points to, while it does.
+template <class T> const T &pointed(const T *pointer) {
+  if (!pointer)
+    throw std::invalid_argument("a problem lives as long as the call it was given to; copy what is needed later");
+  return *pointer;
+}
+
+class PyPoseOptimizer : public PoseOptimizer {
+public:
+  PoseEstimate optimize(const PoseProblem &problem, const Context &context) override {
+    const py::gil_scoped_acquire gil;
+    const Lent<PoseProblem> lent(problem);
+    return call_override<PoseEstimate>(this, "PoseOptimizer.optimize", "a PoseEstimate", lent.object, context);
+  }
+};
+
+class PySurfaceRefiner : public SurfaceRefiner {
+public:
+  SurfaceEstimate refine(const SurfaceProblem &problem, const Context &context) override {
+    const py::gil_scoped_acquire gil;
+    const Lent<SurfaceProblem> lent(problem);
+    return call_override<SurfaceEstimate>(this, "SurfaceRefiner.refine", "a SurfaceEstimate", lent.object, context);
+  }
+};
+
+Floats2 as_rows(const std::vector<Eigen::Vector2f> &points) {
+  Floats2 rows(points.size(), 2);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    rows.row(i) = points[i];
+  return rows;
+}
+
+Features make_features(const Floats2 &points, MatrixRM descriptors) {
+  if (points.rows() != descriptors.rows())
+    throw std::invalid_argument("Features: expected one descriptor a point, found " + std::to_string(points.rows()) +
+                                " points and " + std::to_string(descriptors.rows()) + " descriptors");
+  Features features;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    features.points.emplace_back(points.row(i));
+  features.descriptors = std::move(descriptors);
+  return features;
+}
+
+void bind_features(py::module_ &m) {
+  OptionsClass<FeatureTrackerOptions>(m, "FeatureTrackerOptions", "Options of the SIFT feature tracker.")
+      .field("budget", &FeatureTrackerOptions::budget, "strongest features kept per image")
+      .field("erode", &FeatureTrackerOptions::erode, "px at 1004 px image height, distance kept from the silhouette")
+      .field("ratio", &FeatureTrackerOptions::ratio, "best / second best descriptor distance")
+      .field("max_displacement", &FeatureTrackerOptions::max_displacement, "between two frames, of the silhouette height");
+  py::class_<Features>(m, "Features", "Features of one image.")
+      .def(py::init(&make_features), py::arg("points"), py::arg("descriptors"))
+      .def_property_readonly(
+          "points", [](const Features &f) { return as_rows(f.points); }, "(N, 2) pixels")
+      .def_readonly("descriptors", &Features::descriptors, "(N, C); closeness is Euclidean distance");
+  py::class_<FeatureTracker, PyFeatureTracker>(m, "FeatureTracker", "Swap point: image -> features, features -> matches.")
+      .def(py::init<>())
+      .def_static("create", &FeatureTracker::create, py::arg("options") = FeatureTrackerOptions{})
+      .def("detect", &FeatureTracker::detect, py::arg("image"), py::arg("mask"), Release(),
+           "Features of an image (H, W, 3) inside its mask (H, W). Called from many threads.")
+      .def("match", &FeatureTracker::match, py::arg("previous"), py::arg("current"), py::arg("reach"), Release(),
+           "Pairs (index in previous, index in current) no farther apart than `reach` pixels. Called from many threads.");
+}
+
+void bind_problems(py::module_ &m) {
+  py::class_<Outline>(m, "Outline", "Boundary of a mask, N points.")
+      .def_property_readonly(
+          "points", [](const Outline &o) { return as_rows(o.points); }, "(N, 2) pixels")
+      .def_property_readonly(
+          "normals", [](const Outline &o) { return as_rows(o.normals); }, "(N, 2) unit, out of the mask");
+  m.def("trace_outline", &trace_outline, py::arg("mask"), py::arg("margin") = 2, Release(), "Boundary of a mask (H, W).");
+  py::class_<SurfaceTrack>(m, "SurfaceTrack", "A surface point and the pixel where it is seen.")
+      .def_readonly("view", &SurfaceTrack::view)
+      .def_property_readonly("face", [](const SurfaceTrack &track) { return track.surface.face; })
+      .def_property_readonly("barycentric", [](const SurfaceTrack &track) { return track.surface.barycentric; })
+      .def_readonly("pixel", &SurfaceTrack::pixel)
+      .def_readonly("weight", &SurfaceTrack::weight);
+  py::class_<PoseProblem>(m, "PoseProblem", "What one frame says about the pose. Lives as long as the call it was given to.")
+      .def_property_readonly(
+          "actor", [](const PoseProblem &p) { return pointed(p.actor); }, "a copy")
+      .def_property_readonly("rig", [](const PoseProblem &p) { return pointed(p.rig); })
+      .def_property_readonly(
+          "outlines", [](const PoseProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
+      .def_readonly("tracks", &PoseProblem::tracks)
+      .def_readonly("offset", &PoseProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
+      .def_readonly("reliability", &PoseProblem::reliability, "(V) in [0, 1], low on loose cloth")
+      .def_readonly("predicted", &PoseProblem::predicted, "(D)")
+      .def_readonly("start", &PoseProblem::start, "(D)")
+      .def_readonly("first", &PoseProblem::first, "nothing is known yet");
+  py::class_<SurfaceProblem>(m, "SurfaceProblem", "What one frame says about the surface. Lives as long as the call.")
+      .def_property_readonly(
+          "actor", [](const SurfaceProblem &p) { return pointed(p.actor); }, "a copy")
+      .def_property_readonly("rig", [](const SurfaceProblem &p) { return pointed(p.rig); })
+      .def_property_readonly(
+          "outlines", [](const SurfaceProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
+      .def_readonly("tracks", &SurfaceProblem::tracks)
+      .def_readonly("base", &SurfaceProblem::base, "(V, 3) m, the surface expected")
+      .def_readonly("skinned", &SurfaceProblem::skinned, "(V, 3) m, posed without any offset")
+      .def_readonly("reliability", &SurfaceProblem::reliability, "(V) in [0, 1], low on loose cloth");
+}
+
+void bind_pose(py::module_ &m) {
+  OptionsClass<PoseOptions>(m, "PoseOptions", "Options of the pose optimiser.")
+      .field("iterations", &PoseOptions::iterations, "renderings with re-matching")
+      .field("first_iterations", &PoseOptions::first_iterations, "the same for the first frame")
+      .field("raster_size", &PoseOptions::raster_size, "px, longest side of the renderings")
+      .field("rims_per_view", &PoseOptions::rims_per_view, "correspondences per view and direction")
+      .field("gate_start", &PoseOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
+      .field("gate_end", &PoseOptions::gate_end, "m, the same, last iteration")
+      .field("scale_start", &PoseOptions::scale_start, "m, robust scale of the residuals, first iteration")
+      .field("scale_end", &PoseOptions::scale_end, "m, the same, last iteration")
+      .field("sift_weight", &PoseOptions::sift_weight, "of a feature track against a rim")
+      .field("prior_weight", &PoseOptions::prior_weight, "of the prediction against a rim")
+      .field("prior_angle", &PoseOptions::prior_angle, "rad, expected error of the prediction")
+      .field("prior_shift", &PoseOptions::prior_shift, "m, the same for the root")
+      .field("limit_weight", &PoseOptions::limit_weight, "of a passed joint limit against a rim");
+  py::class_<PoseEstimate>(m, "PoseEstimate")
+      .def(py::init<>())
+      .def_readwrite("dofs", &PoseEstimate::dofs, "(D)")
+      .def_readwrite("rim_px", &PoseEstimate::rim_px, "mean residual of the outlines, pixels")
+      .def_readwrite("sift_px", &PoseEstimate::sift_px, "mean residual of the features, pixels")
+      .def_readwrite("energy", &PoseEstimate::energy, "robust mean, in [0, 1]")
+      .def_readwrite("iterations", &PoseEstimate::iterations);
+  py::class_<PoseOptimizer, PyPoseOptimizer>(m, "PoseOptimizer", "Swap point: one frame's correspondences -> pose.")
+      .def(py::init<>())
+      .def_static("create", &PoseOptimizer::create, py::arg("options") = PoseOptions{})
+      .def(
+          "optimize",
+          [](PoseOptimizer &self, const PoseProblem &problem, const Context &context) {
+            pointed(problem.actor);
+            return self.optimize(problem, context);
+          },
+          py::arg("problem"), py::arg("context") = interruptible_context(), Release());
+  m.def(
+      "pose_surface",
+      [](const RiggedMesh &actor, const Eigen::VectorXd &dofs, const Vertices &offset) {
+        return pose_surface(actor, dofs, offset).vertices;
+      },
+      py::arg("actor"), py::arg("dofs"), py::arg("offset") = Vertices(0, 3), Release(),
+      "(V, 3) m, skinned positions of the rest pose + offset (V, 3).");
+}
+
+void bind_surface(py::module_ &m) {
+  OptionsClass<SurfaceOptions>(m, "SurfaceOptions", "Options of the surface refiner.")
+      .field("iterations", &SurfaceOptions::iterations, "renderings with re-matching")
+      .field("raster_size", &SurfaceOptions::raster_size, "px, longest side of the renderings")
+      .field("rims_per_view", &SurfaceOptions::rims_per_view, "correspondences per view and direction")
+      .field("gate_start", &SurfaceOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
+      .field("gate_end", &SurfaceOptions::gate_end, "m, the same, last iteration")
+      .field("scale_start", &SurfaceOptions::scale_start, "m, robust scale of the residuals, first iteration")
+      .field("scale_end", &SurfaceOptions::scale_end, "m, the same, last iteration")
+      .field("sift_weight", &SurfaceOptions::sift_weight, "of a feature track against a rim")
+      .field("bending", &SurfaceOptions::bending, "weight of the Laplacian of the displacement")
+      .field("memory", &SurfaceOptions::memory, "share of the offset from the skinned surface that bends and stretches back")
+      .field("stretching", &SurfaceOptions::stretching, "weight of differences of neighbours")
+      .field("anchor_cloth", &SurfaceOptions::anchor_cloth, "pull of a loose vertex to its expected position")
+      .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position")
+      .field("loose", &SurfaceOptions::loose,
+             "m, a vertex this far from its skinned position is held with a quarter of anchor_rigid");
+  py::class_<SurfaceEstimate>(m, "SurfaceEstimate")
+      .def(py::init<>())
+      .def_readwrite("vertices", &SurfaceEstimate::vertices, "(V, 3) m")
+      .def_readwrite("rim_px", &SurfaceEstimate::rim_px, "mean residual of the outlines, pixels")
+      .def_readwrite("sift_px", &SurfaceEstimate::sift_px, "mean residual of the features, pixels");
+  py::class_<SurfaceRefiner, PySurfaceRefiner>(m, "SurfaceRefiner", "Swap point: posed surface and correspondences -> surface.")
+      .def(py::init<>())
+      .def_static("create", &SurfaceRefiner::create, py::arg("options") = SurfaceOptions{})
+      .def(
+          "refine",
+          [](SurfaceRefiner &self, const SurfaceProblem &problem, const Context &context) {
+            pointed(problem.actor);
+            return self.refine(problem, context);
+          },
+          py::arg("problem"), py::arg("context") = interruptible_context(), Release());
+}
+
+/// One piece as a property that keeps a Python subclass alive.
+template <class T> void bind_piece(py::class_<CaptureParts> &parts, const char *name, std::shared_ptr<T> CaptureParts::*piece) {
+  parts.def_property(
+      name, [piece](const CaptureParts &self) { return py::cast((self.*piece).get(), py::return_value_policy::reference); },
+      [piece](CaptureParts &self, const py::object &object) { self.*piece = kept<T>(object); });
+}
+
+} // namespace
+
+void bind_capture_parts(py::module_ &m) {
+  bind_features(m);
+  bind_problems(m);
+  bind_pose(m);
+  bind_surface(m);
+  py::class_<CaptureParts> parts(m, "CaptureParts", "The pieces of a capture; None = the built-in one, made from the options.");
+  parts.def(py::init([](const py::object &features, const py::object &pose, const py::object &surface) {
+              return CaptureParts{kept<FeatureTracker>(features), kept<PoseOptimizer>(pose), kept<SurfaceRefiner>(surface)};
+            }),
+            py::arg("features") = py::none(), py::arg("pose") = py::none(), py::arg("surface") = py::none());
+  bind_piece(parts, "features", &CaptureParts::features);
+  bind_piece(parts, "pose", &CaptureParts::pose);
+  bind_piece(parts, "surface", &CaptureParts::surface);
+}
+
+} // namespace doublet::python
