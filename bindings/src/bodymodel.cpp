@@ -69,7 +69,8 @@ void bind_bodymodel(py::module_ &m) {
       .field("surface_deviation", &BodyFitOptions::surface_deviation, "m, of skin around the model, per 4 cm^2 of surface")
       .field("scale_deviation", &BodyFitOptions::scale_deviation, "relative, of the similarity's scale")
       .field("outlier_scale", &BodyFitOptions::outlier_scale, "m, of the robust weights (hair, shoes)")
-      .field("cloth_margin", &BodyFitOptions::cloth_margin, "m, the body stays this far inside cloth");
+      .field("cloth_margin", &BodyFitOptions::cloth_margin, "m, the body stays this far inside cloth")
+      .field("cloth_attraction", &BodyFitOptions::cloth_attraction, "weight, against skin, of cloth that lies near the body");
   OptionsClass<ProxyOptions>(m, "ProxyOptions", "Options of fit_proxies.")
       .field("clearance", &ProxyOptions::clearance, "m, how far the capsules stay inside the body on average")
       .field("cloth_margin", &ProxyOptions::cloth_margin, "m, at least this far inside the cloth of the scan pose")

@@ -19,6 +19,9 @@ namespace {
 constexpr double kSampleArea = 4e-4;
 /// Correspondences whose normals differ by more than 60 degrees are none.
 constexpr double kNormalCosine = 0.5;
+/// Weight, against skin, of cloth that the body stands out of, and the scale (m) of its robust weights: where sleeves cross the
+/// trunk the closest cloth may be the wrong one, and a plane centimetres off must not decide.
+constexpr double kPushWeight = 0.5, kPushScale = 0.02;
 
 /// What is estimated: world = scale * rotation * model(coefficients) + translation.
 struct State {
@@ -249,19 +252,21 @@ std::vector<Plane> body_to_scan(const Scan &scan, const BodySurface &body, doubl
       return;
     const Eigen::Vector3d normal = interpolated(scan.normals, scan.actor.mesh.faces, at);
     const double outside = normal.dot(point - at.point);
-    const double area = body.areas[i] / kSampleArea;
+    const double area = body.areas[i] / kSampleArea, facing = normal.dot(body.normals.row(i).transpose());
     if (scan.face_label[at.face] == Label::Cloth) {
+      if (facing < 0)
+        return; // a hand beside a skirt is not under it
       // Outside: pushed in. Just inside: drawn a little, because cloth rests on the body somewhere and does not hover everywhere.
-      const bool pushed = outside > -options.cloth_margin;
-      const double weight =
-          pushed ? 1 : options.cloth_attraction * geman_mcclure(outside + options.cloth_margin, options.outlier_scale);
+      const double beyond = outside + options.cloth_margin;
+      const double weight = beyond > 0 ? kPushWeight * geman_mcclure(beyond, kPushScale)
+                                       : options.cloth_attraction * geman_mcclure(beyond, options.outlier_scale);
       planes[i] = {i, at.point - options.cloth_margin * normal, normal, area * weight};
       return;
     }
     for (int k = 0; k < 3; ++k)
       if (!scan.exposed[scan.actor.mesh.faces(at.face, k)])
         return; // at the rim of the exposed part the closest point is only the nearest there is
-    if (normal.dot(body.normals.row(i).transpose()) > kNormalCosine)
+    if (facing > kNormalCosine)
       planes[i] = {i, at.point, normal, area * geman_mcclure(at.distance, robust)};
   });
   return planes;

@@ -304,6 +304,26 @@ TEST(BodyFit, ClothHoldsTheBodyInsideButDoesNotPullItOut) {
   EXPECT_GT(unaware, 2 * aware);
 }
 
+TEST(BodyFit, ClothThatFacesAnotherWayIsNotWornHere) {
+  // The thighs are missing and cloth stands 3 cm off with its outside towards them, as a sleeve does beside a hip.
+  Subject subject = make_subject();
+  const RiggedMesh truth = subject.actor;
+  const Vertices normals = vertex_normals(truth.mesh.vertices, truth.mesh.faces);
+  std::vector<int> rest, panel;
+  for (int f = 0; f < truth.mesh.faces.rows(); ++f)
+    (on_thigh(truth.mesh.faces(f, 0)) ? panel : rest).push_back(f);
+  Mesh away = truth.mesh;
+  away.vertices += 0.03 * normals;
+  away.faces.col(1).swap(away.faces.col(2));
+  const Mesh skin = submesh(truth.mesh, rest);
+  subject.actor.mesh = doublet::testing::join({skin, submesh(away, panel)});
+  subject.actor.face_valid.assign(subject.actor.mesh.faces.rows(), 1);
+  subject.clothness.clothness = Eigen::VectorXd::Ones(subject.actor.mesh.vertices.rows());
+  subject.clothness.clothness.head(skin.vertices.rows()).setZero();
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  EXPECT_LT(mean_error(fit, truth, true), 0.008);
+}
+
 TEST(BodyFit, ForgivesMarksThatAreOff) {
   Subject subject = make_subject();
   std::mt19937 random(9);
