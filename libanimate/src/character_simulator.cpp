@@ -79,7 +79,7 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
 
 CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
                                        const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options)
-    : actor_(actor), proxies_(proxies) {
+    : actor_(actor), proxies_(proxies), options_(options) {
   check_sizes(actor, clothness, proxies);
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
   for (int r = 0; r < clothness.region_count; ++r)

@@ -138,6 +138,9 @@ private:
     int present = 0;
     outlines_.resize(views);
     masks_.resize(views);
+    const auto has_image = [](const ViewMeasurement &view) { return view.has_image; };
+    if (t == 0 && tracker && std::none_of(current.begin(), current.end(), has_image))
+      context_.say("capture: masks without images: silhouettes alone, no texture features");
     for (int v = 0; v < views; ++v) {
       present += !current[v].outline.empty();
       outlines_[v] = std::move(current[v].outline);

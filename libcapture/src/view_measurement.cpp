@@ -36,7 +36,8 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
   ViewMeasurement measured;
   const Image image = frames.image(view, frame);
   measured.mask = frames.mask(view, frame);
-  if (!image.empty())
+  measured.has_image = !image.empty();
+  if (measured.has_image)
     require_size(image, camera, frame, "the image");
   if (measured.mask.empty() && !image.empty()) {
     if (!extractor)

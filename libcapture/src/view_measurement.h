@@ -9,6 +9,7 @@ struct ViewMeasurement {
   Image mask; ///< 255 = actor; empty = the view takes no part
   Outline outline;
   Features features;
+  bool has_image = false;
   int height = 0; ///< px; of the actor's bounding box
 };
 

@@ -40,6 +40,14 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
   return result;
 }
 
+bool has_matches(const Observations &observations) {
+  for (const auto &views : observations.views)
+    for (const ViewObservation &view : views)
+      if (!view.matches.empty())
+        return true;
+  return false;
+}
+
 /// E_fit of the centre, the optimiser's answer and its best sample, for all regions at once: (3, R).
 MatrixRM final_energies(const MaterialObjective &objective, const MinimiseResult &found, const Context &context) {
   std::vector<std::vector<pbd::Material>> materials(3);
@@ -71,17 +79,24 @@ std::vector<pbd::Material> FitResult::materials() const {
 FitResult estimate_material(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                             const Observations &observations, const FitOptions &options, const Context &context) {
   options.validate();
+  FitResult result;
+  result.parameters = options.space.names;
+  result.seed = options.seed;
+  result.dt = options.energy.dt;
+  result.iterations = simulator.options().iterations;
+  result.substeps = simulator.options().substeps;
+  if (simulator.regions().empty()) {
+    context.say("fit: no cloth, so there is no material to estimate");
+    if (!options.log.empty())
+      write_fit_log(options.log, {}, options.space);
+    return result;
+  }
+  if (!has_matches(observations))
+    context.say("fit: no feature matches: E_fit is the silhouettes' term alone");
   MaterialObjective objective(simulator, performance, observations, options.energy, options.space, context);
   const MinimiseResult found = minimise(objective, minimise_options(options, objective), context);
   const MatrixRM energies = final_energies(objective, found, context);
-
-  FitResult result;
-  result.parameters = options.space.names;
   result.log = found.log;
-  result.seed = options.seed;
-  result.dt = options.energy.dt;
-  result.iterations = simulator.regions()[0].model->options().iterations;
-  result.substeps = simulator.regions()[0].model->options().substeps;
   result.seconds = found.seconds;
   for (std::size_t r = 0; r < found.parts.size(); ++r) {
     const OptimizerResult &part = found.parts[r];

@@ -1536,6 +1536,14 @@ class BodyFitOptions:
     def to_dict(self) -> dict:
         ...
     @property
+    def cloth_attraction(self) -> float:
+        """
+        weight, against skin, of cloth that lies near the body
+        """
+    @cloth_attraction.setter
+    def cloth_attraction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def cloth_margin(self) -> float:
         """
         m, the body stays this far inside cloth

@@ -43,8 +43,10 @@ def build_character(job) -> dict:
     with written_atomically(job.path("simulated.npz")) as path:
         np.savez_compressed(path, vertices=simulated.astype(np.float32))
     character.write(job.path("character.glb"))
-    error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)
     cloth = job.clothness().clothness > 0.5
+    if not cloth.any():
+        return {"texture_seen": seen}
+    error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)
     return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean())), "texture_seen": seen}
 
 
@@ -55,6 +57,7 @@ def bake_first_frame(character: d.Character, job, performance: d.ReferencePerfor
     source, frame = d.FrameSource.open(job.session), performance.frames[0]
     images = [source.image(c, frame) for c in range(source.camera_count)]
     if not any(image.size for image in images):
+        job.console.log(f"character: no camera has an image of frame {frame}: the character has no texture")
         return 0.0
     actor = character.actor
     transfer = d.SurfaceTransfer(actor.mesh, actor.face_valid, character.high, character.high_valid)

@@ -174,14 +174,12 @@ def run_fit(job: Job) -> dict:
     options.log = job.path("fit_log.csv")
     options.checkpoint = job.path("fit_checkpoint.txt")
     observations = d.read_observations(job.path("observations.npz"))
-    simulator = job.simulator()
-    if simulator.region_count == 0:
-        raise d.Error(f"{job.path('segmentation.npz')} has no cloth region, so there is no material to fit")
-    result = d.estimate_material(simulator, job.performance(), observations, options, job.context)
+    result = d.estimate_material(job.simulator(), job.performance(), observations, options, job.context)
     d.write_materials(job.path("material.json"), result)
     options.checkpoint.unlink(missing_ok=True)
     regions = result.to_dict()["regions"]
     return {
+        "regions": len(regions),
         "energy_px2": [r["energy"] for r in regions],
         "energy_at_centre_px2": [r["energy_at_centre"] for r in regions],
         "evaluations": [r["evaluations"] for r in regions],

@@ -60,12 +60,17 @@ class Shown:
         with np.load(job.path("simulated.npz")) as simulated:
             self.simulated = simulated["vertices"].astype(float)
         self.source = d.FrameSource.open(job.session)
+        with np.load(job.path("observations.npz")) as observations:
+            self.matches = len(observations["match_points"])
 
     def photo(self, camera: int, frame: int) -> np.ndarray:
-        """RGB; grey if the camera has no image there (a session of masks)."""
+        """RGB; the mask in grey if the camera has no image there (a session of masks)."""
         image = self.source.image(camera, frame)
-        rig = self.session.rig[camera]
-        return image[..., ::-1] if image.size else np.full((rig.height, rig.width, 3), 128, np.uint8)
+        if image.size:
+            return image[..., ::-1]
+        mask, rig = self.source.mask(camera, frame), self.session.rig[camera]
+        grey = 100 + mask // 3 if mask.size else np.full((rig.height, rig.width), 100, np.uint8)
+        return np.repeat(grey[..., None], 3, axis=2)
 
 
 def overlays(shown: Shown) -> str:
@@ -76,7 +81,8 @@ def overlays(shown: Shown) -> str:
             edge = picture.outline(shown.captured[i], shown.faces, camera)
             drawn = picture.draw_outline(shown.photo(c, frame), edge)
             figures.append(figure(drawn[picture.crop_box(shown.captured[i], camera)], f"{camera.name}, frame {frame}"))
-    return "<p>Outline of the captured surface on the video.</p>" + row(figures)
+    seen = "<p>Outline of the captured surface on the video, on the mask where there is none.</p>" + row(figures)
+    return seen + ("" if shown.matches else "<p>No feature matches: captured from silhouettes alone.</p>")
 
 
 def segmentation(shown: Shown) -> str:
@@ -84,9 +90,12 @@ def segmentation(shown: Shown) -> str:
     mesh = shown.actor.mesh
     surface = d.RenderMesh(mesh.vertices, shown.faces, colours=picture.cloth_colours(clothness.clothness))
     views = [picture.shade([surface], picture.around(mesh.vertices, a)) for a in (0.0, np.pi)]
+    pictures = row([figure(v, n) for v, n in zip(views, ("front", "back"))])
+    if not clothness.region_count:
+        return pictures + "<p>No cloth found: the character is skinned only.</p>"
     areas = d.vertex_areas(mesh.vertices, mesh.faces)
     rows = [[k, float(areas[clothness.region == k].sum())] for k in range(clothness.region_count)]
-    return row([figure(v, n) for v, n in zip(views, ("front", "back"))]) + table(["region", "area, m²"], rows)
+    return pictures + table(["region", "area, m²"], rows)
 
 
 def body(shown: Shown) -> str:
@@ -138,6 +147,8 @@ def energy_plot(path) -> str:
 
 def fit(shown: Shown) -> str:
     fitted = json.loads(shown.job.path("material.json").read_text(encoding="utf-8"))
+    if not fitted["regions"]:
+        return "<p>No cloth, so there was no material to estimate.</p>"
     boxes = d.Material.boxes()
     parts = [energy_plot(shown.job.path("fit_log.csv"))]
     for k, region in enumerate(fitted["regions"]):
@@ -154,6 +165,8 @@ def fit(shown: Shown) -> str:
             f"<p>E_fit {region['energy']:.2f} px², {saved:.0f} % below the centre of the box ({centre:.2f} px²); "
             f"{region['evaluations']} evaluations, stopped: {html.escape(str(region['stop_reason']))}.</p>"
         )
+    if not shown.matches:
+        parts.append("<p>E_fit is its silhouette term alone: there are no feature matches.</p>")
     return "".join(parts)
 
 

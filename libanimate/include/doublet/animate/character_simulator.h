@@ -36,6 +36,7 @@ public:
 
   const std::vector<ClothRegion> &regions() const { return regions_; }
   const RiggedMesh &actor() const { return actor_; }
+  const pbd::ClothOptions &options() const { return options_; }
   PosedFrame pose(const Eigen::VectorXd &dofs) const;
   /// Cloth at its skinned position (or at `surface` (V, 3), e.g. the captured frame), at rest.
   CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
@@ -51,6 +52,7 @@ public:
 private:
   RiggedMesh actor_;
   std::vector<TaperedCapsule> proxies_;
+  pbd::ClothOptions options_;
   std::vector<ClothRegion> regions_;
 };
 

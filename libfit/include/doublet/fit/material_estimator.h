@@ -43,6 +43,7 @@ struct FitResult {
   std::vector<pbd::Material> materials() const; ///< (R) the answers, as CharacterSimulator takes them
 };
 
+/// A character without cloth has no material: a result without regions. Without feature matches E_fit is its silhouette term.
 FitResult estimate_material(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                             const Observations &observations, const FitOptions &options = {}, const Context &context = {});
 
