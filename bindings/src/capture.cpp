@@ -79,7 +79,7 @@ void bind_template(py::module_ &m) {
       .field("poisson_depth", &TemplateOptions::poisson_depth, "octree depth of the Poisson reconstruction")
       .field("hole_gap", &TemplateOptions::hole_gap, "m, a point farther than this from the scan lies over a hole")
       .field("density_drop", &TemplateOptions::density_drop, "octree levels by which the scan is sparser there than usual")
-      .field("narrow_hole", &TemplateOptions::narrow_hole, "m, parts of a hole narrower than this stay valid")
+      .field("narrow_hole", &TemplateOptions::narrow_hole, "m, folds narrower than this that run into the hem stay valid")
       .field("large_hole", &TemplateOptions::large_hole, "m^2, holes from this size on are suggested as invalid")
       .field("sheet_hole", &TemplateOptions::sheet_hole, "m^2, the same for holes with two rims or more");
   OptionsClass<HeatWeightOptions>(m, "HeatWeightOptions", "Options of heat_weights.")
@@ -89,9 +89,23 @@ void bind_template(py::module_ &m) {
       .def_readwrite("mesh", &Template::mesh)
       .def_readwrite("high", &Template::high)
       .def_readwrite("face_valid", &Template::face_valid)
-      .def_readwrite("high_face_valid", &Template::high_face_valid)
-      .def_readwrite("invalid_area", &Template::invalid_area, "m^2");
+      .def_readwrite("high_face_valid", &Template::high_face_valid);
+  py::class_<SurfaceQuality>(m, "SurfaceQuality", "What can disappoint about a surface of the template.")
+      .def_readonly("triangles", &SurfaceQuality::triangles)
+      .def_readonly("self_intersections", &SurfaceQuality::self_intersections, "triangles that pass through another one")
+      .def_readonly("invalid_area", &SurfaceQuality::invalid_area, "m^2")
+      .def_readonly("smallest_angle", &SurfaceQuality::smallest_angle, "degrees, over all triangles")
+      .def_readonly("first_centile_angle", &SurfaceQuality::first_centile_angle, "degrees, 1 % of the triangles have a smaller one")
+      .def_readonly("scan_mean", &SurfaceQuality::scan_mean, "m, distance of the scan's vertices to the surface")
+      .def_readonly("scan_max", &SurfaceQuality::scan_max, "m, the largest of them")
+      .def_readonly("mean_to_scan", &SurfaceQuality::mean_to_scan, "m, distance of the valid surface to the scan")
+      .def_readonly("max_to_scan", &SurfaceQuality::max_to_scan, "m, the largest of them");
+  py::class_<TemplateSummary>(m, "TemplateSummary")
+      .def_readonly("mesh", &TemplateSummary::mesh)
+      .def_readonly("high", &TemplateSummary::high);
   m.def("build_template", &build_template, py::arg("scan"), py::arg("options") = TemplateOptions{},
+        py::arg("context") = interruptible_context(), Release());
+  m.def("summarise_template", &summarise_template, py::arg("surface"), py::arg("scan"),
         py::arg("context") = interruptible_context(), Release());
   m.def("heat_weights", &heat_weights, py::arg("mesh"), py::arg("face_valid"), py::arg("skeleton"),
         py::arg("options") = HeatWeightOptions{}, py::arg("context") = interruptible_context(), Release());

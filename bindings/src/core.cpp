@@ -5,6 +5,7 @@
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
+#include "doublet/core/self_intersection.h"
 #include "doublet/core/surface_distance.h"
 
 #include <cstring>
@@ -213,6 +214,8 @@ void bind_rays(py::module_ &m) {
             return std::make_tuple(faces, distances, closest);
           },
           py::arg("points"), Release(), "(face, distance, point) of the closest surface point of N points.");
+  m.def("self_intersecting_faces", &self_intersecting_faces, py::arg("mesh"), py::arg("context") = interruptible_context(),
+        Release(), "(F) 1 for the faces that pass through another face");
   m.def("distances_to_surface", &distances_to_surface, py::arg("points"), py::arg("surface"),
         py::arg("skip_face") = std::vector<std::uint8_t>{}, py::arg("context") = interruptible_context(), Release(),
         "(N) unsigned distances, m");

@@ -1,6 +1,7 @@
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
+#include "face_mask.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -107,9 +108,8 @@ std::vector<Eigen::Triplet<double>> conduction(const Mesh &mesh, const std::vect
 void check_arguments(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const Skeleton &skeleton,
                      const HeatWeightOptions &options) {
   require_usable(mesh, "mesh");
-  if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != mesh.faces.rows())
-    throw std::invalid_argument("face_valid: expected one value for each of " + std::to_string(mesh.faces.rows()) +
-                                " triangles, found " + std::to_string(face_valid.size()));
+  if (!face_valid.empty())
+    detail::expect_mask(face_valid, mesh, "face_valid");
   if (skeleton.joints.empty())
     throw std::invalid_argument("skeleton: expected at least one joint, found none");
   if (!(options.c > 0))

@@ -6,7 +6,7 @@ namespace doublet::detail {
 /// A connected part of the reconstruction with no scan near it.
 struct HolePatch {
   std::vector<int> faces;
-  std::vector<int> wide_faces; ///< those of `faces` that are not in a part narrower than TemplateOptions::narrow_hole
+  std::vector<int> wide_faces; ///< those of `faces` that are not in a fold narrower than TemplateOptions::narrow_hole
   double area = 0;             ///< m^2
   int rims = 0;                ///< boundary loops longer than 0.1 m (a wrist is 0.15 m around)
 };

@@ -2,6 +2,7 @@
 #include "decimate.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
+#include "face_mask.h"
 #include "holes.h"
 #include "poisson.h"
 
@@ -68,19 +69,13 @@ Template build_template(const Mesh &scan, const TemplateOptions &options, const 
   context.report("template: decimation", 0.75);
   const detail::LabelledMesh high = detail::decimate(closed, options.high_triangles),
                              coarse = detail::decimate(high, options.triangles);
-  Template out{coarse.mesh, high.mesh, coarse.labels, high.labels, 0};
-  const Eigen::VectorXd areas = face_areas(out.mesh.vertices, out.mesh.faces);
-  for (std::size_t f = 0; f < out.face_valid.size(); ++f)
-    out.invalid_area += out.face_valid[f] ? 0 : areas[static_cast<Eigen::Index>(f)];
   context.report("template: decimation", 1.0);
-  return out;
+  return {coarse.mesh, high.mesh, coarse.labels, high.labels};
 }
 
 RiggedMesh rig_template(const Template &surface, const std::vector<JointMark> &joints, const Context &context) {
   require_usable(surface.mesh, "template");
-  if (static_cast<Eigen::Index>(surface.face_valid.size()) != surface.mesh.faces.rows())
-    throw std::invalid_argument("face_valid: expected one value for each of " + std::to_string(surface.mesh.faces.rows()) +
-                                " triangles, found " + std::to_string(surface.face_valid.size()));
+  detail::expect_mask(surface.face_valid, surface.mesh, "face_valid");
   RiggedMesh actor;
   actor.mesh = surface.mesh;
   actor.face_valid = surface.face_valid;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 #include <set>
 
@@ -15,6 +16,9 @@ namespace doublet::detail {
 namespace {
 
 constexpr double kLongRim = 0.1; // m
+/// Mean cosine: a sheet has the garment's back on both sides (towards -1), the bottom of a fold walls that face it (towards 1),
+/// the wall of an undercut fold one of each.
+constexpr double kBehind = -0.15;
 
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
@@ -80,8 +84,32 @@ std::vector<double> edge_distances(const Mesh &surface, const std::vector<std::v
   return distance;
 }
 
-/// Morphological opening: drops what is narrower than twice `radius`, so that an unseen fold of the garment that runs into the
-/// hem does not become a slit.
+/// The vertices within `reach` (m, along edges) of `from`, itself included.
+std::vector<int> within_reach(const Mesh &surface, const std::vector<std::vector<int>> &neighbours, int from, double reach) {
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::map<int, double> distance{{from, 0.0}};
+  for (queue.push({0.0, from}); !queue.empty();) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance[v])
+      continue;
+    for (int n : neighbours[v]) {
+      const double next = d + (surface.vertices.row(v) - surface.vertices.row(n)).norm();
+      const auto known = distance.find(n);
+      if (next <= reach && (known == distance.end() || next < known->second)) {
+        distance[n] = next;
+        queue.push({next, n});
+      }
+    }
+  }
+  std::vector<int> found;
+  for (const auto &[v, d] : distance)
+    found.push_back(v);
+  return found;
+}
+
+/// Morphological opening: drops what is narrower than twice `radius`.
 std::vector<std::uint8_t> opened(const Mesh &surface, double radius, std::vector<std::uint8_t> invented) {
   const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
   std::vector<std::uint8_t> outside(invented.size()), core(invented.size());
@@ -181,22 +209,77 @@ Rims find_rims(const Mesh &surface, const std::vector<int> &region, int region_c
   return rims;
 }
 
-/// A narrow part between two rims is where garment and limb nearly touch, not a fold: it stays in.
-void keep_narrow_passages(const Mesh &surface, const std::vector<std::uint8_t> &chosen, const Rims &rims,
-                          const EdgeTopology &topology, std::vector<std::uint8_t> &wide) {
-  std::vector<std::uint8_t> narrow(chosen.size());
-  for (std::size_t f = 0; f < chosen.size(); ++f)
-    narrow[f] = chosen[f] && !wide[f];
+/// (V) how many rims are within `reach` (m, along edges).
+std::vector<int> rims_within(const Mesh &surface, const Rims &rims, double reach) {
+  const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
+  std::vector<int> near(rims.of_vertex.size(), 0);
+  for (int rim = 0; rim < std::accumulate(rims.count.begin(), rims.count.end(), 0); ++rim) {
+    std::vector<std::uint8_t> start(rims.of_vertex.size());
+    for (std::size_t v = 0; v < start.size(); ++v)
+      start[v] = rims.of_vertex[v] == rim;
+    const std::vector<double> distance = edge_distances(surface, neighbours, start, reach);
+    for (std::size_t v = 0; v < near.size(); ++v)
+      near[v] += distance[v] <= reach;
+  }
+  return near;
+}
+
+/// (V) For vertices of `chosen`: does the true surface around, within `reach` (m, along edges), face the vertex or turn its back
+/// on it? The mean cosine between a true vertex's normal and the direction from there; 0 elsewhere.
+std::vector<double> facing(const Mesh &surface, const std::vector<std::uint8_t> &chosen, double reach, const Context &context) {
+  const int count = static_cast<int>(surface.vertices.rows());
+  const auto neighbours = vertex_neighbours(surface.faces, count);
+  const Vertices normals = vertex_normals(surface.vertices, surface.faces);
+  std::vector<double> out(chosen.size(), 0);
+  parallel_for(context, count, [&](int v) {
+    if (!chosen[v])
+      return;
+    double sum = 0;
+    int seen = 0;
+    for (const int q : within_reach(surface, neighbours, v, reach))
+      if (!chosen[q]) {
+        sum += normals.row(q).dot((surface.vertices.row(v) - surface.vertices.row(q)).normalized());
+        ++seen;
+      }
+    out[v] = seen > 0 ? sum / seen : 0;
+  });
+  return out;
+}
+
+/// (V) of `invented`, without folds of the garment that nobody saw: narrower than `width`, with the same rim on either side (two
+/// would be garment and limb that nearly touch), and not behind it. A sheet's tips are narrow, too, but behind the hem.
+std::vector<std::uint8_t> without_folds(const Mesh &surface, const Rims &rims, double width, std::vector<std::uint8_t> invented,
+                                        const std::vector<double> &facing) {
+  const std::vector<std::uint8_t> broad = opened(surface, width / 2, invented);
+  const std::vector<int> near = rims_within(surface, rims, width);
+  for (std::size_t v = 0; v < invented.size(); ++v)
+    if (!broad[v] && near[v] < 2 && facing[v] > kBehind)
+      invented[v] = 0;
+  return invented;
+}
+
+/// Drops the parts of `wide` that hung on the sheet by a fold only, wider places of it: small, with one rim, not behind it.
+void drop_islands(const Mesh &surface, const Rims &rims, const EdgeTopology &topology, double sheet_hole,
+                  const std::vector<double> &facing, std::vector<std::uint8_t> &wide) {
   int count = 0;
-  const std::vector<int> part = face_regions(narrow, topology, &count);
+  const std::vector<int> part = face_regions(wide, topology, &count);
+  const Eigen::VectorXd areas = face_areas(surface.vertices, surface.faces);
+  std::vector<double> area(count), faced(count);
   std::vector<std::set<int>> touched(count);
   for (std::size_t f = 0; f < part.size(); ++f)
-    for (int k = 0; part[f] >= 0 && k < 3; ++k)
-      if (const int rim = rims.of_vertex[surface.faces(static_cast<Eigen::Index>(f), k)]; rim >= 0)
-        touched[part[f]].insert(rim);
+    if (part[f] >= 0) {
+      const double own = areas[static_cast<Eigen::Index>(f)];
+      area[part[f]] += own;
+      for (int k = 0; k < 3; ++k) {
+        const int v = surface.faces(static_cast<Eigen::Index>(f), k);
+        faced[part[f]] += own * facing[v];
+        if (rims.of_vertex[v] >= 0)
+          touched[part[f]].insert(rims.of_vertex[v]);
+      }
+    }
   for (std::size_t f = 0; f < part.size(); ++f)
-    if (part[f] >= 0 && touched[part[f]].size() >= 2)
-      wide[f] = 1;
+    if (const int p = part[f]; p >= 0 && area[p] < sheet_hole && touched[p].size() < 2 && faced[p] > 3 * area[p] * kBehind)
+      wide[f] = 0;
 }
 
 } // namespace
@@ -205,12 +288,13 @@ std::vector<HolePatch> find_holes(const Mesh &surface, const Eigen::VectorXd &de
                                   const TemplateOptions &options, const Context &context) {
   const auto invented = invented_vertices(surface, density, scan, options, context);
   const auto chosen = faces_of(surface, invented);
-  auto wide = faces_of(surface, opened(surface, options.narrow_hole / 2, invented));
   const EdgeTopology topology = edge_topology(surface.faces);
   int count = 0;
   const std::vector<int> region = face_regions(chosen, topology, &count);
   const Rims rims = find_rims(surface, region, count, topology);
-  keep_narrow_passages(surface, chosen, rims, topology, wide);
+  const std::vector<double> faced = facing(surface, invented, options.narrow_hole, context);
+  auto wide = faces_of(surface, without_folds(surface, rims, options.narrow_hole, invented, faced));
+  drop_islands(surface, rims, topology, options.sheet_hole, faced, wide);
   const Eigen::VectorXd areas = face_areas(surface.vertices, surface.faces);
   std::vector<HolePatch> patches(count);
   for (int f = 0; f < static_cast<int>(region.size()); ++f)

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'simulate_reference', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -608,7 +608,7 @@ class TemplateOptions:
     @property
     def narrow_hole(self) -> float:
         """
-        m, parts of a hole narrower than this stay valid
+        m, folds narrower than this that run into the hem stay valid
         """
     @narrow_hole.setter
     def narrow_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -682,13 +682,59 @@ class Template:
     @high_face_valid.setter
     def high_face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
         ...
+class SurfaceQuality:
+    """
+    What can disappoint about a surface of the template.
+    """
+    @property
+    def first_centile_angle(self) -> float:
+        """
+        degrees, 1 % of the triangles have a smaller one
+        """
     @property
     def invalid_area(self) -> float:
         """
         m^2
         """
-    @invalid_area.setter
-    def invalid_area(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    @property
+    def max_to_scan(self) -> float:
+        """
+        m, the largest of them
+        """
+    @property
+    def mean_to_scan(self) -> float:
+        """
+        m, distance of the valid surface to the scan
+        """
+    @property
+    def scan_max(self) -> float:
+        """
+        m, the largest of them
+        """
+    @property
+    def scan_mean(self) -> float:
+        """
+        m, distance of the scan's vertices to the surface
+        """
+    @property
+    def self_intersections(self) -> int:
+        """
+        triangles that pass through another one
+        """
+    @property
+    def smallest_angle(self) -> float:
+        """
+        degrees, over all triangles
+        """
+    @property
+    def triangles(self) -> int:
+        ...
+class TemplateSummary:
+    @property
+    def high(self) -> SurfaceQuality:
+        ...
+    @property
+    def mesh(self) -> SurfaceQuality:
         ...
 class FeatureTrackerOptions:
     """
@@ -3143,10 +3189,16 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark],
     ...
 def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Clothness:
     ...
+def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> list[int]:
+    """
+    (F) 1 for the faces that pass through another face
+    """
 def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) the reference motion re-animated
     """
+def summarise_template(surface: Template, scan: Mesh, context: Context = ...) -> TemplateSummary:
+    ...
 def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: typing.SupportsInt | typing.SupportsIndex = 2) -> Outline:
     """
     Boundary of a mask (H, W).

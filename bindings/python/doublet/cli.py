@@ -156,7 +156,8 @@ def common_flags(parser: argparse.ArgumentParser) -> None:
 
 #: Command -> (stages it runs, what it does).
 STAGE_COMMANDS = {
-    "capture": (("template", "performance"), "scan and videos -> rigged template and reference performance"),
+    "template": (("template", "rig"), "scan and marked joints -> rigged template"),
+    "capture": (("template", "rig", "performance"), "scan and videos -> rigged template and reference performance"),
     "segment": (("segment",), "reference performance -> clothness of every vertex"),
     "body": (("body",), "dressed template -> body underneath and collision proxies"),
     "fit": (("fit",), "performance and its images -> material of the cloth"),
@@ -180,7 +181,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     for name, (stages, text) in STAGE_COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
-        if name == "capture":
+        if name in ("template", "capture"):
             command.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
             command.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results")
         else:

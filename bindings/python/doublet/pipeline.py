@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _doublet as d
-from . import body_model_path
+from . import body_model_path, template_mask
 from .console import Console
 from .files import write_json
 from .run_record import RunRecord
@@ -100,21 +100,51 @@ class Stage:
     groups: tuple[str, ...]  # option groups
     run: Callable[[Job], dict]  # returns the numbers worth recording
     session_files: Callable[[d.Session], list[Path]] = lambda session: []
+    may_read: tuple[str, ...] = ()  # files of OUT that count as inputs if they are there
     uses_seed: bool = False
     uses_body_model: bool = False
 
 
 def run_template(job: Job) -> dict:
-    surface = d.build_template(d.read_mesh(job.session.scan), job.options["template"], job.context)
-    actor = d.rig_template(surface, job.session.joints, job.context)
+    scan = d.read_mesh(job.session.scan)
+    surface = d.build_template(scan, job.options["template"], job.context)
     d.write_mesh(job.path("template.ply"), surface.mesh)
     d.write_mesh(job.path("template_high.ply"), surface.high)
+    template_mask.write_suggestion(job.out, surface)
+    summary = d.summarise_template(surface, scan, job.context)
+    return {
+        f"{name}_{number}": value
+        for name, quality in (("template", summary.mesh), ("display", summary.high))
+        for number, value in quality_numbers(quality).items()
+    }
+
+
+def quality_numbers(quality: d.SurfaceQuality) -> dict:
+    return {
+        "triangles": quality.triangles,
+        "self_intersections": quality.self_intersections,
+        "suggested_invalid_area_m2": quality.invalid_area,
+        "smallest_angle_degrees": quality.smallest_angle,
+        "smallest_angle_1_percent_degrees": quality.first_centile_angle,
+        "from_scan_mean_mm": 1000 * quality.scan_mean,
+        "from_scan_max_mm": 1000 * quality.scan_max,
+        "valid_to_scan_mean_mm": 1000 * quality.mean_to_scan,
+        "valid_to_scan_max_mm": 1000 * quality.max_to_scan,
+    }
+
+
+def run_rig(job: Job) -> dict:
+    surface = d.Template()
+    surface.mesh = d.read_mesh(job.path("template.ply"))
+    mask = template_mask.read(job.out)
+    surface.face_valid = mask.tolist()
+    actor = d.rig_template(surface, job.session.joints, job.context)
     d.write_actor(job.path("actor.npz"), actor)
     job.__dict__.pop("actor", None)  # later stages read the file, so that a resumed run goes on with the same bits
+    areas = d.face_areas(actor.mesh.vertices, actor.mesh.faces)
     return {
-        "triangles": len(actor.mesh.faces),
-        "high_triangles": len(surface.high.faces),
-        "invalid_area_m2": surface.invalid_area,
+        "mask": "edited" if job.path(template_mask.EDITED).exists() else "suggested",
+        "invalid_area_m2": float(areas[~mask].sum()),
         "degrees_of_freedom": len(actor.skeleton.dof_names),
     }
 
@@ -202,8 +232,12 @@ def run_character(job: Job) -> dict:
 
 STAGES = (
     Stage(
-        "template", (), ("actor.npz", "template.ply", "template_high.ply"), ("template",), run_template,
-        lambda s: [s.scan, s.folder / "session.json", markers_file(s)],
+        "template", (), ("template.ply", "template_high.ply", template_mask.SUGGESTED), ("template",), run_template,
+        lambda s: [s.scan],
+    ),
+    Stage(
+        "rig", ("template.ply", template_mask.SUGGESTED), ("actor.npz",), (), run_rig,
+        lambda s: [s.folder / "session.json", markers_file(s)], may_read=(template_mask.EDITED,),
     ),
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
@@ -279,6 +313,7 @@ def stage_inputs(job: Job, stage: Stage) -> dict[str, str]:
             writer = next(s.name for s in STAGES if name in s.writes)
             raise FileNotFoundError(f"{job.path(name)} is missing; stage '{writer}' writes it")
         inputs[name] = job.record.hash(job.path(name))
+    inputs.update({name: job.record.hash(job.path(name)) for name in stage.may_read if job.path(name).exists()})
     for path in stage.session_files(job.session):
         inputs[f"session/{path.relative_to(job.session.folder)}"] = job.record.hash(path)
     if stage.uses_body_model:

@@ -17,7 +17,7 @@ struct TemplateOptions {
       0.004; ///< m; a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm)
   double density_drop =
       0.5; ///< octree levels; and the scan is this much sparser there than usual (one level = a quarter of the samples)
-  double narrow_hole = 0.01; ///< m; parts of a hole narrower than this (unseen folds that run into the hem) stay valid
+  double narrow_hole = 0.03; ///< m; folds narrower than this that run into the hem unseen stay valid
   double large_hole =
       0.025; ///< m^2; holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed
   double sheet_hole =
@@ -29,10 +29,27 @@ struct TemplateOptions {
 struct Template {
   Mesh mesh, high;                                       ///< M and M_high
   std::vector<std::uint8_t> face_valid, high_face_valid; ///< 0 = suggested as invented over a large hole
-  double invalid_area = 0;                               ///< m^2 of M
 };
 
 Template build_template(const Mesh &scan, const TemplateOptions &options = {}, const Context &context = {});
+
+/// What can disappoint about one of the surfaces.
+struct SurfaceQuality {
+  int triangles = 0;
+  int self_intersections = 0;                        ///< triangles that pass through another one
+  double invalid_area = 0;                           ///< m^2
+  double smallest_angle = 0, first_centile_angle = 0; ///< degrees; of the triangles' smallest angles, the least and the 1 % point
+  double scan_mean = 0, scan_max = 0; ///< m, distance of the scan's vertices to the surface
+  double mean_to_scan = 0,
+         max_to_scan = 0; ///< m, distance of the valid surface (corners, middles of edges and faces) to the scan
+};
+struct TemplateSummary {
+  SurfaceQuality mesh, high;
+};
+/// Measures a template, with its mask as it is now, against the scan that it was made from. The larger of scan_max and max_to_scan
+/// is the Hausdorff distance of the valid surface, at the samples. Throws Error, or std::invalid_argument on a mask of the wrong
+/// length.
+TemplateSummary summarise_template(const Template &surface, const Mesh &scan, const Context &context = {});
 
 struct HeatWeightOptions {
   double c = 1.0; ///< H_ii = c / d^2, Baran & Popovic 2007
