@@ -63,7 +63,7 @@ def test_wrong_option_is_named(shipped, tmp_path):
 def test_stage_without_its_input_names_the_stage_that_writes_it(shipped, tmp_path):
     done = doublet("segment", tmp_path, "--session", shipped)
     assert done.returncode == 1
-    assert "actor.npz" in done.stderr and "'template'" in done.stderr
+    assert "actor.npz" in done.stderr and "'rig'" in done.stderr
 
 
 def test_animate_refuses_other_formats(tmp_path):

@@ -93,6 +93,12 @@ def run_animate(arguments) -> None:
     print(f"{arguments.out}: {frames} frames")
 
 
+def run_edit_template(arguments) -> None:
+    from .edit_template import edit_template
+
+    edit_template(arguments.out, arguments.port, arguments.browser)
+
+
 def run_evaluate(arguments) -> None:
     from .evaluate import evaluate, format_table
 
@@ -192,6 +198,7 @@ def build_parser() -> argparse.ArgumentParser:
         add_stage_flags(command, groups, with_body_model=name == "body")
         command.set_defaults(run=run_stages, stages=stages)
 
+    add_edit_template(commands)
     add_animate(commands)
     add_evaluate(commands)
     add_synthesize(commands)
@@ -205,6 +212,16 @@ def add_stage_flags(parser, groups, with_body_model: bool) -> None:
         parser.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(parser)
     add_option_flags(parser, groups)
+
+
+def add_edit_template(commands) -> None:
+    text = "paint the template's invalid triangles in a browser"
+    edit = commands.add_parser("edit-template", help=text, description=text)
+    edit.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far, with a template")
+    edit.add_argument("--port", type=int, default=0, metavar="N", help="of the page on this machine (default: any free one)")
+    edit.add_argument("--no-browser", dest="browser", action="store_false", help="only print the address")
+    edit.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    edit.set_defaults(run=run_edit_template)
 
 
 def add_animate(commands) -> None:
