@@ -28,7 +28,7 @@ CC=cc CXX=c++ "$venv/bin/pip" install -q --disable-pip-version-check --no-build-
   --config-settings=cmake.define.DOUBLET_WERROR=ON
 
 echo "== ctest"
-ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(nproc)"
+ctest --test-dir "$build" --output-on-failure --no-tests=error -LE slow -j "$(nproc)"
 
 echo "== pytest"
 PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" "$venv/bin/python" -m pytest "$@"

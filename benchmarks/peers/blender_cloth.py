@@ -1,4 +1,4 @@
-"""Blender's cloth modifier: implicit springs, angular bending, one solve a frame.   blender -b -t 1 -P blender_cloth.py -- FOLDER"""
+"""Blender's cloth modifier: implicit springs, angular bending.   blender -b -t 1 -P blender_cloth.py -- FOLDER"""
 
 import sys
 from pathlib import Path

@@ -121,7 +121,8 @@ def main():
     parser.add_argument("--growth", metavar="FILE.png")
     arguments = parser.parse_args()
     if arguments.growth:
-        return growth(arguments.program, arguments.growth)
+        growth(arguments.program, arguments.growth)
+        return
     for around, rows in SKIRTS:
         compare(arguments.program, around, rows, arguments.frames, arguments.rounds)
 
