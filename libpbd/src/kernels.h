@@ -1,11 +1,13 @@
 #pragma once
 // One small function for each constraint of Stoll et al. 2010, Sect. 6: the value C with its gradients, and the projection
 // dx_i = -k w_i grad_i C / (sum_j w_j |grad_j C|^2) of Mueller et al. 2007, eq. (8)-(9). T: see lane.h. Masses and rest values
-// are shared by all lanes (float), positions and stiffness are not (T).
+// are shared by all lanes (float), positions and stiffness are not (T). Where a constraint acts in some lanes only (`active`, 0
+// or 1) the others keep their bits: adding a zero would not do, it turns -0 into 0.
 
 #include "lane.h"
 
 namespace doublet::pbd {
+inline namespace DOUBLET_PBD_ISA {
 
 /// |a - b| - l, eq. (2). share_a = w_a / (w_a + w_b), share_b likewise.
 template <class T> inline void project_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T rest_length, T stiffness) {
@@ -15,6 +17,19 @@ template <class T> inline void project_stretch(Vec3<T> &a, Vec3<T> &b, T share_a
   const T s = stiffness * (length - rest_length) / length;
   a -= (s * share_a) * d;
   b += (s * share_b) * d;
+}
+
+/// The same with compliance (Macklin et al. 2016, eq. 18): `multiplier` (m) is the constraint's own through the sweeps of a step,
+/// `compliance` is alpha / (h^2 (w_a + w_b)).
+template <class T>
+inline void project_soft_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T rest_length, T compliance, T &multiplier) {
+  const Vec3<T> d = a - b;
+  const T length = lane_max(lane_sqrt(dot(d, d)), T(1e-12f));
+  const T change = (rest_length - length - compliance * multiplier) / (T(1) + compliance);
+  multiplier += change;
+  const T s = change / length;
+  a += (s * share_a) * d;
+  b -= (s * share_b) * d;
 }
 
 /// Signed angle between the normals of the faces (x0, x1, x2) and (x1, x0, x3) minus the rest angle, in (-pi, pi]. Eq. (3) with
@@ -43,21 +58,43 @@ inline Bend<T> bend_constraint(const Vec3<T> &x0, const Vec3<T> &x1, const Vec3<
   r.g1 = (-t2) * r.g2 - t3 * r.g3;
   return r;
 }
-/// w_i: inverse masses divided by the largest of the four. The sum under the multiplier has two floors, neither of which ordinary
-/// cloth reaches. Beside an attachment a vertex may be asked to close an angle it has (almost) no lever on: C / sum would throw
-/// it to infinity. And faces blown up to several times their size (a rubber material) would be moved by as much again, and grow
-/// without end: rest_floor, a quarter of |g2|^2 + |g3|^2 at rest, lets them be moved by their rest size at most.
-template <class T>
-inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, T w0, T w1, T w2, T w3, T rest_cos, T rest_sin,
-                         T rest_floor, T stiffness) {
-  const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest_cos, rest_sin);
+/// w_i: inverse masses divided by the largest of the four; a bend's masses and rest values, each for all lanes or one a lane.
+template <class S> struct BendRest {
+  S w0, w1, w2, w3;
+  S cos, sin; ///< of the rest angle
+  S floor;    ///< 1/m^2, see bend_response
+  S response; ///< sum_i w_i |g_i|^2 at rest, 1/m^2
+};
+/// sum_i w_i |g_i|^2 with two floors, neither of which ordinary cloth reaches. Beside an attachment a vertex may be asked to
+/// close an angle it has (almost) no lever on: C / sum would throw it to infinity. And faces blown up to several times their size
+/// (a rubber material) would be moved by as much again, and grow without end: floor, a quarter of |g2|^2 + |g3|^2 at rest, lets
+/// them be moved by their rest size at most.
+template <class T> inline T bend_response(const Bend<T> &c, const BendRest<T> &r) {
   const T g22 = dot(c.g2, c.g2), g33 = dot(c.g3, c.g3);
-  const T sum = w0 * dot(c.g0, c.g0) + w1 * dot(c.g1, c.g1) + w2 * g22 + w3 * g33;
-  const T lambda = -stiffness * c.value / lane_max(sum, lane_max(T(0.25f) * (g22 + g33), rest_floor));
-  x0 += (w0 * lambda) * c.g0;
-  x1 += (w1 * lambda) * c.g1;
-  x2 += (w2 * lambda) * c.g2;
-  x3 += (w3 * lambda) * c.g3;
+  const T sum = r.w0 * dot(c.g0, c.g0) + r.w1 * dot(c.g1, c.g1) + r.w2 * g22 + r.w3 * g33;
+  return lane_max(sum, lane_max(T(0.25f) * (g22 + g33), r.floor));
+}
+template <class T>
+inline void move_along(const Bend<T> &c, const BendRest<T> &r, T lambda, Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3) {
+  x0 += (r.w0 * lambda) * c.g0;
+  x1 += (r.w1 * lambda) * c.g1;
+  x2 += (r.w2 * lambda) * c.g2;
+  x3 += (r.w3 * lambda) * c.g3;
+}
+template <class T>
+inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const BendRest<T> &rest, T stiffness) {
+  const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest.cos, rest.sin);
+  move_along(c, rest, -stiffness * c.value / bend_response(c, rest), x0, x1, x2, x3);
+}
+/// The same with compliance alpha / (h^2 response), as project_soft_stretch; multiplier in m^2.
+template <class T>
+inline void project_soft_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const BendRest<T> &rest, T compliance,
+                              T &multiplier) {
+  const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest.cos, rest.sin);
+  const T softness = compliance * rest.response;
+  const T change = (-c.value - softness * multiplier) / (bend_response(c, rest) + softness);
+  multiplier += change;
+  move_along(c, rest, change, x0, x1, x2, x3);
 }
 
 /// C = p - target, eq. (4).
@@ -67,16 +104,17 @@ template <class T> inline void project_blend(Vec3<T> &p, const Vec3<T> &target, 
 
 /// Tapered capsule made ready for distances: the hull of the spheres (a, radius) and (a + length axis, radius - slope length).
 /// |slope| < 1; a capsule whose one sphere contains the other is that sphere, with length 0.
-struct CapsuleShape {
-  Vec3f a, axis, side; ///< side: unit vector across the axis, the normal where none is defined
-  float length, radius, slope, slope_over_cos;
+template <class S> struct CapsuleShape {
+  Vec3<S> a, axis, side; ///< side: unit vector across the axis, the normal where none is defined
+  S length, radius, slope, slope_over_cos;
 };
 /// Exact signed distance to a tapered capsule, negative inside, with its gradient (the outward unit normal).
 template <class T> struct Distance {
   T value;
   Vec3<T> normal;
 };
-template <class T> inline Distance<T> capsule_distance(const CapsuleShape &c, const Vec3<T> &p) {
+/// One capsule for all lanes (S = float) or one a lane (S = T).
+template <class S, class T> inline Distance<T> capsule_distance(const CapsuleShape<S> &c, const Vec3<T> &p) {
   const Vec3<T> axis{T(c.axis.x), T(c.axis.y), T(c.axis.z)}, a{T(c.a.x), T(c.a.y), T(c.a.z)},
       side{T(c.side.x), T(c.side.y), T(c.side.z)};
   const Vec3<T> d = p - a;
@@ -92,32 +130,73 @@ template <class T> inline Distance<T> capsule_distance(const CapsuleShape &c, co
   return {length - (T(c.radius) - T(c.slope) * f), select(defined, (T(1) / select(defined, length, T(1))) * r, side)};
 }
 
+/// Start and end of one step of a capsule that moves rigidly. The motion between turns the axis by the shortest way; spin about
+/// the axis leaves the surface where it is and is left out. Holds nothing but T: lanes are filled value by value.
+template <class T> struct CapsuleMotion {
+  CapsuleShape<T> start, end;
+  T rotation[9]; ///< row-major, end_from_start
+
+  /// Direction, start -> end.
+  Vec3<T> rotate(Vec3<T> d) const {
+    const T *r = rotation;
+    return {r[0] * d.x + r[1] * d.y + r[2] * d.z, r[3] * d.x + r[4] * d.y + r[5] * d.z, r[6] * d.x + r[7] * d.y + r[8] * d.z};
+  }
+  /// Direction, end -> start.
+  Vec3<T> rotate_back(Vec3<T> d) const {
+    const T *r = rotation;
+    return {r[0] * d.x + r[3] * d.y + r[6] * d.z, r[1] * d.x + r[4] * d.y + r[7] * d.z, r[2] * d.x + r[5] * d.y + r[8] * d.z};
+  }
+  Vec3<T> carry(Vec3<T> p) const { return end.a + rotate(p - start.a); }           ///< point fixed to the capsule, start -> end
+  Vec3<T> carry_back(Vec3<T> p) const { return start.a + rotate_back(p - end.a); } ///< the same, end -> start
+};
+
+/// First point of the segment q0 -> q1 closer than `thickness` to the capsule, as a fraction in [0, 1]; 2 if there is none, and
+/// in lanes outside `where`. The distance to a convex body is convex along a line, so Newton's method from an outside q0 walks up
+/// to the first root and never past it.
+template <class T, class M>
+inline T entry_time(const CapsuleShape<T> &shape, const Vec3<T> &q0, const Vec3<T> &q1, T thickness, M where) {
+  const Vec3<T> way = q1 - q0;
+  T t(0), entry(2);
+  for (int i = 0; i < 32 && any(where); ++i) {
+    const Distance<T> d = capsule_distance(shape, q0 + t * way);
+    const T gap = d.value - thickness, approach = -dot(d.normal, way);
+    const M met = where & (gap <= T(1e-6f));
+    entry = select(met, t, entry);
+    where = where & !met & (approach > T(0));
+    t = select(where, t + gap / approach, t);
+    where = where & (t <= T(1));
+  }
+  return select(where, t, entry); // still creeping towards a grazing contact: take it as one
+}
+
 /// Vertex against proxy during one step. `reference`: normal where the vertex entered during the step; while the closest normal
 /// still agrees with it the vertex is pushed to the closest surface, else (it is past the axis) back to the plane through its
 /// entry.
 template <class T> struct CapsuleContact {
   int vertex, capsule;
+  T active;
   T slack;           ///< m, how much of a penetration at the start of the step may stay (below the thickness)
   Vec3<T> reference; ///< unit normal
   T plane;           ///< reference . that place, m
   T min_agreement;   ///< least cosine between closest normal and reference
   T touched;         ///< 1 once the contact has pushed
 };
-template <class T> inline void project_capsule(Vec3<T> &p, CapsuleContact<T> &contact, const CapsuleShape &shape, T thickness) {
+template <class T>
+inline void project_capsule(Vec3<T> &p, CapsuleContact<T> &contact, const CapsuleShape<T> &shape, T thickness) {
   const Distance<T> d = capsule_distance(shape, p);
   const auto past = dot(d.normal, contact.reference) < contact.min_agreement;
   const T gap = select(past, dot(p, contact.reference) - contact.plane, d.value - (thickness - contact.slack));
-  const T push = lane_max(-gap, T(0));
-  p += push * select(past, contact.reference, d.normal);
-  contact.touched = select(gap < T(0), T(1), contact.touched);
+  const auto pushes = (gap < T(0)) & (contact.active > T(0));
+  p = select(pushes, p - gap * select(past, contact.reference, d.normal), p);
+  contact.touched = select(pushes, T(1), contact.touched);
 }
 
 /// Vertex q against the point (b0, b1, b2) of face (a, b, c), kept at `thickness` on the side (+1, -1) it started on.
 template <class T> struct SelfContact {
   int q, a, b, c;
-  T b0, b1, b2, side, thickness, touched;
   float wq, wa, wb, wc; ///< inverse masses
-  T inverse_sum;        ///< 1 / (wq + wa b0^2 + wb b1^2 + wc b2^2), see contact_response
+  T active, b0, b1, b2, side, thickness, touched;
+  T inverse_sum; ///< 1 / (wq + wa b0^2 + wb b1^2 + wc b2^2), see contact_response
 };
 /// The multiplier's denominator. Where all but one corner are pinned and the contact is far from that corner the sum is next to
 /// nothing and would throw it: a quarter of the largest inverse mass is its floor.
@@ -137,12 +216,13 @@ inline Distance<T> self_distance(const Vec3<T> &q, const Vec3<T> &a, const Vec3<
 }
 template <class T> inline void project_self(Vec3<T> &q, Vec3<T> &a, Vec3<T> &b, Vec3<T> &c, SelfContact<T> &s) {
   const Distance<T> d = self_distance(q, a, b, c, s.b0, s.b1, s.b2, s.side);
-  const T lambda = lane_max(s.thickness - d.value, T(0)) * s.inverse_sum;
-  q += (lambda * T(s.wq)) * d.normal;
-  a -= (lambda * T(s.wa) * s.b0) * d.normal;
-  b -= (lambda * T(s.wb) * s.b1) * d.normal;
-  c -= (lambda * T(s.wc) * s.b2) * d.normal;
-  s.touched = select(d.value < s.thickness, T(1), s.touched);
+  const auto pushes = (d.value < s.thickness) & (s.active > T(0));
+  const T lambda = (s.thickness - d.value) * s.inverse_sum;
+  q = select(pushes, q + (lambda * T(s.wq)) * d.normal, q);
+  a = select(pushes, a - (lambda * T(s.wa) * s.b0) * d.normal, a);
+  b = select(pushes, b - (lambda * T(s.wb) * s.b1) * d.normal, b);
+  c = select(pushes, c - (lambda * T(s.wc) * s.b2) * d.normal, c);
+  s.touched = select(pushes, T(1), s.touched);
 }
 
 /// Air drag, eq. (5) with A(v) = m, over a time h: exact for u' = -d_n/2 |u_n| u_n and u' = -d_t/2 u_t taken apart, hence it
@@ -154,4 +234,5 @@ template <class T> inline Vec3<T> apply_drag(const Vec3<T> &u, const Vec3<T> &no
   return tangential_factor * u + (un * (normal_factor - tangential_factor)) * normal;
 }
 
+} // namespace DOUBLET_PBD_ISA
 } // namespace doublet::pbd

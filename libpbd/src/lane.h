@@ -1,18 +1,28 @@
 #pragma once
-// The scalar vocabulary of the kernels. A kernel is a template over T, the type of one value in every lane: float (the solver),
-// double (the gradient tests); a pack of floats fits as soon as it offers the same operators and the functions below. Kernels
-// never branch on a T: a contact that one lane has must not act in another, so they compute both sides and select.
+// The scalar vocabulary of the kernels. A kernel is a template over T, the type of one value in every lane: float, Pack<4>,
+// Pack<8>, Pack<16> (the solver), double (the gradient tests). Kernels never branch on a T: a contact that one lane has must not
+// act in another, so they compute both sides and select.
+//
+// The same functions are compiled for several instruction sets. Each set has its own namespace (a file defines
+// DOUBLET_PBD_ISA before its includes and is compiled with that set's flags): were the names the same, the linker would keep
+// one copy of each, and might keep one that the processor cannot run. For the same reason these headers use no function of the
+// standard library.
 
-#include <cmath>
-#include <limits>
+#ifndef DOUBLET_PBD_ISA
+#define DOUBLET_PBD_ISA baseline
+#endif
 
 namespace doublet::pbd {
+inline namespace DOUBLET_PBD_ISA {
 
 inline float select(bool mask, float yes, float no) {
   return mask ? yes : no;
 }
 inline double select(bool mask, double yes, double no) {
   return mask ? yes : no;
+}
+inline bool any(bool mask) {
+  return mask;
 }
 template <class T> inline T lane_max(T a, T b) {
   return select(a > b, a, b);
@@ -21,23 +31,23 @@ template <class T> inline T lane_min(T a, T b) {
   return select(a < b, a, b);
 }
 inline float lane_abs(float a) {
-  return std::fabs(a);
+  return __builtin_fabsf(a);
 }
 inline double lane_abs(double a) {
-  return std::fabs(a);
+  return __builtin_fabs(a);
 }
 /// Size of the first with the sign of the second: by bits, where a select would cost a mispredicted jump every other time.
 inline float with_sign(float a, float sign) {
-  return std::copysign(a, sign);
+  return __builtin_copysignf(a, sign);
 }
 inline double with_sign(double a, double sign) {
-  return std::copysign(a, sign);
+  return __builtin_copysign(a, sign);
 }
 inline float lane_sqrt(float a) {
-  return std::sqrt(a);
+  return __builtin_sqrtf(a);
 }
 inline double lane_sqrt(double a) {
-  return std::sqrt(a);
+  return __builtin_sqrt(a);
 }
 
 template <class T> struct Vec3 { T x, y, z; };
@@ -73,7 +83,7 @@ template <class M, class T> inline Vec3<T> select(M mask, Vec3<T> yes, Vec3<T> n
 template <class T> inline T lane_atan2(T y, T x) {
   const T ax = lane_abs(x), ay = lane_abs(y);
   const T small = lane_min(ax, ay), big = lane_max(ax, ay);
-  const T a = small / lane_max(big, T(std::numeric_limits<float>::min()));
+  const T a = small / lane_max(big, T(1.17549435e-38f));
   const T s = a * a;
   T p = T(0.00284988387f);
   p = p * s + T(-0.0160686094f);
@@ -90,4 +100,5 @@ template <class T> inline T lane_atan2(T y, T x) {
   return with_sign(angle, y);
 }
 
+} // namespace DOUBLET_PBD_ISA
 } // namespace doublet::pbd

@@ -1,8 +1,7 @@
 #include "pbd_model.h"
 
 #include "constraint_order.h"
-#include "kernels.h"
-#include "self_collision.h"
+#include "face_tree.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,6 +12,8 @@
 
 namespace doublet::pbd {
 namespace {
+
+constexpr double kMaxSpan = 12; ///< mean edges, see LaneModel::largest_extent
 
 [[noreturn]] void refuse(const std::string &what) {
   throw std::invalid_argument("cloth model: " + what);
@@ -37,19 +38,19 @@ void check_mesh(const Vertices &rest, const Faces &faces, const Eigen::VectorXd 
                std::to_string(rest.rows() - 1));
 }
 
-double face_area(const Vertices &rest, const Faces &faces, int f) {
-  const Eigen::Vector3d a = rest.row(faces(f, 0)), b = rest.row(faces(f, 1)), c = rest.row(faces(f, 2));
+double face_area(const Vertices &rest, const Triangle &face) {
+  const Eigen::Vector3d a = rest.row(face.v[0]), b = rest.row(face.v[1]), c = rest.row(face.v[2]);
   return 0.5 * (b - a).cross(c - a).norm();
 }
 
 /// Undirected edge -> the faces beside it with the vertex opposite, in face order. Ordered map: the same on every platform.
 using EdgeMap = std::map<std::array<int, 2>, std::vector<int>>;
-EdgeMap opposite_vertices(const Faces &faces) {
+EdgeMap opposite_vertices(const std::vector<Triangle> &faces) {
   EdgeMap edges;
-  for (int f = 0; f < faces.rows(); ++f)
+  for (const Triangle &face : faces)
     for (int k = 0; k < 3; ++k) {
-      const int a = faces(f, k), b = faces(f, (k + 1) % 3);
-      edges[{std::min(a, b), std::max(a, b)}].push_back(faces(f, (k + 2) % 3));
+      const int a = face.v[k], b = face.v[(k + 1) % 3];
+      edges[{std::min(a, b), std::max(a, b)}].push_back(face.v[(k + 2) % 3]);
     }
   return edges;
 }
@@ -103,13 +104,14 @@ void set_bend(BendBlock &block, int slot, const BendConstraint &bend) {
   block.cos[slot] = bend.cos;
   block.sin[slot] = bend.sin;
   block.floor[slot] = bend.floor;
+  block.response[slot] = bend.response;
 }
 
 std::vector<BendBlock> in_blocks(const std::vector<BendConstraint> &bends, int vertex_count) {
   BendConstraint idle{};
   for (int k = 0; k < 4; ++k)
     idle.v[k] = vertex_count + k;
-  idle.cos = idle.floor = 1;
+  idle.cos = idle.floor = idle.response = 1;
   std::vector<BendBlock> blocks;
   std::vector<size_t> last_block(vertex_count, std::numeric_limits<size_t>::max()); // that holds the vertex
   int filled = 4;
@@ -151,27 +153,28 @@ std::shared_ptr<const ClothModel> ClothModel::create(const Vertices &rest, const
 }
 
 PbdModel::PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options)
-    : options_(options), faces_(faces) {
+    : options_(options) {
   options.validate();
   check_mesh(rest, faces, clothness);
+  for (int f = 0; f < faces.rows(); ++f)
+    faces_.push_back({{faces(f, 0), faces(f, 1), faces(f, 2)}});
   set_masses(rest, clothness);
   set_constraints(rest);
-  for (int i = 0; i < vertex_count(); ++i)
-    if (clothness[i] > 0 && clothness[i] < 1)
-      blends_.push_back({i, static_cast<float>(1 - std::pow(clothness[i], 1.0 / options.iterations))});
-  follows_targets_ = (clothness.array() < 1).any();
+  set_followers(clothness);
   if (options.self_collision)
-    set_exclusions(rest);
+    set_tree(rest);
+  set_arrays();
 }
 
 void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(rest.rows());
-  for (int f = 0; f < faces_.rows(); ++f) {
-    const double area = face_area(rest, faces_, f);
+  for (const Triangle &face : faces_) {
+    const double area = face_area(rest, face);
     if (!(area > 1e-12))
-      refuse("face " + std::to_string(f) + " is degenerate: its area must exceed 1e-12 m^2, found " + std::to_string(area));
-    for (int k = 0; k < 3; ++k)
-      mass[faces_(f, k)] += area / 3;
+      refuse("face " + std::to_string(&face - faces_.data()) + " is degenerate: its area must exceed 1e-12 m^2, found " +
+             std::to_string(area));
+    for (int v : face.v)
+      mass[v] += area / 3;
   }
   inverse_mass_ = Eigen::VectorXd::Zero(rest.rows());
   for (int i = 0; i < rest.rows(); ++i) {
@@ -186,7 +189,6 @@ void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness
 void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
   const Eigen::VectorXd &w = inverse_mass_;
-  std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
   for (const auto &[edge, opposite] : edges) {
     const auto [a, b] = edge;
@@ -202,6 +204,7 @@ void PbdModel::set_constraints(const Vertices &rest) {
       if (largest == 0 || v[2] == v[3])
         continue;
       const auto x = [&](int i) { return Vec3<double>{rest(v[i], 0), rest(v[i], 1), rest(v[i], 2)}; };
+      using V = Vec3<double>;
       const Bend<double> rest_bend = bend_constraint<double>(x(0), x(1), x(2), x(3), 1.0, 0.0);
       BendConstraint c{};
       for (int i = 0; i < 4; ++i) {
@@ -210,30 +213,73 @@ void PbdModel::set_constraints(const Vertices &rest) {
       }
       c.cos = static_cast<float>(std::cos(rest_bend.value));
       c.sin = static_cast<float>(std::sin(rest_bend.value));
+      const V *const g[4] = {&rest_bend.g0, &rest_bend.g1, &rest_bend.g2, &rest_bend.g3};
+      double response = 0;
+      for (int i = 0; i < 4; ++i)
+        response += w[v[i]] / largest * dot(*g[i], *g[i]);
       // Never 0: faces too small to bend have no gradient, and 0 / 0 would not leave them alone. 1 belongs to faces a metre high.
       c.floor = static_cast<float>(std::max(1.0, 0.25 * (dot(rest_bend.g2, rest_bend.g2) + dot(rest_bend.g3, rest_bend.g3))));
-      bends.push_back(c);
+      c.response = lane_max(static_cast<float>(response), c.floor);
+      bends_.push_back(c);
       bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
     }
   }
   const std::vector<int> ring = rings_from_attachment(edges, weights_);
   stretches_ = in_spread_order(stretches_, stretch_vertices, 2, ring, kStretchGap);
-  bends_ = in_blocks(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), vertex_count());
+  bends_ = in_spread_order(bends_, bend_vertices, 4, ring, kBendGap);
+  blocks_ = in_blocks(bends_, vertex_count());
 }
 
-void PbdModel::set_exclusions(const Vertices &rest) {
-  std::vector<Point> points(rest.rows());
+void PbdModel::set_followers(const Eigen::VectorXd &clothness) {
+  for (int i = 0; i < vertex_count(); ++i) {
+    if (clothness[i] == 1)
+      continue;
+    if (clothness[i] > 0)
+      blends_.push_back(
+          {i, static_cast<int>(followers_.size()), static_cast<float>(1 - std::pow(clothness[i], 1.0 / options_.iterations))});
+    followers_.push_back(i);
+  }
+}
+
+void PbdModel::set_tree(const Vertices &rest) {
+  std::vector<Vec3f> points;
   const Eigen::RowVector3d origin = rest.colwise().mean();
   for (int i = 0; i < rest.rows(); ++i) {
     const Eigen::RowVector3d p = rest.row(i) - origin;
-    points[i] = Vec3f{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    points.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
-  resting_pairs_ = pairs_closer_than(points, faces_, static_cast<float>(options_.self_thickness));
+  nodes_ = build_tree(points, faces_);
+  resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options_.self_thickness));
 }
 
-bool PbdModel::excluded(int vertex, int face) const {
-  const std::uint64_t key = static_cast<std::uint64_t>(vertex) << 32 | static_cast<std::uint32_t>(face);
-  return !resting_pairs_.empty() && std::binary_search(resting_pairs_.begin(), resting_pairs_.end(), key);
+void PbdModel::set_arrays() {
+  const auto size = [](const auto &v) { return static_cast<int>(v.size()); };
+  LaneModel &a = arrays_;
+  a.vertex_count = vertex_count();
+  a.faces = faces_.data(), a.face_count = size(faces_);
+  a.weights = weights_.data();
+  a.stretches = stretches_.data(), a.stretch_count = size(stretches_);
+  a.bends = bends_.data(), a.bend_count = size(bends_);
+  a.blocks = blocks_.data(), a.block_count = size(blocks_);
+  a.blends = blends_.data(), a.blend_count = size(blends_);
+  a.followers = followers_.data(), a.follower_count = size(followers_);
+  a.nodes = nodes_.data(), a.node_count = size(nodes_);
+  a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
+  a.iterations = options_.iterations;
+  a.thickness = static_cast<float>(options_.thickness);
+  a.self_thickness = static_cast<float>(options_.self_thickness);
+  a.restitution = static_cast<float>(options_.restitution);
+  for (int k = 0; k < 3; ++k)
+    a.gravity[k] = static_cast<float>(options_.gravity[k]);
+  double sum = 0, longest = 0;
+  for (const StretchConstraint &c : stretches_) {
+    sum += c.length;
+    longest = std::max(longest, static_cast<double>(c.length));
+  }
+  const double mean = sum / static_cast<double>(std::max<size_t>(1, stretches_.size()));
+  a.largest_extent = static_cast<float>(std::max(kMaxSpan * mean, 2 * longest) + 48 * options_.self_thickness);
+  a.self_collision = options_.self_collision;
+  a.compliant = options_.stiffness == Stiffness::Compliance;
 }
 
 } // namespace doublet::pbd

@@ -3,7 +3,7 @@
 #include "../../libpbd/src/capsule_motion.h"
 #include "../../libpbd/src/constraint_order.h"
 #include "../../libpbd/src/kernels.h"
-#include "../../libpbd/src/pack4.h"
+#include "../../libpbd/src/pack.h"
 
 #include <algorithm>
 #include <functional>
@@ -117,7 +117,7 @@ TEST(Kernels, BendProjectionReachesTheRestAngle) {
     V x0{0, 0, 0}, x1{0.03, 0, 0}, x2{0.01, 0.03, 0.004}, x3{0.02, -0.03, 0.006};
     const V before = x0 + x1 + x2 + x3;
     for (int i = 0; i < 50; ++i)
-      project_bend(x0, x1, x2, x3, 1.0, 1.0, 1.0, 1.0, std::cos(phi), std::sin(phi), 0.0, 1.0);
+      project_bend(x0, x1, x2, x3, BendRest<double>{1, 1, 1, 1, std::cos(phi), std::sin(phi), 0, 0}, 1.0);
     EXPECT_NEAR(bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi)).value, 0, 1e-6) << phi;
     expect_near(x0 + x1 + x2 + x3, before, 1e-12); // equal masses: the centre stays
   }
@@ -127,14 +127,14 @@ TEST(Kernels, BendWithoutALeverThrowsNothing) {
   // Folded flat on itself, all pinned but one end of the edge: that end has no lever on the angle.
   for (float gap : {1e-2f, 1e-4f, 1e-6f, 0.0f}) {
     Vec3f x0{0, 0, 0}, x1{0.03f, 0, 0}, x2{0.015f, 0.03f, gap}, x3{0.015f, 0.03f, -gap};
-    project_bend(x0, x1, x2, x3, 1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f, 500.0f, 1.0f);
+    project_bend(x0, x1, x2, x3, BendRest<float>{1, 0, 0, 0, 1, 0, 500, 0}, 1.0f);
     EXPECT_LT(lane_sqrt(dot(x0, x0)), 0.2f) << gap;
   }
 }
 
 TEST(Kernels, FoldedUpFacesStayFinite) {
   Vec3f x0{0, 0, 0}, x1{0.03f, 0, 0}, x2{0.01f, 0, 0}, x3{0.02f, 0, 0}; // both faces are lines
-  project_bend(x0, x1, x2, x3, 1.0f, 1.0f, 1.0f, 1.0f, 1.0f, 0.0f, 500.0f, 1.0f);
+  project_bend(x0, x1, x2, x3, BendRest<float>{1, 1, 1, 1, 1, 0, 500, 0}, 1.0f);
   for (const Vec3f &x : {x0, x1, x2, x3})
     EXPECT_TRUE(std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z));
   Vec3f a{0, 0, 0}, b{0, 0, 0};
@@ -158,16 +158,18 @@ TEST(Kernels, PacksGiveTheBitsOfFloats) {
       c[k % 4] = std::cos(angle[k % 4]);
       s[k % 4] = std::sin(angle[k % 4]);
     }
-    Vec3<Pack4> x[4];
+    using Four = Pack<4>;
+    Vec3<Four> x[4];
     for (int k = 0; k < 4; ++k)
       x[k] = gather(p, v[k]);
-    project_bend(x[0], x[1], x[2], x[3], Pack4::load(w[0]), Pack4::load(w[1]), Pack4::load(w[2]), Pack4::load(w[3]),
-                 Pack4::load(c), Pack4::load(s), Pack4(100.0f), Pack4(0.3f));
+    const BendRest<Four> rest{Four::load(w[0]), Four::load(w[1]), Four::load(w[2]), Four::load(w[3]),
+                              Four::load(c),    Four::load(s),    Four(100.0f),     Four(0.0f)};
+    project_bend(x[0], x[1], x[2], x[3], rest, Four(0.3f));
     for (int k = 0; k < 4; ++k)
       scatter(p, v[k], x[k]);
     for (int l = 0; l < 4; ++l)
-      project_bend<float>(q[v[0][l]], q[v[1][l]], q[v[2][l]], q[v[3][l]], w[0][l], w[1][l], w[2][l], w[3][l], c[l], s[l], 100.0f,
-                          0.3f);
+      project_bend<float>(q[v[0][l]], q[v[1][l]], q[v[2][l]], q[v[3][l]],
+                          BendRest<float>{w[0][l], w[1][l], w[2][l], w[3][l], c[l], s[l], 100, 0}, 0.3f);
     for (int k = 0; k < 16; ++k) {
       ASSERT_EQ(p[k].x, q[k].x) << i;
       ASSERT_EQ(p[k].y, q[k].y) << i;
@@ -190,7 +192,7 @@ TEST(Kernels, CapsuleDistanceIsExactAndItsGradientTheNormal) {
     c.p1 = Eigen::Vector3d(random(-0.3, 0.3), random(-0.3, 0.3), random(-0.3, 0.3));
     c.r0 = random(0.01, 0.4); // now and then one sphere holds the other
     c.r1 = random(0.01, 0.2);
-    const CapsuleShape shape = capsule_shape(c, Eigen::Vector3d::Zero());
+    const CapsuleShape<float> shape = capsule_shape(c, Eigen::Vector3d::Zero());
     for (int k = 0; k < 20; ++k) {
       V p = random.point(0.8);
       // The hull is the union of all spheres in between, and outside it the distance is the least of theirs.
@@ -210,12 +212,12 @@ TEST(Kernels, CapsuleDistanceIsExactAndItsGradientTheNormal) {
 }
 
 TEST(Kernels, CapsuleDistanceOnTheAxisHasANormal) {
-  const CapsuleShape rod = capsule_shape({{0, 0, 0}, {0, 1, 0}, 0.1, 0.1}, Eigen::Vector3d::Zero());
+  const CapsuleShape<float> rod = capsule_shape({{0, 0, 0}, {0, 1, 0}, 0.1, 0.1}, Eigen::Vector3d::Zero());
   const Distance<float> d = capsule_distance(rod, Vec3f{0, 0.5f, 0});
   EXPECT_NEAR(d.value, -0.1, 1e-6);
   EXPECT_NEAR(dot(d.normal, d.normal), 1, 1e-6);
   EXPECT_NEAR(d.normal.y, 0, 1e-6);
-  const CapsuleShape point = capsule_shape({{0, 0, 0}, {0, 0, 0}, 0, 0}, Eigen::Vector3d::Zero());
+  const CapsuleShape<float> point = capsule_shape({{0, 0, 0}, {0, 0, 0}, 0, 0}, Eigen::Vector3d::Zero());
   EXPECT_NEAR(capsule_distance(point, Vec3f{0, 0, 2}).value, 2, 1e-6);
 }
 
@@ -224,7 +226,7 @@ TEST(Kernels, EntryTimeIsWhereTheSegmentMeetsTheProxy) {
   int hits = 0;
   for (int i = 0; i < 2000; ++i) {
     Capsule c{{random(-0.1, 0.1), random(-0.1, 0.1), 0}, {random(-0.1, 0.1), 0.4, 0}, random(0.02, 0.1), random(0.02, 0.1)};
-    const CapsuleShape shape = capsule_shape(c, Eigen::Vector3d::Zero());
+    const CapsuleShape<float> shape = capsule_shape(c, Eigen::Vector3d::Zero());
     const auto f = [](V v) { return Vec3f{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; };
     const Vec3f q0 = f(random.point(0.5)), q1 = f(random.point(0.5));
     if (capsule_distance(shape, q0).value < 0.005)
@@ -239,7 +241,7 @@ TEST(Kernels, EntryTimeIsWhereTheSegmentMeetsTheProxy) {
     }
     if (std::abs(least) < 1e-4)
       continue; // grazing: the samples cannot tell
-    const double t = entry_time(shape, q0, q1, 0.004f);
+    const double t = entry_time(shape, q0, q1, 0.004f, true);
     EXPECT_NEAR(t, first, first == 2 ? 0 : 1e-3);
     hits += first < 2;
   }
@@ -265,7 +267,7 @@ TEST(Kernels, SelfContactFollowsTheGradientAndReachesTheThickness) {
     expect_near(differences(value, a), (-b0) * d.normal, 1e-6);
     expect_near(differences(value, b), (-b1) * d.normal, 1e-6);
     expect_near(differences(value, c), (-b2) * d.normal, 1e-6);
-    SelfContact<double> s{0, 1, 2, 3, b0, b1, b2, side, 0.004, 0, 2, 1, 0.5f, 0, 0};
+    SelfContact<double> s{0, 1, 2, 3, 2, 1, 0.5f, 0, 1, b0, b1, b2, side, 0.004, 0, 0};
     s.wc = i % 3 ? 4 : 0; // free, and now and then pinned
     s.inverse_sum = contact_response(s);
     const double lambda = (0.004 - d.value) / (2 + b0 * b0 + 0.5 * b1 * b1 + s.wc * b2 * b2);

@@ -19,9 +19,17 @@ struct Capsule {
   double r0 = 0, r1 = 0;
 };
 
+/// What k_bend and k_stretch of a Material mean.
+enum class Stiffness {
+  Sweeps, ///< Mueller et al. 2007, Sect. 3.3, and the paper: every sweep removes 1 - (1 - k)^(1 / iterations) of the violation
+  Compliance, ///< XPBD, Macklin et al. 2016: k is the share that one step of 1/40 s removes from a constraint by itself, whatever
+              ///< the number of sweeps and substeps; 1 = rigid
+};
+
 struct ClothOptions {
-  int iterations = 24;                      ///< Gauss-Seidel sweeps a step, as in the paper
-  int substeps = 1;                         ///< steps a frame
+  int iterations = 24; ///< Gauss-Seidel sweeps a step, as in the paper
+  int substeps = 1;    ///< steps a frame
+  Stiffness stiffness = Stiffness::Sweeps;
   Eigen::Vector3d gravity{0.0, -9.81, 0.0}; ///< m/s^2
   double restitution = 0.0;                 ///< 0 = inelastic
   double thickness = 0.004;                 ///< m, kept between cloth and proxies
@@ -68,10 +76,21 @@ public:
   /// external forces -> predict -> collisions -> iterations x project -> velocities -> friction and restitution.
   virtual void step(ClothState &state, const StepInputs &inputs, const Material &material) const = 0;
   virtual const ClothModel &model() const = 0;
-  /// The same frame for several simulations that differ in state and material: states[i] is stepped with materials[i]. The same
-  /// bits as one step each, which is what the default does; throws std::invalid_argument if the counts differ.
+  /// One frame of several simulations that differ in state and material, or in inputs, too (windows of one motion): states[i] is
+  /// stepped with inputs[i], or inputs[0] if there is but one, and materials[i]. The same bits as one step each, in any company
+  /// and on any number of threads. Returns, ascending, the simulations that came out not finite, whose states are left alone.
+  /// Throws std::invalid_argument, and steps none, if counts differ or an input is wrong. The default steps one by one.
+  virtual std::vector<int> step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                                     std::span<const Material> materials, int threads = 1) const;
+  /// The same for one input; throws std::runtime_error if a simulation comes out not finite (the others have been stepped).
   virtual void step_many(std::span<ClothState> states, const StepInputs &inputs, std::span<const Material> materials) const;
+  /// Steps simulations side by side in the lanes of the widest registers that this processor has.
   static std::unique_ptr<ClothSolver> create(std::shared_ptr<const ClothModel> model);
+  /// In registers of one width alone, for tests: results do not depend on it. Throws std::invalid_argument unless `lanes` is one
+  /// of supported_lanes().
+  static std::unique_ptr<ClothSolver> create_with_lanes(std::shared_ptr<const ClothModel> model, int lanes);
+  /// Ascending, of 1, 4, 8 (AVX2) and 16 (AVX-512).
+  static std::vector<int> supported_lanes();
 };
 
 /// positions = rest positions of the model's targets, velocities zero.

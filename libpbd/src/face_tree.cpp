@@ -1,0 +1,93 @@
+#include "face_tree.h"
+
+#include "self_collision.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace doublet::pbd {
+namespace {
+
+struct Builder {
+  std::vector<Vec3f> centres;
+  std::vector<int> order; ///< of the faces
+  std::vector<TreeNode> nodes;
+
+  void add(int first, int last) { // faces order[first..last)
+    const auto node = nodes.size();
+    nodes.push_back({0, last - first == 1 ? order[first] : -1});
+    if (last - first > 1) {
+      const int middle = (first + last) / 2;
+      split(first, middle, last);
+      add(first, middle);
+      add(middle, last);
+    }
+    nodes[node].skip = static_cast<int>(nodes.size());
+  }
+  void split(int first, int middle, int last) {
+    Box<float> box{centres[order[first]], centres[order[first]]};
+    for (int i = first; i < last; ++i)
+      box = united(box, {centres[order[i]], centres[order[i]]});
+    const Vec3f size = box.hi - box.lo;
+    float Vec3f::*const axis = size.x >= size.y && size.x >= size.z ? &Vec3f::x : size.y >= size.z ? &Vec3f::y : &Vec3f::z;
+    std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last, [&](int a, int b) {
+      const float ca = centres[a].*axis, cb = centres[b].*axis;
+      return ca < cb || (ca == cb && a < b);
+    });
+    // Which faces are on which side is settled; in what order they lie there is the library's choice.
+    std::sort(order.begin() + first, order.begin() + middle);
+    std::sort(order.begin() + middle, order.begin() + last);
+  }
+};
+
+float segment_distance2(Vec3f q, Vec3f a, Vec3f b) {
+  const Vec3f e = b - a, d = q - a;
+  const float t = lane_min(lane_max(dot(d, e) / lane_max(dot(e, e), 1e-30f), 0.0f), 1.0f);
+  const Vec3f r = d - t * e;
+  return dot(r, r);
+}
+float triangle_distance(Vec3f q, Vec3f a, Vec3f b, Vec3f c) {
+  const Vec3f w = barycentric(q, a, b, c);
+  if (w.x >= 0 && w.y >= 0 && w.z >= 0) {
+    const Vec3f r = q - (w.x * a + w.y * b + w.z * c);
+    return lane_sqrt(dot(r, r));
+  }
+  return lane_sqrt(lane_min(segment_distance2(q, a, b), lane_min(segment_distance2(q, b, c), segment_distance2(q, c, a))));
+}
+
+} // namespace
+
+std::vector<TreeNode> build_tree(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces) {
+  Builder builder;
+  for (const Triangle &f : faces)
+    builder.centres.push_back((1.0f / 3) * (points[f.v[0]] + points[f.v[1]] + points[f.v[2]]));
+  builder.order.resize(faces.size());
+  std::iota(builder.order.begin(), builder.order.end(), 0);
+  builder.nodes.reserve(2 * faces.size());
+  builder.add(0, static_cast<int>(faces.size()));
+  return builder.nodes;
+}
+
+std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
+                                             const std::vector<TreeNode> &nodes, float distance) {
+  const int count = static_cast<int>(nodes.size());
+  std::vector<Box<float>> boxes(nodes.size());
+  refit(nodes.data(), count, boxes.data(), [&](int f) {
+    Box<float> box{points[faces[f].v[0]], points[faces[f].v[0]]};
+    for (int v : faces[f].v)
+      box = united(box, {points[v], points[v]});
+    return box;
+  });
+  std::vector<std::uint64_t> close;
+  const Vec3f reach{distance, distance, distance};
+  for (int q = 0; q < static_cast<int>(points.size()); ++q)
+    for_each_overlap(nodes.data(), count, boxes.data(), Box<float>{points[q] - reach, points[q] + reach}, [&](int f, bool) {
+      const auto [a, b, c] = faces[f].v;
+      if (q != a && q != b && q != c && triangle_distance(points[q], points[a], points[b], points[c]) < distance)
+        close.push_back(static_cast<std::uint64_t>(q) << 32 | static_cast<std::uint32_t>(f));
+    });
+  std::sort(close.begin(), close.end());
+  return close;
+}
+
+} // namespace doublet::pbd

@@ -1,0 +1,18 @@
+#pragma once
+// The tree that finds what the cloth is near to (see self_collision.h), as far as it is the model's.
+
+#include "kernels.h"
+#include "lane_model.h"
+
+#include <vector>
+
+namespace doublet::pbd {
+
+/// Faces halved again and again at the median of their centres, across the longest side of the box of those.
+std::vector<TreeNode> build_tree(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces);
+
+/// Sorted (vertex << 32 | face) of all pairs closer than `distance`, a face's own vertices left out.
+std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
+                                             const std::vector<TreeNode> &nodes, float distance);
+
+} // namespace doublet::pbd

@@ -1,0 +1,56 @@
+#pragma once
+// Simulations of one model that step together, one in each lane: the door between the solver, which is compiled for every
+// processor, and the loops, which are compiled once for each instruction set (lanes_*.cpp). Data and virtual functions alone: see
+// lane.h.
+
+#include "lane_model.h"
+
+namespace doublet::pbd {
+
+/// One substep's numbers, in each lane.
+template <class T> struct Substep {
+  T h;                     ///< s
+  T k_bend, k_stretch;     ///< per iteration; the compliances of the kernels where the model is compliant
+  T k_friction, k_damping; ///< per substep
+  T half_dn_h, tangential_factor;
+  T wind[3]; ///< m/s
+};
+
+class LaneGroup {
+public:
+  LaneGroup();
+  virtual ~LaneGroup();
+  virtual int lanes() const = 0;
+
+  // Arrays to be filled in before the first substep, coordinate k of vertex i in lane l at [i vertex_stride + k lanes + l].
+  virtual int vertex_stride() const = 0;
+  virtual float *positions() = 0;
+  virtual float *velocities() = 0;
+  // The same with [(i 3 + k) lanes + l], i an index into the model's followers.
+  virtual float *targets_start() = 0; ///< of the frame
+  virtual float *targets_end() = 0;
+  // Value j of capsule i in lane l at [(i value_count + j) lanes + l], the values of CapsuleMotion<float>.
+  virtual float *capsules(int count) = 0;
+  // Value j in lane l at [j lanes + l], the values of Substep<float>.
+  virtual float *substep() = 0;
+
+  /// One substep, at whose end the fraction `end` of the frame has passed.
+  virtual void advance(float end) = 0;
+};
+
+/// nullptr where this program was built for a processor that has no such instructions. Caller owns the result.
+LaneGroup *make_group_1(const LaneModel &model);
+LaneGroup *make_group_4(const LaneModel &model);
+LaneGroup *make_group_8(const LaneModel &model);
+LaneGroup *make_group_16(const LaneModel &model);
+
+// What the loops ask of the rest of the program.
+
+/// 64-byte aligned.
+void *lane_allocate(unsigned long bytes);
+void lane_free(void *block);
+/// Mueller et al. 2007, Sect. 3.5: velocities move by k towards the rigid motion with the same momentum and angular momentum. x
+/// and v point at the first coordinate of the lane.
+void damp_lane(const LaneModel &model, const float *x, float *v, int vertex_stride, int lanes, float k);
+
+} // namespace doublet::pbd

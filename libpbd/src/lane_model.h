@@ -1,0 +1,64 @@
+#pragma once
+// What the solver's loops read: the model as plain arrays. Shared by files compiled for different instruction sets, so it holds
+// data alone (see lane.h): no function, no initialiser, no class of the standard library.
+
+#include <cstdint>
+
+namespace doublet::pbd {
+
+struct Triangle {
+  int v[3];
+};
+struct StretchConstraint {
+  int a, b;
+  float share_a, share_b; ///< w_a / (w_a + w_b), w_b / (w_a + w_b)
+  float length;           ///< m
+};
+struct BendConstraint {
+  int v[4];       ///< edge 0-1, opposite vertices 2 and 3
+  float w[4];     ///< inverse masses divided by the largest of the four
+  float cos, sin; ///< of the rest angle
+  float floor;    ///< see bend_response, 1/m^2
+  float response; ///< sum of w_i |g_i|^2 at rest, 1/m^2
+};
+/// Four bends in a row of the order that share no vertex, so that a single simulation may project them side by side. Where the
+/// order does not offer four, the rest are idle ones on the four spare vertices behind the last (see kSpareVertices), with no
+/// mass to move.
+struct BendBlock {
+  int v[4][4];   ///< [corner][bend]
+  float w[4][4]; ///< [corner][bend]
+  float cos[4], sin[4], floor[4], response[4];
+};
+inline constexpr int kSpareVertices = 4; ///< after the model's own, in every array of positions: the corners of a flat square
+
+struct BlendConstraint {
+  int vertex, follower; ///< the same vertex, as an index into `followers`
+  float stiffness;      ///< in every iteration: 1 - delta^(1 / iterations)
+};
+/// Tree of boxes over the faces, in the order of a walk from the root: the children of an inner node i are i + 1 and
+/// nodes[i + 1].skip.
+struct TreeNode {
+  int skip; ///< the first node behind this one's descendants
+  int face; ///< of a leaf; -1: inner node
+};
+
+struct LaneModel {
+  int vertex_count, face_count, stretch_count, bend_count, block_count, blend_count, follower_count, node_count;
+  const Triangle *faces;
+  const float *weights; ///< [vertex] inverse masses
+  const StretchConstraint *stretches;
+  const BendConstraint *bends; ///< in the order of the blocks
+  const BendBlock *blocks;
+  const BlendConstraint *blends;
+  const int *followers; ///< vertices of clothness < 1
+  const TreeNode *nodes;
+  const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
+  int resting_pair_count;
+  int iterations;
+  float thickness, self_thickness, restitution;
+  float gravity[3];
+  float largest_extent; ///< m, see SelfCollision
+  bool self_collision, compliant;
+};
+
+} // namespace doublet::pbd

@@ -1,0 +1,209 @@
+#pragma once
+// N floats that go through a kernel together (see lane.h): N simulations side by side, or four constraints of one that share no
+// vertex. GCC/Clang vector extensions, and the processor's own instructions where those have no word for it. Every lane gets the
+// bits that the kernel gives for float: the arithmetic is IEEE in all of them and nothing is fused.
+
+#include "lane.h"
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace doublet::pbd {
+inline namespace DOUBLET_PBD_ISA {
+
+template <int N> struct Registers; // GCC drops vector_size(4 * N)
+template <> struct Registers<4> {
+  typedef float Floats __attribute__((vector_size(16)));
+  typedef int Ints __attribute__((vector_size(16)));
+};
+template <> struct Registers<8> {
+  typedef float Floats __attribute__((vector_size(32)));
+  typedef int Ints __attribute__((vector_size(32)));
+};
+template <> struct Registers<16> {
+  typedef float Floats __attribute__((vector_size(64)));
+  typedef int Ints __attribute__((vector_size(64)));
+};
+
+template <int N> struct Mask { typename Registers<N>::Ints bits; };
+template <int N> struct Pack {
+  using Lanes = typename Registers<N>::Floats;
+  Lanes lanes;
+
+  Pack() = default;
+  Pack(float all) : lanes(all - Lanes{}) {}
+  explicit Pack(Lanes l) : lanes(l) {}
+  static Pack load(const float *from) {
+    Pack p;
+    __builtin_memcpy(&p.lanes, from, sizeof p.lanes);
+    return p;
+  }
+
+  friend Pack operator+(Pack a, Pack b) { return Pack(a.lanes + b.lanes); }
+  friend Pack operator-(Pack a, Pack b) { return Pack(a.lanes - b.lanes); }
+  friend Pack operator*(Pack a, Pack b) { return Pack(a.lanes * b.lanes); }
+  friend Pack operator/(Pack a, Pack b) { return Pack(a.lanes / b.lanes); }
+  friend Pack operator-(Pack a) { return Pack(-a.lanes); }
+  friend Pack &operator+=(Pack &a, Pack b) { return a = a + b; }
+};
+
+/// As integers of the same bits, and back.
+template <int N> inline typename Registers<N>::Ints to_bits(Pack<N> p) {
+  return reinterpret_cast<typename Registers<N>::Ints>(p.lanes);
+}
+template <int N> inline Pack<N> from_bits(typename Registers<N>::Ints b) {
+  return Pack<N>(reinterpret_cast<typename Registers<N>::Floats>(b));
+}
+
+template <int N> inline Mask<N> operator<(Pack<N> a, Pack<N> b) {
+  return {a.lanes < b.lanes};
+}
+template <int N> inline Mask<N> operator<=(Pack<N> a, Pack<N> b) {
+  return {a.lanes <= b.lanes};
+}
+template <int N> inline Mask<N> operator&(Mask<N> a, Mask<N> b) {
+  return {a.bits & b.bits};
+}
+template <int N> inline Mask<N> operator|(Mask<N> a, Mask<N> b) {
+  return {a.bits | b.bits};
+}
+template <int N> inline Mask<N> operator!(Mask<N> a) {
+  return {~a.bits};
+}
+template <int N> inline Pack<N> select(Mask<N> m, Pack<N> yes, Pack<N> no) {
+  return from_bits<N>((m.bits & to_bits(yes)) | (~m.bits & to_bits(no)));
+}
+template <int N> inline Pack<N> lane_sqrt(Pack<N> a) {
+  for (int l = 0; l < N; ++l)
+    a.lanes[l] = __builtin_sqrtf(a.lanes[l]);
+  return a;
+}
+template <int N> inline bool any(Mask<N> m) {
+  int bits = 0;
+  for (int l = 0; l < N; ++l)
+    bits |= m.bits[l];
+  return bits != 0;
+}
+template <int N> inline Pack<N> lane_abs(Pack<N> a) {
+  return from_bits<N>(to_bits(a) & 0x7fffffff);
+}
+template <int N> inline Pack<N> with_sign(Pack<N> a, Pack<N> sign) {
+  const int sign_bit = static_cast<int>(0x80000000u);
+  return from_bits<N>((to_bits(a) & 0x7fffffff) | (to_bits(sign) & sign_bit));
+}
+
+// max and min return the second if either is not a number: a > b ? a : b, as for float.
+#ifdef __SSE2__
+inline Pack<4> lane_sqrt(Pack<4> a) {
+  return Pack<4>(_mm_sqrt_ps(a.lanes));
+}
+inline Pack<4> lane_max(Pack<4> a, Pack<4> b) {
+  return Pack<4>(_mm_max_ps(a.lanes, b.lanes));
+}
+inline Pack<4> lane_min(Pack<4> a, Pack<4> b) {
+  return Pack<4>(_mm_min_ps(a.lanes, b.lanes));
+}
+inline bool any(Mask<4> m) {
+  return _mm_movemask_ps(reinterpret_cast<__m128>(m.bits)) != 0;
+}
+#endif
+#ifdef __AVX2__
+inline Pack<8> lane_sqrt(Pack<8> a) {
+  return Pack<8>(_mm256_sqrt_ps(a.lanes));
+}
+inline Pack<8> lane_max(Pack<8> a, Pack<8> b) {
+  return Pack<8>(_mm256_max_ps(a.lanes, b.lanes));
+}
+inline Pack<8> lane_min(Pack<8> a, Pack<8> b) {
+  return Pack<8>(_mm256_min_ps(a.lanes, b.lanes));
+}
+inline Pack<8> select(Mask<8> m, Pack<8> yes, Pack<8> no) {
+  return Pack<8>(_mm256_blendv_ps(no.lanes, yes.lanes, reinterpret_cast<__m256>(m.bits)));
+}
+inline bool any(Mask<8> m) {
+  return _mm256_movemask_ps(reinterpret_cast<__m256>(m.bits)) != 0;
+}
+#endif
+#ifdef __AVX512F__
+// The forms without a mask make GCC 12 warn about its own header (its bug 105593).
+constexpr __mmask16 kAll = 0xffff;
+template <> struct Mask<16> { __mmask16 bits; };
+inline Mask<16> operator<(Pack<16> a, Pack<16> b) {
+  return {_mm512_cmp_ps_mask(a.lanes, b.lanes, _CMP_LT_OQ)};
+}
+inline Mask<16> operator<=(Pack<16> a, Pack<16> b) {
+  return {_mm512_cmp_ps_mask(a.lanes, b.lanes, _CMP_LE_OQ)};
+}
+inline Mask<16> operator&(Mask<16> a, Mask<16> b) {
+  return {static_cast<__mmask16>(a.bits & b.bits)};
+}
+inline Mask<16> operator|(Mask<16> a, Mask<16> b) {
+  return {static_cast<__mmask16>(a.bits | b.bits)};
+}
+inline Mask<16> operator!(Mask<16> a) {
+  return {static_cast<__mmask16>(~a.bits)};
+}
+inline Pack<16> select(Mask<16> m, Pack<16> yes, Pack<16> no) {
+  return Pack<16>(_mm512_mask_blend_ps(m.bits, no.lanes, yes.lanes));
+}
+inline Pack<16> lane_sqrt(Pack<16> a) {
+  return Pack<16>(_mm512_maskz_sqrt_ps(kAll, a.lanes));
+}
+inline Pack<16> lane_max(Pack<16> a, Pack<16> b) {
+  return Pack<16>(_mm512_maskz_max_ps(kAll, a.lanes, b.lanes));
+}
+inline Pack<16> lane_min(Pack<16> a, Pack<16> b) {
+  return Pack<16>(_mm512_maskz_min_ps(kAll, a.lanes, b.lanes));
+}
+inline bool any(Mask<16> m) {
+  return m.bits != 0;
+}
+#endif
+
+template <int N> inline Mask<N> operator>(Pack<N> a, Pack<N> b) {
+  return b < a;
+}
+template <int N> inline Mask<N> operator>=(Pack<N> a, Pack<N> b) {
+  return b <= a;
+}
+
+/// A position of a single simulation: sixteen bytes, so that four of them load and turn into x, y and z lanes.
+struct alignas(16) Point : Vec3f {
+  float pad;
+  Point() = default;
+  Point(Vec3f p) : Vec3f(p), pad(0) {}
+};
+
+using Lanes4 = Registers<4>::Floats;
+using Order4 = Registers<4>::Ints;
+inline Lanes4 shuffle(Lanes4 a, Lanes4 b, Order4 order) {
+#ifdef __clang__
+  return Lanes4{order[0] < 4 ? a[order[0]] : b[order[0] - 4], order[1] < 4 ? a[order[1]] : b[order[1] - 4],
+                order[2] < 4 ? a[order[2]] : b[order[2] - 4], order[3] < 4 ? a[order[3]] : b[order[3] - 4]};
+#else
+  return __builtin_shuffle(a, b, order);
+#endif
+}
+inline Vec3<Pack<4>> gather(const Point *p, const int (&v)[4]) {
+  const Lanes4 a = Pack<4>::load(&p[v[0]].x).lanes, b = Pack<4>::load(&p[v[1]].x).lanes, c = Pack<4>::load(&p[v[2]].x).lanes,
+               d = Pack<4>::load(&p[v[3]].x).lanes;
+  const Lanes4 ab = shuffle(a, b, Order4{0, 4, 1, 5}), cd = shuffle(c, d, Order4{0, 4, 1, 5}); // x x y y
+  const Lanes4 ab_z = shuffle(a, b, Order4{2, 6, 3, 7}), cd_z = shuffle(c, d, Order4{2, 6, 3, 7});
+  return {Pack<4>(shuffle(ab, cd, Order4{0, 1, 4, 5})), Pack<4>(shuffle(ab, cd, Order4{2, 3, 6, 7})),
+          Pack<4>(shuffle(ab_z, cd_z, Order4{0, 1, 4, 5}))};
+}
+inline void scatter(Point *p, const int (&v)[4], const Vec3<Pack<4>> &x) {
+  const Lanes4 zero{0, 0, 0, 0};
+  const Lanes4 xy_lo = shuffle(x.x.lanes, x.y.lanes, Order4{0, 4, 1, 5}),
+               xy_hi = shuffle(x.x.lanes, x.y.lanes, Order4{2, 6, 3, 7});
+  const Lanes4 z_lo = shuffle(x.z.lanes, zero, Order4{0, 4, 1, 5}), z_hi = shuffle(x.z.lanes, zero, Order4{2, 6, 3, 7});
+  const auto store = [](Point &to, Lanes4 from) { __builtin_memcpy(&to.x, &from, sizeof from); };
+  store(p[v[0]], shuffle(xy_lo, z_lo, Order4{0, 1, 4, 5}));
+  store(p[v[1]], shuffle(xy_lo, z_lo, Order4{2, 3, 6, 7}));
+  store(p[v[2]], shuffle(xy_hi, z_hi, Order4{0, 1, 4, 5}));
+  store(p[v[3]], shuffle(xy_hi, z_hi, Order4{2, 3, 6, 7}));
+}
+
+} // namespace DOUBLET_PBD_ISA
+} // namespace doublet::pbd
