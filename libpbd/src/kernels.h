@@ -32,69 +32,72 @@ inline void project_soft_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T
   b -= (s * share_b) * d;
 }
 
-/// Signed angle between the normals of the faces (x0, x1, x2) and (x1, x0, x3) minus the rest angle, in (-pi, pi]. Eq. (3) with
-/// atan2 for acos: the same value up to sign, and a gradient at 0. Gradients: Bridson et al. 2003; their sum is zero.
-template <class T> struct Bend {
-  T value;
-  Vec3<T> g0, g1, g2, g3; ///< d value / d x_i, 1/m
-};
-template <class T>
-inline Bend<T> bend_constraint(const Vec3<T> &x0, const Vec3<T> &x1, const Vec3<T> &x2, const Vec3<T> &x3, T rest_cos,
-                               T rest_sin) {
-  const Vec3<T> e = x1 - x0, a = x2 - x0, b = x3 - x0;
-  const Vec3<T> n1 = cross(e, a), n2 = cross(b, e);
-  const T ee = dot(e, e), length = lane_sqrt(ee), nn1 = dot(n1, n1), nn2 = dot(n2, n2);
-  const T c = dot(n1, n2), s = -length * dot(n1, b); // cos and sin, both times |n1| |n2|
-  // One division serves 1/|n1|^2, 1/|n2|^2 and 1/|e|^2. A folded-up face (below some 1e-6 m^2 in all) drops out instead of
-  // exploding.
-  const T product = nn1 * nn2 * ee;
-  const T inverse = select(product > T(1e-33f), T(1), T(0)) / lane_max(product, T(1e-33f));
-  Bend<T> r;
-  r.value = lane_atan2(s * rest_cos - c * rest_sin, c * rest_cos + s * rest_sin);
-  r.g2 = (-length * (inverse * nn2 * ee)) * n1;
-  r.g3 = (-length * (inverse * nn1 * ee)) * n2;
-  const T inverse_ee = inverse * nn1 * nn2, t2 = dot(a, e) * inverse_ee, t3 = dot(b, e) * inverse_ee;
-  r.g0 = (t2 - T(1)) * r.g2 + (t3 - T(1)) * r.g3;
-  r.g1 = (-t2) * r.g2 - t3 * r.g3;
-  return r;
-}
-/// w_i: inverse masses divided by the largest of the four; a bend's masses and rest values, each for all lanes or one a lane.
+/// A bend's inverse masses, divided by the largest of the four, and its rest values.
 template <class S> struct BendRest {
   S w0, w1, w2, w3;
   S cos, sin; ///< of the rest angle
-  S floor;    ///< 1/m^2, see bend_response
-  S response; ///< sum_i w_i |g_i|^2 at rest, 1/m^2
+  S floor;    ///< 1/m^2, see bend_terms
+  S response; ///< sum_i w_i |g_i|^2 at rest, at least floor, 1/m^2
 };
-/// sum_i w_i |g_i|^2 with two floors, neither of which ordinary cloth reaches. Beside an attachment a vertex may be asked to
-/// close an angle it has (almost) no lever on: C / sum would throw it to infinity. And faces blown up to several times their size
-/// (a rubber material) would be moved by as much again, and grow without end: floor, a quarter of |g2|^2 + |g3|^2 at rest, lets
-/// them be moved by their rest size at most.
-template <class T> inline T bend_response(const Bend<T> &c, const BendRest<T> &r) {
-  const T g22 = dot(c.g2, c.g2), g33 = dot(c.g3, c.g3);
-  const T sum = r.w0 * dot(c.g0, c.g0) + r.w1 * dot(c.g1, c.g1) + r.w2 * g22 + r.w3 * g33;
-  return lane_max(sum, lane_max(T(0.25f) * (g22 + g33), r.floor));
-}
+/// C = the signed angle between the normals of the faces (x0, x1, x2) and (x1, x0, x3) minus the rest angle, in (-pi, pi]. Eq.
+/// (3) with atan2 for acos: the same value up to sign, and a gradient at 0. Gradients (Bridson et al. 2003), whose sum is zero:
+///   g2 = -|e| n1 / |n1|^2,  g0 = (ae / ee - 1) g2 + (be / ee - 1) g3,
+///   g3 = -|e| n2 / |n2|^2,  g1 = -ae / ee g2 - be / ee g3.
+/// Nothing is divided: `scale` times the gradients' weighted sum of squares is a polynomial.
+template <class T> struct BendTerms {
+  Vec3<T> n1, n2; ///< e x a, b x e, m^2, with e = x1 - x0, a = x2 - x0, b = x3 - x0
+  T ee, ae, be, nn1, nn2, length;
+  T value; ///< C
+  T scale; ///< ee nn1 nn2, m^10
+  T sum;   ///< scale sum_i w_i |g_i|^2, m^8
+};
+/// The sum has two floors, neither of which ordinary cloth reaches. Beside an attachment a vertex may be asked to close an angle
+/// it has (almost) no lever on: C / sum would throw it to infinity. And faces blown up to several times their size (a rubber
+/// material) would be moved by as much again, and grow without end: rest.floor, a quarter of |g2|^2 + |g3|^2 at rest, lets them
+/// be moved by their rest size at most.
 template <class T>
-inline void move_along(const Bend<T> &c, const BendRest<T> &r, T lambda, Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3) {
-  x0 += (r.w0 * lambda) * c.g0;
-  x1 += (r.w1 * lambda) * c.g1;
-  x2 += (r.w2 * lambda) * c.g2;
-  x3 += (r.w3 * lambda) * c.g3;
+inline BendTerms<T> bend_terms(const Vec3<T> &x0, const Vec3<T> &x1, const Vec3<T> &x2, const Vec3<T> &x3,
+                               const BendRest<T> &rest) {
+  BendTerms<T> r;
+  const Vec3<T> e = x1 - x0, a = x2 - x0, b = x3 - x0;
+  r.n1 = cross(e, a), r.n2 = cross(b, e);
+  r.ee = dot(e, e), r.ae = dot(a, e), r.be = dot(b, e), r.nn1 = dot(r.n1, r.n1), r.nn2 = dot(r.n2, r.n2);
+  r.length = lane_sqrt(r.ee);
+  const T c = dot(r.n1, r.n2), s = -r.length * dot(r.n1, b); // cos and sin, both times |n1| |n2|
+  r.value = lane_atan2(s * rest.cos - c * rest.sin, c * rest.cos + s * rest.sin);
+  r.scale = r.ee * (r.nn1 * r.nn2);
+  const auto squared = [&](T k2, T k3) { return k2 * (k2 * r.nn2 + k3 * c) + k3 * (k2 * c + k3 * r.nn1); };
+  const T square = r.ee * r.ee;
+  const T sum =
+      rest.w0 * squared(r.ae - r.ee, r.be - r.ee) + rest.w1 * squared(r.ae, r.be) + square * (rest.w2 * r.nn2 + rest.w3 * r.nn1);
+  // The last keeps faces folded to nothing, whose C is 0, from 0 / 0.
+  r.sum = lane_max(sum, lane_max(T(0.25f) * square * (r.nn1 + r.nn2), lane_max(rest.floor * r.scale, T(1e-36f))));
+  return r;
+}
+/// x_i += multiplier w_i g_i scale / |e|.
+template <class T>
+inline void move_bend(const BendTerms<T> &c, const BendRest<T> &rest, T multiplier, Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2,
+                      Vec3<T> &x3) {
+  const Vec3<T> m1 = (-multiplier * c.nn2) * c.n1, m2 = (-multiplier * c.nn1) * c.n2;
+  x0 += (rest.w0 * (c.ae - c.ee)) * m1 + (rest.w0 * (c.be - c.ee)) * m2;
+  x1 -= (rest.w1 * c.ae) * m1 + (rest.w1 * c.be) * m2;
+  x2 += (rest.w2 * c.ee) * m1;
+  x3 += (rest.w3 * c.ee) * m2;
 }
 template <class T>
 inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const BendRest<T> &rest, T stiffness) {
-  const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest.cos, rest.sin);
-  move_along(c, rest, -stiffness * c.value / bend_response(c, rest), x0, x1, x2, x3);
+  const BendTerms<T> c = bend_terms(x0, x1, x2, x3, rest);
+  move_bend(c, rest, (-stiffness * c.length / c.sum) * c.value, x0, x1, x2, x3); // the value is known last
 }
 /// The same with compliance alpha / (h^2 response), as project_soft_stretch; multiplier in m^2.
 template <class T>
 inline void project_soft_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const BendRest<T> &rest, T compliance,
                               T &multiplier) {
-  const Bend<T> c = bend_constraint(x0, x1, x2, x3, rest.cos, rest.sin);
+  const BendTerms<T> c = bend_terms(x0, x1, x2, x3, rest);
   const T softness = compliance * rest.response;
-  const T change = (-c.value - softness * multiplier) / (bend_response(c, rest) + softness);
-  multiplier += change;
-  move_along(c, rest, change, x0, x1, x2, x3);
+  const T change = -(c.value + softness * multiplier) / (c.sum + softness * c.scale);
+  multiplier += change * c.scale;
+  move_bend(c, rest, change * c.length, x0, x1, x2, x3);
 }
 
 /// C = p - target, eq. (4).

@@ -79,25 +79,21 @@ template <class M, class T> inline Vec3<T> select(M mask, Vec3<T> yes, Vec3<T> n
 }
 
 /// atan2 by a minimax polynomial on [0, 1] (ours; error below 3e-7 rad in float): the same bits on every machine and in every
-/// lane, and 0 at (0, 0).
+/// lane, and 0 at (0, 0). The polynomial is summed in pairs (Estrin), and what does not depend on it is ready before it: the
+/// solver waits for this function more than for any other.
 template <class T> inline T lane_atan2(T y, T x) {
   const T ax = lane_abs(x), ay = lane_abs(y);
   const T small = lane_min(ax, ay), big = lane_max(ax, ay);
   const T a = small / lane_max(big, T(1.17549435e-38f));
-  const T s = a * a;
-  T p = T(0.00284988387f);
-  p = p * s + T(-0.0160686094f);
-  p = p * s + T(0.042691499f);
-  p = p * s + T(-0.0750429332f);
-  p = p * s + T(0.106409341f);
-  p = p * s + T(-0.142036453f);
-  p = p * s + T(0.199926198f);
-  p = p * s + T(-0.333330721f);
-  p = p * s + T(1.0f);
-  T angle = p * a;
-  angle = select(ay > ax, T(1.57079632679489662) - angle, angle);
-  angle = select(x < T(0), T(3.14159265358979324) - angle, angle);
-  return with_sign(angle, y);
+  const auto steep = ay > ax, behind = x < T(0);
+  const T offset = select(steep, T(1.57079632679489662), select(behind, T(3.14159265358979324), T(0)));
+  const T turned = select(steep, -a, a);
+  const T s = a * a, s2 = s * s;
+  const T low = (T(1.0f) + T(-0.333330721f) * s) + (T(0.199926198f) + T(-0.142036453f) * s) * s2;
+  const T high =
+      (T(0.106409341f) + T(-0.0750429332f) * s) + (T(0.042691499f) + T(-0.0160686094f) * s + T(0.00284988387f) * s2) * s2;
+  const T p = low + high * (s2 * s2);
+  return with_sign(offset + p * select(behind, -turned, turned), y);
 }
 
 } // namespace DOUBLET_PBD_ISA

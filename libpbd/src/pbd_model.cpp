@@ -204,22 +204,17 @@ void PbdModel::set_constraints(const Vertices &rest) {
       if (largest == 0 || v[2] == v[3])
         continue;
       const auto x = [&](int i) { return Vec3<double>{rest(v[i], 0), rest(v[i], 1), rest(v[i], 2)}; };
-      using V = Vec3<double>;
-      const Bend<double> rest_bend = bend_constraint<double>(x(0), x(1), x(2), x(3), 1.0, 0.0);
       BendConstraint c{};
       for (int i = 0; i < 4; ++i) {
         c.v[i] = v[i];
         c.w[i] = static_cast<float>(w[v[i]] / largest);
       }
-      c.cos = static_cast<float>(std::cos(rest_bend.value));
-      c.sin = static_cast<float>(std::sin(rest_bend.value));
-      const V *const g[4] = {&rest_bend.g0, &rest_bend.g1, &rest_bend.g2, &rest_bend.g3};
-      double response = 0;
-      for (int i = 0; i < 4; ++i)
-        response += w[v[i]] / largest * dot(*g[i], *g[i]);
+      const BendTerms<double> at_rest = bend_terms<double>(x(0), x(1), x(2), x(3), {c.w[0], c.w[1], c.w[2], c.w[3], 1, 0, 0, 0});
+      c.cos = static_cast<float>(std::cos(at_rest.value));
+      c.sin = static_cast<float>(std::sin(at_rest.value));
       // Never 0: faces too small to bend have no gradient, and 0 / 0 would not leave them alone. 1 belongs to faces a metre high.
-      c.floor = static_cast<float>(std::max(1.0, 0.25 * (dot(rest_bend.g2, rest_bend.g2) + dot(rest_bend.g3, rest_bend.g3))));
-      c.response = lane_max(static_cast<float>(response), c.floor);
+      c.floor = static_cast<float>(std::max(1.0, 0.25 * at_rest.ee * (1 / at_rest.nn1 + 1 / at_rest.nn2)));
+      c.response = lane_max(static_cast<float>(at_rest.sum / at_rest.scale), c.floor);
       bends_.push_back(c);
       bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
     }

@@ -75,13 +75,26 @@ TEST(Kernels, StretchProjectionFollowsTheGradientAndReachesTheLength) {
   }
 }
 
+struct Bend {
+  double value;
+  V g0{0, 0, 0}, g1{0, 0, 0}, g2{0, 0, 0}, g3{0, 0, 0};
+};
+/// C and its gradients: what a unit multiplier adds to the origin.
+Bend bend_constraint(V x0, V x1, V x2, V x3, double rest_cos, double rest_sin) {
+  const BendRest<double> unit{1, 1, 1, 1, rest_cos, rest_sin, 0, 0};
+  const BendTerms<double> c = bend_terms(x0, x1, x2, x3, unit);
+  Bend b{c.value};
+  move_bend(c, unit, c.length / c.scale, b.g0, b.g1, b.g2, b.g3);
+  return b;
+}
+
 TEST(Kernels, BendGradientsMatchDifferences) {
   Random random;
   for (int i = 0; i < 500; ++i) {
     V x0 = random.point(0.05), x1 = random.point(0.05), x2 = random.point(0.05), x3 = random.point(0.05);
     const double phi = random(-3, 3);
     const auto value = [&] { return bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi)).value; };
-    const Bend<double> b = bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi));
+    const Bend b = bend_constraint(x0, x1, x2, x3, std::cos(phi), std::sin(phi));
     const V e = x1 - x0, n1 = cross(e, x2 - x0), n2 = cross(x3 - x0, e);
     if (dot(n1, n1) < 1e-7 || dot(n2, n2) < 1e-7 || std::abs(b.value) > 3.1)
       continue; // slivers and the seam at pi have no useful differences
@@ -93,6 +106,16 @@ TEST(Kernels, BendGradientsMatchDifferences) {
     expect_near(b.g2, differences(value, x2), tolerance);
     expect_near(b.g3, differences(value, x3), tolerance);
     expect_near(b.g0 + b.g1 + b.g2 + b.g3, V{0, 0, 0}, 1e-9 * scale);
+
+    const BendRest<double> rest{0.2, 1, 0, 0.7, std::cos(phi), std::sin(phi), 0, 0}; // Mueller et al. 2007, eq. (8)-(9)
+    const double sum = 0.2 * dot(b.g0, b.g0) + dot(b.g1, b.g1) + 0.7 * dot(b.g3, b.g3),
+                 floor = 0.25 * (dot(b.g2, b.g2) + dot(b.g3, b.g3)), lambda = -0.3 * b.value / std::max(sum, floor);
+    V y0 = x0, y1 = x1, y2 = x2, y3 = x3;
+    project_bend(y0, y1, y2, y3, rest, 0.3);
+    expect_near(y0 - x0, (0.2 * lambda) * b.g0, 1e-10);
+    expect_near(y1 - x1, lambda * b.g1, 1e-10);
+    expect_near(y2 - x2, V{0, 0, 0}, 0);
+    expect_near(y3 - x3, (0.7 * lambda) * b.g3, 1e-10);
   }
 }
 
