@@ -2,12 +2,15 @@
 #include "decimate.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
+#include "doublet/core/self_intersection.h"
 #include "face_mask.h"
 #include "holes.h"
+#include "oriented_scan.h"
 #include "poisson.h"
 
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 namespace doublet {
@@ -16,6 +19,15 @@ namespace {
 void expect(bool good, const std::string &name, const std::string &expectation, double found) {
   if (!good)
     throw std::invalid_argument(name + ": expected " + expectation + ", found " + std::to_string(found));
+}
+
+/// The sizes of holes are in metres, so the scan must be.
+void expect_metres(const Mesh &scan) {
+  constexpr double kSmallest = 0.2, kLargest = 10; // m
+  const double extent = (scan.vertices.colwise().maxCoeff() - scan.vertices.colwise().minCoeff()).maxCoeff();
+  if (!(extent >= kSmallest && extent <= kLargest))
+    throw Error("scan: expected a person in metres, 0.2 to 10 from end to end, found " + std::to_string(extent) +
+                (extent > kLargest ? " (millimetres or centimetres?)" : ""));
 }
 
 /// The closed surface of the scan before decimation; labels: 1 = valid.
@@ -49,6 +61,29 @@ detail::LabelledMesh close_scan(const Mesh &scan, const TemplateOptions &options
   return closed;
 }
 
+/// Where decimation left triangles that pass through each other (thin folds, close sheets) their corners go halfway to the mean
+/// of their neighbours, until none is left or it does not help; TemplateSummary tells.
+void untangle(Mesh &mesh, const Context &context) {
+  constexpr int kRounds = 10;
+  const auto neighbours = vertex_neighbours(mesh.faces, static_cast<int>(mesh.vertices.rows()));
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<std::uint8_t> crossing = self_intersecting_faces(mesh, context);
+    std::set<int> corners;
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+      for (int k = 0; crossing[f] && k < 3; ++k)
+        corners.insert(mesh.faces(f, k));
+    if (corners.empty())
+      return;
+    const Vertices before = mesh.vertices;
+    for (int v : corners) {
+      Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+      for (int n : neighbours[v])
+        mean += before.row(n) / static_cast<double>(neighbours[v].size());
+      mesh.vertices.row(v) = (before.row(v) + mean) / 2;
+    }
+  }
+}
+
 } // namespace
 
 void TemplateOptions::validate() const {
@@ -65,10 +100,13 @@ void TemplateOptions::validate() const {
 Template build_template(const Mesh &scan, const TemplateOptions &options, const Context &context) {
   options.validate();
   require_usable(scan, "scan");
-  const detail::LabelledMesh closed = close_scan(scan, options, context);
+  expect_metres(scan);
+  const detail::LabelledMesh closed = close_scan(detail::oriented_scan(scan), options, context);
   context.report("template: decimation", 0.75);
-  const detail::LabelledMesh high = detail::decimate(closed, options.high_triangles),
-                             coarse = detail::decimate(high, options.triangles);
+  detail::LabelledMesh high = detail::decimate(closed, options.high_triangles),
+                       coarse = detail::decimate(high, options.triangles);
+  untangle(high.mesh, context);
+  untangle(coarse.mesh, context);
   context.report("template: decimation", 1.0);
   return {coarse.mesh, high.mesh, coarse.labels, high.labels};
 }

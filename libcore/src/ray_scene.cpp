@@ -43,11 +43,93 @@ Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d &p, const Eigen::Vecto
   return {va / sum, vb / sum, vc / sum};
 }
 
+/// A ray in doubles, with the best hit so far. Embree walks its tree with the same ray in floats and knows only this base.
+struct ExactRay {
+  RTCIntersectContext context; ///< first: Embree hands it back to the callbacks
+  const Mesh *mesh;
+  const std::vector<int> *face_of;
+  Eigen::Vector3d origin, direction;
+  double nearest, farthest; ///< m, open interval
+  RayHit hit;               ///< face -1: none
+};
+
+/// Distance (m) and barycentric coordinates at which the ray's line crosses the face; nothing if it passes by. The ray passes
+/// each edge on the same side for both faces beside it, up to rounding, for which there is a margin: so a closed surface has no
+/// cracks, which Embree's own triangles have at their corners. Signed volumes as Woop, Benthin & Wald 2013.
+std::optional<RayHit> cross_face(const ExactRay &ray, int face) {
+  const auto corner = [&](int k) -> Eigen::Vector3d {
+    return ray.mesh->vertices.row(ray.mesh->faces(face, k)).transpose() - ray.origin;
+  };
+  const Eigen::Vector3d a = corner(0), b = corner(1), c = corner(2);
+  Eigen::Vector3d sides(ray.direction.dot(b.cross(c)), ray.direction.dot(c.cross(a)), ray.direction.dot(a.cross(b)));
+  constexpr double kRounding = 1e-14;
+  const double margin = kRounding * std::max({a.squaredNorm(), b.squaredNorm(), c.squaredNorm()});
+  if (sides.minCoeff() < -margin && sides.maxCoeff() > margin)
+    return std::nullopt;
+  const Eigen::Vector3d normal = (b - a).cross(c - a);
+  const double slope = normal.dot(ray.direction);
+  if (slope == 0)
+    return std::nullopt;
+  sides = slope > 0 ? sides.cwiseMax(0).eval() : (-sides).cwiseMax(0).eval();
+  if (!(sides.sum() > 0))
+    return std::nullopt;
+  return RayHit{face, normal.dot(a) / slope, sides / sides.sum()};
+}
+
+/// Keeps the face's hit if it is in the ray's interval and nearer than the best; the lowest face wins a tie.
+bool try_face(ExactRay &ray, unsigned primitive) {
+  const auto hit = cross_face(ray, (*ray.face_of)[primitive]);
+  if (!hit || !(hit->distance > ray.nearest && hit->distance < ray.farthest))
+    return false;
+  const bool better =
+      ray.hit.face < 0 || hit->distance < ray.hit.distance || (hit->distance == ray.hit.distance && hit->face < ray.hit.face);
+  if (better)
+    ray.hit = *hit;
+  return better;
+}
+
+/// Rounded up: the tree works in floats, and must not cut off a face that is as near in doubles.
+float rounded_up(double distance) {
+  return static_cast<float>(distance * (1 + 1e-5) + 1e-6);
+}
+
+void visit_first(const RTCIntersectFunctionNArguments *args) {
+  ExactRay &ray = *reinterpret_cast<ExactRay *>(args->context);
+  if (args->valid[0] == 0 || !try_face(ray, args->primID))
+    return;
+  RTCRayHit &found = *reinterpret_cast<RTCRayHit *>(args->rayhit);
+  found.ray.tfar = std::min(found.ray.tfar, rounded_up(ray.hit.distance));
+  found.hit.geomID = args->geomID;
+  found.hit.primID = args->primID;
+}
+
+void visit_any(const RTCOccludedFunctionNArguments *args) {
+  ExactRay &ray = *reinterpret_cast<ExactRay *>(args->context);
+  if (args->valid[0] != 0 && try_face(ray, args->primID))
+    reinterpret_cast<RTCRay *>(args->ray)->tfar = -std::numeric_limits<float>::infinity();
+}
+
+RTCRay float_ray(const ExactRay &ray) {
+  RTCRay out{};
+  const Eigen::Vector3f o = ray.origin.cast<float>(), d = ray.direction.cast<float>();
+  out.org_x = o.x();
+  out.org_y = o.y();
+  out.org_z = o.z();
+  out.dir_x = d.x();
+  out.dir_y = d.y();
+  out.dir_z = d.z();
+  out.tnear = static_cast<float>(std::max(0.0, ray.nearest * (1 - 1e-5) - 1e-6));
+  out.tfar = rounded_up(ray.farthest);
+  out.mask = ~0u;
+  return out;
+}
+
 } // namespace
 
 struct RayScene::Impl {
   Mesh mesh;
   std::vector<int> face_of; ///< Embree's primitive -> face
+  double size = 0;          ///< m, largest coordinate
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
@@ -55,6 +137,7 @@ struct RayScene::Impl {
     for (int f = 0; f < mesh.faces.rows(); ++f)
       if (skip_face.empty() || !skip_face[f])
         face_of.push_back(f);
+    size = mesh.vertices.cwiseAbs().maxCoeff();
     device = rtcNewDevice("threads=1,user_threads=1");
     if (!device)
       throw Error("RayScene: Embree gave no device");
@@ -77,20 +160,32 @@ struct RayScene::Impl {
 
 private:
   void add_triangles() {
-    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto *v = static_cast<float *>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.rows()));
-    auto *t = static_cast<unsigned *>(
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), face_of.size()));
-    if (v && t) {
-      std::copy_n(mesh.vertices.data(), mesh.vertices.size(), v);
-      for (std::size_t i = 0; i < face_of.size(); ++i)
-        for (int k = 0; k < 3; ++k)
-          t[3 * i + k] = static_cast<unsigned>(mesh.faces(face_of[i], k));
-    }
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(face_of.size()));
+    rtcSetGeometryUserData(geometry, this);
+    rtcSetGeometryBoundsFunction(geometry, &Impl::bounds, nullptr);
+    rtcSetGeometryIntersectFunction(geometry, &visit_first);
+    rtcSetGeometryOccludedFunction(geometry, &visit_any);
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
+  }
+
+  /// The box of a face, widened by what floats lose of it and of a ray.
+  static void bounds(const RTCBoundsFunctionArguments *args) {
+    const Impl &own = *static_cast<const Impl *>(args->geometryUserPtr);
+    const int face = own.face_of[args->primID];
+    const Eigen::Matrix3d corners = own.mesh.vertices(own.mesh.faces.row(face), Eigen::all);
+    const double margin = 1e-6 * own.size;
+    const Eigen::RowVector3f low = (corners.colwise().minCoeff().array() - margin).cast<float>(),
+                             high = (corners.colwise().maxCoeff().array() + margin).cast<float>();
+    RTCBounds &box = *args->bounds_o;
+    box.lower_x = low.x();
+    box.lower_y = low.y();
+    box.lower_z = low.z();
+    box.upper_x = high.x();
+    box.upper_y = high.y();
+    box.upper_z = high.z();
   }
 
   void release() {
@@ -120,8 +215,7 @@ private:
     if (!(distance < q.best.distance || (distance == q.best.distance && face < q.best.face)))
       return false;
     q.best = {face, at, bary, distance};
-    // Rounded up: the tree works in floats, and must not cut off a face that is as near in doubles.
-    const float radius = static_cast<float>(distance * (1 + 1e-5) + 1e-6);
+    const float radius = rounded_up(distance);
     if (radius < args->query->radius) {
       args->query->radius = radius;
       return true;
@@ -142,29 +236,14 @@ RayScene::RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &skip_face)
 
 std::optional<RayHit> RayScene::cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance,
                                      double max_distance) const {
-  RTCRayHit ray{};
-  ray.ray.org_x = static_cast<float>(origin.x());
-  ray.ray.org_y = static_cast<float>(origin.y());
-  ray.ray.org_z = static_cast<float>(origin.z());
-  ray.ray.dir_x = static_cast<float>(direction.x());
-  ray.ray.dir_y = static_cast<float>(direction.y());
-  ray.ray.dir_z = static_cast<float>(direction.z());
-  ray.ray.tnear = static_cast<float>(std::max(0.0, min_distance));
-  ray.ray.tfar = static_cast<float>(max_distance);
-  ray.ray.mask = ~0u;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(impl_->scene, &context, &ray);
-  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-    return std::nullopt;
-  RayHit hit;
-  hit.face = impl_->face_of[ray.hit.primID];
-  hit.distance = ray.ray.tfar;
-  const double u = ray.hit.u, v = ray.hit.v;
-  hit.barycentric = {1 - u - v, u, v};
-  return hit;
+  ExactRay ray{{}, &impl_->mesh, &impl_->face_of, origin, direction, std::max(0.0, min_distance), max_distance, {}};
+  rtcInitIntersectContext(&ray.context);
+  RTCRayHit walk{};
+  walk.ray = float_ray(ray);
+  walk.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  walk.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(impl_->scene, &ray.context, &walk);
+  return ray.hit.face < 0 ? std::nullopt : std::optional<RayHit>(ray.hit);
 }
 
 bool RayScene::occluded(const Eigen::Vector3d &from, const Eigen::Vector3d &to, double margin) const {
@@ -172,21 +251,11 @@ bool RayScene::occluded(const Eigen::Vector3d &from, const Eigen::Vector3d &to, 
   const double length = way.norm();
   if (!(length > 2 * margin))
     return false;
-  RTCRay ray{};
-  const Eigen::Vector3f o = from.cast<float>(), d = (way / length).cast<float>();
-  ray.org_x = o.x();
-  ray.org_y = o.y();
-  ray.org_z = o.z();
-  ray.dir_x = d.x();
-  ray.dir_y = d.y();
-  ray.dir_z = d.z();
-  ray.tnear = static_cast<float>(margin);
-  ray.tfar = static_cast<float>(length - margin);
-  ray.mask = ~0u;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(impl_->scene, &context, &ray);
-  return ray.tfar < 0;
+  ExactRay ray{{}, &impl_->mesh, &impl_->face_of, from, way / length, margin, length - margin, {}};
+  rtcInitIntersectContext(&ray.context);
+  RTCRay walk = float_ray(ray);
+  rtcOccluded1(impl_->scene, &ray.context, &walk);
+  return ray.hit.face >= 0;
 }
 
 ClosestPoint RayScene::closest(const Eigen::Vector3d &point) const {

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <random>
 
 namespace doublet {
 namespace {
@@ -171,6 +172,54 @@ TEST(Template, SurvivesNonManifoldAndDegenerateScans) {
   scan.faces.row(faces + 2) << 5, 5, 6;                                 // no area
   const Template surface = build_template(scan, small_options(7));
   EXPECT_TRUE(report_mesh(surface.mesh).closed());
+}
+
+TEST(Template, FacesThatRunTheWrongWayAreTurned) {
+  const Mesh scan = skirted_scan();
+  Mesh inward = scan, mixed = scan;
+  inward.faces.col(1).swap(inward.faces.col(2));
+  for (Eigen::Index f = 0; f < mixed.faces.rows(); ++f)
+    if (f * 7 % 10 < 3)
+      std::swap(mixed.faces(f, 1), mixed.faces(f, 2));
+  const Template expected = build_template(scan, small_options(7));
+  for (const Mesh *turned : {&inward, &mixed}) {
+    const Template surface = build_template(*turned, small_options(7));
+    EXPECT_GT(testing::signed_volume(surface.mesh), 0);
+    EXPECT_NEAR(testing::signed_volume(surface.mesh), testing::signed_volume(expected.mesh),
+                1e-3 * testing::signed_volume(expected.mesh));
+    EXPECT_EQ(std::count(surface.face_valid.begin(), surface.face_valid.end(), 0),
+              std::count(expected.face_valid.begin(), expected.face_valid.end(), 0));
+  }
+}
+
+TEST(Template, NoiseFloatersAndASecondObject) {
+  Mesh scan = skirted_scan();
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0, 0.001);
+  for (Eigen::Index i = 0; i < scan.vertices.size(); ++i)
+    scan.vertices.data()[i] += noise(random);
+  std::vector<Mesh> parts{scan, testing::capsule(0.05, 0, 0.2, 40, 20, 0.6)};
+  for (int i = 0; i < 20; ++i)
+    parts.push_back(testing::sphere(0.004 + 0.001 * i, {0.45 - 0.02 * i, 0.1 + 0.05 * i, 0.4}, 6, 8));
+  const Template surface = build_template(testing::join(parts), small_options());
+  const double sheet = std::numbers::pi * (kHemRadius * kHemRadius - kLegRadius * kLegRadius);
+  const TemplateSummary summary = summarise_template(surface, scan);
+  EXPECT_TRUE(report_mesh(surface.mesh).closed());
+  EXPECT_EQ(report_mesh(surface.mesh).components, 1);
+  EXPECT_NEAR(summary.mesh.invalid_area, sheet, 0.2 * sheet);
+  EXPECT_EQ(summary.mesh.self_intersections, 0);
+  EXPECT_LT(summary.high.scan_max, 0.012);
+}
+
+TEST(Template, UnitsOtherThanMetresAreNamed) {
+  Mesh scan = testing::capsule(0.1, 0, 0.5, 20, 10);
+  scan.vertices *= 1000;
+  try {
+    build_template(scan);
+    ADD_FAILURE() << "millimetres were taken for metres";
+  } catch (const Error &e) {
+    EXPECT_NE(std::string(e.what()).find("metres"), std::string::npos) << e.what();
+  }
 }
 
 TEST(Template, RejectsUnusableScans) {

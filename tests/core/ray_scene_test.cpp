@@ -68,6 +68,31 @@ TEST(RayScene, HitsASphereWhereItShould) {
   EXPECT_FALSE(scene.occluded({0, 0, 2}, {0, 0, 2}));
 }
 
+TEST(RayScene, NoRaySlipsThroughCornersAndEdges) {
+  const Mesh ball = testing::sphere(1, {0.3, 1, 0.2}, 40, 80);
+  const RayScene scene(ball);
+  const Vector3d centre(0.3, 1, 0.2);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  int missed = 0, rays = 0;
+  for (int f = 0; f < ball.faces.rows(); ++f)
+    for (int k = 0; k < 6; ++k) {
+      const Vector3d a = ball.vertices.row(ball.faces(f, k % 3)), b = ball.vertices.row(ball.faces(f, (k + 1) % 3));
+      const Vector3d target = k < 3 ? a : (a + uniform(random) * (b - a)).eval();
+      const Vector3d from = centre + (1.3 + uniform(random)) * (target - centre) +
+                            0.2 * Vector3d(uniform(random), uniform(random), uniform(random));
+      const double length = (target - from).norm();
+      const auto outside = scene.cast(from, (target - from) / length);
+      missed += !outside || std::abs(outside->distance - length) > 1e-9;
+      const auto inside = scene.cast(centre, (target - centre).normalized());
+      missed += !inside || std::abs(inside->distance - (target - centre).norm()) > 1e-9;
+      missed += !scene.occluded(from, target + 0.2 * (target - from) / length);
+      rays += 3;
+    }
+  EXPECT_GT(rays, 50000);
+  EXPECT_EQ(missed, 0);
+}
+
 TEST(RayScene, ClosestPointIsTheClosest) {
   const Mesh body = testing::figure_surface(0.08);
   const RayScene scene(body);
