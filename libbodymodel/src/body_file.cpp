@@ -10,24 +10,6 @@ namespace {
 
 constexpr int kFormat = 1;
 
-/// FNV-1a over names and contents, so that the name tells two models apart whatever the zip around them.
-std::string content_hash(const Npz &file) {
-  std::uint64_t hash = 1469598103934665603ull;
-  auto mix = [&](const void *data, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i)
-      hash = (hash ^ static_cast<const unsigned char *>(data)[i]) * 1099511628211ull;
-  };
-  for (const auto &[name, array] : file.arrays) {
-    mix(name.data(), name.size());
-    mix(array.bytes.data(), array.bytes.size());
-    for (const std::string &text : array.strings)
-      mix(text.data(), text.size());
-  }
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return text;
-}
-
 [[noreturn]] void reject(const Npz &file, const std::string &what) {
   throw Error(file.source + ": " + what);
 }
@@ -80,10 +62,26 @@ void check_topology(const Npz &file, const SkinnedBodyData &data) {
 
 } // namespace
 
+/// FNV-1a over names and contents, so that the name tells two models apart whatever the zip around them.
+std::string content_hash(const Npz &file) {
+  std::uint64_t hash = 1469598103934665603ull;
+  auto mix = [&](const void *data, std::size_t size) {
+    for (std::size_t i = 0; i < size; ++i)
+      hash = (hash ^ static_cast<const unsigned char *>(data)[i]) * 1099511628211ull;
+  };
+  for (const auto &[name, array] : file.arrays) {
+    mix(name.data(), name.size());
+    mix(array.bytes.data(), array.bytes.size());
+    for (const std::string &text : array.strings)
+      mix(text.data(), text.size());
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
 SkinnedBodyData read_body_data(const std::filesystem::path &path) {
   const Npz file = Npz::read(path);
-  if (!file.has("body_model_format"))
-    reject(file, "is no body model: array 'body_model_format' is missing");
   const std::vector<int> format = file.integers("body_model_format");
   if (format.size() != 1 || format[0] != kFormat)
     reject(file, "expected body model format " + std::to_string(kFormat) + ", found " +
@@ -127,7 +125,12 @@ SkinnedBodyData read_body_data(const std::filesystem::path &path) {
 }
 
 std::shared_ptr<const BodyModel> BodyModel::read(const std::filesystem::path &path) {
-  return std::make_shared<SkinnedBodyModel>(read_body_data(path));
+  if (path.extension() == ".pkl")
+    throw Error(path.string() +
+                ": expected an .npz file, found a Python pickle, which runs code when it is read: convert it with "
+                "numpy.savez where you trust it (docs/body-model.md)");
+  const bool own = Npz::read(path, {"body_model_format"}).has("body_model_format");
+  return std::make_shared<SkinnedBodyModel>(own ? read_body_data(path) : read_smpl_data(path));
 }
 
 } // namespace doublet

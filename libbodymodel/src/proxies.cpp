@@ -25,16 +25,21 @@ constexpr double kWrappedShare = 0.33;   ///< cloth that wraps more than this of
 constexpr double kTether = 1e-3; ///< m^2, pull of a capsule's ends to where they started: it must not wander along the chain
 constexpr double kShortestBone = 0.03;   ///< m, shorter ones (a clavicle's stub) have no surface of their own
 constexpr double kSmallestRadius = 0.01; ///< m
+constexpr double kDeepest = 0.01;        ///< m, cloth further inside the fitted body does not rest on it
+constexpr double kSkinDepth = 0.002;     ///< m, where a vertex looks for its bone from
 
 struct Bone {
   int joint, end;
   bool chosen = false, wrapped = false;
 };
 
-double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
+Eigen::Vector3d closest_on_segment(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
   const Eigen::Vector3d axis = b - a;
-  const double t = std::clamp((x - a).dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0);
-  return (x - a - t * axis).norm();
+  return a + std::clamp((x - a).dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0) * axis;
+}
+
+double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
+  return (x - closest_on_segment(x, a, b)).norm();
 }
 
 struct Anatomy {
@@ -46,7 +51,9 @@ bool is_leaf(const Skeleton &skeleton, int joint) {
   return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
 }
 
-Anatomy find_bones(const Mesh &body, const Skeleton &skeleton) {
+/// Every vertex belongs to the nearest bone that it sees through the flesh (Baran & Popovic 2007): with the arms down, a flank is
+/// closer to the arm's bone than to the spine.
+Anatomy find_bones(const Mesh &body, const Vertices &normals, const RayScene &scene, const Skeleton &skeleton) {
   Anatomy anatomy;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const int parent = skeleton.joints[j].parent;
@@ -55,15 +62,24 @@ Anatomy find_bones(const Mesh &body, const Skeleton &skeleton) {
   }
   anatomy.nearest.assign(body.vertices.rows(), -1);
   for (int v = 0; v < body.vertices.rows(); ++v) {
-    double best = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d point = body.vertices.row(v), inside = point - kSkinDepth * normals.row(v).transpose();
+    double best_seen = std::numeric_limits<double>::infinity(), best = best_seen;
+    int nearest = -1;
     for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
-      const double d = segment_distance(body.vertices.row(v).transpose(), skeleton.joints[anatomy.bones[b].joint].rest,
-                                        skeleton.joints[anatomy.bones[b].end].rest);
-      if (d < best) {
-        best = d;
+      const Eigen::Vector3d on_bone =
+          closest_on_segment(point, skeleton.joints[anatomy.bones[b].joint].rest, skeleton.joints[anatomy.bones[b].end].rest);
+      const double distance = (point - on_bone).norm();
+      if (distance < best) {
+        best = distance;
+        nearest = static_cast<int>(b);
+      }
+      if (distance < best_seen && !scene.occluded(inside, on_bone)) {
+        best_seen = distance;
         anatomy.nearest[v] = static_cast<int>(b);
       }
     }
+    if (anatomy.nearest[v] < 0) // a finger's side, a fold
+      anatomy.nearest[v] = nearest;
   }
   return anatomy;
 }
@@ -257,8 +273,24 @@ int nearest_capsule(const Capsules &capsules, const Eigen::Vector3d &point, doub
   return best;
 }
 
+/// Most of six rays leave the body: true inside even where the surface folds through itself.
+bool surrounded(const RayScene &scene, const Mesh &body, const Eigen::Vector3d &point) {
+  int leaving = 0;
+  for (int k = 0; k < 6; ++k) {
+    const Eigen::Vector3d direction = (k % 2 ? -1 : 1) * Eigen::Vector3d::Unit(k / 2);
+    const auto hit = scene.cast(point, direction);
+    if (!hit)
+      continue;
+    const Eigen::Vector3d a = body.vertices.row(body.faces(hit->face, 0)), b = body.vertices.row(body.faces(hit->face, 1)),
+                          c = body.vertices.row(body.faces(hit->face, 2));
+    leaving += (b - a).cross(c - a).dot(direction) > 0;
+  }
+  return leaving >= 4;
+}
+
 /// Signed distance to the body (negative inside) and its outward direction at the closest point. The sign comes from interpolated
-/// vertex normals: a face normal is ambiguous where the closest point is an edge, as in every fold.
+/// vertex normals: a face normal is ambiguous where the closest point is an edge, as in every fold. Where the skin of an arm pit
+/// is folded into the chest its normals lie, so "outside" is verified.
 double body_distance(const RayScene &scene, const Mesh &body, const Vertices &normals, const Eigen::Vector3d &point,
                      Eigen::Vector3d &outward) {
   const ClosestPoint at = scene.closest(point);
@@ -266,7 +298,8 @@ double body_distance(const RayScene &scene, const Mesh &body, const Vertices &no
   for (int k = 0; k < 3; ++k)
     outward += at.barycentric[k] * normals.row(body.faces(at.face, k)).transpose();
   outward.normalize();
-  return outward.dot(point - at.point) > 0 ? at.distance : -at.distance;
+  const bool outside = outward.dot(point - at.point) > 0 && !surrounded(scene, body, point);
+  return outside ? at.distance : -at.distance;
 }
 
 /// Points on a capsule's surface: rings along the axis and the two poles. visit(point, t in [0, 1], unit direction from the
@@ -380,17 +413,26 @@ void keep_out_of_cloth(Capsules &capsules, const Target &target, double margin) 
   }
 }
 
-/// Vertices and centroids of the valid faces whose corners are all cloth.
-std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothness &clothness) {
+/// Cloth that could rest on the body: vertices and centroids of the valid faces whose corners are all cloth, where it faces the
+/// way the body under it faces. In an arm pit the sleeve and the trunk's cloth run through each other and through the body; there
+/// it bounds nothing.
+std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body,
+                                           const Vertices &normals, const RayScene &scene) {
   std::vector<Eigen::Vector3d> points;
   const Mesh &mesh = actor.mesh;
+  const Vertices cloth_normals = face_normals(mesh.vertices, mesh.faces);
   std::vector<char> used(mesh.vertices.rows(), 0);
   for (int f = 0; f < mesh.faces.rows(); ++f) {
     const Eigen::RowVector3i corners = mesh.faces.row(f);
     if (!actor.face_valid[f] || std::any_of(corners.begin(), corners.end(), [&](int i) { return !(clothness.clothness[i] > 0); }))
       continue;
-    points.push_back((mesh.vertices.row(corners[0]) + mesh.vertices.row(corners[1]) + mesh.vertices.row(corners[2])).transpose() /
-                     3);
+    const Eigen::Vector3d centre =
+        (mesh.vertices.row(corners[0]) + mesh.vertices.row(corners[1]) + mesh.vertices.row(corners[2])).transpose() / 3;
+    Eigen::Vector3d outward;
+    const double outside = body_distance(scene, body, normals, centre, outward);
+    if (outside < -kDeepest || outward.dot(cloth_normals.row(f).transpose()) < 0)
+      continue;
+    points.push_back(centre);
     for (int i : corners)
       if (!used[i]) {
         used[i] = 1;
@@ -419,15 +461,10 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
   require_usable(fit.body, "fitted body");
   const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
   const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);
-  Anatomy anatomy = find_bones(fit.body, actor.skeleton);
+  Target target{fit.body, RayScene(fit.body), vertex_normals(fit.body.vertices, fit.body.faces), {}, {}, {}, {}};
+  target.cloth = resting_cloth(actor, clothness, target.body, target.normals, target.scene);
+  Anatomy anatomy = find_bones(fit.body, target.normals, target.scene, actor.skeleton);
   choose_bones(anatomy, actor.skeleton, under, areas);
-  Target target{fit.body,
-                RayScene(fit.body),
-                vertex_normals(fit.body.vertices, fit.body.faces),
-                {},
-                {},
-                {},
-                resting_cloth(actor, clothness)};
   for (std::size_t v = 0; v < under.size(); ++v)
     if (anatomy.nearest[v] >= 0 && anatomy.bones[anatomy.nearest[v]].chosen) {
       target.points.push_back(static_cast<int>(v));
@@ -481,7 +518,7 @@ ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, co
       statistics.largest_bulge = std::max(statistics.largest_bulge, body_distance(scene, fit.body, normals, point, outward));
     });
   statistics.cloth_clearance = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d &point : resting_cloth(actor, clothness)) {
+  for (const Eigen::Vector3d &point : resting_cloth(actor, clothness, fit.body, normals, scene)) {
     nearest_capsule(posed, point, distance);
     statistics.cloth_clearance = std::min(statistics.cloth_clearance, distance);
   }

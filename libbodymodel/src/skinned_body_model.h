@@ -24,7 +24,9 @@ struct SkinnedBodyData {
   std::map<std::string, int> landmarks;
 };
 
-SkinnedBodyData read_body_data(const std::filesystem::path &path);
+SkinnedBodyData read_body_data(const std::filesystem::path &path); ///< a model file of this library
+SkinnedBodyData read_smpl_data(const std::filesystem::path &path); ///< an .npz of the SMPL family
+std::string content_hash(const Npz &file);
 
 class SkinnedBodyModel : public BodyModel {
 public:

@@ -117,9 +117,14 @@ public:
     array.type = parse_type(header);
     array.shape = parse_shape(header);
     const auto fortran = header_value(header, "fortran_order");
-    if (!fortran || (fortran->rfind("False", 0) != 0 && array.shape.size() > 1))
-      fail("expected C order, found Fortran order (save numpy.ascontiguousarray(...))");
+    if (!fortran)
+      fail("the header does not say in which order the elements are");
     read_elements(array);
+    if (fortran->rfind("False", 0) != 0 && array.shape.size() > 1) {
+      if (!numeric(array.type))
+        fail("expected C order, found text in Fortran order (save numpy.ascontiguousarray(...))");
+      to_c_order(array);
+    }
     return array;
   }
 
@@ -181,6 +186,20 @@ private:
       shape.push_back(std::stoll(number));
     }
     return shape;
+  }
+
+  static void to_c_order(NpyArray &array) {
+    const Bytes fortran = array.bytes;
+    const std::int64_t each = item_size(array.type), count = array.size();
+    std::vector<std::int64_t> index(array.shape.size(), 0);
+    for (std::int64_t to = 0; to < count; ++to) {
+      std::int64_t from = 0;
+      for (std::size_t axis = index.size(); axis-- > 0;)
+        from = from * array.shape[axis] + index[axis];
+      std::copy_n(fortran.begin() + from * each, each, array.bytes.begin() + to * each);
+      for (std::size_t axis = index.size(); axis-- > 0 && ++index[axis] == array.shape[axis];)
+        index[axis] = 0;
+    }
   }
 
   void read_elements(NpyArray &array) const {
@@ -347,7 +366,7 @@ std::int64_t NpyArray::size() const {
   return element_count(shape).value_or(0);
 }
 
-Npz Npz::read(const std::filesystem::path &path) {
+Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> &wanted) {
   if (!std::filesystem::exists(path))
     throw FileNotFound(path.string() + ": no such file");
   const Zip zip = open_zip(path, ZIP_RDONLY);
@@ -360,6 +379,8 @@ Npz Npz::read(const std::filesystem::path &path) {
     if (!name.ends_with(".npy"))
       throw Error(npz.source + ": expected only .npy members, found '" + name + "'");
     name.resize(name.size() - 4);
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end())
+      continue;
     const std::string where = npz.source + ": array '" + name + "'";
     npz.arrays[name] = NpyParser(unpack(zip.get(), i, where), where).parse();
   }

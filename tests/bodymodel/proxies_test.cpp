@@ -57,6 +57,19 @@ TEST(Proxies, NeverReachIntoRestingCloth) {
   EXPECT_GE(proxy_statistics(capsules, limb.fit, limb.actor, limb.clothness).cloth_clearance, options.cloth_margin - 1e-9);
 }
 
+TEST(Proxies, WhatIsInsideTheBodyIsNoBulgeWhereSkinIsFoldedIntoIt) {
+  // A closed bubble in the flesh stands for the folded skin of an arm pit: around it, the nearest normals say "outside".
+  Limb limb = make_limb();
+  const Mesh bubble =
+      doublet::testing::level_set([](const Eigen::Vector3d &p) { return (p - Eigen::Vector3d(0, 0.7, 0)).norm() - 0.04; },
+                                  {-0.1, 0.6, -0.1}, {0.1, 0.8, 0.1}, 0.01);
+  limb.fit.body = doublet::testing::join({limb.fit.body, bubble});
+  const TaperedCapsule inside{0, {0, -0.1, 0}, {0, -0.3, 0}, 0.055, 0.055};
+  EXPECT_EQ(proxy_statistics({inside}, limb.fit, limb.actor, limb.clothness).largest_bulge, 0);
+  const TaperedCapsule outside{0, {0, -0.1, 0}, {0, -0.3, 0}, 0.13, 0.13};
+  EXPECT_NEAR(proxy_statistics({outside}, limb.fit, limb.actor, limb.clothness).largest_bulge, 0.06, 0.01);
+}
+
 TEST(Proxies, ClearanceMovesThemIntoTheBody) {
   const Limb limb = make_limb();
   ProxyOptions thin;

@@ -40,7 +40,8 @@ public:
   /// Positions of those joints and their derivatives; default empty.
   virtual BodyLinearisation joints(const Eigen::VectorXd &coefficients) const;
 
-  /// Reads a model file as docs/body-model.md describes. Throws FileNotFound or Error naming file and array.
+  /// Reads a model file as docs/body-model.md describes, or an .npz of the SMPL family (v_template, shapedirs, J_regressor,
+  /// weights, kintree_table, f). Throws FileNotFound or Error naming file and array.
   static std::shared_ptr<const BodyModel> read(const std::filesystem::path &path);
 };
 

@@ -24,8 +24,9 @@ struct NpyArray {
 class Npz {
 public:
   Npz() = default;
-  /// Throws FileNotFound, or Error naming the file if it is no npz, truncated, Fortran-ordered or holds objects.
-  static Npz read(const std::filesystem::path &path);
+  /// `wanted`: names of the arrays to read (empty = all); those that are not there are skipped. Fortran order is turned into C
+  /// order. Throws FileNotFound, or Error naming the file if it is no npz, truncated or an array read holds objects.
+  static Npz read(const std::filesystem::path &path, const std::vector<std::string> &wanted = {});
   /// Written beside and renamed: complete or not at all. Throws Error if that fails (full disk).
   void write(const std::filesystem::path &path) const;
 
