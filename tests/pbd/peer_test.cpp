@@ -4,6 +4,7 @@
 #include "../../libpbd/src/kernels.h"
 
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <sstream>
@@ -82,9 +83,11 @@ TEST(Peer, BendProjectsAsPositionBasedDynamics) {
   for (const Case &c : read_cases()) {
     if (c.kind != "bend")
       continue;
-    const double phi = bend_constraint(c.rest[0], c.rest[1], c.rest[2], c.rest[3], 1.0, 0.0).value;
+    BendRest<double> rest{c.w[0], c.w[1], c.w[2], c.w[3], 1, 0, 0, 0};
+    const double phi = bend_terms(c.rest[0], c.rest[1], c.rest[2], c.rest[3], rest).value;
+    rest.cos = std::cos(phi), rest.sin = std::sin(phi);
     std::vector<V> x = c.before;
-    project_bend(x[0], x[1], x[2], x[3], c.w[0], c.w[1], c.w[2], c.w[3], std::cos(phi), std::sin(phi), 0.0, c.stiffness);
+    project_bend(x[0], x[1], x[2], x[3], rest, c.stiffness);
     const auto [off, moved] = deviation(c, x);
     EXPECT_LT(off, 1e-5 * moved + 1e-8) << compared; // our arc tangent is a polynomial, good to 1e-7 rad
     EXPECT_GT(moved, 1e-6);
