@@ -113,10 +113,21 @@ def body(shown: Shown) -> str:
         figures.append(figure(picture.draw_outline(skin, edge, (150, 150, 150)), f"body and outline of the scan, {name}"))
         through = (0.5 * skin + 0.5 * picture.shade(solid, camera)).astype(np.uint8) if solid else skin
         figures.append(figure(through, f"collision proxies, {name}"))
-    return (
-        row(figures)
-        + f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
-    )
+    text = f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
+    if proxies:
+        found = d.proxy_statistics(proxies, fit, shown.actor, shown.job.clothness())
+        lengths = ("mean_distance", "percentile95", "largest_bulge", "cloth_clearance")
+        text += table(
+            [
+                "capsules",
+                "distance to the body under cloth: mean, mm",
+                "95 %, mm",
+                "largest bulge, mm",
+                "smallest gap to cloth, mm",
+            ],
+            [[found.capsules, *(round(1000 * getattr(found, name), 1) for name in lengths)]],
+        )
+    return row(figures) + text
 
 
 def energy_plot(path) -> str:
