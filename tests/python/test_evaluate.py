@@ -78,6 +78,29 @@ def test_cloth_iou(scene):
     assert e.cloth_iou(*reconstruct(scene, clothness=half), scene["cameras"]) == pytest.approx(0.5, abs=0.05)
 
 
+def test_template_mask(scene):
+    """The sheet is a disc 10 cm under the trunk; first nothing is marked, then a quarter of it, then the trunk as well."""
+    made, truth = reconstruct(scene)
+    count, faces = len(scene["vertices"]), len(scene["faces"])
+    turn = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    disc = np.stack([0.05 * np.sin(turn), np.full(24, -0.1), 0.05 * np.cos(turn)], 1)
+    vertices = np.vstack([scene["vertices"], disc, [[0, -0.1, 0]]])
+    fan = np.array([[count + k, count + (k + 1) % 24, count + 24] for k in range(24)], np.int32)
+    mesh = d.Mesh(vertices, np.vstack([scene["faces"], fan]))
+    valid = np.ones(faces + 24, int)
+
+    def measure(valid):
+        made.actor = d.RiggedMesh(mesh, valid.tolist(), np.ones((len(vertices), 1)), made.actor.skeleton)
+        return e.template_mask(made, truth, scene["cameras"])
+
+    assert measure(valid) == {"template_invented_found": 0, "template_true_marked": 0}
+    valid[faces : faces + 6] = 0
+    assert measure(valid) == {"template_invented_found": pytest.approx(0.25), "template_true_marked": 0}
+    body = len(scene["body"][1])
+    valid[:body] = 0  # of what is seen, the trunk is 2 pi 0.1 (0.4 + 0.3), about, beside the skirt's 2 pi 0.2 0.3
+    assert measure(valid)["template_true_marked"] == pytest.approx(0.07 / (0.07 + 0.06), abs=0.06)
+
+
 def test_hidden_body_is_what_the_garment_hides(scene):
     made, truth = reconstruct(scene)
     fit = d.BodyFit()

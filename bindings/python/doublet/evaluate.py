@@ -15,6 +15,8 @@ from .console import Console
 
 #: Name -> (unit, meaning); the order of the table.
 METRICS = {
+    "template_invented_found": ("", "share of the template's area over 10 mm from any true surface that is marked invalid"),
+    "template_true_marked": ("", "share of the visible true surface that lies nearest to a triangle marked invalid"),
     "joint_mm": ("mm", "mean distance of the marked joints, over joints and frames"),
     "surface_body_mm": ("mm", "mean distance from the visible true body to the captured surface"),
     "surface_cloth_mm": ("mm", "mean distance from the visible true garment to the captured surface"),
@@ -128,6 +130,21 @@ def seen_faces(vertices: np.ndarray, faces: np.ndarray, cameras) -> np.ndarray:
 
 def centroids(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return vertices[faces].mean(axis=1)
+
+
+def template_mask(made: Reconstruction, truth: Truth, cameras) -> dict[str, float]:
+    """In the scan pose; samples are centroids of faces, weighted by area."""
+    if 0 not in truth.chunks:
+        raise Missing("the truth does not hold frame 0, the scan pose")
+    vertices, faces, _ = truth.surface(0)
+    mesh, valid = made.actor.mesh, np.asarray(made.actor.face_valid, bool)
+    area = d.face_areas(mesh.vertices, mesh.faces)
+    far = d.distances_to_surface(centroids(mesh.vertices, mesh.faces), d.Mesh(vertices, faces)) > 0.01
+    seen = seen_faces(vertices, faces, cameras)
+    nearest, _, _ = d.RayScene(mesh).closest(centroids(vertices, faces[seen]))
+    found = float(area[far & ~valid].sum() / area[far].sum()) if far.any() else 1.0
+    marked = float(np.average(~valid[nearest], weights=d.face_areas(vertices, faces[seen])))
+    return {"template_invented_found": found, "template_true_marked": marked}
 
 
 def joint_mm(made: Reconstruction, truth: Truth, every: int) -> float:
@@ -256,6 +273,7 @@ def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console
     session = d.Session(session_folder or recorded_session(out))
     cameras = session.rig
     computed = {
+        "template": lambda: template_mask(made, truth, cameras),
         "joint_mm": lambda: joint_mm(made, truth, every),
         "surface": lambda: surface_mm(made, truth, cameras, every, context),
         "silhouette_iou": lambda: silhouette_iou(made, truth, cameras, every, context),
@@ -281,5 +299,5 @@ def format_table(result: dict) -> str:
     lines = []
     for name, value in result["metrics"].items():
         shown = f"{value:9.3f}" if value is not None else "  missing"
-        lines.append(f"{name:<18}{shown} {METRICS[name][0]:<3} {result['missing'].get(name) or METRICS[name][1]}")
+        lines.append(f"{name:<25}{shown} {METRICS[name][0]:<3} {result['missing'].get(name) or METRICS[name][1]}")
     return "\n".join(lines)

@@ -73,6 +73,23 @@ class Shown:
         return np.repeat(grey[..., None], 3, axis=2)
 
 
+def template(shown: Shown) -> str:
+    """The rigged surface, invalid triangles red, and what its stages measured."""
+    mesh, valid = shown.actor.mesh, np.asarray(shown.actor.face_valid, bool)
+    parts = ((valid, (0.80, 0.78, 0.74)), (~valid, (0.86, 0.16, 0.12)))
+    surfaces = [d.RenderMesh(mesh.vertices, mesh.faces[chosen], np.array(colour)) for chosen, colour in parts if chosen.any()]
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    views = (("front", 0.0, 0.0), ("back", np.pi, 0.0), ("from below", 0.0, -0.9))
+    figures = []
+    for name, azimuth, elevation in views:
+        camera = d.orbit_camera((low + high) / 2, 0.52 * np.linalg.norm(high - low), azimuth, elevation, 480, 480)
+        figures.append(figure(picture.shade(surfaces, camera), name))
+    stages = shown.job.record.data["stages"]
+    summary = {**stages.get("template", {}).get("summary", {}), **stages.get("rig", {}).get("summary", {})}
+    rows = [[k.replace("_", " "), v] for k, v in summary.items()]
+    return "<p>Red: invalid triangles, which the scan does not support.</p>" + row(figures) + table(["number", "value"], rows)
+
+
 def overlays(shown: Shown) -> str:
     figures = []
     for i in spread(len(shown.captured), 4):
@@ -203,6 +220,7 @@ def timings(shown: Shown) -> str:
 
 
 SECTIONS = (
+    ("Template", template),
     ("Reference performance", overlays),
     ("Cloth", segmentation),
     ("Body and collision proxies", body),
