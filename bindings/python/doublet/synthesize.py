@@ -66,12 +66,12 @@ def read_motion(path: Path, character: d.Character, fps: float, retargeting: d.R
 
 def ring_of_cameras(character: d.Character, motion: d.Motion, count: int, size: int) -> list[d.Camera]:
     """Around the whole motion, every second one higher, so that all of it is inside every image."""
-    joints = np.array([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
-    low, high = joints.min(axis=(0, 1)) - 0.3, joints.max(axis=(0, 1)) + 0.3
-    radius = np.linalg.norm(high - low) / 2
+    joints = np.vstack([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
+    middle = (joints.min(axis=0) + joints.max(axis=0)) / 2
+    radius = np.linalg.norm(joints - middle, axis=1).max() + 0.25  # m, hands and hem reach beyond the joints
     rig = []
     for c in range(count):
-        camera = d.orbit_camera((low + high) / 2, radius, 2 * np.pi * c / count, 0.12 if c % 2 else 0.42, size, size)
+        camera = d.orbit_camera(middle, radius, 2 * np.pi * c / count, 0.12 if c % 2 else 0.42, size, size)
         camera.name = f"cam{c}"
         rig.append(camera)
     return rig
