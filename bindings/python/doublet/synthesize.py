@@ -120,10 +120,9 @@ class Surfaces:
 
     @staticmethod
     def garment_faces(character: d.Character, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-        """bool (F): the closest point of the working surface is more cloth than not."""
-        closest, _, barycentric = d.RayScene(character.actor.mesh).closest(vertices[faces].mean(axis=1))
-        corners = np.asarray(character.clothness.clothness)[character.actor.mesh.faces[closest]]
-        return (corners * barycentric).sum(axis=1) > 0.5
+        """bool (F): the closest face of the working surface is more cloth than not."""
+        closest, _, _ = d.RayScene(character.actor.mesh).closest(vertices[faces].mean(axis=1))
+        return np.asarray(character.clothness.clothness)[character.actor.mesh.faces[closest]].mean(axis=1) > 0.5
 
     def split(self, frame: d.AnimationFrame) -> tuple[np.ndarray, np.ndarray]:
         """(body, garment) vertices, m."""
