@@ -95,7 +95,8 @@ void bind_template(py::module_ &m) {
       .def_readonly("self_intersections", &SurfaceQuality::self_intersections, "triangles that pass through another one")
       .def_readonly("invalid_area", &SurfaceQuality::invalid_area, "m^2")
       .def_readonly("smallest_angle", &SurfaceQuality::smallest_angle, "degrees, over all triangles")
-      .def_readonly("first_centile_angle", &SurfaceQuality::first_centile_angle, "degrees, 1 % of the triangles have a smaller one")
+      .def_readonly("first_centile_angle", &SurfaceQuality::first_centile_angle,
+                    "degrees, 1 % of the triangles have a smaller one")
       .def_readonly("scan_mean", &SurfaceQuality::scan_mean, "m, distance of the scan's vertices to the surface")
       .def_readonly("scan_max", &SurfaceQuality::scan_max, "m, the largest of them")
       .def_readonly("mean_to_scan", &SurfaceQuality::mean_to_scan, "m, distance of the valid surface to the scan")

@@ -4,8 +4,8 @@
 #include "doublet/core/files.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/ray_scene.h"
-#include "doublet/core/skinning.h"
 #include "doublet/core/self_intersection.h"
+#include "doublet/core/skinning.h"
 #include "doublet/core/surface_distance.h"
 
 #include <cstring>
@@ -134,7 +134,7 @@ void bind_mesh(py::module_ &m) {
   py::class_<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
       .def(py::init<>())
       .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
-             return MeshSequence{std::move(faces), unstack(frames, "frames")};
+             return MeshSequence{std::move(faces), unstack(frames, "frames"), {}};
            }),
            py::arg("faces"), py::arg("frames"))
       .def_readwrite("faces", &MeshSequence::faces)
@@ -144,6 +144,12 @@ void bind_mesh(py::module_ &m) {
             s.frames = unstack(frames, "frames");
           },
           "(T, V, 3) m; a copy")
+      .def_property(
+          "unposed", [](const MeshSequence &s) { return stack(s.unposed); },
+          [](MeshSequence &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
+            s.unposed = unstack(frames, "unposed");
+          },
+          "(T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy")
       .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
   m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release());
   m.def("vertex_normals", &vertex_normals, py::arg("vertices"), py::arg("faces"), Release());
@@ -337,6 +343,18 @@ void bind_stage_values(py::module_ &m) {
           },
           "(T, J, 3) m; a copy")
       .def_readwrite("frames", &ReferencePerformance::frames, "(T) video frame numbers");
+  m.def(
+      "unposed_frames",
+      [](const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
+        std::vector<Vertices> frames;
+        {
+          py::gil_scoped_release release;
+          frames = unposed_frames(actor, performance, context);
+        }
+        return stack(frames);
+      },
+      py::arg("actor"), py::arg("performance"), py::arg("context") = interruptible_context(),
+      "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
   py::class_<Clothness>(m, "Clothness", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
       .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {

@@ -1,5 +1,7 @@
 #include "doublet/core/stage_values.h"
 
+#include "doublet/core/skinning.h"
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -10,6 +12,25 @@ std::vector<std::uint8_t> RiggedMesh::skip_invalid() const {
   std::vector<std::uint8_t> skip(face_valid.size());
   std::transform(face_valid.begin(), face_valid.end(), skip.begin(), [](std::uint8_t valid) { return valid == 0; });
   return skip;
+}
+
+std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
+  const int frames = static_cast<int>(performance.surface.frames.size()), vertices = static_cast<int>(actor.mesh.vertices.rows());
+  if (performance.dofs.rows() != frames || performance.dofs.cols() != actor.skeleton.dof_count())
+    throw std::invalid_argument("unposed_frames: expected dofs (" + std::to_string(frames) + ", " +
+                                std::to_string(actor.skeleton.dof_count()) + "), found (" +
+                                std::to_string(performance.dofs.rows()) + ", " + std::to_string(performance.dofs.cols()) + ")");
+  std::vector<Vertices> unposed(frames, Vertices(vertices, 3));
+  parallel_for(context, frames, [&](int t) {
+    const Vertices &posed = performance.surface.frames[t];
+    if (posed.rows() != vertices)
+      throw std::invalid_argument("unposed_frames: expected " + std::to_string(vertices) + " vertices in every frame, found " +
+                                  std::to_string(posed.rows()));
+    const Transforms blend = dual_quaternion_blend(actor.weights, forward_kinematics(actor.skeleton, performance.dofs.row(t)));
+    for (int i = 0; i < vertices; ++i)
+      unposed[t].row(i) = (blend[i].inverse() * Eigen::Vector3d(posed.row(i))).transpose();
+  });
+  return unposed;
 }
 
 std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,

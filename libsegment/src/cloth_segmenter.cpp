@@ -140,11 +140,18 @@ public:
     if (sequence.frames.size() < 2)
       throw std::invalid_argument("segment: expected a sequence of at least 2 frames, found " +
                                   std::to_string(sequence.frames.size()));
+    if (!sequence.unposed.empty() && sequence.unposed.size() != sequence.frames.size())
+      throw std::invalid_argument("segment: expected as many unposed frames as frames, " +
+                                  std::to_string(sequence.frames.size()) + ", found " + std::to_string(sequence.unposed.size()));
     context.report("segment", 0.0);
     const Mesh pose{sequence.frames.front(), sequence.faces};
     const OppositePoints points = find_opposite_points(pose, face_valid, options_.opposite, context);
     context.report("segment", 0.3);
-    const Eigen::VectorXd sigma = opposite_distance_deviation(sequence, points, options_.opposite, context);
+    Eigen::VectorXd sigma = opposite_distance_deviation(sequence, points, options_.opposite, context);
+    if (!sequence.unposed.empty()) {
+      const MeshSequence unposed{sequence.faces, sequence.unposed, {}};
+      sigma = sigma.cwiseMin(opposite_distance_deviation(unposed, points, options_.opposite, context));
+    }
     context.report("segment", 0.8);
     Clothness result = clothness_from_deviation(pose, face_valid, sigma, options_);
     context.report("segment", 1.0);

@@ -147,8 +147,7 @@ TEST(ShippedTemplate, AgainstTheTruth) {
   const RiggedMesh actor = rig_template(surface, session.joints);
   const auto rigged = std::chrono::steady_clock::now();
   const auto seconds = [](auto a, auto b) { return std::chrono::duration<double>(b - a).count(); };
-  std::cout << "template " << seconds(start, built) << " s, skeleton and weights " << seconds(built, rigged)
-            << " s" << std::endl;
+  std::cout << "template " << seconds(start, built) << " s, skeleton and weights " << seconds(built, rigged) << " s" << std::endl;
   const TemplateSummary summary = summarise_template(surface, scan);
   for (const SurfaceQuality &quality : {summary.mesh, summary.high}) {
     std::cout << "invalid area " << 1e4 * quality.invalid_area << " cm^2, smallest angle " << quality.smallest_angle << ", 1 % "

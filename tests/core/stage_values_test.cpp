@@ -1,5 +1,6 @@
 #include "doublet/core/stage_values.h"
 
+#include "doublet/core/skinning.h"
 #include "support/figure.h"
 
 #include <gtest/gtest.h>
@@ -24,6 +25,23 @@ TEST(Capsules, SignedDistanceIsThatOfTheHullOfSpheres) {
     }
   }
   EXPECT_NEAR(signed_distance({{0, 0, 0}, {0, 0, 0}, 0.1, 0.2}, {1, 0, 0}), 0.8, 1e-12);
+}
+
+TEST(UnposedFrames, UndoSkinning) {
+  RiggedMesh actor;
+  actor.skeleton = testing::figure_skeleton();
+  actor.mesh = {Vertices::Random(30, 3), Faces(0, 3)};
+  actor.weights = MatrixRM::Random(30, actor.skeleton.joint_count()).cwiseAbs();
+  actor.weights.array().colwise() /= actor.weights.rowwise().sum().array();
+  ReferencePerformance performance;
+  performance.dofs = MatrixRM::Random(4, actor.skeleton.dof_count()) * 0.5;
+  for (int t = 0; t < 4; ++t)
+    performance.surface.frames.push_back(dual_quaternion_skinning(actor.mesh.vertices, actor.weights,
+                                                                  forward_kinematics(actor.skeleton, performance.dofs.row(t))));
+  for (const Vertices &frame : unposed_frames(actor, performance))
+    EXPECT_LT((frame - actor.mesh.vertices).cwiseAbs().maxCoeff(), 1e-12);
+  performance.dofs.conservativeResize(3, Eigen::NoChange);
+  EXPECT_THROW(unposed_frames(actor, performance), std::invalid_argument);
 }
 
 TEST(Capsules, FollowTheirJoints) {

@@ -58,6 +58,21 @@ TEST(Segment, PulsatingPartIsClothWithTheKnownDeviation) {
   }
 }
 
+TEST(Segment, OnlyWhatMovesInTheScanPoseAsWellIsCloth) {
+  const MeshSequence moving = tube::pulsating(0.02), still = tube::pulsating(0.0, 40, false);
+  MeshSequence explained = moving; // the skeleton accounts for all of it, as for skin at a bent joint
+  explained.unposed = still.frames;
+  EXPECT_EQ(segment_cloth(explained, {}).region_count, 0);
+  MeshSequence misplaced = still; // shape is kept, only the skin weights are wrong
+  misplaced.unposed = moving.frames;
+  EXPECT_EQ(segment_cloth(misplaced, {}).region_count, 0);
+  MeshSequence loose = moving;
+  loose.unposed = tube::pulsating(0.02, 40, false).frames;
+  const Clothness result = segment_cloth(loose, {});
+  EXPECT_EQ(result.region_count, 1);
+  EXPECT_LT((result.clothness - segment_cloth(moving, {}).clothness).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(Segment, TrimmingIgnoresFramesOfLostTracking) {
   MeshSequence sequence = tube::pulsating(0.0, 60);
   sequence.frames[7] *= 1.5; // one frame is half as big again
@@ -198,6 +213,14 @@ TEST(Segment, RejectsWrongInput) {
   SegmentOptions options;
   options.cloth_threshold = options.rigid_threshold;
   EXPECT_THROW(segment_cloth(sequence, {}, options), std::invalid_argument);
+}
+
+TEST(Segment, RejectsUnposedFramesThatDoNotBelongToTheSequence) {
+  MeshSequence sequence = tube::pulsating(0.02);
+  sequence.unposed.assign(3, sequence.frames.front());
+  EXPECT_THROW(segment_cloth(sequence, {}), std::invalid_argument);
+  sequence.unposed.assign(sequence.frames.size(), Vertices::Zero(4, 3));
+  EXPECT_THROW(segment_cloth(sequence, {}), std::invalid_argument);
 }
 
 TEST(Segment, SurvivesBadMeshes) {

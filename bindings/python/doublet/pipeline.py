@@ -181,7 +181,10 @@ def trained_extractor(session: d.Session, frames: d.FrameSource, options: d.Chro
 
 def run_segment(job: Job) -> dict:
     stage = d.ClothSegmenter.create(job.options["segment"])
-    result = stage.segment(job.performance().surface, job.actor.face_valid, job.context)
+    performance = job.performance()
+    sequence = performance.surface
+    sequence.unposed = d.unposed_frames(job.actor, performance, job.context)
+    result = stage.segment(sequence, job.actor.face_valid, job.context)
     d.write_clothness(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     return {"regions": result.region_count, "cloth_area_m2": float(areas[result.clothness > 0.5].sum())}

@@ -36,19 +36,19 @@ Template build_template(const Mesh &scan, const TemplateOptions &options = {}, c
 /// What can disappoint about one of the surfaces.
 struct SurfaceQuality {
   int triangles = 0;
-  int self_intersections = 0;                        ///< triangles that pass through another one
-  double invalid_area = 0;                           ///< m^2
+  int self_intersections = 0;                         ///< triangles that pass through another one
+  double invalid_area = 0;                            ///< m^2
   double smallest_angle = 0, first_centile_angle = 0; ///< degrees; of the triangles' smallest angles, the least and the 1 % point
-  double scan_mean = 0, scan_max = 0; ///< m, distance of the scan's vertices to the surface
+  double scan_mean = 0, scan_max = 0;                 ///< m, distance of the scan's vertices to the surface
   double mean_to_scan = 0,
          max_to_scan = 0; ///< m, distance of the valid surface (corners, middles of edges and faces) to the scan
 };
 struct TemplateSummary {
   SurfaceQuality mesh, high;
 };
-/// Measures a template, with its mask as it is now, against the scan that it was made from. The larger of scan_max and max_to_scan
-/// is the Hausdorff distance of the valid surface, at the samples. Throws Error, or std::invalid_argument on a mask of the wrong
-/// length.
+/// Measures a template, with its mask as it is now, against the scan that it was made from. The larger of scan_max and
+/// max_to_scan is the Hausdorff distance of the valid surface, at the samples. Throws Error, or std::invalid_argument on a mask
+/// of the wrong length.
 TemplateSummary summarise_template(const Template &surface, const Mesh &scan, const Context &context = {});
 
 struct HeatWeightOptions {

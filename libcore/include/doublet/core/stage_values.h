@@ -2,6 +2,7 @@
 // The values that stages hand to each other (each has a file, see files.h and docs/formats.md).
 
 #include "doublet/core/camera.h"
+#include "doublet/core/context.h"
 #include "doublet/core/mesh.h"
 #include "doublet/core/mesh_sequence.h"
 #include "doublet/core/skeleton.h"
@@ -30,6 +31,11 @@ struct ReferencePerformance {
   std::vector<Vertices> joints; ///< T x (J, 3) m
   std::vector<int> frames;      ///< (T) video frame numbers
 };
+
+/// T x (V, 3) m: every vertex of every captured frame, taken back to the scan pose by its blended bone transform (dual
+/// quaternions). Throws std::invalid_argument if actor and performance do not belong together.
+std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance,
+                                     const Context &context = {});
 
 /// One texture feature seen in one camera in two successive frames.
 struct FeatureMatch {

@@ -24,8 +24,10 @@ struct SegmentOptions {
 class ClothSegmenter {
 public:
   virtual ~ClothSegmenter() = default;
-  /// sequence: the captured surface; face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are
-  /// rigid. Throws std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
+  /// sequence: the captured surface; where it holds unposed frames, too, the smaller of both deviations counts: skin that a bent
+  /// joint or a twisted spine deforms keeps its place in the scan pose, and skin that the skin weights misplace keeps its shape.
+  /// face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are rigid. Throws
+  /// std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
   virtual Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                             const Context &context) const = 0;
   static std::unique_ptr<ClothSegmenter> create(const SegmentOptions &options = {});
