@@ -42,7 +42,8 @@ void bind_session(py::module_ &m) {
       .def(py::init<>())
       .def_readwrite("name", &SessionCamera::name)
       .def_readwrite("video", &SessionCamera::video, "mp4 or printf pattern of images; empty if there are only masks")
-      .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video");
+      .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video")
+      .def_readwrite("background", &SessionCamera::background, "image of the empty stage or pattern of several; empty = none");
   py::class_<Session>(m, "Session", "A capture session on disk, checked as a whole.")
       .def(py::init(&read_session), py::arg("folder"), Release())
       .def_readonly("folder", &Session::folder)
@@ -65,11 +66,28 @@ void bind_session(py::module_ &m) {
   OptionsClass<ChromaKeyOptions>(m, "ChromaKeyOptions", "Options of the built-in SilhouetteExtractor.")
       .field("smallest_blob", &ChromaKeyOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped")
       .field("smallest_key_share", &ChromaKeyOptions::smallest_key_share, "of the image border that must show one saturated hue");
+  OptionsClass<BackgroundOptions>(m, "BackgroundOptions", "Options of silhouettes by the difference to a background.")
+      .field("tolerance", &BackgroundOptions::tolerance, "standard deviations of the noise")
+      .field("shadow", &BackgroundOptions::shadow, "darkest share of its brightness that counts as shadowed background")
+      .field("highlight", &BackgroundOptions::highlight, "brightest")
+      .field("smallest_blob", &BackgroundOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped");
+  OptionsClass<SilhouetteOptions>(m, "SilhouetteOptions", "How silhouettes of a session are found.")
+      .field("method", &SilhouetteOptions::method, "auto, plates, key or median")
+      .field("median_frames", &SilhouetteOptions::median_frames, "frames that the median is taken of")
+      .get()
+      .def_readwrite("key", &SilhouetteOptions::key)
+      .def_readwrite("background", &SilhouetteOptions::background);
   py::class_<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
       .def(py::init<>())
-      .def_static("create", &SilhouetteExtractor::create, py::arg("options") = ChromaKeyOptions{})
+      .def_static("create", py::overload_cast<const ChromaKeyOptions &>(&SilhouetteExtractor::create),
+                  py::arg("options") = ChromaKeyOptions{}, "By a key colour.")
+      .def_static("create", py::overload_cast<const BackgroundOptions &>(&SilhouetteExtractor::create), py::arg("options"),
+                  "By the difference to a background.")
       .def("train", &SilhouetteExtractor::train, py::arg("camera"), py::arg("images"), Release())
       .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release());
+  m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
+        py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "A trained extractor for the cameras without ready masks; None if all have some.");
 }
 
 void bind_template(py::module_ &m) {

@@ -3,6 +3,7 @@
 #include "doublet/core/error.h"
 
 #include <cstdlib>
+#include <cstring>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -151,6 +152,31 @@ std::unique_ptr<FrameReader> FrameReader::open(const fs::path &path) {
     throw Error(path.string() + ": expected a video file or a pattern such as " + (path / "%04d.png").string() +
                 ", found a folder");
   return std::make_unique<Video>(path);
+}
+
+Image to_image(const cv::Mat &mat) {
+  Image image(mat.cols, mat.rows, mat.channels());
+  const std::size_t row_bytes = static_cast<std::size_t>(mat.cols) * mat.channels();
+  for (int y = 0; y < mat.rows; ++y)
+    std::memcpy(image.data.data() + y * row_bytes, mat.ptr(y), row_bytes);
+  return image;
+}
+
+std::vector<Image> read_plates(const fs::path &path) {
+  quiet_opencv();
+  std::vector<Image> plates;
+  const auto read = [&](const fs::path &file) {
+    const cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
+    if (image.empty())
+      throw Error(file.string() + ": expected an image, found a file that OpenCV cannot decode");
+    plates.push_back(to_image(image));
+  };
+  if (const auto field = number_field(path))
+    for (int n = first_number(path, *field); fs::exists(numbered(*field, n)); ++n)
+      read(numbered(*field, n));
+  else
+    read(path);
+  return plates;
 }
 
 cv::Size probe_frames(const fs::path &path, int frame_count) {

@@ -2,14 +2,19 @@
 // One camera's frames on disk: a video file or a numbered series of images. The only file besides chroma_key and the tracker that
 // opens images.
 
+#include "doublet/core/image.h"
+
 #include <filesystem>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <vector>
 
 namespace doublet::detail {
 
 /// Keeps OpenCV and FFmpeg from writing to stderr; what went wrong is told by our own exceptions.
 void quiet_opencv();
+
+Image to_image(const cv::Mat &mat);
 
 class FrameReader {
 public:
@@ -24,6 +29,8 @@ public:
 bool is_image_pattern(const std::filesystem::path &path);
 /// True if a series has an image numbered 0 or 1.
 bool image_series_exists(const std::filesystem::path &pattern);
+/// Images of the empty stage: one file, or all of a series. Throws as FrameReader does.
+std::vector<Image> read_plates(const std::filesystem::path &path);
 /// Checks that frames 0 .. frame_count-1 can be read (the last one is decoded, which finds truncated files within a second) and
 /// returns their size. Throws FileNotFound or Error naming the file.
 cv::Size probe_frames(const std::filesystem::path &path, int frame_count);

@@ -2,19 +2,19 @@
 #include "doublet/core/error.h"
 #include "frame_reader.h"
 
-#include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 namespace doublet {
 namespace {
 
-Image to_image(const cv::Mat &mat) {
-  Image image(mat.cols, mat.rows, mat.channels());
-  const std::size_t row_bytes = static_cast<std::size_t>(mat.cols) * mat.channels();
-  for (int y = 0; y < mat.rows; ++y)
-    std::memcpy(image.data.data() + y * row_bytes, mat.ptr(y), row_bytes);
-  return image;
+using detail::to_image;
+
+/// What a recorder writes for a camera that fails: black, or any other colour, but for the codec's noise.
+bool single_colour(const cv::Mat &bgr) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(bgr, mean, deviation);
+  return deviation[0] < 1.5 && deviation[1] < 1.5 && deviation[2] < 1.5;
 }
 
 /// From 128 on is actor: survives lossy mask videos and label images that mark parts with different greys.
@@ -37,7 +37,7 @@ public:
     check(camera, frame);
     const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame);
     check_size(mat, camera, frame, session_.cameras[camera].video);
-    return mat.empty() ? Image() : to_image(mat);
+    return mat.empty() || single_colour(mat) ? Image() : to_image(mat);
   }
 
   Image mask(int camera, int frame) override {

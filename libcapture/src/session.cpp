@@ -71,6 +71,31 @@ fs::path masks_by_name(const fs::path &folder, const std::string &camera) {
   return {};
 }
 
+bool ends_as_image(const std::string &name) {
+  const std::string end = fs::path(name).extension().string();
+  return end == ".png" || end == ".jpg" || end == ".jpeg" || end == ".bmp" || end == ".tif" || end == ".tiff";
+}
+
+/// Clean plates: `background` of the camera, or of the session as a pattern with {camera} or a folder of <camera>.png. Any other
+/// text there describes the stage.
+fs::path read_background(const Json &json, const Json &camera, const std::string &name, const fs::path &folder,
+                         const fs::path &source) {
+  const std::string what = "clean plate of camera '" + name + "'";
+  if (camera.contains("background"))
+    return existing_frames(
+        folder, value<std::string>(camera, "background", source.string() + ": camera '" + name + "'", "a text"), what, source);
+  std::string text = text_or(json, "background", source.string());
+  if (text.empty())
+    return {};
+  if (fs::is_directory(folder / text))
+    text += "/{camera}.png";
+  else if (!ends_as_image(text))
+    return {};
+  if (const auto at = text.find("{camera}"); at != std::string::npos)
+    text.replace(at, 8, name);
+  return existing_frames(folder, text, what, source);
+}
+
 SessionCamera read_camera(const Json &object, const fs::path &folder, const fs::path &source) {
   SessionCamera camera;
   camera.name = value<std::string>(object, "name", source.string() + ": cameras", "a text");
@@ -96,6 +121,7 @@ std::vector<SessionCamera> read_cameras(const Json &json, const fs::path &folder
   std::set<std::string> names;
   for (const Json &object : list) {
     cameras.push_back(read_camera(object, folder, source));
+    cameras.back().background = read_background(json, object, cameras.back().name, folder, source);
     if (!names.insert(cameras.back().name).second)
       throw Error(source.string() + ": expected camera names to differ, found '" + cameras.back().name + "' twice");
   }
@@ -213,6 +239,16 @@ void check_frames(const fs::path &path, const Session &session, const Camera &ca
   throw Error(path.string() + ": cannot be read (" + e.err + ")");
 }
 
+void check_plates(const fs::path &path, const Camera &camera) {
+  if (path.empty())
+    return;
+  for (const Image &plate : detail::read_plates(path))
+    if (plate.width != camera.width || plate.height != camera.height)
+      throw Error(path.string() + ": expected " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+                  " pixels as the calibration of camera '" + camera.name + "' says, found " + std::to_string(plate.width) +
+                  " x " + std::to_string(plate.height));
+}
+
 } // namespace
 
 Session read_session(const fs::path &folder) {
@@ -244,6 +280,7 @@ Session read_session(const fs::path &folder) {
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     check_frames(session.cameras[c].video, session, session.rig[c]);
     check_frames(session.cameras[c].masks, session, session.rig[c]);
+    check_plates(session.cameras[c].background, session.rig[c]);
   }
   return session;
 }

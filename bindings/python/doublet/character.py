@@ -62,7 +62,7 @@ def bake_first_frame(character: d.Character, job, performance: d.ReferencePerfor
     actor = character.actor
     transfer = d.SurfaceTransfer(actor.mesh, actor.face_valid, character.high, character.high_valid)
     posed = transfer.apply(performance.surface.frames[0])
-    extractor = trained_extractor(job.session, source, job.options["key"], job.context)
+    extractor = trained_extractor(job, source)
     masks = [source.mask(c, frame) for c in range(source.camera_count)]
     masks = [m if m.size or not i.size else extractor.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]
     return d.bake_texture(character, posed, job.session.rig, images, masks, d.TextureOptions(), job.context)

@@ -19,7 +19,9 @@ from .run_record import RunRecord
 #: Option groups: name on the command line (`--segment-diffusion`) -> class.
 OPTION_GROUPS = {
     "template": d.TemplateOptions,
+    "silhouette": d.SilhouetteOptions,
     "key": d.ChromaKeyOptions,
+    "background": d.BackgroundOptions,
     "capture": d.CaptureOptions,
     "features": d.FeatureTrackerOptions,
     "pose": d.PoseOptions,
@@ -152,7 +154,7 @@ def run_rig(job: Job) -> dict:
 def run_performance(job: Job) -> dict:
     options = d.CaptureOptions(**job.options["capture"].to_dict())
     options.features, options.pose, options.surface = (job.options[g] for g in ("features", "pose", "surface"))
-    extractor = trained_extractor(job.session, d.FrameSource.open(job.session), job.options["key"], job.context)
+    extractor = trained_extractor(job, d.FrameSource.open(job.session))
     frames = d.FrameSource.open(job.session)  # afresh: reading on is cheap, jumping back is not
     result = d.PerformanceCapture.create(options).capture(job.actor, job.session.rig, frames, extractor, job.context)
     d.write_observations(job.path("observations.npz"), result.observations)
@@ -167,16 +169,11 @@ def run_performance(job: Job) -> dict:
     }
 
 
-def trained_extractor(session: d.Session, frames: d.FrameSource, options: d.ChromaKeyOptions, context: d.Context):
-    """The chroma key, trained on the first, middle and last image of every camera without ready masks; None if all have masks."""
-    keyed = [c for c, camera in enumerate(session.cameras) if camera.masks == Path()]
-    extractor = d.SilhouetteExtractor.create(options)
-    chosen = sorted({0, session.frame_count // 2, session.frame_count - 1})
-    for done, c in enumerate(keyed):
-        context.report("key colour", done / len(keyed))
-        images = [frames.image(c, f) for f in chosen]
-        extractor.train(c, [image for image in images if image.size])
-    return extractor if keyed else None
+def trained_extractor(job: Job, frames: d.FrameSource) -> d.SilhouetteExtractor | None:
+    """For the cameras without ready masks; None if all have some."""
+    options = d.SilhouetteOptions(**job.options["silhouette"].to_dict())
+    options.key, options.background = job.options["key"], job.options["background"]
+    return d.session_silhouettes(job.session, frames, options, job.context)
 
 
 def run_segment(job: Job) -> dict:
@@ -244,7 +241,7 @@ STAGES = (
     ),
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
-        ("key", "capture", "features", "pose", "surface"), run_performance,
+        ("silhouette", "key", "background", "capture", "features", "pose", "surface"), run_performance,
         lambda s: [calibration_file(s), *image_files(s)],
     ),
     Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment",), run_segment),
@@ -259,7 +256,7 @@ STAGES = (
     Stage(
         "character",
         ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "material.json"),
-        ("simulated.npz", "character.glb"), ("key", "cloth", "energy"), run_character, lambda s: image_files(s),
+        ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy"), run_character, lambda s: image_files(s),
     ),
     Stage(
         "report",
@@ -283,8 +280,8 @@ def markers_file(session: d.Session) -> Path:
 
 
 def image_files(session: d.Session) -> list[Path]:
-    """Videos, or the folders of image sequences, of images and ready masks."""
-    paths = [Path(p) for camera in session.cameras for p in (camera.video, camera.masks) if p != Path()]
+    """Videos, or the folders of image sequences, of images, ready masks and clean plates."""
+    paths = [Path(p) for camera in session.cameras for p in (camera.video, camera.masks, camera.background) if p != Path()]
     return [p.parent if "%" in p.name else p for p in paths]
 
 

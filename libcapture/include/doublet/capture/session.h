@@ -17,6 +17,7 @@ struct SessionCamera {
   std::string name;
   std::filesystem::path video; ///< absolute; an mp4, or a printf pattern such as cam0/%04d.png; empty if there are only masks
   std::filesystem::path masks; ///< absolute; the same kinds; empty = key the video
+  std::filesystem::path background; ///< absolute; an image of the empty stage or a pattern of several; empty = none
 };
 
 struct Session {
@@ -44,7 +45,8 @@ public:
   virtual ~FrameSource() = default;
   virtual int frame_count() const = 0;
   virtual int camera_count() const = 0;
-  /// BGR image of a camera at a frame; an empty image if the session has only masks, or the camera dropped out there.
+  /// BGR image of a camera at a frame; an empty image if the session has only masks, or the camera dropped out there: no image,
+  /// or one of a single colour.
   virtual Image image(int camera, int frame) = 0;
   /// Ready mask (255 = actor); an empty image if the session has none and the image must be keyed.
   virtual Image mask(int camera, int frame) = 0;

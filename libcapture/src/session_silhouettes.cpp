@@ -1,0 +1,120 @@
+// Which extractor a camera of a session gets.
+
+#include "doublet/capture/silhouette_extractor.h"
+#include "doublet/core/error.h"
+#include "frame_reader.h"
+
+#include <map>
+#include <set>
+#include <stdexcept>
+
+namespace doublet {
+namespace {
+
+/// Each camera's own extractor.
+class SessionSilhouettes : public SilhouetteExtractor {
+public:
+  void add(int camera, std::shared_ptr<SilhouetteExtractor> extractor) { extractors_[camera] = std::move(extractor); }
+  void train(int camera, const std::vector<Image> &images) override { of(camera).train(camera, images); }
+  Image extract(int camera, const Image &image) const override { return of(camera).extract(camera, image); }
+
+private:
+  SilhouetteExtractor &of(int camera) const {
+    const auto found = extractors_.find(camera);
+    if (found == extractors_.end())
+      throw std::invalid_argument("camera: expected one that has no ready masks, found " + std::to_string(camera));
+    return *found->second;
+  }
+  std::map<int, std::shared_ptr<SilhouetteExtractor>> extractors_;
+};
+
+std::vector<Image> spread_images(FrameSource &frames, int camera, int count) {
+  std::set<int> chosen;
+  for (int i = 0; i < count; ++i)
+    chosen.insert(count == 1 ? 0 : static_cast<int>(double(i) * (frames.frame_count() - 1) / (count - 1)));
+  std::vector<Image> images;
+  for (int frame : chosen)
+    if (Image image = frames.image(camera, frame); !image.empty())
+      images.push_back(std::move(image));
+  return images;
+}
+
+/// Trains the extractor of one camera by the first method that fits; returns what it used, in words.
+class Trainer {
+public:
+  Trainer(const Session &session, FrameSource &frames, const SilhouetteOptions &options)
+      : session_(session), frames_(frames), options_(options), key_(SilhouetteExtractor::create(options.key)),
+        background_(SilhouetteExtractor::create(options.background)) {}
+
+  std::string train(int camera, SessionSilhouettes &all) {
+    const std::string &method = options_.method, name = "camera '" + session_.cameras[camera].name + "'";
+    const bool automatic = method == "auto";
+    if (method == "plates" || (automatic && !session_.cameras[camera].background.empty())) {
+      if (session_.cameras[camera].background.empty())
+        throw Error(session_.folder.string() + ": " + name +
+                    " has no clean plate (\"background\" in session.json), which the "
+                    "silhouette method 'plates' needs");
+      background_->train(camera, detail::read_plates(session_.cameras[camera].background));
+      all.add(camera, background_);
+      return "difference to its clean plate";
+    }
+    std::string why;
+    if (method == "key" || automatic)
+      try {
+        key_->train(camera, require_images(spread_images(frames_, camera, 3), name));
+        all.add(camera, key_);
+        return "key colour";
+      } catch (const Error &error) {
+        if (!automatic)
+          throw;
+        why = std::string(" (") + error.what() + ")";
+      }
+    background_->train(camera, require_images(spread_images(frames_, camera, options_.median_frames), name));
+    all.add(camera, background_);
+    return "difference to the median of its frames" + why;
+  }
+
+private:
+  std::vector<Image> require_images(std::vector<Image> images, const std::string &name) const {
+    if (images.empty())
+      throw std::invalid_argument(session_.folder.string() + ": " + name + " shows nothing in any of the frames looked at");
+    return images;
+  }
+
+  const Session &session_;
+  FrameSource &frames_;
+  const SilhouetteOptions &options_;
+  std::shared_ptr<SilhouetteExtractor> key_, background_;
+};
+
+} // namespace
+
+void SilhouetteOptions::validate() const {
+  if (method != "auto" && method != "plates" && method != "key" && method != "median")
+    throw std::invalid_argument("method: expected auto, plates, key or median, found '" + method + "'");
+  if (median_frames < 1)
+    throw std::invalid_argument("median_frames: expected at least 1, found " + std::to_string(median_frames));
+  key.validate();
+  background.validate();
+}
+
+std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
+                                                         const SilhouetteOptions &options, const Context &context) {
+  options.validate();
+  auto all = std::make_unique<SessionSilhouettes>();
+  Trainer trainer(session, frames, options);
+  std::map<std::string, std::string> cameras; // by method
+  const int count = static_cast<int>(session.cameras.size());
+  for (int c = 0; c < count; ++c) {
+    context.report("silhouettes", double(c) / count);
+    if (session.cameras[c].masks.empty()) {
+      std::string &names = cameras[trainer.train(c, *all)];
+      names += (names.empty() ? "" : ", ") + session.cameras[c].name;
+    }
+  }
+  for (const auto &[method, names] : cameras)
+    context.say("silhouettes: " + names + ": " + method);
+  return cameras.empty() ? nullptr : std::move(all);
+}
+
+} // namespace doublet

@@ -1,0 +1,200 @@
+// Silhouettes by the difference to a background, and which method a session's cameras get.
+#include "doublet/capture/silhouette_extractor.h"
+#include "doublet/core/error.h"
+#include "doublet/core/files.h"
+#include "doublet/core/rasterizer.h"
+#include "support/temp_folder.h"
+
+#include <cmath>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <random>
+#include <regex>
+
+namespace doublet {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kShipped = fs::path(DOUBLET_SOURCE_DIR) / "examples/data/session";
+
+// The disc is 24 pixels in radius: smoothing widens it by about one, which costs 8 % of overlap.
+
+/// A room of coloured bands with noise; a disc at `x` (share of the width) and its shadow below, if `actor`.
+Image room(bool actor, unsigned seed, Image *truth = nullptr, double x0 = 0.5, double light = 1) {
+  constexpr int kSize = 240;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, 3);
+  Image image(kSize, kSize, 3);
+  if (truth)
+    *truth = Image(kSize, kSize, 1);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const double u = double(x) / kSize, v = double(y) / kSize;
+      const bool inside = actor && std::hypot(u - x0, v - 0.4) < 0.1,
+                 shadow = actor && std::hypot((u - x0) / 1.5, v - 0.8) < 0.06;
+      Eigen::Vector3d bgr(100 + 60 * std::sin(40 * u), 120 + 50 * std::cos(23 * v), 110 + 40 * std::sin(31 * (u + v)));
+      bgr *= light * (shadow ? 0.7 : 1.0);
+      if (inside)
+        bgr = u < x0 ? Eigen::Vector3d(20, 30, 200) : Eigen::Vector3d(230, 40, 20);
+      for (int c = 0; c < 3; ++c)
+        image.at(x, y, c) = static_cast<std::uint8_t>(std::clamp(bgr[c] + noise(random), 0.0, 255.0));
+      if (truth)
+        truth->at(x, y) = inside ? 255 : 0;
+    }
+  return image;
+}
+
+TEST(Background, CleanPlatesTellTheActorFromHisShadow) {
+  const auto extractor = SilhouetteExtractor::create(BackgroundOptions{});
+  extractor->train(0, {room(false, 1)});
+  extractor->train(1, {room(false, 1), Image(), room(false, 2), room(false, 3)});
+  Image truth;
+  for (double light : {1.0, 0.9, 1.1}) {
+    const Image image = room(true, 9, &truth, 0.5, light);
+    EXPECT_GT(mask_iou(extractor->extract(0, image), truth), 0.85) << light;
+    EXPECT_GT(mask_iou(extractor->extract(1, image), truth), 0.85) << light;
+  }
+  BackgroundOptions options;
+  options.shadow = 1; // shadows count as the actor
+  const auto without = SilhouetteExtractor::create(options);
+  without->train(0, {room(false, 1)});
+  EXPECT_LT(mask_iou(without->extract(0, room(true, 9)), truth), 0.75);
+}
+
+TEST(Background, TheMedianOfAMovingActorsFramesIsAPlate) {
+  std::vector<Image> frames;
+  for (int f = 0; f < 9; ++f)
+    frames.push_back(room(true, f, nullptr, 0.15 + 0.085 * f));
+  const auto extractor = SilhouetteExtractor::create(BackgroundOptions{});
+  extractor->train(0, frames);
+  Image truth;
+  const Image image = room(true, 30, &truth, 0.3);
+  EXPECT_GT(mask_iou(extractor->extract(0, image), truth), 0.85);
+  const Image empty = extractor->extract(0, room(false, 31));
+  EXPECT_LT(std::count(empty.data.begin(), empty.data.end(), 255), 100); // of 57600
+}
+
+TEST(Background, WrongArgumentsThrow) {
+  const auto extractor = SilhouetteExtractor::create(BackgroundOptions{});
+  EXPECT_THROW(extractor->extract(0, room(true, 1)), std::invalid_argument);
+  EXPECT_THROW(extractor->train(0, {}), std::invalid_argument);
+  EXPECT_THROW(extractor->train(0, {room(true, 1), Image(5, 5, 3)}), std::invalid_argument);
+  extractor->train(0, {room(false, 1)});
+  EXPECT_THROW(extractor->extract(0, Image(5, 5, 3)), std::invalid_argument);
+  EXPECT_THROW(extractor->extract(0, Image(240, 240, 1)), std::invalid_argument);
+  BackgroundOptions options;
+  options.tolerance = 0;
+  EXPECT_THROW(SilhouetteExtractor::create(options), std::invalid_argument);
+  SilhouetteOptions method;
+  method.method = "magic";
+  EXPECT_THROW(method.validate(), std::invalid_argument);
+}
+
+void write_ppm(const fs::path &path, const Image &bgr) {
+  std::ofstream file(path, std::ios::binary);
+  file << "P6 " << bgr.width << " " << bgr.height << " 255\n";
+  for (std::size_t i = 0; i < bgr.data.size(); i += 3)
+    file << bgr.data[i + 2] << bgr.data[i + 1] << bgr.data[i];
+}
+
+/// Three cameras in a room: one with a clean plate, one before a screen, one with neither; 240 x 240, 9 frames.
+class ThreeCameras : public ::testing::Test {
+protected:
+  testing::TempFolder folder;
+  std::vector<std::string> said;
+  Context context;
+
+  void SetUp() override {
+    context.log = [this](const std::string &line) { said.push_back(line); };
+    for (const char *name : {"joints.json", "scan.ply"})
+      fs::copy_file(kShipped / name, folder / name);
+    std::string calibration = std::regex_replace(read_text(kShipped / "calibration.yml"), std::regex(": 502"), ": 240");
+    write_text(folder / "calibration.yml", calibration);
+    for (int c = 0; c < 3; ++c) {
+      fs::create_directory(folder.path() / ("cam" + std::to_string(c)));
+      for (int f = 0; f < 9; ++f) {
+        Image image = room(true, f, nullptr, 0.15 + 0.085 * f);
+        if (c == 1)
+          screen(image, f);
+        write_ppm(folder.path() / ("cam" + std::to_string(c)) / (std::to_string(f) + ".ppm"), image);
+      }
+    }
+    write_ppm(folder / "plate.ppm", room(false, 77));
+    describe(R"(, "background": "plate.ppm")");
+  }
+
+  /// Green wherever the room shows.
+  static void screen(Image &image, int frame) {
+    Image truth;
+    room(true, frame, &truth, 0.15 + 0.085 * frame);
+    for (int i = 0; i < 240 * 240; ++i)
+      if (!truth.data[i])
+        for (int c = 0; c < 3; ++c)
+          image.data[3 * i + c] = c == 1 ? 170 : 50;
+  }
+
+  void describe(const std::string &first, const std::string &session = R"("background": "a room, one screen")") {
+    write_text(folder / "session.json", R"({"name": "room", "fps": 25, "frame_count": 9, "cameras": [
+      {"name": "cam0", "video": "cam0/%d.ppm")" +
+                                            first + R"(}, {"name": "cam1", "video": "cam1/%d.ppm"},
+      {"name": "cam2", "video": "cam2/%d.ppm"}], "calibration": "calibration.yml", "scan": "scan.ply",
+      "markers": "joints.json", )" + session +
+                                            "}");
+  }
+
+  bool was_said(const std::string &text) const {
+    for (const std::string &line : said)
+      if (line.find(text) != std::string::npos)
+        return true;
+    return false;
+  }
+};
+
+TEST_F(ThreeCameras, EveryCameraGetsTheMethodThatFits) {
+  const Session session = read_session(folder.path());
+  const auto frames = FrameSource::open(session);
+  const auto extractor = session_silhouettes(session, *frames, {}, context);
+  EXPECT_TRUE(was_said("cam0: difference to its clean plate"));
+  EXPECT_TRUE(was_said("cam1: key colour"));
+  EXPECT_TRUE(was_said("cam2: difference to the median of its frames"));
+  Image truth;
+  room(true, 2, &truth, 0.15 + 0.085 * 2);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_GT(mask_iou(extractor->extract(c, frames->image(c, 2)), truth), 0.85) << c;
+}
+
+TEST_F(ThreeCameras, AMethodThatDoesNotFitIsRefused) {
+  const Session session = read_session(folder.path());
+  const auto frames = FrameSource::open(session);
+  SilhouetteOptions options;
+  options.method = "plates";
+  EXPECT_THROW(session_silhouettes(session, *frames, options, context), Error); // cam1 has none
+  options.method = "key";
+  EXPECT_THROW(session_silhouettes(session, *frames, options, context), Error); // cam0 has no screen
+  options.method = "median";
+  EXPECT_NE(session_silhouettes(session, *frames, options, context), nullptr);
+}
+
+TEST_F(ThreeCameras, PlatesAreFoundByFolderAndPattern) {
+  EXPECT_TRUE(read_session(folder.path()).cameras[1].background.empty()); // a description is no file
+  describe("", R"("background": "plates/{camera}.png")");
+  EXPECT_THROW(read_session(folder.path()), FileNotFound);
+  describe(R"(, "background": "nowhere.png")");
+  EXPECT_THROW(read_session(folder.path()), FileNotFound);
+  write_ppm(folder / "small.ppm", Image(10, 10, 3));
+  describe(R"(, "background": "small.ppm")");
+  EXPECT_THROW(read_session(folder.path()), Error);
+}
+
+TEST_F(ThreeCameras, ABlackFrameIsACameraThatDroppedOut) {
+  write_ppm(folder / "cam2/3.ppm", Image(240, 240, 3, 4));
+  fs::remove(folder / "cam2/5.ppm");
+  const Session session = read_session(folder.path());
+  const auto frames = FrameSource::open(session);
+  EXPECT_TRUE(frames->image(2, 3).empty());
+  EXPECT_TRUE(frames->image(2, 5).empty());
+  EXPECT_FALSE(frames->image(2, 4).empty());
+}
+
+} // namespace
+} // namespace doublet
