@@ -1,4 +1,4 @@
-// The pieces of a capture that Python may replace: features, pose, surface.
+// The pieces of a capture that Python may replace: features, pose, lost limbs, surface.
 #include "common.h"
 
 #include "doublet/capture/performance_capture.h"
@@ -28,7 +28,10 @@ public:
   ~Lent() {
     problem_->actor = nullptr;
     problem_->rig = nullptr;
-    problem_->outlines = nullptr;
+    if constexpr (requires { problem_->outlines; })
+      problem_->outlines = nullptr;
+    else
+      problem_->masks = nullptr;
   }
   const py::object object;
 
@@ -58,6 +61,16 @@ public:
     const py::gil_scoped_acquire gil;
     const Lent<SurfaceProblem> lent(problem);
     return call_override<SurfaceEstimate>(this, "SurfaceRefiner.refine", "a SurfaceEstimate", lent.object, context);
+  }
+};
+
+class PyLimbSearch : public LimbSearch {
+public:
+  Eigen::VectorXd search(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &lost,
+                         const Context &context) override {
+    const py::gil_scoped_acquire gil;
+    const Lent<LimbProblem> lent(problem);
+    return call_override<Eigen::VectorXd>(this, "LimbSearch.search", "a pose (D)", lent.object, dofs, lost, context);
   }
 };
 
@@ -177,6 +190,51 @@ void bind_pose(py::module_ &m) {
       "(V, 3) m, skinned positions of the rest pose + offset (V, 3).");
 }
 
+void bind_limbs(py::module_ &m) {
+  OptionsClass<ParticleAnnealingOptions>(m, "ParticleAnnealingOptions",
+                                         "Options of the interacting simulated annealing of lost limbs.")
+      .field("particles", &ParticleAnnealingOptions::particles, "energies an iteration")
+      .field("iterations", &ParticleAnnealingOptions::iterations, "selections and moves")
+      .field("coldness", &ParticleAnnealingOptions::coldness,
+             "beta_t = coldness (t + 1)^power, against the share of the limb's area")
+      .field("power", &ParticleAnnealingOptions::power, "of the annealing schedule")
+      .field("spread", &ParticleAnnealingOptions::spread, "share of the particles' covariance in each move")
+      .field("seed", &ParticleAnnealingOptions::seed, "of the random numbers");
+  OptionsClass<LimbSearchOptions>(m, "LimbSearchOptions", "Options of the search for lost limbs.")
+      .field("raster_size", &LimbSearchOptions::raster_size, "px, longest side of the masks and renderings compared")
+      .field("lost", &LimbSearchOptions::lost, "m, a limb with a larger error is lost")
+      .field("reach", &LimbSearchOptions::reach, "m, disagreements count at most so much")
+      .field("deviation", &LimbSearchOptions::deviation, "rad, of the first particles around the prediction")
+      .field("smoothness", &LimbSearchOptions::smoothness, "weight of the distance to the prediction, against overlap")
+      .get()
+      .def_readwrite("annealing", &LimbSearchOptions::annealing);
+  py::class_<Limb>(m, "Limb", "A chain of the skeleton between two forks, or from a fork to an end.")
+      .def_readonly("name", &Limb::name, "of its first joint")
+      .def_readonly("joints", &Limb::joints, "indices, parents first")
+      .def_readonly("dofs", &Limb::dofs, "indices");
+  m.def("find_limbs", &find_limbs, py::arg("skeleton"), "The limbs of a skeleton by its topology.");
+  py::class_<LimbProblem>(m, "LimbProblem", "A frame in which limbs were lost. Lives as long as the call it was given to.")
+      .def_property_readonly(
+          "actor", [](const LimbProblem &p) { return pointed(p.actor); }, "a copy")
+      .def_property_readonly("rig", [](const LimbProblem &p) { return pointed(p.rig); })
+      .def_property_readonly(
+          "masks", [](const LimbProblem &p) { return pointed(p.masks); }, "measured, one a camera; empty = no part")
+      .def_readonly("offset", &LimbProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
+      .def_readonly("reliability", &LimbProblem::reliability, "(V) in [0, 1], low on loose cloth")
+      .def_readonly("predicted", &LimbProblem::predicted, "(D)");
+  py::class_<LimbSearch, PyLimbSearch>(m, "LimbSearch", "Swap point: a pose with lost limbs -> a better one.")
+      .def(py::init<>())
+      .def_static("create", &LimbSearch::create, py::arg("options") = LimbSearchOptions{})
+      .def(
+          "search",
+          [](LimbSearch &self, const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &lost,
+             const Context &context) {
+            pointed(problem.actor);
+            return self.search(problem, dofs, lost, context);
+          },
+          py::arg("problem"), py::arg("dofs"), py::arg("lost"), py::arg("context") = interruptible_context(), Release());
+}
+
 void bind_surface(py::module_ &m) {
   OptionsClass<SurfaceOptions>(m, "SurfaceOptions", "Options of the surface refiner.")
       .field("iterations", &SurfaceOptions::iterations, "renderings with re-matching")
@@ -224,14 +282,18 @@ void bind_capture_parts(py::module_ &m) {
   bind_features(m);
   bind_problems(m);
   bind_pose(m);
+  bind_limbs(m);
   bind_surface(m);
   py::class_<CaptureParts> parts(m, "CaptureParts", "The pieces of a capture; None = the built-in one, made from the options.");
-  parts.def(py::init([](const py::object &features, const py::object &pose, const py::object &surface) {
-              return CaptureParts{kept<FeatureTracker>(features), kept<PoseOptimizer>(pose), kept<SurfaceRefiner>(surface)};
+  parts.def(py::init([](const py::object &features, const py::object &pose, const py::object &limbs, const py::object &surface) {
+              return CaptureParts{kept<FeatureTracker>(features), kept<PoseOptimizer>(pose), kept<LimbSearch>(limbs),
+                                  kept<SurfaceRefiner>(surface)};
             }),
-            py::arg("features") = py::none(), py::arg("pose") = py::none(), py::arg("surface") = py::none());
+            py::arg("features") = py::none(), py::arg("pose") = py::none(), py::arg("limbs") = py::none(),
+            py::arg("surface") = py::none());
   bind_piece(parts, "features", &CaptureParts::features);
   bind_piece(parts, "pose", &CaptureParts::pose);
+  bind_piece(parts, "limbs", &CaptureParts::limbs);
   bind_piece(parts, "surface", &CaptureParts::surface);
 }
 

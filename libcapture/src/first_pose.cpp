@@ -1,6 +1,7 @@
 #include "first_pose.h"
 
 #include "doublet/core/error.h"
+#include "small_view.h"
 
 #include <Eigen/LU>
 #include <cmath>
@@ -26,11 +27,13 @@ bool centroid(const Image &mask, Eigen::Vector2d &centre) {
 struct RayBundle {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  int rays = 0;
   void add(const Camera &camera, const Eigen::Vector2d &pixel) {
     const Eigen::Vector3d d = camera.ray_direction(pixel);
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
     normal += across;
     right += across * camera.centre();
+    ++rays;
   }
   Eigen::Vector3d point() const { return normal.ldlt().solve(right); }
 };
@@ -42,72 +45,97 @@ const Joint &root_joint(const Skeleton &skeleton) {
   throw Error("capture: the actor's skeleton has no root with 6 degrees of freedom");
 }
 
+/// The scan pose at one place and heading after another, against the masks.
+class Placement {
+public:
+  Placement(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks, const Context &context)
+      : actor_(actor), context_(context), root_(root_joint(actor.skeleton)), views_(small_views(rig, masks, kSize)),
+        centres_(views_.size()), skip_(actor.skip_invalid()) {
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (centroid(views_[v].mask, centres_[v]))
+        rays_.add(views_[v].camera, centres_[v]);
+  }
+
+  int views() const { return rays_.rays; }
+
+  Eigen::VectorXd facing(double heading) const {
+    Eigen::VectorXd dofs = Eigen::VectorXd::Zero(actor_.skeleton.dof_count());
+    dofs[root_.first_dof + 3] = heading;
+    const Vertices turned = pose_surface(actor_, dofs, {}).vertices;
+    dofs.segment<3>(root_.first_dof) = rays_.point() - turned.colwise().mean().transpose();
+    return dofs;
+  }
+
+  /// Moves `dofs` until the centroids meet and returns the overlap there, mean over the views. Where the image cuts the actor, it
+  /// cuts the rendering, too, so that a few rounds also get those right.
+  double settle(Eigen::VectorXd &dofs) const {
+    constexpr int kRounds = 4;
+    double overlap = 0;
+    for (int round = 0; round <= kRounds; ++round) {
+      RayBundle wanted, got;
+      overlap = compare(dofs, wanted, got);
+      if (got.rays >= 2 && round < kRounds)
+        dofs.segment<3>(root_.first_dof) += wanted.point() - got.point();
+    }
+    return overlap;
+  }
+
+private:
+  static constexpr int kSize = 192; // px; the overlap of whole silhouettes needs no more
+
+  double compare(const Eigen::VectorXd &dofs, RayBundle &wanted, RayBundle &got) const {
+    const Vertices surface = pose_surface(actor_, dofs, {}).vertices;
+    std::vector<Eigen::Vector2d> centres(views_.size());
+    std::vector<double> overlap(views_.size(), 0);
+    std::vector<std::uint8_t> seen(views_.size(), 0);
+    parallel_for(context_, static_cast<int>(views_.size()), [&](int v) {
+      if (views_[v].mask.empty())
+        return;
+      const Image rendered = silhouette(rasterize(surface, actor_.mesh.faces, views_[v].camera, skip_));
+      seen[v] = centroid(rendered, centres[v]);
+      overlap[v] = mask_iou(rendered, views_[v].mask);
+    });
+    double sum = 0;
+    for (size_t v = 0; v < views_.size(); ++v) {
+      sum += overlap[v];
+      if (seen[v]) {
+        wanted.add(views_[v].camera, centres_[v]);
+        got.add(views_[v].camera, centres[v]);
+      }
+    }
+    return sum / rays_.rays;
+  }
+
+  const RiggedMesh &actor_;
+  const Context &context_;
+  const Joint &root_;
+  std::vector<SmallView> views_;
+  std::vector<Eigen::Vector2d> centres_; // of the masks
+  std::vector<std::uint8_t> skip_;
+  RayBundle rays_;
+};
+
 } // namespace
 
-Eigen::VectorXd first_pose(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Outline> &outlines,
-                           const std::vector<Image> &masks, const Context &context) {
-  constexpr int kHeadings = 12;
-  constexpr int kSize = 256; // px; of the renderings; the overlap of whole silhouettes needs no more
-  const Joint &root = root_joint(actor.skeleton);
-  const int views = static_cast<int>(rig.size());
-  std::vector<Camera> small(views);
-  std::vector<Image> measured(views);
-  RayBundle rays;
-  int used = 0;
-  for (int v = 0; v < views; ++v) {
-    Eigen::Vector2d centre;
-    if (outlines[v].empty() || !centroid(masks[v], centre))
-      continue;
-    rays.add(rig[v], centre);
-    ++used;
-    const double scale = std::min(1.0, static_cast<double>(kSize) / std::max(rig[v].width, rig[v].height));
-    small[v] =
-        rig[v].resized(std::max(1, static_cast<int>(rig[v].width * scale)), std::max(1, static_cast<int>(rig[v].height * scale)));
-    measured[v] = Image(small[v].width, small[v].height, 1);
-    for (int y = 0; y < small[v].height; ++y)
-      for (int x = 0; x < small[v].width; ++x)
-        measured[v].at(x, y) = masks[v].at(std::min(masks[v].width - 1, static_cast<int>((x + 0.5) / scale)),
-                                           std::min(masks[v].height - 1, static_cast<int>((y + 0.5) / scale)));
-  }
+Eigen::VectorXd first_pose(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks,
+                           const Context &context) {
+  constexpr int kHeadings = 24;          // 15 degrees apart; the local optimisation turns three times as far
+  constexpr double kClearlyBetter = 1.1; // for the half where front and back are exchanged
+  const Placement placement(actor, rig, masks, context);
   Eigen::VectorXd best = Eigen::VectorXd::Zero(actor.skeleton.dof_count());
-  if (used < 2)
-    return best; // one ray has no point; the scan's own place is the only guess
-  const Eigen::Vector3d target = rays.point();
-  double best_score = -1;
+  if (placement.views() < 2)
+    return best;
+  double best_score = 0;
   for (int k = 0; k < kHeadings; ++k) {
-    Eigen::VectorXd dofs = Eigen::VectorXd::Zero(actor.skeleton.dof_count());
-    double angle = 2 * std::numbers::pi * k / kHeadings;
-    dofs[root.first_dof + 3] = angle > std::numbers::pi ? angle - 2 * std::numbers::pi : angle;
-    double score = 0;
-    for (int round = 0; round < 2; ++round) { // centroids of silhouettes and of the body differ; the second round removes that
-      const Vertices surface = pose_surface(actor, dofs, {}).vertices;
-      std::vector<Eigen::Vector2d> centres(views);
-      std::vector<double> overlap(views, -1);
-      parallel_for(context, views, [&](int v) {
-        if (outlines[v].empty())
-          return;
-        const Image rendered = silhouette(rasterize(surface, actor.mesh.faces, small[v]));
-        if (centroid(rendered, centres[v]))
-          overlap[v] = mask_iou(rendered, measured[v]);
-      });
-      RayBundle bundle;
-      int seen = 0;
-      score = 0;
-      for (int v = 0; v < views; ++v)
-        if (overlap[v] >= 0) {
-          bundle.add(small[v], centres[v]);
-          score += overlap[v];
-          ++seen;
-        }
-      if (round == 0 && seen >= 2)
-        dofs.segment<3>(root.first_dof) += target - bundle.point();
-    }
-    context.check_cancelled();
-    // Front and back look alike in silhouettes: leave the scan's heading only for a clear gain.
-    if (k == 0 ? true : score > 1.1 * best_score) {
+    const int step = k % 2 ? (k + 1) / 2 : -k / 2; // 0, 1, -1, 2, -2, ...: the scan's own first
+    const double heading = 2 * std::numbers::pi * step / kHeadings;
+    Eigen::VectorXd dofs = placement.facing(heading);
+    const double score = placement.settle(dofs) / (4 * std::abs(step) > kHeadings ? kClearlyBetter : 1);
+    if (score > best_score) {
       best_score = score;
       best = dofs;
     }
+    context.check_cancelled();
   }
   return best;
 }

@@ -1,5 +1,6 @@
 #include "doublet/capture/performance_capture.h"
 
+#include "camera_choice.h"
 #include "doublet/capture/smoothing.h"
 #include "feature_map.h"
 #include "first_pose.h"
@@ -19,6 +20,18 @@ namespace {
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
+
+/// Adds the seconds of its life to a sum.
+class Stopwatch {
+public:
+  explicit Stopwatch(double &sum) : sum_(sum), start_(now()) {}
+  ~Stopwatch() { sum_ += now() - start_; }
+  Stopwatch(const Stopwatch &) = delete;
+  Stopwatch &operator=(const Stopwatch &) = delete;
+
+private:
+  double &sum_, start_;
+};
 
 /// How far each vertex usually lies from its skinned position, learnt as the frames come: the mean square of all frames so far,
 /// or of the last ten if that is larger, spread over neighbours.
@@ -86,7 +99,8 @@ public:
   Tracking(const CaptureOptions &options, const CaptureParts &parts, const RiggedMesh &actor, const CameraRig &rig,
            FrameSource &frames, const SilhouetteExtractor *extractor, const Context &context)
       : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), context_(context),
-        looseness_(actor, options.loose), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)) {}
+        looseness_(actor, options.loose), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)),
+        limbs_(find_limbs(actor.skeleton)), misses_(limbs_.size(), 0), next_search_(limbs_.size(), 0) {}
 
   CaptureResult run(int first, int count) {
     const double start = now();
@@ -109,20 +123,14 @@ public:
 
 private:
   void track(int frame, int t) {
-    const double begin = now();
     measure(frame, t);
-    const double measured = now();
     const Eigen::VectorXd dofs = find_pose(t);
     result_.performance.dofs.row(t) = dofs;
-    const double posed = now();
     refine(dofs, t);
-    CaptureSummary &summary = result_.summary;
-    summary.measure_seconds += measured - begin;
-    summary.pose_seconds += posed - measured;
-    summary.surface_seconds += now() - posed;
   }
 
   void measure(int frame, int t) {
+    const Stopwatch watch(result_.summary.measure_seconds);
     const int views = static_cast<int>(rig_.size());
     std::vector<ViewMeasurement> current(views);
     std::vector<ViewObservation> observed(views);
@@ -156,7 +164,8 @@ private:
   }
 
   /// Features seen at t-1, lifted onto the refined surface there.
-  std::vector<SurfaceTrack> lift_tracks(int t) const {
+  std::vector<SurfaceTrack> lift_tracks(int t) {
+    const Stopwatch watch(result_.summary.map_seconds);
     const int views = static_cast<int>(rig_.size());
     std::vector<std::vector<SurfaceTrack>> tracks(views);
     if (t > 0)
@@ -170,7 +179,8 @@ private:
   }
 
   /// The lifted tracks, and the mapped features around where `dofs` would put them.
-  std::vector<SurfaceTrack> find_tracks(const Eigen::VectorXd &dofs, double reach) const {
+  std::vector<SurfaceTrack> find_tracks(const Eigen::VectorXd &dofs, double reach) {
+    const Stopwatch watch(result_.summary.map_seconds);
     std::vector<SurfaceTrack> all = lifted_;
     if (map_.size() == 0)
       return all;
@@ -194,26 +204,92 @@ private:
     problem.offset = offset_;
     problem.reliability = looseness_.reliability();
     problem.first = t == 0;
-    problem.predicted = t == 0 ? first_pose(actor_, rig_, outlines_, masks_, context_) : predict(t);
+    problem.predicted = t == 0 ? first_pose(actor_, rig_, masks_, context_) : predict(t);
     problem.start = problem.predicted;
     lifted_ = lift_tracks(t);
     problem.tracks = find_tracks(problem.predicted, options_.map_reach);
-    PoseEstimate estimate = parts_.pose->optimize(problem, context_);
-    if (estimate.dofs.size() != problem.start.size() || !estimate.dofs.allFinite())
-      throw Error("capture: the pose optimizer returned " + std::to_string(estimate.dofs.size()) + " values at frame " +
-                  std::to_string(result_.performance.frames[t]) + ", expected " + std::to_string(problem.start.size()) +
-                  " finite ones");
+    PoseEstimate estimate;
+    {
+      const Stopwatch watch(result_.summary.pose_seconds);
+      estimate = optimize(problem, t);
+    }
+    if (options_.find_lost_limbs)
+      recover_limbs(problem, estimate, t);
     result_.summary.rim_px.push_back(estimate.rim_px);
     result_.summary.sift_px.push_back(estimate.sift_px);
     return estimate.dofs;
   }
 
-  /// Damped constant velocity.
+  PoseEstimate optimize(const PoseProblem &problem, int t) {
+    PoseEstimate estimate = parts_.pose->optimize(problem, context_);
+    require_pose(estimate.dofs, "pose optimizer", t);
+    return estimate;
+  }
+
+  void require_pose(const Eigen::VectorXd &dofs, const std::string &piece, int t) const {
+    if (dofs.size() != actor_.skeleton.dof_count() || !dofs.allFinite())
+      throw Error("capture: the " + piece + " returned " + std::to_string(dofs.size()) + " values at frame " +
+                  std::to_string(result_.performance.frames[t]) + ", expected " + std::to_string(actor_.skeleton.dof_count()) +
+                  " finite ones");
+  }
+
+  /// Limbs with too large an error are sought globally and optimised again; the pose that overlaps better is kept. A limb that
+  /// was not found is sought again after a wait that grows with every miss: a mask may hold something that is no limb.
+  void recover_limbs(const PoseProblem &problem, PoseEstimate &estimate, int t) {
+    constexpr int kLongestWait = 10; // frames
+    const Stopwatch watch(result_.summary.limb_seconds);
+    jumped_.clear();
+    const LimbProblem limbs{&actor_, &rig_, &masks_, offset_, problem.reliability, problem.predicted};
+    const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
+    std::vector<Limb> sought;
+    for (size_t l = 0; l < limbs_.size(); ++l)
+      if (before[l] > options_.limbs.lost && t >= next_search_[l])
+        sought.push_back(limbs_[l]);
+    Eigen::VectorXd after = before;
+    if (!sought.empty()) {
+      PoseProblem again = problem;
+      again.start = parts_.limbs->search(limbs, estimate.dofs, sought, context_);
+      require_pose(again.start, "limb search", t);
+      for (const Limb &limb : sought)
+        again.predicted(limb.dofs) = again.start(limb.dofs);
+      again.tracks = find_tracks(again.start, options_.map_reach);
+      const PoseEstimate found = optimize(again, t);
+      if (overlap_energy(limbs, found.dofs, options_.limbs, context_) <
+          overlap_energy(limbs, estimate.dofs, options_.limbs, context_)) {
+        estimate = found;
+        after = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
+        for (const Limb &limb : sought)
+          jumped_.insert(jumped_.end(), limb.dofs.begin(), limb.dofs.end());
+      }
+    }
+    for (size_t l = 0; l < limbs_.size(); ++l) {
+      const bool lost = after[l] > options_.limbs.lost, searched = t >= next_search_[l];
+      if (!lost)
+        misses_[l] = 0;
+      else if (searched)
+        next_search_[l] = t + std::min(++misses_[l], kLongestWait);
+      if (before[l] > options_.limbs.lost)
+        note_lost({result_.performance.frames[t], limbs_[l].name, before[l], after[l], !lost}, searched);
+    }
+  }
+
+  void note_lost(const LostLimb &lost, bool searched) {
+    result_.summary.lost_limbs.push_back(lost);
+    char line[200];
+    std::snprintf(line, sizeof line, "capture: frame %d, limb '%s' lost (%.1f cm off), %s (%.1f cm)", lost.frame,
+                  lost.limb.c_str(), 100 * lost.before, lost.recovered ? "found again" : "not found", 100 * lost.after);
+    if (searched)
+      context_.say(line);
+  }
+
+  /// Damped constant velocity; a limb just found again has none.
   Eigen::VectorXd predict(int t) const {
     const MatrixRM &dofs = result_.performance.dofs;
     Eigen::VectorXd prediction = dofs.row(t - 1);
     if (t > 1)
       prediction += options_.velocity_damping * (dofs.row(t - 1) - dofs.row(t - 2)).transpose();
+    for (int d : jumped_)
+      prediction[d] = dofs(t - 1, d);
     return prediction.cwiseMax(actor_.skeleton.lower).cwiseMin(actor_.skeleton.upper);
   }
 
@@ -225,6 +301,7 @@ private:
     problem.rig = &rig_;
     problem.outlines = &outlines_;
     problem.tracks = tracks_ = find_tracks(dofs, options_.map_reach);
+    const Stopwatch watch(result_.summary.surface_seconds);
     problem.base = expected.vertices;
     problem.skinned = skinned.vertices;
     problem.reliability = looseness_.reliability();
@@ -313,6 +390,9 @@ private:
   std::vector<Image> masks_;
   FeatureMap map_;
   std::vector<SurfaceTrack> lifted_, tracks_;
+  std::vector<Limb> limbs_;
+  std::vector<int> misses_, next_search_; // by limb: searches in a row that failed, frame index of the next one
+  std::vector<int> jumped_;               // dofs of limbs found again in the latest frame
   Vertices last_surface_;
   std::vector<FaceBuffer> visible_;
 };
@@ -324,6 +404,8 @@ public:
       parts_.features = FeatureTracker::create(options.features);
     if (!parts_.pose)
       parts_.pose = PoseOptimizer::create(options.pose);
+    if (!parts_.limbs)
+      parts_.limbs = LimbSearch::create(options.limbs);
     if (!parts_.surface)
       parts_.surface = SurfaceRefiner::create(options.surface);
   }
@@ -347,7 +429,9 @@ public:
       throw std::invalid_argument("capture: frames " + std::to_string(options_.first_frame) + " to " +
                                   std::to_string(options_.first_frame + count - 1) + " were asked for, there are " +
                                   std::to_string(frames.frame_count()));
-    return Tracking(options_, parts_, actor, rig, frames, extractor, context).run(options_.first_frame, count);
+    const CameraChoice chosen(options_.cameras, rig, frames, extractor);
+    return Tracking(options_, parts_, actor, chosen.rig(), chosen.frames(), chosen.extractor(), context)
+        .run(options_.first_frame, count);
   }
 
 private:
@@ -362,6 +446,7 @@ void CaptureOptions::validate() const {
     throw std::invalid_argument("CaptureOptions: first_frame must not be negative and frame_count positive or -1");
   features.validate();
   pose.validate();
+  limbs.validate();
   surface.validate();
   if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0) ||
       !(map_reach > 0))

@@ -25,6 +25,8 @@ OPTION_GROUPS = {
     "capture": d.CaptureOptions,
     "features": d.FeatureTrackerOptions,
     "pose": d.PoseOptions,
+    "limbs": d.LimbSearchOptions,
+    "annealing": d.ParticleAnnealingOptions,
     "surface": d.SurfaceOptions,
     "segment": d.SegmentOptions,
     "body": d.BodyFitOptions,
@@ -36,7 +38,7 @@ OPTION_GROUPS = {
 #: A frame is 24 sweeps, as in the paper, but in 4 substeps of 6: at equal sweeps cloth stretches far less (docs/cloth.md).
 DEFAULTS = {"cloth": {"iterations": 6, "substeps": 4}}
 #: Set by the session or by --seed, not by an option of their own.
-DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed")}
+DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed")}
 
 
 def make_options(group: str, options_class: type, **chosen):
@@ -153,7 +155,10 @@ def run_rig(job: Job) -> dict:
 
 def run_performance(job: Job) -> dict:
     options = d.CaptureOptions(**job.options["capture"].to_dict())
-    options.features, options.pose, options.surface = (job.options[g] for g in ("features", "pose", "surface"))
+    for group in ("features", "pose", "limbs", "surface"):
+        setattr(options, group, job.options[group])
+    options.limbs.annealing = job.options["annealing"]
+    options.limbs.annealing.seed = job.seed
     extractor = trained_extractor(job, d.FrameSource.open(job.session))
     frames = d.FrameSource.open(job.session)  # afresh: reading on is cheap, jumping back is not
     result = d.PerformanceCapture.create(options).capture(job.actor, job.session.rig, frames, extractor, job.context)
@@ -165,6 +170,8 @@ def run_performance(job: Job) -> dict:
         "rim_px": float(np.mean(summary.rim_px)),
         "sift_px": float(np.mean(summary.sift_px)),
         "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
+        "lost_limbs": len(summary.lost_limbs),
+        "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
         "seconds_per_frame": summary.seconds_per_frame,
     }
 
@@ -241,8 +248,8 @@ STAGES = (
     ),
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
-        ("silhouette", "key", "background", "capture", "features", "pose", "surface"), run_performance,
-        lambda s: [calibration_file(s), *image_files(s)],
+        ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
+        lambda s: [calibration_file(s), *image_files(s)], uses_seed=True,
     ),
     Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment",), run_segment),
     Stage(

@@ -3,6 +3,7 @@
 // refinement.
 
 #include "doublet/capture/feature_tracker.h"
+#include "doublet/capture/limb_search.h"
 #include "doublet/capture/pose_optimizer.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
@@ -17,10 +18,13 @@ namespace doublet {
 
 struct CaptureOptions {
   int first_frame = 0, frame_count = -1; ///< -1 = to the end
+  std::vector<std::string> cameras;      ///< names of the cameras to use; empty = all
   bool use_sift = true;                  ///< off: silhouettes alone
   FeatureTrackerOptions features;
   PoseOptions pose;
+  LimbSearchOptions limbs;
   SurfaceOptions surface;
+  bool find_lost_limbs = true;   ///< seek limbs globally that the local optimisation has lost
   bool use_feature_map = true;   ///< find the first frame's features again in every frame; without it, tracks drift
   double map_reach = 0.05;       ///< of the silhouette's height; how far from its expected place a mapped feature is sought
   double velocity_damping = 0.8; ///< of the constant-velocity prediction; 0 = stay, 1 = go on as before
@@ -30,13 +34,24 @@ struct CaptureOptions {
   void validate() const;
 };
 
+/// A limb whose error was above LimbSearchOptions::lost after the local optimisation.
+struct LostLimb {
+  int frame = 0;          ///< video frame number
+  std::string limb;       ///< name of its first joint
+  double before = 0;      ///< m; error after the local optimisation
+  double after = 0;       ///< m; error of the pose that was kept
+  bool recovered = false; ///< after <= LimbSearchOptions::lost
+};
+
 struct CaptureSummary {
   std::vector<double> rim_px, sift_px;        ///< (T) mean residual per frame, pixels
   std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
   std::vector<int> views;                     ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
-  /// Whole run: images to outlines and features; poses; surfaces.
-  double measure_seconds = 0, pose_seconds = 0, surface_seconds = 0;
+  std::vector<LostLimb> lost_limbs;           ///< in the order of frames
+  /// Whole run: images to outlines, features and their matches; features lifted to the surface and found by the map; poses; the
+  /// check of limbs and the search for lost ones; surfaces.
+  double measure_seconds = 0, map_seconds = 0, pose_seconds = 0, limb_seconds = 0, surface_seconds = 0;
   double seconds_per_frame = 0;
 };
 
@@ -50,6 +65,7 @@ struct CaptureResult {
 struct CaptureParts {
   std::shared_ptr<FeatureTracker> features;
   std::shared_ptr<PoseOptimizer> pose;
+  std::shared_ptr<LimbSearch> limbs;
   std::shared_ptr<SurfaceRefiner> surface;
 };
 

@@ -1,0 +1,71 @@
+#pragma once
+// Limbs that the local optimisation has lost: found by their own error, sought globally (Sect. 4; Gall et al. 2009,
+// Sect. 4.2-4.3).
+
+#include "doublet/capture/particle_annealing.h"
+#include "doublet/core/context.h"
+#include "doublet/core/image.h"
+#include "doublet/core/stage_values.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace doublet {
+
+/// A chain of the skeleton between two forks, or from a fork to an end: an arm, a leg, the trunk, neck and head.
+struct Limb {
+  std::string name;        ///< of its first joint
+  std::vector<int> joints; ///< parents first
+  std::vector<int> dofs;   ///< of these joints, in order; never empty
+};
+
+/// The limbs of a skeleton by its topology, parents before children. A joint forks if two or more of its branches can move on
+/// their own; branches without freedom belong to the limb they hang on. The root is no limb: it moves everything.
+std::vector<Limb> find_limbs(const Skeleton &skeleton);
+
+/// One frame. Arrays over views have one entry a camera; a view with an empty mask takes no part.
+struct LimbProblem {
+  const RiggedMesh *actor = nullptr;
+  const CameraRig *rig = nullptr;
+  const std::vector<Image> *masks = nullptr; ///< measured; 255 = actor
+  Vertices offset;                           ///< (V, 3) m, rest pose: expected non-rigid offset; may be empty
+  Eigen::VectorXd reliability;               ///< (V) in [0, 1]: how well a vertex tells the pose; low on loose cloth
+  Eigen::VectorXd predicted;                 ///< (D) pose expected from the frames before
+};
+
+struct LimbSearchOptions {
+  int raster_size = 160;    ///< px; longest side of the masks and renderings compared; an arm is 3 to 4 px wide
+  double lost = 0.02;       ///< m; a limb with a larger error is lost. Tracked ones have a few mm, an arm 30 degrees off 4 cm
+  double reach = 0.3;       ///< m; disagreements count at most so much
+  double deviation = 0.7;   ///< rad; of the first particles around the prediction
+  double smoothness = 0.02; ///< of (angle - prediction)^2 / deviation^2 against the share of the limb's area
+  ParticleAnnealingOptions annealing;
+  void validate() const;
+};
+
+/// Error (limbs), m, of each limb in the pose `dofs` (D): how far its rendered pixels lie outside the masks, plus how far mask
+/// pixels that nothing explains lie from the rendering, summed and divided by the limb's pixels. What is not explained is
+/// counted, a connected piece at a time, for the limb whose bones pass nearest in the image. Pixels count by reliability: cloth
+/// that flies loses no limb.
+Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &limbs,
+                            const LimbSearchOptions &options, const Context &context);
+
+/// Overlap energy of a pose: pixels rendered outside the masks, and mask pixels not covered, over the mask pixels; mean over the
+/// views. 0 = silhouettes agree.
+double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, const LimbSearchOptions &options,
+                      const Context &context);
+
+/// The swap point: a pose with lost limbs in, a better one out; may only change the limbs' degrees of freedom.
+class LimbSearch {
+public:
+  virtual ~LimbSearch() = default;
+  /// `lost`: in the order of find_limbs(). Returns a pose (D), within the joint limits.
+  virtual Eigen::VectorXd search(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &lost,
+                                 const Context &context) = 0;
+  /// Interacting simulated annealing, one limb after the other, of the overlap in its own pixels and the distance to the
+  /// prediction.
+  static std::unique_ptr<LimbSearch> create(const LimbSearchOptions &options = {});
+};
+
+} // namespace doublet
