@@ -144,6 +144,7 @@ void bind_performance(py::module_ &m) {
       .field("use_feature_map", &CaptureOptions::use_feature_map, "find the features of the first frame again in every frame")
       .field("map_reach", &CaptureOptions::map_reach, "of the silhouette height, how far a mapped feature is sought")
       .field("velocity_damping", &CaptureOptions::velocity_damping, "of the constant-velocity prediction, 0 = stay")
+      .field("acceleration", &CaptureOptions::acceleration, "share of the last change of velocity expected again")
       .field("offset_decay", &CaptureOptions::offset_decay, "share of the non-rigid offset expected again in the next frame")
       .field("loose", &CaptureOptions::loose, "m, offset at which a vertex tells half as much about the pose")
       .field("smooth_window", &CaptureOptions::smooth_window, "frames of the Savitzky-Golay filter, 1 = off")

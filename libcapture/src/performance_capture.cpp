@@ -100,7 +100,8 @@ public:
            FrameSource &frames, const SilhouetteExtractor *extractor, const Context &context)
       : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), context_(context),
         looseness_(actor, options.loose), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)),
-        limbs_(find_limbs(actor.skeleton)), misses_(limbs_.size(), 0), next_search_(limbs_.size(), 0) {}
+        limbs_(find_limbs(actor.skeleton)), misses_(limbs_.size(), 0), next_search_(limbs_.size(), 0),
+        steady_since_(actor.skeleton.dof_count(), 0) {}
 
   CaptureResult run(int first, int count) {
     const double start = now();
@@ -238,7 +239,6 @@ private:
   void recover_limbs(const PoseProblem &problem, PoseEstimate &estimate, int t) {
     constexpr int kLongestWait = 10; // frames
     const Stopwatch watch(result_.summary.limb_seconds);
-    jumped_.clear();
     const LimbProblem limbs{&actor_, &rig_, &masks_, offset_, problem.reliability, problem.predicted};
     const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
     std::vector<Limb> sought;
@@ -259,7 +259,8 @@ private:
         estimate = found;
         after = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
         for (const Limb &limb : sought)
-          jumped_.insert(jumped_.end(), limb.dofs.begin(), limb.dofs.end());
+          for (int d : limb.dofs)
+            steady_since_[d] = t;
       }
     }
     for (size_t l = 0; l < limbs_.size(); ++l) {
@@ -282,14 +283,16 @@ private:
       context_.say(line);
   }
 
-  /// Damped constant velocity; a limb just found again has none.
+  /// From the last three frames: damped velocity and a share of its change; both only since the limb was last found again.
   Eigen::VectorXd predict(int t) const {
-    const MatrixRM &dofs = result_.performance.dofs;
-    Eigen::VectorXd prediction = dofs.row(t - 1);
-    if (t > 1)
-      prediction += options_.velocity_damping * (dofs.row(t - 1) - dofs.row(t - 2)).transpose();
-    for (int d : jumped_)
-      prediction[d] = dofs(t - 1, d);
+    const MatrixRM &x = result_.performance.dofs;
+    Eigen::VectorXd prediction = x.row(t - 1);
+    for (int d = 0; d < prediction.size(); ++d) {
+      if (t - 2 >= steady_since_[d])
+        prediction[d] += options_.velocity_damping * (x(t - 1, d) - x(t - 2, d));
+      if (t - 3 >= steady_since_[d])
+        prediction[d] += options_.acceleration * (x(t - 1, d) - 2 * x(t - 2, d) + x(t - 3, d));
+    }
     return prediction.cwiseMax(actor_.skeleton.lower).cwiseMin(actor_.skeleton.upper);
   }
 
@@ -392,7 +395,7 @@ private:
   std::vector<SurfaceTrack> lifted_, tracks_;
   std::vector<Limb> limbs_;
   std::vector<int> misses_, next_search_; // by limb: searches in a row that failed, frame index of the next one
-  std::vector<int> jumped_;               // dofs of limbs found again in the latest frame
+  std::vector<int> steady_since_;         // by dof: frame index from which it has moved without a jump
   Vertices last_surface_;
   std::vector<FaceBuffer> visible_;
 };
@@ -448,10 +451,10 @@ void CaptureOptions::validate() const {
   pose.validate();
   limbs.validate();
   surface.validate();
-  if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0) ||
-      !(map_reach > 0))
-    throw std::invalid_argument(
-        "CaptureOptions: velocity_damping and offset_decay must lie in [0, 1], loose and map_reach must be positive");
+  if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(acceleration >= 0 && acceleration <= 1) ||
+      !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0) || !(map_reach > 0))
+    throw std::invalid_argument("CaptureOptions: velocity_damping, acceleration and offset_decay must lie in [0, 1], loose and "
+                                "map_reach must be positive");
   savitzky_golay_weights(smooth_window, std::min(smooth_order, smooth_window - 1));
 }
 

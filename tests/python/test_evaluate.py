@@ -69,6 +69,18 @@ def test_known_shift_gives_known_errors(scene):
     assert e.silhouette_iou(made, truth, scene["cameras"], 1, QUIET) < 0.97
 
 
+def test_jitter_is_relative_to_the_truth(scene):
+    made, truth = reconstruct(scene)
+    with pytest.raises(e.Missing, match="do not move"):
+        e.jitter_ratio(made, truth)
+    bent = np.zeros((FRAMES, 1, 3))
+    bent[1, 0, 0] = 0.004
+    np.savez(scene["truth"] / "skeleton.npz", joint_names=["pelvis"], joints=bent)
+    assert e.jitter_ratio(made, truth) == pytest.approx(0, abs=1e-6)
+    made.performance.joints = np.asarray(made.performance.joints) + 1.5 * bent
+    assert e.jitter_ratio(made, truth) == pytest.approx(1.5, rel=1e-3)
+
+
 def test_cloth_iou(scene):
     count = len(scene["body"][0])
     exact = (np.arange(len(scene["vertices"])) >= count).astype(float)

@@ -18,6 +18,7 @@ METRICS = {
     "template_invented_found": ("", "share of the template's area over 10 mm from any true surface that is marked invalid"),
     "template_true_marked": ("", "share of the visible true surface that lies nearest to a triangle marked invalid"),
     "joint_mm": ("mm", "mean distance of the marked joints, over joints and frames"),
+    "jitter_ratio": ("", "mean |second difference| of the marked joints over time, captured over true"),
     "surface_body_mm": ("mm", "mean distance from the visible true body to the captured surface"),
     "surface_cloth_mm": ("mm", "mean distance from the visible true garment to the captured surface"),
     "silhouette_iou": ("", "captured surface's mask against the true mask, mean over cameras and frames"),
@@ -147,16 +148,39 @@ def template_mask(made: Reconstruction, truth: Truth, cameras) -> dict[str, floa
     return {"template_invented_found": found, "template_true_marked": marked}
 
 
-def joint_mm(made: Reconstruction, truth: Truth, every: int) -> float:
+def shared_joints(made: Reconstruction, truth: Truth) -> tuple[list[int], list[int], dict[int, np.ndarray]]:
+    """Indices of the joints that both have, ours and the truth's, and frame -> (J, 3)."""
     names, true_joints = truth.joints()
     ours = made.actor.skeleton.joint_names
     shared = [n for n in ours if n in names]
     if not shared:
         raise Missing("no joint of the character has a true one of its name")
-    mine, theirs = [ours.index(n) for n in shared], [names.index(n) for n in shared]
+    return [ours.index(n) for n in shared], [names.index(n) for n in shared], true_joints
+
+
+def joint_mm(made: Reconstruction, truth: Truth, every: int) -> float:
+    mine, theirs, true_joints = shared_joints(made, truth)
     joints = made.performance.joints
     errors = [joints[row][mine] - true_joints[frame][theirs] for row, frame in made.rows(true_joints, every)]
     return 1000 * float(np.linalg.norm(errors, axis=-1).mean())
+
+
+def jitter_ratio(made: Reconstruction, truth: Truth) -> float:
+    """Joint positions, so that skeletons of other degrees of freedom compare; all frames that follow each other."""
+    mine, theirs, true_joints = shared_joints(made, truth)
+    joints = made.performance.joints
+    rows = made.rows(true_joints, 1)
+    triples = [t for t in zip(rows, rows[1:], rows[2:]) if t[2][1] - t[0][1] == 2]
+    if not triples:
+        raise Missing("no three captured frames that follow each other have true ones")
+
+    def jitter(at) -> float:
+        return float(np.mean([np.linalg.norm(at(a) - 2 * at(b) + at(c), axis=-1).mean() for a, b, c in triples]))
+
+    true_jitter = jitter(lambda pair: true_joints[pair[1]][theirs])
+    if true_jitter == 0:
+        raise Missing("the true joints do not move")
+    return jitter(lambda pair: np.asarray(joints[pair[0]])[mine]) / true_jitter
 
 
 def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> dict[str, float]:
@@ -275,6 +299,7 @@ def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console
     computed = {
         "template": lambda: template_mask(made, truth, cameras),
         "joint_mm": lambda: joint_mm(made, truth, every),
+        "jitter_ratio": lambda: jitter_ratio(made, truth),
         "surface": lambda: surface_mm(made, truth, cameras, every, context),
         "silhouette_iou": lambda: silhouette_iou(made, truth, cameras, every, context),
         "cloth_iou": lambda: cloth_iou(made, truth, cameras),

@@ -28,6 +28,7 @@ struct CaptureOptions {
   bool use_feature_map = true;   ///< find the first frame's features again in every frame; without it, tracks drift
   double map_reach = 0.05;       ///< of the silhouette's height; how far from its expected place a mapped feature is sought
   double velocity_damping = 0.8; ///< of the constant-velocity prediction; 0 = stay, 1 = go on as before
+  double acceleration = 0.3;     ///< share of the last change of velocity that is expected again
   double offset_decay = 0.95;    ///< share of the non-rigid offset that is expected again in the next frame
   double loose = 0.01; ///< m; a vertex that usually lies this far from its skinned position tells half as much about the pose
   int smooth_window = 5, smooth_order = 2; ///< Savitzky-Golay over frames, of pose and offsets; a window of 1 switches it off
