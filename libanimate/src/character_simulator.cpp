@@ -75,6 +75,29 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
   return part;
 }
 
+void check_regions(const CharacterState &state, const std::vector<pbd::Material> &materials, std::size_t count) {
+  if (materials.size() != count || state.regions.size() != count)
+    throw std::invalid_argument("CharacterSimulator::step: the character has " + std::to_string(count) + " cloth regions, got " +
+                                std::to_string(materials.size()) + " materials and " + std::to_string(state.regions.size()) +
+                                " states");
+}
+
+/// What a region's solver is told about a frame.
+struct RegionInputs {
+  Vertices targets, previous_targets;
+  pbd::StepInputs view;
+  RegionInputs(const ClothRegion &region, const PosedFrame &previous, const PosedFrame &current, double dt)
+      : targets(gather(current.skinned, region.vertex_from_cloth)),
+        previous_targets(gather(previous.skinned, region.vertex_from_cloth)) {
+    view.targets = &targets;
+    view.previous_targets = &previous_targets;
+    view.capsules = &current.capsules;
+    view.previous_capsules = &previous.capsules;
+    view.dt = dt;
+  }
+  RegionInputs(const RegionInputs &) = delete; // view points into this one
+};
+
 } // namespace
 
 CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
@@ -125,22 +148,37 @@ void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, 
 
 void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
                               const std::vector<pbd::Material> &materials, double dt) const {
-  if (materials.size() != regions_.size() || state.regions.size() != regions_.size())
-    throw std::invalid_argument("CharacterSimulator::step: the character has " + std::to_string(regions_.size()) +
-                                " cloth regions, got " + std::to_string(materials.size()) + " materials and " +
-                                std::to_string(state.regions.size()) + " states");
+  check_regions(state, materials, regions_.size());
   for (std::size_t r = 0; r < regions_.size(); ++r) {
-    const ClothRegion &region = regions_[r];
-    const Vertices targets = gather(current.skinned, region.vertex_from_cloth);
-    const Vertices previous_targets = gather(previous.skinned, region.vertex_from_cloth);
-    pbd::StepInputs inputs;
-    inputs.targets = &targets;
-    inputs.previous_targets = &previous_targets;
-    inputs.capsules = &current.capsules;
-    inputs.previous_capsules = &previous.capsules;
-    inputs.dt = dt;
-    region.solver->step(state.regions[r], inputs, materials[r]);
+    const RegionInputs inputs(regions_[r], previous, current, dt);
+    regions_[r].solver->step(state.regions[r], inputs.view, materials[r]);
   }
+}
+
+std::vector<FailedRegion> CharacterSimulator::step_each(std::span<CharacterState *const> states, const PosedFrame &previous,
+                                                        const PosedFrame &current,
+                                                        std::span<const std::vector<pbd::Material> *const> materials,
+                                                        double dt) const {
+  if (states.size() != materials.size())
+    throw std::invalid_argument("CharacterSimulator::step_each: " + std::to_string(states.size()) + " states and " +
+                                std::to_string(materials.size()) + " lists of materials, expected equally many");
+  for (std::size_t i = 0; i < states.size(); ++i)
+    check_regions(*states[i], *materials[i], regions_.size());
+  std::vector<FailedRegion> failed;
+  std::vector<pbd::ClothState> cloth(states.size());
+  std::vector<pbd::Material> material(states.size());
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    const RegionInputs inputs(regions_[r], previous, current, dt);
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      cloth[i] = std::move(states[i]->regions[r]);
+      material[i] = (*materials[i])[r];
+    }
+    for (int i : regions_[r].solver->step_each(cloth, {&inputs.view, 1}, material))
+      failed.push_back({i, static_cast<int>(r)});
+    for (std::size_t i = 0; i < states.size(); ++i)
+      states[i]->regions[r] = std::move(cloth[i]);
+  }
+  return failed;
 }
 
 Vertices CharacterSimulator::surface(const CharacterState &state, const PosedFrame &frame) const {

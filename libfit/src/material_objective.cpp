@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace doublet {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 using namespace fit;
 
 constexpr int kFramesPerChunk = 8; // between two polls for cancellation
+constexpr int kLargestGroup = 16;  // samples that the solver steps side by side
+constexpr int kSmallestGroup = 4;  // below which a group is not worth a thread of its own
 
 struct Box {
   float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
@@ -98,12 +101,12 @@ struct MaterialObjective::Impl {
   CoarseBuffer draw_others(const PosedFrame &frame, const CoarseCamera &camera, const Box &box) const;
   void put_back(Rollout &rollout, const PosedFrame &frame) const;
   void check_explosion(Rollout &rollout, const PosedFrame &frame) const;
-  void step(Rollout &rollout, int t) const;
+  void step(std::span<Rollout> group, int from, int to, bool settling) const;
   void measure(Rollout &rollout, int t) const;
   void measure_rims(Rollout &rollout, int t, std::size_t c) const;
   void measure_features(Rollout &rollout, int t, std::size_t c) const;
-  void start(Rollout &rollout) const;
-  void advance(Rollout &rollout, int from, int to) const;
+  void start(std::span<Rollout> group) const;
+  void advance(std::span<Rollout> group, int from, int to) const;
   double energy(const Rollout &rollout, int region) const;
 };
 
@@ -223,7 +226,7 @@ void MaterialObjective::Impl::keep_image(int t, std::size_t c, const Vertices &c
 }
 
 /// A region that has exploded is put back on the skinned surface, so that it cannot spoil the views of the others, and goes on
-/// with the centre of the box, so that it does not explode again.
+/// with the default material, so that it does not explode again.
 void MaterialObjective::Impl::put_back(Rollout &rollout, const PosedFrame &frame) const {
   for (int r = 0; r < regions(); ++r) {
     if (!rollout.exploded[r])
@@ -248,23 +251,20 @@ void MaterialObjective::Impl::check_explosion(Rollout &rollout, const PosedFrame
   put_back(rollout, frame);
 }
 
-/// A solver throws std::runtime_error, and leaves its state alone, when the cloth stops being finite. Regions step in order: the
-/// first that has not moved has exploded; the others step again without it.
-void MaterialObjective::Impl::step(Rollout &rollout, int t) const {
-  const CharacterState before = rollout.state;
-  for (int attempt = 0; attempt < regions(); ++attempt)
-    try {
-      simulator->step(rollout.state, frames[t - 1], frames[t], rollout.materials, options.dt);
-      return;
-    } catch (const std::runtime_error &) {
-      int failed = 0;
-      while (failed + 1 < regions() && rollout.state.regions[failed].positions != before.regions[failed].positions)
-        ++failed;
-      rollout.exploded[failed] = 1;
-      rollout.state = before;
-      put_back(rollout, frames[t - 1]);
-    }
-  rollout.exploded.assign(regions(), 1);
+/// From frame `from` to frame `to`. Cloth that stops being finite stays where it was, and has exploded; while it is still
+/// settling the sample's other regions, too, never came to rest.
+void MaterialObjective::Impl::step(std::span<Rollout> group, int from, int to, bool settling) const {
+  std::vector<CharacterState *> states;
+  std::vector<const std::vector<pbd::Material> *> materials;
+  for (Rollout &rollout : group) {
+    states.push_back(&rollout.state);
+    materials.push_back(&rollout.materials);
+  }
+  for (const auto &[sample, region] : simulator->step_each(states, frames[from], frames[to], materials, options.dt))
+    if (settling)
+      group[sample].exploded.assign(regions(), 1);
+    else
+      group[sample].exploded[region] = 1;
 }
 
 /// Eq. (6).
@@ -322,24 +322,28 @@ void MaterialObjective::Impl::measure(Rollout &rollout, int t) const {
   }
 }
 
-void MaterialObjective::Impl::start(Rollout &rollout) const {
-  rollout.state = simulator->start(frames[0], &first_surface);
-  rollout.carried.assign(cameras.size(), {});
-  rollout.exploded.assign(regions(), 0);
-  rollout.terms.assign(regions(), std::vector<FrameTerms>(frames.size()));
-  try {
-    simulator->settle(rollout.state, frames[0], rollout.materials, options.dt, options.settle_frames);
-  } catch (const std::runtime_error &) {
-    rollout.exploded.assign(regions(), 1);
+void MaterialObjective::Impl::start(std::span<Rollout> group) const {
+  for (Rollout &rollout : group) {
+    rollout.state = simulator->start(frames[0], &first_surface);
+    rollout.carried.assign(cameras.size(), {});
+    rollout.exploded.assign(regions(), 0);
+    rollout.terms.assign(regions(), std::vector<FrameTerms>(frames.size()));
   }
+  for (int i = 0; i < options.settle_frames; ++i)
+    step(group, 0, 0, true);
+  for (Rollout &rollout : group)
+    for (pbd::ClothState &region : rollout.state.regions)
+      region.velocities.setZero();
 }
 
-void MaterialObjective::Impl::advance(Rollout &rollout, int from, int to) const {
+void MaterialObjective::Impl::advance(std::span<Rollout> group, int from, int to) const {
   for (int t = from; t < to; ++t) {
     if (t > 0)
-      step(rollout, t);
-    check_explosion(rollout, frames[t]);
-    measure(rollout, t);
+      step(group, t - 1, t, false);
+    for (Rollout &rollout : group) {
+      check_explosion(rollout, frames[t]);
+      measure(rollout, t);
+    }
   }
 }
 
@@ -432,11 +436,17 @@ MatrixRM MaterialObjective::energies(const std::vector<std::vector<pbd::Material
     rollouts.emplace_back(impl_->topology);
     rollouts.back().materials = sample;
   }
-  parallel_for(context, count, [&](int s) { impl_->start(rollouts[s]); });
+  const int groups = std::max((count + kLargestGroup - 1) / kLargestGroup,
+                              std::min(context.thread_count(), (count + kSmallestGroup - 1) / kSmallestGroup));
+  const auto group = [&](int g) {
+    const int first = count * g / groups, last = count * (g + 1) / groups;
+    return std::span(rollouts).subspan(first, last - first);
+  };
+  parallel_for(context, groups, [&](int g) { impl_->start(group(g)); });
   for (int from = 0; from < impl_->frame_count(); from += kFramesPerChunk) {
     context.check_cancelled();
     const int to = std::min(from + kFramesPerChunk, impl_->frame_count());
-    parallel_for(context, count, [&](int s) { impl_->advance(rollouts[s], from, to); });
+    parallel_for(context, groups, [&](int g) { impl_->advance(group(g), from, to); });
   }
   MatrixRM result(count, regions);
   for (int s = 0; s < count; ++s)
@@ -462,8 +472,8 @@ std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<
   require(static_cast<int>(materials.size()) == impl_->regions(), "MaterialObjective: materials: expected one a region");
   Rollout rollout(impl_->topology);
   rollout.materials = materials;
-  impl_->start(rollout);
-  impl_->advance(rollout, 0, impl_->frame_count());
+  impl_->start({&rollout, 1});
+  impl_->advance({&rollout, 1}, 0, impl_->frame_count());
   return rollout.terms;
 }
 

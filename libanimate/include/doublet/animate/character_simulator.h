@@ -5,6 +5,7 @@
 #include "doublet/pbd/cloth_solver.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace doublet {
@@ -28,6 +29,11 @@ struct CharacterState {
   std::vector<pbd::ClothState> regions;
 };
 
+/// An index into the states of step_each, and one into their regions.
+struct FailedRegion {
+  int character, region;
+};
+
 class CharacterSimulator {
 public:
   /// Throws Error if sizes disagree. A character without cloth (no region) is legal: skinning alone.
@@ -46,6 +52,11 @@ public:
   /// Advances every region from one posed frame to the next; materials: one a region.
   void step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
             const std::vector<pbd::Material> &materials, double dt) const;
+  /// The same for several characters side by side (see pbd::ClothSolver::step_each): each gets the bits of a step of its own. A
+  /// region that comes out not finite stays as it was. Returns those, ordered by region, then character.
+  std::vector<FailedRegion> step_each(std::span<CharacterState *const> states, const PosedFrame &previous,
+                                      const PosedFrame &current, std::span<const std::vector<pbd::Material> *const> materials,
+                                      double dt) const;
   /// (V, 3): skinned vertices, cloth vertices replaced by the simulated ones.
   Vertices surface(const CharacterState &state, const PosedFrame &frame) const;
 
