@@ -227,7 +227,7 @@ TEST_F(SessionFiles, ImageFoldersAreVideos) {
   fs::create_directory(folder / "cam0");
   for (int frame : {1, 2}) {
     std::ofstream image(folder.path() / "cam0" / (std::to_string(frame) + ".ppm"));
-    image << "P6 502 502 255\n" << std::string(502 * 502 * 3, static_cast<char>(40 * frame));
+    image << "P6 502 502 255\n" << std::string(502 * 251 * 3, static_cast<char>(40 * frame)) << std::string(502 * 251 * 3, '\0');
   }
   replace("session.json", "videos/cam0.mp4", "cam0/%d.ppm");
   replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 2");

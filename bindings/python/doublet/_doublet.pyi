@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -114,6 +114,14 @@ class MeshSequence:
         """
     @frames.setter
     def frames(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+    @property
+    def unposed(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy
+        """
+    @unposed.setter
+    def unposed(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
 class Camera:
     """
@@ -436,6 +444,14 @@ class SessionCamera:
     def __init__(self) -> None:
         ...
     @property
+    def background(self) -> pathlib.Path:
+        """
+        image of the empty stage or pattern of several; empty = none
+        """
+    @background.setter
+    def background(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
     def masks(self) -> pathlib.Path:
         """
         the same kinds; empty = key the video
@@ -543,13 +559,106 @@ class ChromaKeyOptions:
     @smallest_key_share.setter
     def smallest_key_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class BackgroundOptions:
+    """
+    Options of silhouettes by the difference to a background.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def highlight(self) -> float:
+        """
+        brightest
+        """
+    @highlight.setter
+    def highlight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def shadow(self) -> float:
+        """
+        darkest share of its brightness that counts as shadowed background
+        """
+    @shadow.setter
+    def shadow(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_blob(self) -> int:
+        """
+        px at 1004 x 1004, smaller islands and holes are dropped
+        """
+    @smallest_blob.setter
+    def smallest_blob(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def tolerance(self) -> float:
+        """
+        standard deviations of the noise
+        """
+    @tolerance.setter
+    def tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class SilhouetteOptions:
+    """
+    How silhouettes of a session are found.
+    """
+    background: BackgroundOptions
+    key: ChromaKeyOptions
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def median_frames(self) -> int:
+        """
+        frames that the median is taken of
+        """
+    @median_frames.setter
+    def median_frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def method(self) -> str:
+        """
+        auto, plates, key or median
+        """
+    @method.setter
+    def method(self, arg0: str) -> None:
+        ...
 class SilhouetteExtractor:
     """
     Swap point: image -> mask (255 = actor).
     """
     @staticmethod
+    @typing.overload
     def create(options: ChromaKeyOptions = ...) -> SilhouetteExtractor:
-        ...
+        """
+        By a key colour.
+        """
+    @staticmethod
+    @typing.overload
+    def create(options: BackgroundOptions) -> SilhouetteExtractor:
+        """
+        By the difference to a background.
+        """
     def __init__(self) -> None:
         ...
     def extract(self, camera: typing.SupportsInt | typing.SupportsIndex, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
@@ -1104,6 +1213,191 @@ class PoseOptimizer:
         ...
     def optimize(self, problem: PoseProblem, context: Context = ...) -> PoseEstimate:
         ...
+class ParticleAnnealingOptions:
+    """
+    Options of the interacting simulated annealing of lost limbs.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def coldness(self) -> float:
+        """
+        beta_t = coldness (t + 1)^power, against the share of the limb's area
+        """
+    @coldness.setter
+    def coldness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        selections and moves
+        """
+    @iterations.setter
+    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def particles(self) -> int:
+        """
+        energies an iteration
+        """
+    @particles.setter
+    def particles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def power(self) -> float:
+        """
+        of the annealing schedule
+        """
+    @power.setter
+    def power(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        of the random numbers
+        """
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def spread(self) -> float:
+        """
+        share of the particles' covariance in each move
+        """
+    @spread.setter
+    def spread(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class LimbSearchOptions:
+    """
+    Options of the search for lost limbs.
+    """
+    annealing: ParticleAnnealingOptions
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def deviation(self) -> float:
+        """
+        rad, of the first particles around the prediction
+        """
+    @deviation.setter
+    def deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def lost(self) -> float:
+        """
+        m, a limb with a larger error is lost
+        """
+    @lost.setter
+    def lost(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def raster_size(self) -> int:
+        """
+        px, longest side of the masks and renderings compared
+        """
+    @raster_size.setter
+    def raster_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def reach(self) -> float:
+        """
+        m, disagreements count at most so much
+        """
+    @reach.setter
+    def reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smoothness(self) -> float:
+        """
+        weight of the distance to the prediction, against overlap
+        """
+    @smoothness.setter
+    def smoothness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class Limb:
+    """
+    A chain of the skeleton between two forks, or from a fork to an end.
+    """
+    @property
+    def dofs(self) -> list[int]:
+        """
+        indices
+        """
+    @property
+    def joints(self) -> list[int]:
+        """
+        indices, parents first
+        """
+    @property
+    def name(self) -> str:
+        """
+        of its first joint
+        """
+class LimbProblem:
+    """
+    A frame in which limbs were lost. Lives as long as the call it was given to.
+    """
+    @property
+    def actor(self) -> RiggedMesh:
+        """
+        a copy
+        """
+    @property
+    def masks(self) -> list[typing.Annotated[numpy.ndarray, numpy.uint8]]:
+        """
+        measured, one a camera; empty = no part
+        """
+    @property
+    def offset(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m, rest pose, carried over from the frame before
+        """
+    @property
+    def predicted(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (D)
+        """
+    @property
+    def reliability(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) in [0, 1], low on loose cloth
+        """
+    @property
+    def rig(self) -> list[Camera]:
+        ...
+class LimbSearch:
+    """
+    Swap point: a pose with lost limbs -> a better one.
+    """
+    @staticmethod
+    def create(options: LimbSearchOptions = ...) -> LimbSearch:
+        ...
+    def __init__(self) -> None:
+        ...
+    def search(self, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], lost: collections.abc.Sequence[Limb], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        ...
 class SurfaceOptions:
     """
     Options of the surface refiner.
@@ -1276,15 +1570,17 @@ class CaptureParts:
     The pieces of a capture; None = the built-in one, made from the options.
     """
     features: typing.Any
+    limbs: typing.Any
     pose: typing.Any
     surface: typing.Any
-    def __init__(self, features: typing.Any = None, pose: typing.Any = None, surface: typing.Any = None) -> None:
+    def __init__(self, features: typing.Any = None, pose: typing.Any = None, limbs: typing.Any = None, surface: typing.Any = None) -> None:
         ...
 class CaptureOptions:
     """
     Options of PerformanceCapture.
     """
     features: FeatureTrackerOptions
+    limbs: LimbSearchOptions
     pose: PoseOptions
     surface: SurfaceOptions
     @staticmethod
@@ -1299,6 +1595,30 @@ class CaptureOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
+        ...
+    @property
+    def acceleration(self) -> float:
+        """
+        share of the last change of velocity expected again
+        """
+    @acceleration.setter
+    def acceleration(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def cameras(self) -> list[str]:
+        """
+        names of the cameras to use, none = all
+        """
+    @cameras.setter
+    def cameras(self, arg0: collections.abc.Sequence[str]) -> None:
+        ...
+    @property
+    def find_lost_limbs(self) -> bool:
+        """
+        seek limbs globally that the local optimisation has lost
+        """
+    @find_lost_limbs.setter
+    def find_lost_limbs(self, arg0: bool) -> None:
         ...
     @property
     def first_frame(self) -> int:
@@ -1380,6 +1700,45 @@ class CaptureOptions:
     @velocity_damping.setter
     def velocity_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class LostLimb:
+    """
+    A limb that the local optimisation had lost.
+    """
+    recovered: bool
+    def __init__(self) -> None:
+        ...
+    @property
+    def after(self) -> float:
+        """
+        m, error of the pose that was kept
+        """
+    @after.setter
+    def after(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def before(self) -> float:
+        """
+        m, error after the local optimisation
+        """
+    @before.setter
+    def before(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def frame(self) -> int:
+        """
+        video frame number
+        """
+    @frame.setter
+    def frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def limb(self) -> str:
+        """
+        name of its first joint
+        """
+    @limb.setter
+    def limb(self, arg0: str) -> None:
+        ...
 class CaptureSummary:
     def __init__(self) -> None:
         ...
@@ -1398,6 +1757,26 @@ class CaptureSummary:
         """
     @jitter_before.setter
     def jitter_before(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def limb_seconds(self) -> float:
+        ...
+    @limb_seconds.setter
+    def limb_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def lost_limbs(self) -> list[LostLimb]:
+        """
+        in the order of frames
+        """
+    @lost_limbs.setter
+    def lost_limbs(self, arg0: collections.abc.Sequence[LostLimb]) -> None:
+        ...
+    @property
+    def map_seconds(self) -> float:
+        ...
+    @map_seconds.setter
+    def map_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def measure_seconds(self) -> float:
@@ -3139,6 +3518,10 @@ def face_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64,
     ...
 def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     ...
+def find_limbs(skeleton: Skeleton) -> list[Limb]:
+    """
+    The limbs of a skeleton by its topology.
+    """
 def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Clothness, options: ProxyOptions = ...) -> list[TaperedCapsule]:
     ...
 def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
@@ -3193,6 +3576,10 @@ def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> list[int]:
     """
     (F) 1 for the faces that pass through another face
     """
+def session_silhouettes(session: Session, frames: FrameSource, options: SilhouetteOptions = ..., context: Context = ...) -> SilhouetteExtractor:
+    """
+    A trained extractor for the cameras without ready masks; None if all have some.
+    """
 def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) the reference motion re-animated
@@ -3205,6 +3592,10 @@ def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: ty
     """
 def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | str | bytes, options: TrainOptions = ..., context: Context = ...) -> TrainSummary:
     ...
+def unposed_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    (T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.
+    """
 def vertex_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     ...
 def vertex_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:

@@ -263,7 +263,8 @@ STAGES = (
     Stage(
         "character",
         ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "material.json"),
-        ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy"), run_character, lambda s: image_files(s),
+        ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy"), run_character,
+        lambda s: image_files(s),
     ),
     Stage(
         "report",

@@ -10,7 +10,7 @@ struct MeshSequence {
   std::vector<Vertices> frames; ///< T x (V, 3) metres
   /// The frames brought back to the scan pose by their skeleton (unposed_frames() in stage_values.h), T x (V, 3) metres: what
   /// still moves there, skinning does not explain. Empty = not known.
-  std::vector<Vertices> unposed;
+  std::vector<Vertices> unposed = {};
 };
 
 } // namespace doublet
