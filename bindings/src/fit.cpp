@@ -7,14 +7,19 @@ namespace {
 
 class PyOptimizer : public Optimizer {
 public:
-  MatrixRM ask() override { PYBIND11_OVERRIDE_PURE(MatrixRM, Optimizer, ask, ); }
+  MatrixRM ask() override { return call<MatrixRM>("Optimizer.ask", "samples (S, n)"); }
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
-    PYBIND11_OVERRIDE_PURE(void, Optimizer, tell, samples, energies);
+    call<py::object>("Optimizer.tell", "nothing", samples, energies);
   }
-  bool stop() const override { PYBIND11_OVERRIDE_PURE(bool, Optimizer, stop, ); }
-  OptimizerResult result() const override { PYBIND11_OVERRIDE_PURE(OptimizerResult, Optimizer, result, ); }
+  bool stop() const override { return call<bool>("Optimizer.stop", "a bool"); }
+  OptimizerResult result() const override { return call<OptimizerResult>("Optimizer.result", "an OptimizerResult"); }
   std::string save() const override { PYBIND11_OVERRIDE(std::string, Optimizer, save, ); }
   void restore(const std::string &state) override { PYBIND11_OVERRIDE(void, Optimizer, restore, state); }
+
+private:
+  template <class R, class... Arguments> R call(const std::string &where, const char *expected, Arguments &&...arguments) const {
+    return call_override<R>(static_cast<const Optimizer *>(this), where, expected, std::forward<Arguments>(arguments)...);
+  }
 };
 
 class PyObjective : public Objective {
@@ -22,20 +27,15 @@ public:
   int parameter_count() const override { PYBIND11_OVERRIDE_PURE(int, Objective, parameter_count, ); }
   int part_count() const override { PYBIND11_OVERRIDE(int, Objective, part_count, ); }
   MatrixRM evaluate(const MatrixRM &samples, const Context &context) override {
-    PYBIND11_OVERRIDE_PURE(MatrixRM, Objective, evaluate, samples, context);
+    return call_override<MatrixRM>(static_cast<const Objective *>(this), "Objective.evaluate", "energies (S, parts)", samples,
+                                   context);
   }
 };
 
 /// Keeps the Python optimiser alive for as long as C++ owns it; every call goes through the C++ object inside.
 class KeptOptimizer : public Optimizer {
 public:
-  explicit KeptOptimizer(py::object object) : object_(std::move(object)), inner_(object_.cast<Optimizer *>()) {}
-  KeptOptimizer(const KeptOptimizer &) = delete;
-  KeptOptimizer &operator=(const KeptOptimizer &) = delete;
-  ~KeptOptimizer() override {
-    const py::gil_scoped_acquire gil;
-    object_ = py::object();
-  }
+  explicit KeptOptimizer(const py::object &object) : inner_(kept<Optimizer>(object)) {}
   MatrixRM ask() override { return inner_->ask(); }
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override { inner_->tell(samples, energies); }
   bool stop() const override { return inner_->stop(); }
@@ -44,8 +44,7 @@ public:
   void restore(const std::string &state) override { inner_->restore(state); }
 
 private:
-  py::object object_;
-  Optimizer *inner_;
+  std::shared_ptr<Optimizer> inner_;
 };
 
 /// Wraps `make(dimension, seed) -> Optimizer` written in Python.
@@ -53,13 +52,16 @@ OptimizerFactory factory_from(const py::object &make) {
   if (make.is_none())
     return {};
   // Shared, so that copies of the function made without the GIL never touch the reference count.
-  const std::shared_ptr<py::object> kept(new py::object(make), [](py::object *object) {
+  const std::shared_ptr<py::object> function(new py::object(make), [](py::object *object) {
     const py::gil_scoped_acquire gil;
     delete object;
   });
-  return [kept](int dimension, std::uint64_t seed) -> std::unique_ptr<Optimizer> {
+  return [function](int dimension, std::uint64_t seed) -> std::unique_ptr<Optimizer> {
     const py::gil_scoped_acquire gil;
-    return std::make_unique<KeptOptimizer>((*kept)(dimension, seed));
+    const py::object made = (*function)(dimension, seed);
+    if (!py::isinstance<Optimizer>(made))
+      throw py::type_error("make_optimizer must return an Optimizer, found " + described(made));
+    return std::make_unique<KeptOptimizer>(made);
   };
 }
 

@@ -38,8 +38,8 @@ public:
     if (context.progress)
       context.progress("fit", 1.0);
     MinimiseResult result;
-    for (const auto &optimizer : optimizers_)
-      result.parts.push_back(optimizer->result());
+    for (int r = 0; r < parts_; ++r)
+      result.parts.push_back(now(r));
     result.log = log_;
     result.seconds = seconds();
     return result;
@@ -54,18 +54,28 @@ private:
     return std::all_of(optimizers_.begin(), optimizers_.end(), [](const auto &o) { return o->stop(); });
   }
 
+  /// Where the optimiser of a part stands; it may be anybody's, so that sizes are checked.
+  OptimizerResult now(int r) const {
+    OptimizerResult result = optimizers_[r]->result();
+    require(result.answer.size() == n_ && result.best.size() == n_ && result.deviations.size() == n_ && result.answer.allFinite(),
+            "minimise: result: expected answer, best and deviations of " + std::to_string(n_) + " finite numbers, found " +
+                std::to_string(result.answer.size()) + ", " + std::to_string(result.best.size()) + " and " +
+                std::to_string(result.deviations.size()));
+    return result;
+  }
+
   void report(const Context &context) const {
-    int evaluations = optimizers_[0]->result().evaluations;
-    for (const auto &optimizer : optimizers_)
-      if (!optimizer->stop())
-        evaluations = optimizer->result().evaluations;
+    int evaluations = now(0).evaluations;
+    for (int r = 0; r < parts_; ++r)
+      if (!optimizers_[r]->stop())
+        evaluations = now(r).evaluations;
     const double fraction = std::min(1.0, evaluations / static_cast<double>(options_.expected_evaluations));
     context.report("fit", fraction);
     if (log_.empty())
       return;
     std::string line = "fit: " + std::to_string(evaluations) + " evaluations";
     for (int r = 0; r < parts_; ++r)
-      line += (r ? ", " : ", best ") + std::to_string(optimizers_[r]->result().best_energy);
+      line += (r ? ", " : ", best ") + std::to_string(now(r).best_energy);
     if (fraction > 0)
       line += ", at most " + std::to_string(std::lround(seconds() * (1 - fraction) / fraction)) + " s left";
     context.say(line);
@@ -77,14 +87,17 @@ private:
     for (int r = 0; r < parts_; ++r)
       if (!optimizers_[r]->stop()) {
         asked[r] = optimizers_[r]->ask();
-        require(asked[r].cols() == n_, "minimise: ask: expected (S, " + std::to_string(n_) + ") samples");
+        require(asked[r].cols() == n_ && asked[r].allFinite(),
+                "minimise: ask: expected finite samples (S, " + std::to_string(n_) + "), found (" +
+                    std::to_string(asked[r].rows()) + ", " + std::to_string(asked[r].cols()) + ")" +
+                    (asked[r].allFinite() ? "" : " with NaN or infinity"));
         count = std::max(count, asked[r].rows());
       }
     require(count >= 1, "minimise: ask: expected at least one sample");
 
     MatrixRM samples(count, static_cast<Eigen::Index>(parts_) * n_);
     for (int r = 0; r < parts_; ++r) {
-      samples.middleCols(r * n_, n_).rowwise() = optimizers_[r]->result().answer.transpose();
+      samples.middleCols(r * n_, n_).rowwise() = now(r).answer.transpose();
       samples.block(0, r * n_, asked[r].rows(), n_) = asked[r];
     }
     const MatrixRM inside = samples.cwiseMax(0.0).cwiseMin(1.0);
@@ -102,15 +115,15 @@ private:
     const MatrixRM inside = asked.cwiseMax(0.0).cwiseMin(1.0);
     energies += options_.penalty * (asked - inside).rowwise().squaredNorm();
     optimizers_[r]->tell(asked, energies);
-    const OptimizerResult now = optimizers_[r]->result();
+    const OptimizerResult result = now(r);
     GenerationRow row;
     row.part = r;
-    row.generation = now.generations;
-    row.evaluations = now.evaluations;
-    row.best = now.best_energy;
+    row.generation = result.generations;
+    row.evaluations = result.evaluations;
+    row.best = result.best_energy;
     row.generation_best = energies.minCoeff();
-    row.mean = now.answer;
-    row.deviation = now.deviations;
+    row.mean = result.answer;
+    row.deviation = result.deviations;
     row.seconds = seconds();
     log_.push_back(row);
   }
@@ -144,7 +157,7 @@ private:
         log_.push_back({entry[0], entry[1], entry[2], entry[3], entry[4], state::vector(entry[5], n_),
                         state::vector(entry[6], n_), entry[7]});
       seconds_before_ = json.at("seconds");
-      context.say("fit: resuming after " + std::to_string(optimizers_[0]->result().evaluations) + " evaluations");
+      context.say("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");
     });
   }
 
