@@ -139,6 +139,24 @@ void bind_minimise(py::module_ &m) {
       py::arg("checkpoint") = std::nullopt, py::arg("problem") = "", py::arg("context") = interruptible_context());
 }
 
+void bind_influence(py::module_ &m) {
+  py::class_<Influence>(m, "Influence", "What each parameter, moved alone, does to the energy.")
+      .def_readonly("change", &Influence::change, "(n) root mean square change of the energy over 0.4 of the box")
+      .def_readonly("noise", &Influence::noise, "standard deviation of the energy at the answer")
+      .def_readonly("rank", &Influence::rank, "(n) 1 = changes the energy most")
+      .def_property_readonly(
+          "told",
+          [](const Influence &influence) {
+            std::vector<bool> told;
+            for (int i = 0; i < influence.change.size(); ++i)
+              told.push_back(influence.told(i));
+            return told;
+          },
+          "(n) whether the change is beyond the noise");
+  m.def("measure_influence", &measure_influence, py::arg("objective"), py::arg("answers"),
+        py::arg("context") = interruptible_context(), Release(), "answers (parts, n) in [0, 1] -> one Influence a part");
+}
+
 void bind_energy(py::module_ &m) {
   OptionsClass<EnergyOptions>(m, "EnergyOptions", "Options of the energy E_fit.")
       .field("dt", &EnergyOptions::dt, "s, one video frame")
@@ -161,7 +179,12 @@ void bind_energy(py::module_ &m) {
       .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const EnergyOptions &,
                     const ParameterSpace &, const Context &>(),
            py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
-           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release());
+           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release())
+      .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
+           Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")
+      .def_property_readonly("worst_energy", &MaterialObjective::worst_energy, "pixels^2: no frame can cost more")
+      .def_property_readonly("fingerprint", &MaterialObjective::fingerprint, "hash of everything the energy depends on")
+      .def_property_readonly("space", &MaterialObjective::space);
 }
 
 py::dict result_dict(const FitResult &result) {
@@ -174,6 +197,11 @@ py::dict result_dict(const FitResult &result) {
     entry["best"] = region.best;
     entry["best_energy"] = region.best_energy;
     entry["deviations"] = region.deviations;
+    py::list confidence;
+    for (const Confidence level : region.confidence())
+      confidence.append(confidence_name(level));
+    entry["confidence"] = confidence;
+    entry["influence"] = region.influence;
     entry["evaluations"] = region.evaluations;
     entry["stop_reason"] = region.stop_reason;
     regions.append(entry);
@@ -182,6 +210,7 @@ py::dict result_dict(const FitResult &result) {
   dict["parameters"] = result.parameters;
   dict["regions"] = regions;
   dict["seconds"] = result.seconds;
+  dict["interrupted"] = result.interrupted;
   return dict;
 }
 
@@ -190,6 +219,7 @@ py::dict result_dict(const FitResult &result) {
 void bind_fit(py::module_ &m) {
   bind_optimizers(m);
   bind_minimise(m);
+  bind_influence(m);
   bind_energy(m);
   OptionsClass<FitOptions>(m, "FitOptions", "Options of estimate_material.")
       .field("seed", &FitOptions::seed, "of the search")
@@ -199,7 +229,10 @@ void bind_fit(py::module_ &m) {
       .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
       .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
       .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of the final mean")
+      .field("optimizer", &FitOptions::optimizer, "cma-es or annealing")
+      .field("influence", &FitOptions::influence, "measure at the end what the motion tells about each parameter")
       .get()
+      .def_readwrite("on_generation", &FitOptions::on_generation, "called with the FitResult so far, after every generation")
       .def_readwrite("space", &FitOptions::space)
       .def_readwrite("energy", &FitOptions::energy)
       .def_readwrite("checkpoint", &FitOptions::checkpoint)
@@ -212,6 +245,7 @@ void bind_fit(py::module_ &m) {
       .def_property_readonly("materials", &FitResult::materials, "one a region")
       .def_readonly("log", &FitResult::log)
       .def_readonly("seconds", &FitResult::seconds)
+      .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
       .def("to_dict", &result_dict);
   m.def("estimate_material", &estimate_material, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
         py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(), Release());

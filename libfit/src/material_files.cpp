@@ -19,6 +19,17 @@ Json material_json(const pbd::Material &material) {
   return json;
 }
 
+void add_confidence(Json &entry, const RegionFit &region, const std::vector<std::string> &parameters) {
+  const std::vector<Confidence> confidence = region.confidence();
+  if (confidence.empty())
+    return;
+  entry["energy_noise"] = region.influence.noise;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    entry["influence"][parameters[i]] = {{"energy_change", region.influence.change[static_cast<Eigen::Index>(i)]},
+                                         {"rank", region.influence.rank[i]},
+                                         {"confidence", confidence_name(confidence[i])}};
+}
+
 std::string number(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value); // shortest that reads back
@@ -39,15 +50,18 @@ void write_materials(const Path &path, const FitResult &result) {
   json["seed"] = result.seed;
   json["seconds"] = result.seconds;
   json["solver"] = {{"dt", result.dt}, {"n_iter", result.iterations}, {"substeps", result.substeps}};
+  json["interrupted"] = result.interrupted;
   json["regions"] = Json::array();
   for (const RegionFit &region : result.regions) {
     Json entry;
     entry["parameters"] = material_json(region.material);
     entry["energy"] = region.energy;
-    entry["energy_at_centre"] = region.energy_at_centre;
+    if (std::isfinite(region.energy_at_centre))
+      entry["energy_at_centre"] = region.energy_at_centre;
     entry["best_sample"] = {{"parameters", material_json(region.best)}, {"energy", region.best_energy}};
     for (std::size_t i = 0; i < result.parameters.size(); ++i)
       entry["deviations"][result.parameters[i]] = region.deviations[static_cast<Eigen::Index>(i)];
+    add_confidence(entry, region, result.parameters);
     entry["evaluations"] = region.evaluations;
     entry["generations"] = region.generations;
     entry["stop_reason"] = region.stop_reason;

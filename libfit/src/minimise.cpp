@@ -33,10 +33,15 @@ public:
       generation(context);
       save();
       if (options_.on_generation)
-        options_.on_generation(log_);
+        options_.on_generation(result());
     }
     if (context.progress)
       context.progress("fit", 1.0);
+    return result();
+  }
+
+private:
+  MinimiseResult result() const {
     MinimiseResult result;
     for (int r = 0; r < parts_; ++r)
       result.parts.push_back(now(r));
@@ -45,7 +50,6 @@ public:
     return result;
   }
 
-private:
   double seconds() const {
     return seconds_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   }

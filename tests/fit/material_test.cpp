@@ -224,6 +224,42 @@ TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulation) {
   EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
   EXPECT_LT(fit.deviations[0], 0.1);
   EXPECT_LE(fit.best_energy, fit.energy_at_centre);
+  EXPECT_TRUE(fit.influence.told(0));
+  EXPECT_EQ(fit.confidence()[0], Confidence::kHigh);
+  EXPECT_GT(fit.influence.change[0], fit.influence.noise);
+}
+
+TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
+  const auto s = make_scene({cotton()}, {12, 2, 160});
+  FitOptions options = quick();
+  options.penalty = 1000;
+  options.influence = false;
+  std::vector<double> energies;
+  FitResult last;
+  options.on_generation = [&](const FitResult &result) {
+    EXPECT_TRUE(result.interrupted);
+    energies.push_back(result.regions.at(0).energy);
+    last = result;
+  };
+  const FitResult whole = estimate_material(*s->simulator, s->performance, s->observations, options);
+  EXPECT_FALSE(whole.interrupted);
+  EXPECT_EQ(energies.size(), whole.log.size());
+  EXPECT_TRUE(std::is_sorted(energies.rbegin(), energies.rend()));
+  EXPECT_NEAR(last.regions[0].energy, whole.regions[0].best_energy, 1e-9); // without the penalty of samples outside the box
+  EXPECT_EQ(last.regions[0].material.d_n, whole.regions[0].best.d_n);
+  EXPECT_TRUE(whole.regions[0].confidence().empty());
+}
+
+TEST(EstimateMaterial, CanBeDoneByAnnealing) {
+  const auto s = make_scene({cotton()}, {12, 2, 160});
+  FitOptions options = quick();
+  options.optimizer = "annealing";
+  const RegionFit fit = estimate_material(*s->simulator, s->performance, s->observations, options).regions[0];
+  EXPECT_EQ(fit.evaluations, 48);
+  EXPECT_EQ(fit.energy, fit.best_energy); // its answer is the best sample
+  EXPECT_LT(fit.energy, fit.energy_at_centre);
+  options.optimizer = "hill climbing";
+  EXPECT_THROW(options.validate(), std::invalid_argument);
 }
 
 TEST(EstimateMaterial, ResumesToTheSameBitsForAnyNumberOfThreads) {
@@ -288,6 +324,7 @@ TEST(MaterialFiles, AreReadBack) {
   region.deviations = Eigen::Vector2d(0.1, 0.02);
   result.regions = {region, region};
   result.regions[1].material.d_n = 1.0 / 3;
+  result.regions[1].influence = {Eigen::Vector2d(0.1, 7), 0.5, {2, 1}};
   const TempFolder folder;
   write_materials(folder / "material.json", result);
   const std::vector<pbd::Material> read = read_materials(folder / "material.json");
@@ -295,6 +332,11 @@ TEST(MaterialFiles, AreReadBack) {
   for (const pbd::MaterialParameter &p : pbd::material_parameters())
     for (int r : {0, 1})
       EXPECT_EQ(read[r].*p.value, result.regions[r].material.*p.value);
+
+  const std::string written = read_text(folder / "material.json");
+  EXPECT_NE(written.find("\"confidence\": \"low\""), std::string::npos);  // d_n: 0.1 beside a noise of 0.5
+  EXPECT_NE(written.find("\"confidence\": \"high\""), std::string::npos); // k_bend: 7, deviation 0.02
+  EXPECT_EQ(written.find("energy_at_centre"), std::string::npos);         // not measured
 
   EXPECT_THROW(read_materials(folder / "none.json"), FileNotFound);
   for (const char *text : {"{", "[]", "{\"regions\": [{}]}", "{\"regions\": [{\"parameters\": {\"d_n\": \"much\"}}]}"}) {

@@ -107,9 +107,10 @@ TEST(Minimise, RowsComeAfterEveryGeneration) {
   TwoSpheres objective;
   MinimiseOptions options;
   std::size_t rows = 0;
-  options.on_generation = [&](const std::vector<GenerationRow> &log) {
-    EXPECT_GT(log.size(), rows);
-    rows = log.size();
+  options.on_generation = [&](const MinimiseResult &sofar) {
+    EXPECT_GT(sofar.log.size(), rows);
+    EXPECT_EQ(sofar.parts[sofar.log.back().part].evaluations, sofar.log.back().evaluations);
+    rows = sofar.log.size();
   };
   double fraction = 0;
   Context context;

@@ -1,9 +1,14 @@
 #pragma once
 // Reference performance + its images -> material of every cloth region (Sect. 6.2).
 
+#include "doublet/fit/influence.h"
 #include "doublet/fit/material_objective.h"
 
+#include <limits>
+
 namespace doublet {
+
+struct FitResult;
 
 struct FitOptions {
   std::uint64_t seed = 1;
@@ -13,23 +18,38 @@ struct FitOptions {
   double smallest_deviation = 0.025; ///< stop when all are below (the paper's)
   double penalty = 16.0;             ///< omega, see MinimiseOptions
   bool answer_best = false;          ///< answer the best sample seen instead of the final mean (the paper's)
+  /// "cma-es", or "annealing" (the paper's comparison; chains = population, 4 if 0; steps from initial_sigma down to
+  /// smallest_deviation).
+  std::string optimizer = "cma-es";
+  bool influence = true; ///< measure at the end what the motion tells about each parameter: 4 n + 12 more evaluations
   ParameterSpace space;
   EnergyOptions energy;
-  OptimizerFactory make_optimizer; ///< empty = CMA-ES with the options above
+  OptimizerFactory make_optimizer; ///< empty = `optimizer`, with the options above
   Path checkpoint;                 ///< empty = none; a killed run resumes from it to the same bits
   Path log;                        ///< fit_log.csv, rewritten after every generation; empty = none
+  /// What there is after every generation, as an interrupted result; may be empty.
+  std::function<void(const FitResult &)> on_generation;
   void validate() const;
 };
 
+/// How well the motion tells a parameter: low if moving it changes E_fit no more than noise does; high if it does and the
+/// search's standard deviation came below a tenth of the box; medium otherwise.
+enum class Confidence { kLow, kMedium, kHigh };
+const char *confidence_name(Confidence confidence); ///< "low", "medium", "high"
+
 struct RegionFit {
-  pbd::Material material;      ///< the answer
-  double energy = 0;           ///< E_fit of the answer, pixels^2
-  double energy_at_centre = 0; ///< E_fit of the box's centre: what knowing nothing costs
-  pbd::Material best;          ///< best sample seen
-  double best_energy = 0;      ///< its E_fit
-  Eigen::VectorXd deviations;  ///< (n) of the final distribution, box units: small = the motion told this parameter
+  pbd::Material material; ///< the answer; of an interrupted fit the best sample
+  double energy = 0;      ///< E_fit of the answer, pixels^2
+  double energy_at_centre =
+      std::numeric_limits<double>::quiet_NaN(); ///< E_fit of the box's centre: what knowing nothing costs; NaN = not measured
+  pbd::Material best;                           ///< best sample seen
+  double best_energy = 0;                       ///< its E_fit
+  Eigen::VectorXd deviations;                   ///< (n) of the final distribution, box units
+  Influence influence;                          ///< of each parameter on E_fit, pixels^2; empty if not measured
   int evaluations = 0, generations = 0;
   std::string stop_reason;
+  /// (n), empty if the influence was not measured.
+  std::vector<Confidence> confidence() const;
 };
 
 struct FitResult {
@@ -40,6 +60,7 @@ struct FitResult {
   double dt = 0;                    ///< s
   int iterations = 0, substeps = 0; ///< of the solver
   double seconds = 0;
+  bool interrupted = false;                     ///< the search was not over: the materials are the best samples so far
   std::vector<pbd::Material> materials() const; ///< (R) the answers, as CharacterSimulator takes them
 };
 

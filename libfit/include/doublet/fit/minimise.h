@@ -33,6 +33,12 @@ struct GenerationRow {
 
 using OptimizerFactory = std::function<std::unique_ptr<Optimizer>(int dimension, std::uint64_t seed)>;
 
+struct MinimiseResult {
+  std::vector<OptimizerResult> parts; ///< (R)
+  std::vector<GenerationRow> log;
+  double seconds = 0; ///< earlier runs of a resumed one included
+};
+
 struct MinimiseOptions {
   OptimizerFactory make_optimizer; ///< empty = CMA-ES with its defaults
   std::uint64_t seed = 1;          ///< part r gets seed + r
@@ -40,15 +46,8 @@ struct MinimiseOptions {
   int expected_evaluations = 512;  ///< for the progress bar and the time left only
   Path checkpoint;                 ///< empty = none; written after every generation, read at the start if it is there
   std::string problem; ///< what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so
-  std::function<void(const std::vector<GenerationRow> &)>
-      on_generation; ///< all rows so far, after every generation; may be empty
+  std::function<void(const MinimiseResult &)> on_generation; ///< what there is, after every generation; may be empty
   void validate() const;
-};
-
-struct MinimiseResult {
-  std::vector<OptimizerResult> parts; ///< (R)
-  std::vector<GenerationRow> log;
-  double seconds = 0; ///< earlier runs of a resumed one included
 };
 
 /// Runs until every optimiser stops. A part that has stopped is evaluated at its answer while the others go on.
