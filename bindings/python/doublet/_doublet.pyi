@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'measure_influence', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -3241,6 +3241,30 @@ class Objective:
         ...
     def part_count(self) -> int:
         ...
+class Influence:
+    """
+    What each parameter, moved alone, does to the energy.
+    """
+    @property
+    def change(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (n) root mean square change of the energy over 0.4 of the box
+        """
+    @property
+    def noise(self) -> float:
+        """
+        standard deviation of the energy at the answer
+        """
+    @property
+    def rank(self) -> list[int]:
+        """
+        (n) 1 = changes the energy most
+        """
+    @property
+    def told(self) -> list[bool]:
+        """
+        (n) whether the change is beyond the noise
+        """
 class EnergyOptions:
     """
     Options of the energy E_fit.
@@ -3381,6 +3405,23 @@ class MaterialObjective(Objective):
     """
     def __init__(self, simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> None:
         ...
+    def energies(self, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (S, regions) pixels^2 of materials[sample][region], on all threads
+        """
+    @property
+    def fingerprint(self) -> str:
+        """
+        hash of everything the energy depends on
+        """
+    @property
+    def space(self) -> ParameterSpace:
+        ...
+    @property
+    def worst_energy(self) -> float:
+        """
+        pixels^2: no frame can cost more
+        """
 class FitOptions:
     """
     Options of estimate_material.
@@ -3415,6 +3456,14 @@ class FitOptions:
     def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
         ...
     @property
+    def influence(self) -> bool:
+        """
+        measure at the end what the motion tells about each parameter
+        """
+    @influence.setter
+    def influence(self, arg0: bool) -> None:
+        ...
+    @property
     def initial_sigma(self) -> float:
         """
         of the search, box units
@@ -3443,6 +3492,22 @@ class FitOptions:
         """
     @max_evaluations.setter
     def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def on_generation(self) -> collections.abc.Callable[[...], None]:
+        """
+        called with the FitResult so far, after every generation
+        """
+    @on_generation.setter
+    def on_generation(self, arg0: collections.abc.Callable[[...], None]) -> None:
+        ...
+    @property
+    def optimizer(self) -> str:
+        """
+        cma-es or annealing
+        """
+    @optimizer.setter
+    def optimizer(self, arg0: str) -> None:
         ...
     @property
     def penalty(self) -> float:
@@ -3479,6 +3544,11 @@ class FitOptions:
 class FitResult:
     def to_dict(self) -> dict:
         ...
+    @property
+    def interrupted(self) -> bool:
+        """
+        the search was not over: the materials are the best samples so far
+        """
     @property
     def log(self) -> list[GenerationRow]:
         ...
@@ -3530,6 +3600,10 @@ def make_character(actor: RiggedMesh, clothness: Clothness, body: BodyFit, proxi
     ...
 def material_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, materials: collections.abc.Sequence[Material], options: EnergyOptions = ..., context: Context = ...) -> list[float]:
     ...
+def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], context: Context = ...) -> list[Influence]:
+    """
+    answers (parts, n) in [0, 1] -> one Influence a part
+    """
 def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
     ...
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:

@@ -106,6 +106,25 @@ def run_evaluate(arguments) -> None:
     print(json.dumps(result, indent=1) if arguments.json else format_table(result))
 
 
+def run_study(arguments) -> None:
+    from . import study
+
+    given = {k: v for k, v in vars(arguments).items() if "." in k}
+    outs, results = arguments.outs, arguments.results
+    jobs = study.fit_jobs(outs, arguments.seeds, [given], checkpoints=results.with_suffix(".checkpoints"))
+    executor = study.dask_workers(arguments.dask) if arguments.dask else study.local_workers(arguments.workers)
+
+    def say(row, done, count):
+        if not arguments.quiet:
+            print(f"{done}/{count} {study.table([row])}", file=sys.stderr, flush=True)
+
+    rows = study.run(study.fit, jobs, executor, results, on_row=say)
+    print(study.table(rows))
+    failed = sum("error" in row for row in rows)
+    if failed:
+        raise RuntimeError(f"{failed} of {len(rows)} fits failed; the same command tries them again")
+
+
 def run_synthesize(arguments) -> None:
     from .synthesize import SynthesisOptions, read_motion, synthesize
 
@@ -201,6 +220,7 @@ def build_parser() -> argparse.ArgumentParser:
     add_edit_template(commands)
     add_animate(commands)
     add_evaluate(commands)
+    add_study(commands)
     add_synthesize(commands)
     add_train_body(commands)
     return parser
@@ -243,6 +263,20 @@ def add_evaluate(commands) -> None:
     evaluate.add_argument("--json", action="store_true", help="print JSON instead of a table")
     common_flags(evaluate)
     evaluate.set_defaults(run=run_evaluate)
+
+
+def add_study(commands) -> None:
+    text = "many material fits, over reconstructions and seeds, on many processes or machines"
+    study = commands.add_parser("study", help=text, description=text)
+    study.add_argument("outs", type=Path, nargs="+", metavar="OUT", help="reconstructions up to stage 'body'")
+    study.add_argument("-o", "--results", type=Path, required=True, metavar="FILE.jsonl", help="one line a fit; goes on with it")
+    study.add_argument("--seeds", type=int, nargs="+", default=[1], metavar="N", help="of each fit (default: 1)")
+    study.add_argument("--workers", type=int, default=1, metavar="N", help="processes on this machine (default: 1)")
+    study.add_argument("--dask", metavar="ADDRESS", help="a Dask scheduler to use instead, e.g. tcp://host:8786")
+    study.add_argument("--quiet", action="store_true", help="no progress")
+    study.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    add_option_flags(study, {g: pipeline.OPTION_GROUPS[g] for g in ("cloth", "energy", "fit", "space")})
+    study.set_defaults(run=run_study)
 
 
 def add_synthesize(commands) -> None:

@@ -34,11 +34,12 @@ OPTION_GROUPS = {
     "cloth": d.ClothOptions,
     "energy": d.EnergyOptions,
     "fit": d.FitOptions,
+    "space": d.ParameterSpace,
 }
 #: A frame is 24 sweeps, as in the paper, but in 4 substeps of 6: at equal sweeps cloth stretches far less (docs/cloth.md).
 DEFAULTS = {"cloth": {"iterations": 6, "substeps": 4}}
-#: Set by the session or by --seed, not by an option of their own.
-DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed")}
+#: Set by the session, by --seed or by another option, not by an option of their own.
+DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("space", "iterations")}
 
 
 def make_options(group: str, options_class: type, **chosen):
@@ -55,6 +56,7 @@ class Job:
     seed: int = 1
     body_model: Path = field(default_factory=body_model_path)
     console: Console = field(default_factory=Console)
+    fps: float | None = None  # of the videos; None = as the session says
 
     def __post_init__(self):
         self.session_folder, self.out = Path(self.session_folder), Path(self.out)
@@ -92,7 +94,7 @@ class Job:
 
     def energy_options(self) -> d.EnergyOptions:
         values = self.options["energy"].to_dict()
-        values["dt"] = 1 / self.session.fps
+        values["dt"] = 1 / (self.fps or self.session.fps)
         return d.EnergyOptions(**values)
 
 
@@ -204,10 +206,16 @@ def run_body(job: Job) -> dict:
     return {"residual_mm": 1000 * fit.residual, "model": fit.model, "proxies": len(proxies)}
 
 
-def run_fit(job: Job) -> dict:
+def fit_options(job: Job) -> d.FitOptions:
     options = d.FitOptions(**job.options["fit"].to_dict())
     options.seed = job.seed
     options.energy = job.energy_options()
+    options.space = d.ParameterSpace(**{**job.options["space"].to_dict(), "iterations": job.options["cloth"].iterations})
+    return options
+
+
+def run_fit(job: Job) -> dict:
+    options = fit_options(job)
     options.log = job.path("fit_log.csv")
     options.checkpoint = job.path("fit_checkpoint.txt")
     observations = d.read_observations(job.path("observations.npz"))
@@ -258,7 +266,7 @@ STAGES = (
     ),
     Stage(
         "fit", ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json"),
-        ("material.json", "fit_log.csv"), ("cloth", "energy", "fit"), run_fit, uses_seed=True,
+        ("material.json", "fit_log.csv"), ("cloth", "energy", "fit", "space"), run_fit, uses_seed=True,
     ),
     Stage(
         "character",
