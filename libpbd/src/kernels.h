@@ -15,8 +15,8 @@ template <class T> inline void project_stretch(Vec3<T> &a, Vec3<T> &b, T share_a
   const T length =
       lane_max(lane_sqrt(dot(d, d)), T(1e-12f)); // two points in one place have no direction: d = 0 leaves them there
   const T s = stiffness * (length - rest_length) / length;
-  a -= (s * share_a) * d;
-  b += (s * share_b) * d;
+  a = neg_mul_add(s * share_a, d, a);
+  b = mul_add(s * share_b, d, b);
 }
 
 /// The same with compliance (Macklin et al. 2016, eq. 18): `multiplier` (m) is the constraint's own through the sweeps of a step,
@@ -28,8 +28,8 @@ inline void project_soft_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T
   const T change = (rest_length - length - compliance * multiplier) / (T(1) + compliance);
   multiplier += change;
   const T s = change / length;
-  a += (s * share_a) * d;
-  b -= (s * share_b) * d;
+  a = mul_add(s * share_a, d, a);
+  b = neg_mul_add(s * share_b, d, b);
 }
 
 /// A bend's inverse masses, divided by the largest of the four, and its rest values.
@@ -47,9 +47,9 @@ template <class S> struct BendRest {
 template <class T> struct BendTerms {
   Vec3<T> n1, n2; ///< e x a, b x e, m^2, with e = x1 - x0, a = x2 - x0, b = x3 - x0
   T ee, ae, be, nn1, nn2, length;
-  T value; ///< C
-  T scale; ///< ee nn1 nn2, m^10
-  T sum;   ///< scale sum_i w_i |g_i|^2, m^8
+  T sine, cosine; ///< of C, both times |n1| |n2|
+  T scale;        ///< ee nn1 nn2, m^10
+  T sum;          ///< scale sum_i w_i |g_i|^2, m^8
 };
 /// The sum has two floors, neither of which ordinary cloth reaches. Beside an attachment a vertex may be asked to close an angle
 /// it has (almost) no lever on: C / sum would throw it to infinity. And faces blown up to several times their size (a rubber
@@ -64,45 +64,51 @@ inline BendTerms<T> bend_terms(const Vec3<T> &x0, const Vec3<T> &x1, const Vec3<
   r.ee = dot(e, e), r.ae = dot(a, e), r.be = dot(b, e), r.nn1 = dot(r.n1, r.n1), r.nn2 = dot(r.n2, r.n2);
   r.length = lane_sqrt(r.ee);
   const T c = dot(r.n1, r.n2), s = -r.length * dot(r.n1, b); // cos and sin, both times |n1| |n2|
-  r.value = lane_atan2(s * rest.cos - c * rest.sin, c * rest.cos + s * rest.sin);
+  r.sine = mul_sub(s, T(rest.cos), c * T(rest.sin));
+  r.cosine = mul_add(c, T(rest.cos), s * T(rest.sin));
   r.scale = r.ee * (r.nn1 * r.nn2);
-  const auto squared = [&](T k2, T k3) { return k2 * (k2 * r.nn2 + k3 * c) + k3 * (k2 * c + k3 * r.nn1); };
+  const auto squared = [&](T k2, T k3) { return mul_add(k2, mul_add(k2, r.nn2, k3 * c), k3 * mul_add(k2, c, k3 * r.nn1)); };
   const T square = r.ee * r.ee;
-  const T sum =
-      rest.w0 * squared(r.ae - r.ee, r.be - r.ee) + rest.w1 * squared(r.ae, r.be) + square * (rest.w2 * r.nn2 + rest.w3 * r.nn1);
+  const T sum = mul_add(rest.w0, squared(r.ae - r.ee, r.be - r.ee),
+                        mul_add(rest.w1, squared(r.ae, r.be), square * mul_add(rest.w2, r.nn2, rest.w3 * r.nn1)));
   // The last keeps faces folded to nothing, whose C is 0, from 0 / 0.
-  r.sum = lane_max(sum, lane_max(T(0.25f) * square * (r.nn1 + r.nn2), lane_max(rest.floor * r.scale, T(1e-36f))));
+  r.sum = lane_max(sum, lane_max(T(0.25f) * square * (r.nn1 + r.nn2), mul_add(rest.floor, r.scale, T(1e-36f))));
   return r;
 }
-/// x_i += multiplier w_i g_i scale / |e|.
+/// x_i -= multiplier w_i g_i scale / |e|.
 template <class T>
 inline void move_bend(const BendTerms<T> &c, const BendRest<T> &rest, T multiplier, Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2,
                       Vec3<T> &x3) {
-  const Vec3<T> m1 = (-multiplier * c.nn2) * c.n1, m2 = (-multiplier * c.nn1) * c.n2;
-  x0 += (rest.w0 * (c.ae - c.ee)) * m1 + (rest.w0 * (c.be - c.ee)) * m2;
-  x1 -= (rest.w1 * c.ae) * m1 + (rest.w1 * c.be) * m2;
-  x2 += (rest.w2 * c.ee) * m1;
-  x3 += (rest.w3 * c.ee) * m2;
+  const Vec3<T> m1 = (multiplier * c.nn2) * c.n1, m2 = (multiplier * c.nn1) * c.n2;
+  x0 = mul_add(rest.w0 * (c.ae - c.ee), m1, mul_add(rest.w0 * (c.be - c.ee), m2, x0));
+  x1 = neg_mul_add(rest.w1 * c.ae, m1, neg_mul_add(rest.w1 * c.be, m2, x1));
+  x2 = mul_add(rest.w2 * c.ee, m1, x2);
+  x3 = mul_add(rest.w3 * c.ee, m2, x3);
+}
+/// C, known last.
+template <class T> inline T bend_value(const BendTerms<T> &c) {
+  return lane_atan2(c.sine, c.cosine);
+}
+/// What move_bend wants of a projection.
+template <class T> inline T bend_multiplier(const BendTerms<T> &c, T stiffness) {
+  return (stiffness * c.length / c.sum) * bend_value(c);
+}
+/// The same with compliance alpha / (h^2 response), as project_soft_stretch; multiplier, the constraint's own, in m^2.
+template <class T> inline T soft_bend_multiplier(const BendTerms<T> &c, T response, T compliance, T &multiplier) {
+  const T softness = compliance * response;
+  const T change = mul_add(softness, multiplier, bend_value(c)) / mul_add(softness, c.scale, c.sum);
+  multiplier -= change * c.scale;
+  return change * c.length;
 }
 template <class T>
 inline void project_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const BendRest<T> &rest, T stiffness) {
   const BendTerms<T> c = bend_terms(x0, x1, x2, x3, rest);
-  move_bend(c, rest, (-stiffness * c.length / c.sum) * c.value, x0, x1, x2, x3); // the value is known last
-}
-/// The same with compliance alpha / (h^2 response), as project_soft_stretch; multiplier in m^2.
-template <class T>
-inline void project_soft_bend(Vec3<T> &x0, Vec3<T> &x1, Vec3<T> &x2, Vec3<T> &x3, const BendRest<T> &rest, T compliance,
-                              T &multiplier) {
-  const BendTerms<T> c = bend_terms(x0, x1, x2, x3, rest);
-  const T softness = compliance * rest.response;
-  const T change = -(c.value + softness * multiplier) / (c.sum + softness * c.scale);
-  multiplier += change * c.scale;
-  move_bend(c, rest, change * c.length, x0, x1, x2, x3);
+  move_bend(c, rest, bend_multiplier(c, stiffness), x0, x1, x2, x3);
 }
 
 /// C = p - target, eq. (4).
 template <class T> inline void project_blend(Vec3<T> &p, const Vec3<T> &target, T stiffness) {
-  p += stiffness * (target - p);
+  p = mul_add(stiffness, target - p, p);
 }
 
 /// Tapered capsule made ready for distances: the hull of the spheres (a, radius) and (a + length axis, radius - slope length).
@@ -122,12 +128,12 @@ template <class S, class T> inline Distance<T> capsule_distance(const CapsuleSha
       side{T(c.side.x), T(c.side.y), T(c.side.z)};
   const Vec3<T> d = p - a;
   const T z = dot(d, axis);
-  const Vec3<T> radial = d - z * axis;
+  const Vec3<T> radial = neg_mul_add(z, axis, d);
   const T rho = lane_sqrt(dot(radial, radial));
   // The closest surface point lies on the sphere about the axis point f: walk from p down the cone's normal, stop at the end
   // spheres.
-  const T f = lane_min(lane_max(z - rho * T(c.slope_over_cos), T(0)), T(c.length));
-  const Vec3<T> r = d - f * axis;
+  const T f = lane_min(lane_max(neg_mul_add(rho, T(c.slope_over_cos), z), T(0)), T(c.length));
+  const Vec3<T> r = neg_mul_add(f, axis, d);
   const T length = lane_sqrt(dot(r, r));
   const auto defined = length > T(1e-9f);
   return {length - (T(c.radius) - T(c.slope) * f), select(defined, (T(1) / select(defined, length, T(1))) * r, side)};
@@ -190,7 +196,7 @@ inline void project_capsule(Vec3<T> &p, CapsuleContact<T> &contact, const Capsul
   const auto past = dot(d.normal, contact.reference) < contact.min_agreement;
   const T gap = select(past, dot(p, contact.reference) - contact.plane, d.value - (thickness - contact.slack));
   const auto pushes = (gap < T(0)) & (contact.active > T(0));
-  p = select(pushes, p - gap * select(past, contact.reference, d.normal), p);
+  p = select(pushes, neg_mul_add(gap, select(past, contact.reference, d.normal), p), p);
   contact.touched = select(pushes, T(1), contact.touched);
 }
 
@@ -221,10 +227,10 @@ template <class T> inline void project_self(Vec3<T> &q, Vec3<T> &a, Vec3<T> &b, 
   const Distance<T> d = self_distance(q, a, b, c, s.b0, s.b1, s.b2, s.side);
   const auto pushes = (d.value < s.thickness) & (s.active > T(0));
   const T lambda = (s.thickness - d.value) * s.inverse_sum;
-  q = select(pushes, q + (lambda * T(s.wq)) * d.normal, q);
-  a = select(pushes, a - (lambda * T(s.wa) * s.b0) * d.normal, a);
-  b = select(pushes, b - (lambda * T(s.wb) * s.b1) * d.normal, b);
-  c = select(pushes, c - (lambda * T(s.wc) * s.b2) * d.normal, c);
+  q = select(pushes, mul_add(lambda * T(s.wq), d.normal, q), q);
+  a = select(pushes, neg_mul_add(lambda * T(s.wa) * s.b0, d.normal, a), a);
+  b = select(pushes, neg_mul_add(lambda * T(s.wb) * s.b1, d.normal, b), b);
+  c = select(pushes, neg_mul_add(lambda * T(s.wc) * s.b2, d.normal, c), c);
   s.touched = select(pushes, T(1), s.touched);
 }
 

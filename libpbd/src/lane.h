@@ -36,6 +36,20 @@ inline float lane_abs(float a) {
 inline double lane_abs(double a) {
   return __builtin_fabs(a);
 }
+/// `a`, or 0 outside the mask.
+inline float only(bool mask, float a) {
+  return mask ? a : 0;
+}
+inline double only(bool mask, double a) {
+  return mask ? a : 0;
+}
+/// -a where the mask is set.
+inline float negated(bool mask, float a) {
+  return mask ? -a : a;
+}
+inline double negated(bool mask, double a) {
+  return mask ? -a : a;
+}
 /// Size of the first with the sign of the second: by bits, where a select would cost a mispredicted jump every other time.
 inline float with_sign(float a, float sign) {
   return __builtin_copysignf(a, sign);
@@ -45,6 +59,33 @@ inline double with_sign(double a, double sign) {
 }
 inline float lane_sqrt(float a) {
   return __builtin_sqrtf(a);
+}
+/// a b + c, rounded once: in hardware, or (x86 without FMA) through double, whose last bit is made odd where the sum is inexact,
+/// so that the second rounding goes the way of the first (Boldo, Melquiond 2008). The same bits.
+inline float mul_add(float a, float b, float c) {
+#if defined(__FMA__) || defined(__aarch64__)
+  return __builtin_fmaf(a, b, c);
+#else
+  const double product = static_cast<double>(a) * b, sum = product + c, c_share = sum - product,
+               error = (product - (sum - c_share)) + (c - c_share);
+  long long bits;
+  __builtin_memcpy(&bits, &sum, sizeof bits);
+  if ((error < 0 || error > 0) && !(bits & 1))
+    bits += (error > 0) == (sum > 0) ? 1 : -1;
+  double odd;
+  __builtin_memcpy(&odd, &bits, sizeof odd);
+  return static_cast<float>(odd);
+#endif
+}
+inline double mul_add(double a, double b, double c) {
+  return __builtin_fma(a, b, c);
+}
+/// a b - c and c - a b, rounded once.
+template <class T> inline T mul_sub(T a, T b, T c) {
+  return mul_add(a, b, -c);
+}
+template <class T> inline T neg_mul_add(T a, T b, T c) {
+  return mul_add(-a, b, c);
 }
 inline double lane_sqrt(double a) {
   return __builtin_sqrt(a);
@@ -68,11 +109,17 @@ template <class T> inline Vec3<T> &operator+=(Vec3<T> &a, Vec3<T> b) {
 template <class T> inline Vec3<T> &operator-=(Vec3<T> &a, Vec3<T> b) {
   return a = a - b;
 }
+template <class T> inline Vec3<T> mul_add(T s, Vec3<T> a, Vec3<T> b) {
+  return {mul_add(s, a.x, b.x), mul_add(s, a.y, b.y), mul_add(s, a.z, b.z)};
+}
+template <class T> inline Vec3<T> neg_mul_add(T s, Vec3<T> a, Vec3<T> b) {
+  return {neg_mul_add(s, a.x, b.x), neg_mul_add(s, a.y, b.y), neg_mul_add(s, a.z, b.z)};
+}
 template <class T> inline T dot(Vec3<T> a, Vec3<T> b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
+  return mul_add(a.x, b.x, mul_add(a.y, b.y, a.z * b.z));
 }
 template <class T> inline Vec3<T> cross(Vec3<T> a, Vec3<T> b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  return {mul_sub(a.y, b.z, a.z * b.y), mul_sub(a.z, b.x, a.x * b.z), mul_sub(a.x, b.y, a.y * b.x)};
 }
 template <class M, class T> inline Vec3<T> select(M mask, Vec3<T> yes, Vec3<T> no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
@@ -86,14 +133,13 @@ template <class T> inline T lane_atan2(T y, T x) {
   const T small = lane_min(ax, ay), big = lane_max(ax, ay);
   const T a = small / lane_max(big, T(1.17549435e-38f));
   const auto steep = ay > ax, behind = x < T(0);
-  const T offset = select(steep, T(1.57079632679489662), select(behind, T(3.14159265358979324), T(0)));
-  const T turned = select(steep, -a, a);
+  const T offset = select(steep, T(1.57079632679489662), only(behind, T(3.14159265358979324)));
+  const T turned = negated(steep ^ behind, a);
   const T s = a * a, s2 = s * s;
-  const T low = (T(1.0f) + T(-0.333330721f) * s) + (T(0.199926198f) + T(-0.142036453f) * s) * s2;
-  const T high =
-      (T(0.106409341f) + T(-0.0750429332f) * s) + (T(0.042691499f) + T(-0.0160686094f) * s + T(0.00284988387f) * s2) * s2;
-  const T p = low + high * (s2 * s2);
-  return with_sign(offset + p * select(behind, -turned, turned), y);
+  const T low = mul_add(mul_add(T(-0.142036453f), s, T(0.199926198f)), s2, mul_add(T(-0.333330721f), s, T(1.0f)));
+  const T top = mul_add(T(0.00284988387f), s2, mul_add(T(-0.0160686094f), s, T(0.042691499f)));
+  const T high = mul_add(top, s2, mul_add(T(-0.0750429332f), s, T(0.106409341f)));
+  return with_sign(mul_add(mul_add(high, s2 * s2, low), turned, offset), y);
 }
 
 } // namespace DOUBLET_PBD_ISA

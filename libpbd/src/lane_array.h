@@ -24,6 +24,11 @@ public:
     data_[size_++] = element;
   }
   void clear() { size_ = 0; }
+  void swap(Array &other) {
+    exchange(data_, other.data_);
+    exchange(size_, other.size_);
+    exchange(capacity_, other.capacity_);
+  }
   int size() const { return size_; }
   E *data() { return data_; }
   E &operator[](int i) { return data_[i]; }
@@ -32,6 +37,11 @@ public:
   E *end() { return data_ + size_; }
 
 private:
+  template <class V> static void exchange(V &a, V &b) {
+    const V kept = a;
+    a = b;
+    b = kept;
+  }
   void grow(int capacity) {
     E *larger = static_cast<E *>(lane_allocate(static_cast<unsigned long>(capacity) * sizeof(E)));
     if (size_ > 0)

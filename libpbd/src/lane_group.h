@@ -36,11 +36,15 @@ public:
 
   /// One substep, at whose end the fraction `end` of the frame has passed.
   virtual void advance(float end) = 0;
+  /// In each lane 0, or not a number if one of its positions or velocities is not finite.
+  virtual const float *zero_if_finite() = 0;
 };
 
-/// nullptr where this program was built for a processor that has no such instructions. Caller owns the result.
+/// Caller owns the result. The last four exist on x86-64 alone, and ask for AVX2 with FMA and for AVX-512.
 LaneGroup *make_group_1(const LaneModel &model);
 LaneGroup *make_group_4(const LaneModel &model);
+LaneGroup *make_group_1_avx2(const LaneModel &model);
+LaneGroup *make_group_4_avx2(const LaneModel &model);
 LaneGroup *make_group_8(const LaneModel &model);
 LaneGroup *make_group_16(const LaneModel &model);
 

@@ -21,7 +21,7 @@ struct BendConstraint {
   float floor;    ///< see bend_response, 1/m^2
   float response; ///< sum of w_i |g_i|^2 at rest, 1/m^2
 };
-/// Four bends in a row of the order that share no vertex, so that a single simulation may project them side by side. Where the
+/// Four bends in a row of the order that share no vertex, so that they may be projected side by side. Where the
 /// order does not offer four, the rest are idle ones on the four spare vertices behind the last (see kSpareVertices), with no
 /// mass to move.
 struct BendBlock {
@@ -43,11 +43,10 @@ struct TreeNode {
 };
 
 struct LaneModel {
-  int vertex_count, face_count, stretch_count, bend_count, block_count, blend_count, follower_count, node_count;
+  int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, node_count;
   const Triangle *faces;
   const float *weights; ///< [vertex] inverse masses
   const StretchConstraint *stretches;
-  const BendConstraint *bends; ///< in the order of the blocks
   const BendBlock *blocks;
   const BlendConstraint *blends;
   const int *followers; ///< vertices of clothness < 1

@@ -22,14 +22,14 @@ public:
       x_[m_.vertex_count + k] = p_[m_.vertex_count + k] =
           Vec3<T>{T(static_cast<float>(k & 1)), T(static_cast<float>(k >> 1)), T(0)};
     v_.resize(m_.vertex_count);
-    v_free_.resize(m_.vertex_count);
-    normals_.resize(m_.vertex_count);
+    if (m_.restitution > 0)
+      v_free_.resize(m_.vertex_count);
     target_start_.resize(m_.follower_count);
     target_end_.resize(m_.follower_count);
     target_.resize(m_.follower_count);
     if (m_.compliant) {
       stretch_multipliers_.resize(m_.stretch_count);
-      bend_multipliers_.resize(kSingle ? 4 * m_.block_count : m_.bend_count);
+      bend_multipliers_.resize(4 * m_.block_count);
     }
   }
 
@@ -62,8 +62,15 @@ public:
     rub_self();
     rub_capsules();
     limit_speed();
+    x_.swap(p_);
+  }
+
+  const float *zero_if_finite() override {
+    Vec3<T> zero{T(0), T(0), T(0)};
     for (int i = 0; i < m_.vertex_count; ++i)
-      x_[i] = p_[i];
+      zero = mul_add(T(0), x(i), mul_add(T(0), v_[i], zero));
+    zero_ = zero.x + zero.y + zero.z;
+    return reinterpret_cast<const float *>(&zero_);
   }
 
 private:
@@ -78,19 +85,17 @@ private:
       target_[i] = end == 1 ? target_end_[i] : target_start_[i] + T(end) * (target_end_[i] - target_start_[i]);
   }
 
-  /// Unit normals, area-weighted; zero where the faces cancel (drag then takes all motion as tangential).
+  /// Unit normals, area-weighted; zero where the faces cancel (drag then takes all motion as tangential). They lie in p_, which
+  /// has nothing else to hold before the prediction: the fewer arrays, the more of them stay in the cache.
   void update_normals() {
-    for (Vec3<T> &n : normals_)
-      n = {T(0), T(0), T(0)};
+    for (int i = 0; i < m_.vertex_count; ++i)
+      p_[i] = Vec3<T>{T(0), T(0), T(0)};
     for (int f = 0; f < m_.face_count; ++f) {
       const int *v = m_.faces[f].v;
       const Vec3<T> n = cross(x(v[1]) - x(v[0]), x(v[2]) - x(v[0]));
-      normals_[v[0]] += n;
-      normals_[v[1]] += n;
-      normals_[v[2]] += n;
+      for (int k = 0; k < 3; ++k)
+        p_[v[k]] = p(v[k]) + n;
     }
-    for (Vec3<T> &n : normals_)
-      n = (T(1) / lane_max(lane_sqrt(dot(n, n)), T(1e-12f))) * n;
   }
 
   /// Half of gravity, drag, the other half: symmetric, so that the terminal velocity is right to second order in h.
@@ -98,8 +103,9 @@ private:
     const Vec3<T> half = (T(0.5f) * s_.h) * gravity(), wind{s_.wind[0], s_.wind[1], s_.wind[2]};
     for (int i = 0; i < m_.vertex_count; ++i)
       if (m_.weights[i] > 0) {
+        const Vec3<T> n = (T(1) / lane_max(lane_sqrt(dot(p(i), p(i))), T(1e-12f))) * p(i);
         const Vec3<T> u = v_[i] + half - wind;
-        v_[i] = apply_drag(u, normals_[i], s_.half_dn_h, s_.tangential_factor) + wind + half;
+        v_[i] = apply_drag(u, n, s_.half_dn_h, s_.tangential_factor) + wind + half;
       }
   }
 
@@ -111,10 +117,8 @@ private:
   }
 
   void predict() {
-    for (int i = 0; i < m_.vertex_count; ++i) {
-      p_[i] = x(i) + s_.h * v_[i];
-      v_free_[i] = v_[i];
-    }
+    for (int i = 0; i < m_.vertex_count; ++i)
+      p_[i] = mul_add(s_.h, v_[i], x(i));
     for (int i = 0; i < m_.follower_count; ++i)
       if (m_.weights[m_.followers[i]] == 0)
         p_[m_.followers[i]] = target_[i];
@@ -156,53 +160,83 @@ private:
     }
   }
 
+  /// The bends of a block share no vertex: four are projected side by side for one lane. For many lanes two go through each stage
+  /// in turn, so that the processor has one to work at while the other waits for its results; for four there is no room in the
+  /// registers.
   template <bool compliant> void bend() {
-    const T k = s_.k_bend;
-    if constexpr (kSingle) {
-      using Four = Pack<4>;
-      for (int i = 0; i < m_.block_count; ++i) {
-        const BendBlock &b = m_.blocks[i];
-        const BendRest<Four> rest{Four::load(b.w[0]), Four::load(b.w[1]), Four::load(b.w[2]),  Four::load(b.w[3]),
-                                  Four::load(b.cos),  Four::load(b.sin),  Four::load(b.floor), Four::load(b.response)};
-        Vec3<Four> x0 = gather(p_.data(), b.v[0]), x1 = gather(p_.data(), b.v[1]), x2 = gather(p_.data(), b.v[2]),
-                   x3 = gather(p_.data(), b.v[3]);
-        if constexpr (compliant) {
-          Four multipliers = Four::load(&bend_multipliers_[4 * i]);
-          project_soft_bend(x0, x1, x2, x3, rest, Four(k), multipliers);
-          __builtin_memcpy(&bend_multipliers_[4 * i], &multipliers.lanes, sizeof multipliers.lanes);
-        } else
-          project_bend(x0, x1, x2, x3, rest, Four(k));
-        scatter(p_.data(), b.v[0], x0);
-        scatter(p_.data(), b.v[1], x1);
-        scatter(p_.data(), b.v[2], x2);
-        scatter(p_.data(), b.v[3], x3);
-      }
+    for (int i = 0; i < m_.block_count; ++i) {
+      const BendBlock &block = m_.blocks[i];
+      if constexpr (kSingle) {
+        using Four = Pack<4>;
+        Vec3<Four> x[4];
+        for (int k = 0; k < 4; ++k)
+          x[k] = gather(p_.data(), block.v[k]);
+        const BendRest<Four> rest = rest_of<Four>(block, 0);
+        const BendTerms<Four> terms = bend_terms(x[0], x[1], x[2], x[3], rest);
+        move_bend(terms, rest, bend_multiplier_of<compliant>(terms, rest, i, 0), x[0], x[1], x[2], x[3]);
+        for (int k = 0; k < 4; ++k)
+          scatter(p_.data(), block.v[k], x[k]);
+      } else
+        for (int first = 0; first < 4; first += 2) {
+          const auto corner = [&](int k, int j) -> Vec3<T> & { return p_[block.v[k][first + j]]; };
+          const auto rest = [&](int j) { return rest_of<T>(block, first + j); };
+          BendTerms<T> terms[2];
+          T multipliers[2];
+          for (int j = 0; j < 2; ++j)
+            terms[j] = bend_terms(corner(0, j), corner(1, j), corner(2, j), corner(3, j), rest(j));
+          for (int j = 0; j < 2; ++j)
+            multipliers[j] = bend_multiplier_of<compliant>(terms[j], rest(j), i, first + j);
+          for (int j = 0; j < 2; ++j)
+            move_bend(terms[j], rest(j), multipliers[j], corner(0, j), corner(1, j), corner(2, j), corner(3, j));
+        }
+    }
+  }
+  /// Of bend j for all lanes, or of four bends from j on for one.
+  template <class S> static BendRest<S> rest_of(const BendBlock &b, int j) {
+    const auto value = [j](const float(&values)[4]) {
+      if constexpr (kSingle)
+        return S::load(values + j);
+      else
+        return S(values[j]);
+    };
+    return {value(b.w[0]), value(b.w[1]), value(b.w[2]),  value(b.w[3]),
+            value(b.cos),  value(b.sin),  value(b.floor), value(b.response)};
+  }
+  template <bool compliant, class S> S bend_multiplier_of(const BendTerms<S> &terms, const BendRest<S> &rest, int block, int j) {
+    if constexpr (compliant) {
+      T *const from = &bend_multipliers_[4 * block + j];
+      S multiplier;
+      __builtin_memcpy(&multiplier, from, sizeof multiplier);
+      const S move = soft_bend_multiplier(terms, rest.response, S(s_.k_bend), multiplier);
+      __builtin_memcpy(from, &multiplier, sizeof multiplier);
+      return move;
     } else
-      for (int i = 0; i < m_.bend_count; ++i) {
-        const BendConstraint &c = m_.bends[i];
-        const BendRest<T> rest{T(c.w[0]), T(c.w[1]), T(c.w[2]), T(c.w[3]), T(c.cos), T(c.sin), T(c.floor), T(c.response)};
-        Vec3<T> &x0 = p_[c.v[0]], &x1 = p_[c.v[1]], &x2 = p_[c.v[2]], &x3 = p_[c.v[3]];
-        if constexpr (compliant)
-          project_soft_bend(x0, x1, x2, x3, rest, k, bend_multipliers_[i]);
-        else
-          project_bend(x0, x1, x2, x3, rest, k);
-      }
+      return bend_multiplier(terms, S(s_.k_bend));
   }
 
   void update_velocities() {
+    if (m_.restitution > 0)
+      v_free_.swap(v_);
     const T rate = T(1) / s_.h;
     for (int i = 0; i < m_.vertex_count; ++i)
       v_[i] = rate * (p(i) - x(i));
   }
 
   void limit_speed() {
-    for (Vec3<T> &v : v_)
-      v = lane_min(T(1), T(kMaxSpeed) / lane_max(lane_sqrt(dot(v, v)), T(1e-12f))) * v;
+    for (Vec3<T> &v : v_) {
+      const T square = dot(v, v);
+      const auto fast = square > T(kMaxSpeed * kMaxSpeed);
+      if (any(fast))
+        v = select(fast, (T(kMaxSpeed) / lane_sqrt(square)) * v, v);
+    }
   }
 
   /// Normal velocity after a contact: none into it; what came in faster than gravity's own doing in two steps is reflected.
-  T bounce(T approach, T free_approach) const {
-    const T threshold = T(2) * s_.h * lane_sqrt(dot(gravity(), gravity()));
+  /// before_contact(): the same before the contact.
+  template <class FreeApproach> T bounce(T approach, FreeApproach &&before_contact) const {
+    if (!(m_.restitution > 0))
+      return lane_max(approach, T(0));
+    const T free_approach = before_contact(), threshold = T(2) * s_.h * lane_sqrt(dot(gravity(), gravity()));
     const T reflected = select(free_approach < -threshold, -T(m_.restitution) * free_approach, T(0));
     return lane_max(approach, reflected);
   }
@@ -217,9 +251,10 @@ private:
       const auto rubs = (c.touched > T(0)) & (d.value <= T(m_.thickness + kPulledOff));
       const Vec3<T> surface = p(c.vertex) - d.value * d.normal;
       const Vec3<T> surface_velocity = (T(1) / s_.h) * (surface - m.carry_back(surface));
-      const Vec3<T> u = v_[c.vertex] - surface_velocity, u_free = v_free_[c.vertex] - surface_velocity;
+      const Vec3<T> u = v_[c.vertex] - surface_velocity;
       const T un = dot(u, d.normal), keep = T(1) - s_.k_friction;
-      const Vec3<T> after = surface_velocity + keep * u + (bounce(un, dot(u_free, d.normal)) - keep * un) * d.normal;
+      const T after_n = bounce(un, [&] { return dot(v_free_[c.vertex] - surface_velocity, d.normal); });
+      const Vec3<T> after = surface_velocity + keep * u + (after_n - keep * un) * d.normal;
       v_[c.vertex] = select(rubs, after, v_[c.vertex]);
     }
   }
@@ -234,7 +269,7 @@ private:
       const auto relative = [&](const Array<Vec3<T>> &v) { return v[c.q] - (c.b0 * v[c.a] + c.b1 * v[c.b] + c.b2 * v[c.c]); };
       const Vec3<T> u = relative(v_);
       const T un = dot(u, d.normal);
-      const T after = bounce(un, dot(relative(v_free_), d.normal));
+      const T after = bounce(un, [&] { return dot(relative(v_free_), d.normal); });
       const Vec3<T> change = (-s_.k_friction) * u + (after - (T(1) - s_.k_friction) * un) * d.normal;
       const Vec3<T> impulse = c.inverse_sum * change;
       v_[c.q] = select(rubs, v_[c.q] + T(c.wq) * impulse, v_[c.q]);
@@ -251,13 +286,14 @@ private:
   const LaneModel &m_;
   Substep<T> s_;
   Array<Place> x_, p_;                                ///< start, end of the substep; with the spare vertices
-  Array<Vec3<T>> v_, v_free_, normals_;               ///< velocity, the same before contacts, unit normals
+  Array<Vec3<T>> v_, v_free_;                         ///< velocity; the same before contacts, where they reflect it
   Array<Vec3<T>> target_start_, target_end_, target_; ///< of the followers: in the frame; at the end of the substep
   Array<CapsuleMotion<T>> capsules_;
   Array<CapsuleContact<T>> contacts_; ///< ordered by capsule, then vertex
   Array<SelfContact<T>> self_contacts_;
   SelfCollision<T> self_collision_;
   Array<T> stretch_multipliers_, bend_multipliers_;
+  T zero_;
 };
 
 } // namespace DOUBLET_PBD_ISA

@@ -4,7 +4,6 @@
 #include "lane_group.h"
 
 #include <Eigen/Dense>
-#include <cstdlib>
 #include <new>
 
 namespace doublet::pbd {
@@ -13,13 +12,10 @@ LaneGroup::LaneGroup() = default;
 LaneGroup::~LaneGroup() = default;
 
 void *lane_allocate(unsigned long bytes) {
-  void *block = std::aligned_alloc(64, (bytes + 63) / 64 * 64);
-  if (!block && bytes > 0)
-    throw std::bad_alloc();
-  return block;
+  return ::operator new(bytes, std::align_val_t(64));
 }
 void lane_free(void *block) {
-  std::free(block);
+  ::operator delete(block, std::align_val_t(64));
 }
 
 void damp_lane(const LaneModel &model, const float *x, float *v, int vertex_stride, int lanes, float k) {

@@ -1,7 +1,7 @@
 #pragma once
 // N floats that go through a kernel together (see lane.h): N simulations side by side, or four constraints of one that share no
 // vertex. GCC/Clang vector extensions, and the processor's own instructions where those have no word for it. Every lane gets the
-// bits that the kernel gives for float: the arithmetic is IEEE in all of them and nothing is fused.
+// bits that the kernel gives for float: the arithmetic is IEEE in all of them and what is fused (mul_add) is fused in all.
 
 #include "lane.h"
 
@@ -46,6 +46,7 @@ template <int N> struct Pack {
   friend Pack operator/(Pack a, Pack b) { return Pack(a.lanes / b.lanes); }
   friend Pack operator-(Pack a) { return Pack(-a.lanes); }
   friend Pack &operator+=(Pack &a, Pack b) { return a = a + b; }
+  friend Pack &operator-=(Pack &a, Pack b) { return a = a - b; }
 };
 
 /// As integers of the same bits, and back.
@@ -68,11 +69,21 @@ template <int N> inline Mask<N> operator&(Mask<N> a, Mask<N> b) {
 template <int N> inline Mask<N> operator|(Mask<N> a, Mask<N> b) {
   return {a.bits | b.bits};
 }
+template <int N> inline Mask<N> operator^(Mask<N> a, Mask<N> b) {
+  return {a.bits ^ b.bits};
+}
 template <int N> inline Mask<N> operator!(Mask<N> a) {
   return {~a.bits};
 }
 template <int N> inline Pack<N> select(Mask<N> m, Pack<N> yes, Pack<N> no) {
   return from_bits<N>((m.bits & to_bits(yes)) | (~m.bits & to_bits(no)));
+}
+template <int N> inline Pack<N> only(Mask<N> m, Pack<N> a) {
+  return from_bits<N>(m.bits & to_bits(a));
+}
+template <int N> inline Pack<N> negated(Mask<N> m, Pack<N> a) {
+  const int sign_bit = static_cast<int>(0x80000000u);
+  return from_bits<N>(to_bits(a) ^ (m.bits & sign_bit));
 }
 template <int N> inline Pack<N> lane_sqrt(Pack<N> a) {
   for (int l = 0; l < N; ++l)
@@ -93,6 +104,12 @@ template <int N> inline Pack<N> with_sign(Pack<N> a, Pack<N> sign) {
   return from_bits<N>((to_bits(a) & 0x7fffffff) | (to_bits(sign) & sign_bit));
 }
 
+template <int N> inline Pack<N> mul_add(Pack<N> a, Pack<N> b, Pack<N> c) {
+  for (int l = 0; l < N; ++l)
+    c.lanes[l] = mul_add(a.lanes[l], b.lanes[l], c.lanes[l]);
+  return c;
+}
+
 // max and min return the second if either is not a number: a > b ? a : b, as for float.
 #ifdef __SSE2__
 inline Pack<4> lane_sqrt(Pack<4> a) {
@@ -106,6 +123,26 @@ inline Pack<4> lane_min(Pack<4> a, Pack<4> b) {
 }
 inline bool any(Mask<4> m) {
   return _mm_movemask_ps(reinterpret_cast<__m128>(m.bits)) != 0;
+}
+#endif
+#ifdef __FMA__
+inline Pack<4> mul_add(Pack<4> a, Pack<4> b, Pack<4> c) {
+  return Pack<4>(_mm_fmadd_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<4> mul_sub(Pack<4> a, Pack<4> b, Pack<4> c) {
+  return Pack<4>(_mm_fmsub_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<4> neg_mul_add(Pack<4> a, Pack<4> b, Pack<4> c) {
+  return Pack<4>(_mm_fnmadd_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<8> mul_add(Pack<8> a, Pack<8> b, Pack<8> c) {
+  return Pack<8>(_mm256_fmadd_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<8> mul_sub(Pack<8> a, Pack<8> b, Pack<8> c) {
+  return Pack<8>(_mm256_fmsub_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<8> neg_mul_add(Pack<8> a, Pack<8> b, Pack<8> c) {
+  return Pack<8>(_mm256_fnmadd_ps(a.lanes, b.lanes, c.lanes));
 }
 #endif
 #ifdef __AVX2__
@@ -141,11 +178,31 @@ inline Mask<16> operator&(Mask<16> a, Mask<16> b) {
 inline Mask<16> operator|(Mask<16> a, Mask<16> b) {
   return {static_cast<__mmask16>(a.bits | b.bits)};
 }
+inline Mask<16> operator^(Mask<16> a, Mask<16> b) {
+  return {static_cast<__mmask16>(a.bits ^ b.bits)};
+}
 inline Mask<16> operator!(Mask<16> a) {
   return {static_cast<__mmask16>(~a.bits)};
 }
 inline Pack<16> select(Mask<16> m, Pack<16> yes, Pack<16> no) {
   return Pack<16>(_mm512_mask_blend_ps(m.bits, no.lanes, yes.lanes));
+}
+inline Pack<16> only(Mask<16> m, Pack<16> a) {
+  return Pack<16>(_mm512_maskz_mov_ps(m.bits, a.lanes));
+}
+inline Pack<16> negated(Mask<16> m, Pack<16> a) {
+  const __m512i bits = _mm512_castps_si512(a.lanes);
+  const int sign_bit = static_cast<int>(0x80000000u);
+  return Pack<16>(_mm512_castsi512_ps(_mm512_mask_xor_epi32(bits, m.bits, bits, _mm512_set1_epi32(sign_bit))));
+}
+inline Pack<16> mul_add(Pack<16> a, Pack<16> b, Pack<16> c) {
+  return Pack<16>(_mm512_fmadd_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<16> mul_sub(Pack<16> a, Pack<16> b, Pack<16> c) {
+  return Pack<16>(_mm512_fmsub_ps(a.lanes, b.lanes, c.lanes));
+}
+inline Pack<16> neg_mul_add(Pack<16> a, Pack<16> b, Pack<16> c) {
+  return Pack<16>(_mm512_fnmadd_ps(a.lanes, b.lanes, c.lanes));
 }
 inline Pack<16> lane_sqrt(Pack<16> a) {
   return Pack<16>(_mm512_maskz_sqrt_ps(kAll, a.lanes));

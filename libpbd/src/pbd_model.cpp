@@ -189,6 +189,7 @@ void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness
 void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
   const Eigen::VectorXd &w = inverse_mass_;
+  std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
   for (const auto &[edge, opposite] : edges) {
     const auto [a, b] = edge;
@@ -210,19 +211,19 @@ void PbdModel::set_constraints(const Vertices &rest) {
         c.w[i] = static_cast<float>(w[v[i]] / largest);
       }
       const BendTerms<double> at_rest = bend_terms<double>(x(0), x(1), x(2), x(3), {c.w[0], c.w[1], c.w[2], c.w[3], 1, 0, 0, 0});
-      c.cos = static_cast<float>(std::cos(at_rest.value));
-      c.sin = static_cast<float>(std::sin(at_rest.value));
+      const double angle = bend_value(at_rest);
+      c.cos = static_cast<float>(std::cos(angle));
+      c.sin = static_cast<float>(std::sin(angle));
       // Never 0: faces too small to bend have no gradient, and 0 / 0 would not leave them alone. 1 belongs to faces a metre high.
       c.floor = static_cast<float>(std::max(1.0, 0.25 * at_rest.ee * (1 / at_rest.nn1 + 1 / at_rest.nn2)));
       c.response = lane_max(static_cast<float>(at_rest.sum / at_rest.scale), c.floor);
-      bends_.push_back(c);
+      bends.push_back(c);
       bend_vertices.insert(bend_vertices.end(), v.begin(), v.end());
     }
   }
   const std::vector<int> ring = rings_from_attachment(edges, weights_);
   stretches_ = in_spread_order(stretches_, stretch_vertices, 2, ring, kStretchGap);
-  bends_ = in_spread_order(bends_, bend_vertices, 4, ring, kBendGap);
-  blocks_ = in_blocks(bends_, vertex_count());
+  blocks_ = in_blocks(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), vertex_count());
 }
 
 void PbdModel::set_followers(const Eigen::VectorXd &clothness) {
@@ -254,7 +255,6 @@ void PbdModel::set_arrays() {
   a.faces = faces_.data(), a.face_count = size(faces_);
   a.weights = weights_.data();
   a.stretches = stretches_.data(), a.stretch_count = size(stretches_);
-  a.bends = bends_.data(), a.bend_count = size(bends_);
   a.blocks = blocks_.data(), a.block_count = size(blocks_);
   a.blends = blends_.data(), a.blend_count = size(blends_);
   a.followers = followers_.data(), a.follower_count = size(followers_);

@@ -27,7 +27,6 @@ private:
   Eigen::VectorXd inverse_mass_;
   std::vector<float> weights_; ///< inverse masses once more, for the loops
   std::vector<StretchConstraint> stretches_;
-  std::vector<BendConstraint> bends_;
   std::vector<BendBlock> blocks_;
   std::vector<int> followers_;
   std::vector<BlendConstraint> blends_;

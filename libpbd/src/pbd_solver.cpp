@@ -5,6 +5,7 @@
 #include "pbd_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -34,14 +35,17 @@ float compliance_of(double k, double h) {
 void check_vertices(const Vertices *m, int n, const char *name) {
   if (m->rows() != n)
     refuse(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m->rows()));
-  if (!m->allFinite())
+  if (!((0 * m->array()).sum() == 0)) // one that is not finite makes it not a number
     refuse(std::string(name) + " holds a value that is not finite");
 }
 
-void check_inputs(const PbdModel &model, const ClothState &state, const StepInputs &in) {
+void check_state(const PbdModel &model, const ClothState &state) {
+  check_vertices(&state.positions, model.vertex_count(), "state.positions");
+  check_vertices(&state.velocities, model.vertex_count(), "state.velocities");
+}
+
+void check_inputs(const PbdModel &model, const StepInputs &in) {
   const int n = model.vertex_count();
-  check_vertices(&state.positions, n, "state.positions");
-  check_vertices(&state.velocities, n, "state.velocities");
   if (!in.targets && model.arrays().follower_count > 0)
     refuse("targets are missing, and the model has vertices that follow them");
   if (in.targets)
@@ -70,7 +74,9 @@ struct Lane {
   ClothState *state;
   const StepInputs *in;
   const Material *material;
+  int bad_vertex; ///< the first that came out not finite, else -1
 };
+constexpr int kMostLanes = 16;
 
 int capsule_count(const StepInputs &in) {
   return in.capsules ? static_cast<int>(in.capsules->size()) : 0;
@@ -91,46 +97,62 @@ public:
   RunningGroup(LaneGroup *group) : group_(group), origins_(group->lanes()) {}
   int lanes() const { return group_->lanes(); }
 
-  /// A frame of lanes[i]; failed[i]: it came out not finite, at the vertex in `vertex`. Lanes without a simulation do as the
-  /// last.
-  void step(const PbdModel &model, std::span<const Lane> lanes, std::vector<int>::iterator bad_vertex) {
-    for (int l = 0; l < group_->lanes(); ++l)
-      load(model, lane(lanes, l), l);
+  /// A frame of each; lanes without a simulation do as the last. One that comes out not finite leaves its state as it was.
+  void step(const PbdModel &model, std::span<Lane> lanes) {
+    load(model, lanes);
     const int n = model.options().substeps;
     for (int i = 0; i < n; ++i) {
       set_capsules(lanes, static_cast<double>(i) / n, static_cast<double>(i + 1) / n);
       group_->advance(static_cast<float>(i + 1) / static_cast<float>(n));
     }
-    for (size_t l = 0; l < lanes.size(); ++l)
-      bad_vertex[l] = store(model.vertex_count(), static_cast<int>(l), *lanes[l].state);
+    find_bad_vertices(model.vertex_count(), lanes);
+    store(model.vertex_count(), lanes);
   }
 
 private:
   static const Lane &lane(std::span<const Lane> lanes, int l) { return lanes[std::min<size_t>(l, lanes.size() - 1)]; }
 
-  void load(const PbdModel &model, const Lane &lane, int l) {
+  /// Calls work(lane, first, last) for `vertices` vertices of `count` lanes, a few at a time: a lane is strewn over all of the
+  /// arrays, and what the first one brought into the cache is to be there for the last.
+  template <class Work> static void in_blocks(int vertices, int count, const Work &work) {
+    constexpr int kBlock = 128;
+    for (int first = 0; first < vertices; first += kBlock)
+      for (int l = 0; l < count; ++l)
+        work(l, first, std::min(first + kBlock, vertices));
+  }
+
+  void load(const PbdModel &model, std::span<const Lane> simulations) {
     const int n = model.vertex_count(), lanes = group_->lanes(), stride = group_->vertex_stride();
-    const Vertices &x = lane.state->positions, &v = lane.state->velocities;
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    for (int i = 0; i < n; ++i)
-      for (int k = 0; k < 3; ++k)
-        origin[k] += x(i, k);
-    origin = origins_[l] = (origin / n).array().round();
-    float *px = group_->positions() + l, *pv = group_->velocities() + l;
-    for (int i = 0; i < n; ++i)
-      for (int k = 0; k < 3; ++k) {
-        px[i * stride + k * lanes] = static_cast<float>(x(i, k) - origin[k]);
-        pv[(i * 3 + k) * lanes] = static_cast<float>(v(i, k));
-      }
+    for (int l = 0; l < lanes; ++l) {
+      const Vertices &x = lane(simulations, l).state->positions;
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (int i = 0; i < n; ++i)
+        sum += x.row(i).transpose();
+      origins_[l] = (sum / n).array().round();
+      put(substep_of(model.options(), lane(simulations, l)), group_->substep(), lanes, l);
+    }
+    in_blocks(n, lanes, [&](int l, int first, int last) {
+      const ClothState &state = *lane(simulations, l).state;
+      const double *x = state.positions.data(), *v = state.velocities.data();
+      float *px = group_->positions() + l, *pv = group_->velocities() + l;
+      const double origin[3] = {origins_[l][0], origins_[l][1], origins_[l][2]};
+      for (int i = first; i < last; ++i)
+        for (int k = 0; k < 3; ++k) {
+          px[i * stride + k * lanes] = static_cast<float>(x[i * 3 + k] - origin[k]);
+          pv[(i * 3 + k) * lanes] = static_cast<float>(v[i * 3 + k]);
+        }
+    });
     const LaneModel &m = model.arrays();
-    const Vertices *last = lane.in->targets, *first = lane.in->previous_targets ? lane.in->previous_targets : last;
-    float *start = group_->targets_start() + l, *end = group_->targets_end() + l;
-    for (int i = 0; i < m.follower_count; ++i)
-      for (int k = 0; k < 3; ++k) {
-        start[(i * 3 + k) * lanes] = static_cast<float>((*first)(m.followers[i], k) - origin[k]);
-        end[(i * 3 + k) * lanes] = static_cast<float>((*last)(m.followers[i], k) - origin[k]);
-      }
-    put(substep_of(model.options(), lane), group_->substep(), lanes, l);
+    in_blocks(m.follower_count, lanes, [&](int l, int first, int last) {
+      const StepInputs &in = *lane(simulations, l).in;
+      const Vertices &after = *in.targets, &before = in.previous_targets ? *in.previous_targets : after;
+      float *start = group_->targets_start() + l, *end = group_->targets_end() + l;
+      for (int i = first; i < last; ++i)
+        for (int k = 0; k < 3; ++k) {
+          start[(i * 3 + k) * lanes] = static_cast<float>(before(m.followers[i], k) - origins_[l][k]);
+          end[(i * 3 + k) * lanes] = static_cast<float>(after(m.followers[i], k) - origins_[l][k]);
+        }
+    });
   }
 
   static Substep<float> substep_of(const ClothOptions &options, const Lane &lane) {
@@ -177,20 +199,31 @@ private:
     }
   }
 
-  /// Returns the first vertex that is not finite and then leaves the state alone, else -1.
-  int store(int n, int l, ClothState &state) const {
+  void find_bad_vertices(int n, std::span<Lane> simulations) const {
     const int lanes = group_->lanes(), stride = group_->vertex_stride();
-    const float *x = group_->positions() + l, *v = group_->velocities() + l;
-    for (int i = 0; i < n; ++i)
-      for (int k = 0; k < 3; ++k)
-        if (!std::isfinite(x[i * stride + k * lanes]) || !std::isfinite(v[(i * 3 + k) * lanes]))
-          return i;
-    for (int i = 0; i < n; ++i)
-      for (int k = 0; k < 3; ++k) {
-        state.positions(i, k) = x[i * stride + k * lanes] + origins_[l][k];
-        state.velocities(i, k) = v[(i * 3 + k) * lanes];
-      }
-    return -1;
+    const float *x = group_->positions(), *v = group_->velocities(), *zero = group_->zero_if_finite();
+    for (size_t l = 0; l < simulations.size(); ++l) {
+      int &bad = simulations[l].bad_vertex = -1;
+      for (int i = 0; i < n && bad < 0 && zero[l] != 0; ++i)
+        for (int k = 0; k < 3; ++k)
+          if (!std::isfinite(x[i * stride + k * lanes + l]) || !std::isfinite(v[(i * 3 + k) * lanes + l]))
+            bad = i;
+    }
+  }
+  void store(int n, std::span<const Lane> simulations) const {
+    const int lanes = group_->lanes(), stride = group_->vertex_stride();
+    in_blocks(n, static_cast<int>(simulations.size()), [&](int l, int first, int last) {
+      if (simulations[l].bad_vertex >= 0)
+        return;
+      double *x = simulations[l].state->positions.data(), *v = simulations[l].state->velocities.data();
+      const float *px = group_->positions() + l, *pv = group_->velocities() + l;
+      const double origin[3] = {origins_[l][0], origins_[l][1], origins_[l][2]};
+      for (int i = first; i < last; ++i)
+        for (int k = 0; k < 3; ++k) {
+          x[i * 3 + k] = px[i * stride + k * lanes] + origin[k];
+          v[i * 3 + k] = pv[(i * 3 + k) * lanes];
+        }
+    });
   }
 
   std::unique_ptr<LaneGroup> group_;
@@ -206,8 +239,8 @@ struct Width {
 std::vector<Width> supported_widths() {
   std::vector<Width> widths{{1, make_group_1}, {4, make_group_4}};
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2"))
-    widths.push_back({8, make_group_8});
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    widths = {{1, make_group_1_avx2}, {4, make_group_4_avx2}, {8, make_group_8}};
   if (__builtin_cpu_supports("avx512f"))
     widths.push_back({16, make_group_16});
 #endif
@@ -222,12 +255,12 @@ public:
 
   void step(ClothState &state, const StepInputs &inputs, const Material &material) const override {
     validate(material);
-    check_inputs(*model_, state, inputs);
-    const Lane lane{&state, &inputs, &material};
-    std::vector<int> bad_vertex(1);
-    step_group({&lane, 1}, bad_vertex.begin());
-    if (bad_vertex[0] >= 0)
-      throw std::runtime_error("cloth step: vertex " + std::to_string(bad_vertex[0]) +
+    check_state(*model_, state);
+    check_inputs(*model_, inputs);
+    Lane lane{&state, &inputs, &material, -1};
+    step_group({&lane, 1});
+    if (lane.bad_vertex >= 0)
+      throw std::runtime_error("cloth step: vertex " + std::to_string(lane.bad_vertex) +
                                " came out with a position or velocity that is not finite");
   }
 
@@ -235,7 +268,7 @@ public:
                              std::span<const Material> materials, int threads) const override;
 
 private:
-  void step_group(std::span<const Lane> lanes, std::vector<int>::iterator bad_vertex) const;
+  void step_group(std::span<Lane> lanes) const;
 
   std::shared_ptr<const PbdModel> model_;
   std::vector<Width> widths_;
@@ -244,7 +277,7 @@ private:
   mutable std::vector<std::vector<std::unique_ptr<RunningGroup>>> idle_; ///< [width]
 };
 
-void PbdSolver::step_group(std::span<const Lane> lanes, std::vector<int>::iterator bad_vertex) const {
+void PbdSolver::step_group(std::span<Lane> lanes) const {
   size_t width = 0;
   while (width + 1 < widths_.size() && widths_[width].lanes < static_cast<int>(lanes.size()))
     ++width;
@@ -258,7 +291,7 @@ void PbdSolver::step_group(std::span<const Lane> lanes, std::vector<int>::iterat
   }
   if (!group)
     group = std::make_unique<RunningGroup>(widths_[width].make(model_->arrays()));
-  group->step(*model_, lanes, bad_vertex);
+  group->step(*model_, lanes);
   const std::lock_guard lock(mutex_);
   idle_[width].push_back(std::move(group));
 }
@@ -295,29 +328,36 @@ template <class Work> void share_out(int count, int threads, const Work &work) {
 std::vector<int> PbdSolver::step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
                                       std::span<const Material> materials, int threads) const {
   check_counts(states.size(), inputs.size(), materials.size());
-  std::vector<Lane> lanes;
-  for (size_t i = 0; i < states.size(); ++i) {
-    const StepInputs &in = inputs[inputs.size() == 1 ? 0 : i];
-    validate(materials[i]);
-    check_inputs(*model_, states[i], in);
+  const auto input_of = [&](size_t i) -> const StepInputs & { return inputs[inputs.size() == 1 ? 0 : i]; };
+  for (const StepInputs &in : inputs) {
+    check_inputs(*model_, in);
     if (capsule_count(in) != capsule_count(inputs[0]))
       refuse("inputs of one call must have equally many capsules, found " + std::to_string(capsule_count(inputs[0])) + " and " +
              std::to_string(capsule_count(in)));
-    lanes.push_back({&states[i], &in, &materials[i]});
+  }
+  for (size_t i = 0; i < states.size(); ++i) {
+    validate(materials[i]);
+    check_state(*model_, states[i]);
   }
   // Full registers first, but no idle thread for their sake.
-  const int count = static_cast<int>(lanes.size()), widest = widths_.back().lanes;
+  const int count = static_cast<int>(states.size()), widest = widths_.back().lanes;
   threads = std::clamp(threads, 1, std::max(1, count));
   const int groups = std::max((count + widest - 1) / widest, std::min(threads, (count + 3) / 4));
-  std::vector<int> bad_vertex(lanes.size());
+  std::vector<int> failed; // empty, as a rule
+  std::mutex mutex;
   share_out(groups, threads, [&](int g) {
     const int first = count * g / groups, last = count * (g + 1) / groups;
-    step_group(std::span(lanes).subspan(first, last - first), bad_vertex.begin() + first);
+    std::array<Lane, kMostLanes> lanes;
+    for (int i = first; i < last; ++i)
+      lanes[i - first] = {&states[i], &input_of(i), &materials[i], -1};
+    step_group(std::span(lanes).first(last - first));
+    for (int i = first; i < last; ++i)
+      if (lanes[i - first].bad_vertex >= 0) {
+        const std::lock_guard lock(mutex);
+        failed.push_back(i);
+      }
   });
-  std::vector<int> failed;
-  for (int i = 0; i < count; ++i)
-    if (bad_vertex[i] >= 0)
-      failed.push_back(i);
+  std::sort(failed.begin(), failed.end());
   return failed;
 }
 

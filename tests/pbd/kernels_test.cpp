@@ -6,6 +6,8 @@
 #include "../../libpbd/src/pack.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <functional>
 #include <gtest/gtest.h>
 #include <random>
@@ -79,12 +81,12 @@ struct Bend {
   double value;
   V g0{0, 0, 0}, g1{0, 0, 0}, g2{0, 0, 0}, g3{0, 0, 0};
 };
-/// C and its gradients: what a unit multiplier adds to the origin.
+/// C and its gradients: what a unit multiplier takes from the origin.
 Bend bend_constraint(V x0, V x1, V x2, V x3, double rest_cos, double rest_sin) {
   const BendRest<double> unit{1, 1, 1, 1, rest_cos, rest_sin, 0, 0};
   const BendTerms<double> c = bend_terms(x0, x1, x2, x3, unit);
-  Bend b{c.value};
-  move_bend(c, unit, c.length / c.scale, b.g0, b.g1, b.g2, b.g3);
+  Bend b{bend_value(c)};
+  move_bend(c, unit, -c.length / c.scale, b.g0, b.g1, b.g2, b.g3);
   return b;
 }
 
@@ -163,6 +165,33 @@ TEST(Kernels, FoldedUpFacesStayFinite) {
   Vec3f a{0, 0, 0}, b{0, 0, 0};
   project_stretch(a, b, 0.5f, 0.5f, 0.1f, 1.0f);
   EXPECT_TRUE(std::isfinite(a.x) && std::isfinite(b.x));
+}
+
+/// Without the instruction a fused multiply-add goes through double, and must round as the instruction does: once.
+TEST(Kernels, FusedMultiplyAddRoundsOnce) {
+  std::mt19937 random(3);
+  const auto any_float = [&] {
+    const std::uint32_t bits = random();
+    float f;
+    std::memcpy(&f, &bits, sizeof f);
+    return f;
+  };
+  int rounded_twice = 0;
+  for (int i = 0; i < 1000000; ++i) {
+    // Anything at all; what cancels all but the rounding of the product; just below the middle between two floats.
+    const float tiny = static_cast<float>(random() % 8 + 1) * 1.1920929e-7f, sign = random() % 2 ? 1.0f : -1.0f;
+    const float a = i % 3 == 0 ? any_float() : 1 + tiny;
+    const float b = i % 3 == 0 ? any_float() : sign * (1 - tiny);
+    const float c = i % 3 == 0 ? any_float() : i % 3 == 1 ? -sign : static_cast<float>(16777216 + 2 * (random() % 4)) * sign;
+    const float expected = std::fma(a, b, c), found = mul_add(a, b, c);
+    if (std::isnan(expected)) {
+      ASSERT_TRUE(std::isnan(found)) << a << " " << b << " " << c;
+      continue;
+    }
+    ASSERT_EQ(std::memcmp(&found, &expected, sizeof found), 0) << a << " " << b << " " << c;
+    rounded_twice += expected != static_cast<float>(static_cast<double>(a) * b + c);
+  }
+  EXPECT_GT(rounded_twice, 10); // the naive way is seen to differ
 }
 
 /// Four constraints side by side come out as one by one, to the bit.

@@ -84,7 +84,7 @@ TEST(Peer, BendProjectsAsPositionBasedDynamics) {
     if (c.kind != "bend")
       continue;
     BendRest<double> rest{c.w[0], c.w[1], c.w[2], c.w[3], 1, 0, 0, 0};
-    const double phi = bend_terms(c.rest[0], c.rest[1], c.rest[2], c.rest[3], rest).value;
+    const double phi = bend_value(bend_terms(c.rest[0], c.rest[1], c.rest[2], c.rest[3], rest));
     rest.cos = std::cos(phi), rest.sin = std::sin(phi);
     std::vector<V> x = c.before;
     project_bend(x[0], x[1], x[2], x[3], rest, c.stiffness);
