@@ -28,12 +28,13 @@ public:
 
   MinimiseResult operator()(const Context &context) {
     resume(context);
+    if (!log_.empty())
+      tell_caller(); // who may have missed the last generation
     while (!finished()) {
       report(context);
       generation(context);
       save();
-      if (options_.on_generation)
-        options_.on_generation(result());
+      tell_caller();
     }
     if (context.progress)
       context.progress("fit", 1.0);
@@ -41,6 +42,11 @@ public:
   }
 
 private:
+  void tell_caller() const {
+    if (options_.on_generation)
+      options_.on_generation(result());
+  }
+
   MinimiseResult result() const {
     MinimiseResult result;
     for (int r = 0; r < parts_; ++r)

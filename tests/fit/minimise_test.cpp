@@ -64,9 +64,12 @@ TEST(Minimise, ResumesToTheSameBits) {
   TwoSpheres resumed;
   expect_same(minimise(resumed, options), expected);
   EXPECT_EQ(resumed.generations, whole.generations - 5);
-  TwoSpheres again; // a finished run is not repeated
+  std::size_t rows = 0;
+  options.on_generation = [&](const MinimiseResult &result) { rows = result.log.size(); };
+  TwoSpheres again; // a finished run is not repeated, but its caller learns of it
   expect_same(minimise(again, options), expected);
   EXPECT_EQ(again.generations, 0);
+  EXPECT_EQ(rows, expected.log.size());
 }
 
 TEST(Minimise, CancelsBetweenGenerationsAndResumes) {

@@ -215,12 +215,28 @@ def fit_options(job: Job) -> d.FitOptions:
 
 
 def run_fit(job: Job) -> dict:
-    options = fit_options(job)
+    from .fit_page import FitPage
+
+    options, page = fit_options(job), FitPage(job.out)
     options.log = job.path("fit_log.csv")
     options.checkpoint = job.path("fit_checkpoint.txt")
+
+    def keep(result: d.FitResult) -> None:
+        """Whatever stops the search now, the best so far is there."""
+        d.write_materials(job.path("material.json"), result)
+        page.show(over=False)
+
+    options.on_generation = keep
     observations = d.read_observations(job.path("observations.npz"))
-    result = d.estimate_material(job.simulator(), job.performance(), observations, options, job.context)
+    try:
+        result = d.estimate_material(job.simulator(), job.performance(), observations, options, job.context)
+    except KeyboardInterrupt:
+        job.console.finish()
+        if options.checkpoint.exists():
+            job.console.say("fit: stopped; material.json has the best material so far")
+        raise
     d.write_materials(job.path("material.json"), result)
+    page.show(over=True)
     options.checkpoint.unlink(missing_ok=True)
     regions = result.to_dict()["regions"]
     return {

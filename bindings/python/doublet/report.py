@@ -2,35 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import html
-import io
 import json
 
 import numpy as np
 
-from . import __version__, picture
+from . import __version__, fit_page, picture
 from . import _doublet as d
 from .files import write_text
-
-UNITS = {"d_n": "1/m", "d_t": "1/s"}
-STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#222}
-h1{margin-bottom:0}h2{margin-top:2em;border-bottom:1px solid #ddd}table{border-collapse:collapse;margin:.5em 0}
-td,th{padding:.2em .8em;border-bottom:1px solid #eee;text-align:left}td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
-.row{display:flex;flex-wrap:wrap;gap:8px}.row figure{margin:0}
-figcaption{font-size:13px;color:#555}img{max-height:420px;max-width:100%}
-svg{max-width:100%;height:auto}"""
-
-
-def table(header: list[str], rows: list[list]) -> str:
-    def cell(value, tag):
-        number = isinstance(value, (int, float))
-        text = f"{value:.4g}" if isinstance(value, float) else str(value)
-        return f"<{tag}{' class=n' if number else ''}>{html.escape(text)}</{tag}>"
-
-    head = "".join(cell(h, "th") for h in header)
-    body = "".join("<tr>" + "".join(cell(c, "td") for c in row) + "</tr>" for row in rows)
-    return f"<table><tr>{head}</tr>{body}</table>"
+from .page import STYLE, table
 
 
 def figure(image: np.ndarray, caption: str) -> str:
@@ -147,55 +127,9 @@ def body(shown: Shown) -> str:
     return row(figures) + text
 
 
-def energy_plot(path) -> str:
-    """Inline SVG of best and generation energy over evaluations."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    with path.open(newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    chart, axes = pyplot.subplots(figsize=(8, 3.2))
-    for region in sorted({r["region"] for r in rows}, key=int):
-        mine = [r for r in rows if r["region"] == region]
-        evaluations = [int(r["evaluations"]) for r in mine]
-        axes.plot(evaluations, [float(r["generation_best"]) for r in mine], ".", label=f"region {region}: best of the generation")
-        axes.plot(evaluations, [float(r["best"]) for r in mine], label=f"region {region}: best so far")
-    axes.set_xlabel("evaluations")
-    axes.set_ylabel("E_fit, px²")
-    axes.legend(frameon=False)
-    chart.tight_layout()
-    buffer = io.StringIO()
-    chart.savefig(buffer, format="svg", metadata={"Date": None})
-    pyplot.close(chart)
-    text = buffer.getvalue()
-    return text[text.index("<svg") :]
-
-
 def fit(shown: Shown) -> str:
-    fitted = json.loads(shown.job.path("material.json").read_text(encoding="utf-8"))
-    if not fitted["regions"]:
-        return "<p>No cloth, so there was no material to estimate.</p>"
-    boxes = d.Material.boxes()
-    parts = [energy_plot(shown.job.path("fit_log.csv"))]
-    for k, region in enumerate(fitted["regions"]):
-        rows = []
-        for name, value in region["parameters"].items():
-            deviation = region.get("deviations", {}).get(name)
-            low, high = boxes[name]
-            known = "fixed" if deviation is None else f"± {deviation * (high - low):.3g}"
-            rows.append([name, float(value), known, UNITS.get(name, "-"), f"[{low:g}, {high:g}]"])
-        saved = 100 * (1 - region["energy"] / region["energy_at_centre"])
-        parts.append(f"<h3>Region {k}</h3>" + table(["parameter", "value", "spread of the search", "unit", "box"], rows))
-        centre = region["energy_at_centre"]
-        parts.append(
-            f"<p>E_fit {region['energy']:.2f} px², {saved:.0f} % below the centre of the box ({centre:.2f} px²); "
-            f"{region['evaluations']} evaluations, stopped: {html.escape(str(region['stop_reason']))}.</p>"
-        )
-    if not shown.matches:
-        parts.append("<p>E_fit is its silhouette term alone: there are no feature matches.</p>")
-    return "".join(parts)
+    text = fit_page.sections(shown.job.out)
+    return text if shown.matches else text + "<p>E_fit is its silhouette term alone: there are no feature matches.</p>"
 
 
 def side_by_side(shown: Shown) -> str:

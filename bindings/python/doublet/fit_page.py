@@ -1,0 +1,165 @@
+"""The material search as a page: energy and parameters over evaluations, and what the motion tells about each parameter.
+
+Rewritten while the search runs (fit_progress.html), and a section of report.html afterwards.
+"""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+
+from . import _doublet as d
+from .files import write_text
+from .page import STYLE, table
+
+UNITS = {"d_n": "1/m", "d_t": "1/s"}
+NAMES = {
+    "d_n": "drag along the normal",
+    "d_t": "drag along the surface",
+    "k_bend": "bending",
+    "k_stretch": "stretching",
+    "k_friction": "friction",
+    "k_damping": "damping",
+}
+SECONDS_BETWEEN = 10  # at least; and drawing takes a twentieth of the time at most
+
+
+def sections(out: Path) -> str:
+    """What material.json and fit_log.csv of OUT say."""
+    fitted = json.loads((out / "material.json").read_text(encoding="utf-8"))
+    if not fitted["regions"]:
+        return "<p>No cloth, so there was no material to estimate.</p>"
+    with (out / "fit_log.csv").open(newline="", encoding="utf-8") as stream:
+        log = list(csv.DictReader(stream))
+    parts = [energy_plot(log)]
+    if fitted.get("interrupted"):
+        parts.append("<p>The search is not over: the best samples so far. The same command goes on with it.</p>")
+    for k, region in enumerate(fitted["regions"]):
+        parts.append(f"<h3>Region {k}</h3>{parameters(region)}<p>{html.escape(energies(region))}</p>")
+        parts += [f"<p>{html.escape(line)}</p>" for line in in_words(region)]
+        parts.append(parameter_plot([row for row in log if row["region"] == str(k)], fitted["estimated"]))
+    return "".join(parts)
+
+
+def parameters(region: dict) -> str:
+    boxes, rows = d.Material.boxes(), []
+    for name, value in region["parameters"].items():
+        low, high = boxes[name]
+        deviation = region.get("deviations", {}).get(name)
+        told = region.get("influence", {}).get(name)
+        known = [f"{told['energy_change']:.3g}", told["rank"], told["confidence"]] if told else ["", "", ""]
+        spread = "fixed" if deviation is None else f"± {deviation * (high - low):.3g}"
+        rows.append([name, float(value), spread, UNITS.get(name, "-"), f"[{low:g}, {high:g}]", *known])
+    header = ["parameter", "value", "spread of the search", "unit", "box", "changes E_fit by, px²", "rank", "confidence"]
+    return table(header, rows)
+
+
+def energies(region: dict) -> str:
+    text = f"E_fit {region['energy']:.2f} px²"
+    if centre := region.get("energy_at_centre"):
+        text += f", {100 * (1 - region['energy'] / centre):.0f} % below the centre of the box ({centre:.2f} px²)"
+    text += f"; {region['evaluations']} evaluations"
+    return text + (f", stopped: {region['stop_reason']}." if region["stop_reason"] else ".")
+
+
+def in_words(region: dict) -> list[str]:
+    """What the motion says about the parameters; nothing if it was not measured."""
+    told = region.get("influence", {})
+    if not told:
+        return []
+    by_level = {level: [NAMES[n] for n in told if told[n]["confidence"] == level] for level in ("high", "medium", "low")}
+    lines = []
+    if by_level["high"]:
+        lines.append(f"The motion tells {listed(by_level['high'])}.")
+    if by_level["medium"]:
+        lines.append(
+            f"It tells something about {listed(by_level['medium'])}, but the search was still wide: more evaluations may help."
+        )
+    if by_level["low"]:
+        lines.append(
+            f"The motion says little about {listed(by_level['low'])}: moved alone over 0.4 of the box, it changes E_fit no more "
+            f"than the noise of {region['energy_noise']:.2g} px². Other values would do as well; film a motion that excites it."
+        )
+    return lines
+
+
+def listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def drawing(rows: int, height: float):
+    """A figure with `rows` axes below each other, without a display."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    return pyplot.subplots(rows, 1, figsize=(8, height), sharex=True, squeeze=False)
+
+
+def svg(chart) -> str:
+    from matplotlib import pyplot
+
+    chart.tight_layout()
+    buffer = io.StringIO()
+    chart.savefig(buffer, format="svg", metadata={"Date": None})
+    pyplot.close(chart)
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def energy_plot(log: list[dict]) -> str:
+    """Inline SVG of best and generation energy over evaluations."""
+    chart, ((axes,),) = drawing(1, 3.2)
+    for region in sorted({row["region"] for row in log}, key=int):
+        mine = [row for row in log if row["region"] == region]
+        evaluations = [int(row["evaluations"]) for row in mine]
+        axes.plot(
+            evaluations, [float(row["generation_best"]) for row in mine], ".", label=f"region {region}: best of the generation"
+        )
+        axes.plot(evaluations, [float(row["best"]) for row in mine], label=f"region {region}: best so far")
+    axes.set_xlabel("evaluations")
+    axes.set_ylabel("E_fit, px²")
+    if log:
+        axes.legend(frameon=False)
+    return svg(chart)
+
+
+def parameter_plot(log: list[dict], names: list[str]) -> str:
+    """Inline SVG of one region: the search's answer for every parameter, and its standard deviation, over evaluations."""
+    chart, axes = drawing(len(names), 1.1 * len(names) + 0.5)
+    evaluations = [int(row["evaluations"]) for row in log]
+    for name, (axis,) in zip(names, axes):
+        low, high = d.Material.boxes()[name]
+        mean = np.array([float(row[f"mean_{name}"]) for row in log])
+        spread = (high - low) * np.array([float(row[f"deviation_{name}"]) for row in log])
+        axis.fill_between(evaluations, mean - spread, mean + spread, alpha=0.25, linewidth=0)
+        axis.plot(evaluations, mean)
+        axis.set_ylim(low, high)
+        axis.set_ylabel(name, rotation=0, ha="right")
+    axes[-1, 0].set_xlabel("evaluations")
+    return svg(chart)
+
+
+class FitPage:
+    """OUT/fit_progress.html; a browser that shows it loads it again every few seconds until the search is over."""
+
+    def __init__(self, out: Path):
+        self.out, self.path = Path(out), Path(out) / "fit_progress.html"
+        self.next = time.monotonic() + SECONDS_BETWEEN / 2
+
+    def show(self, over: bool) -> None:
+        start = time.monotonic()
+        if not over and start < self.next:
+            return
+        again = "" if over else '<meta http-equiv="refresh" content="5">'
+        head = f'<!doctype html><html lang="en"><meta charset="utf-8">{again}<title>fit</title><style>{STYLE}</style>'
+        write_text(self.path, f"{head}<h1>Material search</h1>{sections(self.out)}</html>\n")
+        end = time.monotonic()
+        self.next = end + max(SECONDS_BETWEEN, 20 * (end - start))

@@ -1,0 +1,127 @@
+"""`doublet fit` as a user runs it: progress, Ctrl-C, kill -9, the page."""
+
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+
+import pytest
+from doublet.console import Console
+from doublet.fit_page import in_words
+
+OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--fit-max-evaluations", "56"]
+OPTIONS += ["--space-names", "d_n", "k_stretch", "k_friction"]
+
+
+@pytest.fixture
+def out(bell, tmp_path):
+    """A copy that is fitted in."""
+    copy = tmp_path / "out"
+    shutil.copytree(bell, copy)
+    return copy
+
+
+@pytest.fixture
+def fit():
+    """Starts `doublet fit` without the checks of a whole session."""
+    program = (
+        "import sys; from doublet import cli, pipeline\n"
+        "pipeline.Job.session = type('S', (), {'fps': 40.0, 'folder': pipeline.Path('session'), 'name': 'bell'})()\n"
+        "sys.exit(cli.main(sys.argv[1:]))"
+    )
+    started = []
+
+    def start(out, **options):
+        if not (out / "run.json").exists():
+            (out / "run.json").write_text(json.dumps({"session": "session", "stages": {}}))
+        command = [sys.executable, "-c", program, "fit", str(out), *OPTIONS]
+        started.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True, **options))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+
+
+def finished(process):
+    _, shown = process.communicate(timeout=300)
+    assert process.returncode == 0, shown
+    return shown
+
+
+def fitted(out):
+    values = json.loads((out / "material.json").read_text())
+    return {k: v for k, v in values.items() if k != "seconds"}
+
+
+def log_without_seconds(out):
+    return [line.rpartition(",")[0] for line in (out / "fit_log.csv").read_text().splitlines()]
+
+
+def wait_for_generations(out, process, count):
+    end = time.monotonic() + 120
+    while not (out / "fit_log.csv").exists() or len((out / "fit_log.csv").read_text().splitlines()) <= count:
+        assert process.poll() is None, process.stderr.read()
+        assert time.monotonic() < end, "timed out"
+        time.sleep(0.01)
+
+
+def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_path):
+    whole = tmp_path / "whole"
+    shutil.copytree(bell, whole)
+    shown = finished(fit(whole))
+    assert re.search(r"fit: 50 % after \d+ s \(\d+ evaluations, best [\d.]+, at most \d+ s left\)", shown)
+
+    process = fit(out)
+    wait_for_generations(out, process, 2)
+    process.kill()
+    process.communicate()
+
+    # A test runner in the background may ignore Ctrl-C, and its children would with it.
+    process = fit(out, preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL))
+    wait_for_generations(out, process, 4)
+    process.send_signal(signal.SIGINT)
+    _, shown = process.communicate(timeout=60)
+    assert process.returncode == 130 and "best material so far" in shown and "Traceback" not in shown
+    kept = fitted(out)
+    assert kept["interrupted"] and kept["regions"][0]["energy"] == kept["regions"][0]["best_sample"]["energy"]
+    assert json.loads((out / "run.json").read_text())["stages"]["fit"]["state"] == "running"
+
+    shown = finished(fit(out))
+    assert "resuming after" in (out / "log.txt").read_text()
+    assert fitted(out) == fitted(whole) and not fitted(out)["interrupted"]
+    assert log_without_seconds(out) == log_without_seconds(whole)
+    assert not (out / "fit_checkpoint.txt").exists()
+
+    region = fitted(out)["regions"][0]
+    assert region["influence"]["k_stretch"]["rank"] == 1 and region["influence"]["d_n"]["confidence"] != "low"
+    assert region["influence"]["k_friction"]["confidence"] == "low"  # the bell touches nothing
+    page = (out / "fit_progress.html").read_text()
+    assert "stretching" in page and "says little about friction" in page
+    assert page.count("<svg") == 2 and "refresh" not in page
+
+
+def test_words_follow_the_confidence():
+    def region(**levels):
+        return {"energy_noise": 0.5, "influence": {name: {"confidence": level} for name, level in levels.items()}}
+
+    assert in_words({}) == []
+    (line,) = in_words(region(d_n="high", d_t="high", k_bend="high"))
+    assert line == "The motion tells drag along the normal, drag along the surface and bending."
+    high, medium, low = in_words(region(d_n="high", k_bend="medium", k_friction="low"))
+    assert "something about bending" in medium and "little about friction" in low and "0.5 px²" in low
+
+
+def test_progress_shows_what_the_stage_said_last(capsys):
+    console = Console()
+    context = console.context()
+    context.report("fit", 0.1)
+    context.say("fit: 8 evaluations, best 3.5")
+    context.report("fit", 0.6)
+    context.report("simulate", 0.6)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0].endswith("s (8 evaluations, best 3.5)") and lines[1].endswith(" s")
