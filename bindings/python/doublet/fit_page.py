@@ -78,8 +78,9 @@ def in_words(region: dict) -> list[str]:
     if by_level["high"]:
         lines.append(f"The motion tells {listed(by_level['high'])}.")
     if by_level["medium"]:
+        who = "It" if lines else "The motion"
         lines.append(
-            f"It tells something about {listed(by_level['medium'])}, but the search was still wide: more evaluations may help."
+            f"{who} tells something about {listed(by_level['medium'])}, but the search was still wide: give it more evaluations."
         )
     if by_level["low"]:
         lines.append(
