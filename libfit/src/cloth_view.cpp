@@ -2,23 +2,92 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <utility>
 
 namespace doublet::fit {
 namespace {
 
-constexpr double kNear = 0.05;    // m, as rasterize()
-constexpr float kFarOut = 1e6f;   // pixels; beyond it nothing is drawn
-constexpr int kWalkSteps = 12;    // coarse pixels are a few faces wide at most
-constexpr float kInside = -1e-3f; // barycentric slack, so that rounding at an edge does not send the walk back and forth
+constexpr int kMargin = 2;     // coarse pixels around the cloth, so that the background beside the outline is there to be seen
+constexpr int kGridCells = 64; // along the larger side of an image
+/// What is not cloth hides it only from this far in front, m: coarse depths are those of pixel centres, and the cloth lies on the
+/// body.
+constexpr float kInFront = 0.01f;
 
-std::map<std::pair<int, int>, int> half_edges(const Faces &faces, const std::vector<int> &chosen) {
-  std::map<std::pair<int, int>, int> result;
-  for (int f : chosen)
-    for (int k = 0; k < 3; ++k)
-      result[{faces(f, (k + 1) % 3), faces(f, (k + 2) % 3)}] = f;
+using HalfEdge = std::pair<int, int>;
+
+int floor_int(float value) {
+  const int whole = static_cast<int>(value);
+  return whole - (value < static_cast<float>(whole));
+}
+int ceil_int(float value) {
+  return -floor_int(-value);
+}
+float set_back(float inverse_depth) {
+  return inverse_depth / (1.f + kInFront * inverse_depth);
+}
+
+Lens lens_of(const Camera &camera) {
+  Lens lens{};
+  for (int i = 0; i < 9; ++i)
+    lens.R[i] = static_cast<float>(camera.R(i / 3, i % 3));
+  for (int i = 0; i < 3; ++i)
+    lens.t[i] = static_cast<float>(camera.t[i]);
+  for (int i = 0; i < 5; ++i)
+    lens.k[i] = static_cast<float>(camera.distortion[i]);
+  lens.fx = static_cast<float>(camera.K(0, 0)), lens.skew = static_cast<float>(camera.K(0, 1));
+  lens.cx = static_cast<float>(camera.K(0, 2));
+  lens.fy = static_cast<float>(camera.K(1, 1)), lens.cy = static_cast<float>(camera.K(1, 2));
+  lens.distorted = camera.distorted();
+  return lens;
+}
+
+/// (V) the region in which a vertex is free, -1 = none, and its row there.
+std::vector<std::pair<int, int>> free_places(const CharacterSimulator &simulator) {
+  std::vector<std::pair<int, int>> result(simulator.actor().mesh.vertices.rows(), {-1, -1});
+  for (std::size_t r = 0; r < simulator.regions().size(); ++r) {
+    const ClothRegion &region = simulator.regions()[r];
+    for (std::size_t i = 0; i < region.vertex_from_cloth.size(); ++i)
+      if (region.model->inverse_masses()[static_cast<Eigen::Index>(i)] > 0)
+        result[region.vertex_from_cloth[i]] = {static_cast<int>(r), static_cast<int>(i)};
+  }
   return result;
+}
+
+/// Pairs of half-edges that run against each other, and the others alone. `valid`: half-edges of the valid faces of M, by its
+/// vertices.
+std::vector<ClothEdge> cloth_edges(const ClothTopology &topology, const std::map<HalfEdge, int> &valid) {
+  std::map<HalfEdge, int> open; // its face
+  std::vector<ClothEdge> edges;
+  const auto alone = [&](HalfEdge edge, int face) {
+    const HalfEdge twin{topology.vertices[edge.second], topology.vertices[edge.first]};
+    edges.push_back({edge.first, edge.second, face, -1, valid.count(twin) == 0});
+  };
+  for (int f = 0; f < topology.face_count(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const HalfEdge edge{topology.corners[3 * f + k], topology.corners[3 * f + (k + 1) % 3]};
+      if (const auto twin = open.find({edge.second, edge.first}); twin != open.end()) {
+        edges.push_back({edge.second, edge.first, twin->second, f, false});
+        open.erase(twin);
+      } else if (!open.emplace(edge, f).second) {
+        alone(edge, f);
+      }
+    }
+  for (const auto &[edge, face] : open)
+    alone(edge, face);
+  return edges;
+}
+
+const LaneKernels *fastest_kernels(int samples) {
+  const int width = samples <= 4 ? 0 : samples <= 8 ? 1 : 2;
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx512f") && avx512_kernels(width))
+    return avx512_kernels(width);
+  if (__builtin_cpu_supports("avx2") && avx2_kernels(width))
+    return avx2_kernels(width);
+#endif
+  return baseline_kernels(width);
 }
 
 } // namespace
@@ -26,63 +95,39 @@ std::map<std::pair<int, int>, int> half_edges(const Faces &faces, const std::vec
 ClothTopology cloth_topology(const CharacterSimulator &simulator) {
   const RiggedMesh &actor = simulator.actor();
   const Faces &faces = actor.mesh.faces;
-  std::vector<int> region_of(actor.mesh.vertices.rows(), -1);
-  for (std::size_t r = 0; r < simulator.regions().size(); ++r) {
-    const ClothRegion &region = simulator.regions()[r];
-    for (std::size_t i = 0; i < region.vertex_from_cloth.size(); ++i)
-      if (region.model->inverse_masses()[static_cast<Eigen::Index>(i)] > 0)
-        region_of[region.vertex_from_cloth[i]] = static_cast<int>(r);
-  }
-
-  std::vector<int> valid, moving;
-  std::vector<int> face_region(faces.rows(), -1);
+  const std::vector<std::pair<int, int>> places = free_places(simulator);
+  ClothTopology result;
+  result.face_is_cloth.assign(faces.rows(), 0);
+  std::vector<int> local(actor.mesh.vertices.rows(), -1);
+  std::map<HalfEdge, int> valid;
   for (int f = 0; f < faces.rows(); ++f) {
     if (!actor.face_valid[f])
       continue;
-    valid.push_back(f);
-    for (int k = 0; k < 3; ++k)
-      face_region[f] = std::max(face_region[f], region_of[faces(f, k)]);
-    if (face_region[f] >= 0)
-      moving.push_back(f);
-  }
-
-  ClothTopology result;
-  result.face_is_cloth.assign(faces.rows(), 0);
-  std::vector<int> local(actor.mesh.vertices.rows(), -1), local_face(faces.rows(), -1);
-  for (int f : moving) {
+    int region = -1;
+    for (int k = 0; k < 3; ++k) {
+      ++valid[{faces(f, k), faces(f, (k + 1) % 3)}];
+      region = std::max(region, places[faces(f, k)].first);
+    }
+    if (region < 0)
+      continue;
     result.face_is_cloth[f] = 1;
-    local_face[f] = static_cast<int>(result.faces.size());
-    std::array<int, 3> corners{};
+    result.face_region.push_back(region);
     for (int k = 0; k < 3; ++k) {
-      int &index = local[faces(f, k)];
-      if (index < 0) {
-        index = static_cast<int>(result.vertices.size());
-        result.vertices.push_back(faces(f, k));
-        result.region.push_back(region_of[faces(f, k)]);
+      const int v = faces(f, k);
+      if (local[v] < 0) {
+        local[v] = result.vertex_count();
+        result.vertices.push_back(v);
+        result.region.push_back(places[v].first);
+        result.row.push_back(places[v].second);
       }
-      corners[k] = index;
+      result.corners.push_back(local[v]);
     }
-    result.faces.push_back(corners);
-    result.face_region.push_back(face_region[f]);
   }
-  const auto edges = half_edges(faces, valid);
-  result.hem.assign(result.vertices.size(), 0);
-  for (int f : moving) {
-    std::array<int, 3> across{-1, -1, -1};
-    for (int k = 0; k < 3; ++k) {
-      const int a = faces(f, (k + 1) % 3), b = faces(f, (k + 2) % 3);
-      const auto twin = edges.find({b, a});
-      if (twin == edges.end())
-        result.hem[local[a]] = result.hem[local[b]] = 1;
-      else
-        across[k] = local_face[twin->second];
-    }
-    result.neighbours.push_back(across);
-  }
+  result.edges = cloth_edges(result, valid);
   return result;
 }
 
-CoarseCamera::CoarseCamera(const Camera &c, int larger_side) : camera(c) {
+CoarseCamera::CoarseCamera(const Camera &c, int larger_side) : camera(c), lens(lens_of(c)) {
   const double factor = std::min(1.0, larger_side / static_cast<double>(std::max(c.width, c.height)));
   width = std::max(1, static_cast<int>(std::lround(c.width * factor)));
   height = std::max(1, static_cast<int>(std::lround(c.height * factor)));
@@ -90,160 +135,211 @@ CoarseCamera::CoarseCamera(const Camera &c, int larger_side) : camera(c) {
   scale_y = static_cast<float>(height) / static_cast<float>(c.height);
 }
 
-void ClothView::project(const Vertices &surface) {
-  const Camera &camera = camera_->camera;
-  const std::size_t count = topology_->vertices.size();
-  projected_.resize(count);
-  coarse_.resize(count);
-  const bool distorted = camera.distorted();
-  const Eigen::Matrix3d KR = camera.K * camera.R;
-  const Eigen::Vector3d Kt = camera.K * camera.t;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector3d point = surface.row(topology_->vertices[i]).transpose();
-    const Eigen::Vector3d image = KR * point + Kt; // K's last row is (0, 0, 1): z is the depth
-    Projected &p = projected_[i];
-    p = {};
-    if (!(image.z() > kNear))
-      continue;
-    const Eigen::Vector2d pixel = distorted ? camera.project(point) : Eigen::Vector2d(image.head<2>() / image.z());
-    if (!(pixel.cwiseAbs().maxCoeff() < kFarOut))
-      continue;
-    p = {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), static_cast<float>(1 / image.z())};
-    coarse_[i] = {camera_->coarse_x(p.x), camera_->coarse_y(p.y), p.inverse_depth};
-  }
+ClothView::ClothView(const ClothTopology &topology, int samples, const LaneKernels *kernels)
+    : topology_(&topology), samples_(samples), kernels_(kernels ? kernels : fastest_kernels(samples)) {
+  const std::size_t size = static_cast<std::size_t>(topology.vertex_count()) * 3 * lanes();
+  positions_.resize(size);
+  image_.resize(size);
+  range_.resize(static_cast<std::size_t>(topology.vertex_count()) * 4);
+  facing_.assign(static_cast<std::size_t>(topology.face_count() + 1) * lanes(), 0);
+  rim_.resize(topology.vertex_count());
 }
 
-void ClothView::clear(const CoarseBuffer &others) {
-  float x0 = kFarOut, y0 = kFarOut, x1 = -kFarOut, y1 = -kFarOut;
-  for (std::size_t i = 0; i < projected_.size(); ++i)
-    if (projected_[i].inverse_depth > 0) {
-      x0 = std::min(x0, coarse_[i].x), x1 = std::max(x1, coarse_[i].x);
-      y0 = std::min(y0, coarse_[i].y), y1 = std::max(y1, coarse_[i].y);
-    }
-  // Two pixels more, so that the background beside the outline is there to be seen.
-  buffer_.x0 = static_cast<int>(std::clamp(std::floor(x0) - 2, 0.f, static_cast<float>(camera_->width)));
-  buffer_.y0 = static_cast<int>(std::clamp(std::floor(y0) - 2, 0.f, static_cast<float>(camera_->height)));
-  buffer_.width =
-      std::max(0, static_cast<int>(std::clamp(std::ceil(x1) + 3, 0.f, static_cast<float>(camera_->width))) - buffer_.x0);
-  buffer_.height =
-      std::max(0, static_cast<int>(std::clamp(std::ceil(y1) + 3, 0.f, static_cast<float>(camera_->height))) - buffer_.y0);
-  const std::size_t size = static_cast<std::size_t>(buffer_.width) * buffer_.height;
-  buffer_.inverse_depth.assign(size, 0.f);
-  buffer_.face.assign(size, -1);
-  const int left = std::max(buffer_.x0, others.x0), right = std::min(buffer_.x0 + buffer_.width, others.x0 + others.width);
-  const int top = std::max(buffer_.y0, others.y0), bottom = std::min(buffer_.y0 + buffer_.height, others.y0 + others.height);
-  for (int y = top; y < bottom && left < right; ++y)
-    std::copy_n(&others.inverse_depth[others.index(left, y)], right - left, &buffer_.inverse_depth[buffer_.index(left, y)]);
-}
-
-void ClothView::draw_face(int face) {
-  const auto &corners = topology_->faces[face];
-  Projected a = coarse_[corners[0]], b = coarse_[corners[1]], c = coarse_[corners[2]];
-  if (projected_[corners[0]].inverse_depth <= 0 || projected_[corners[1]].inverse_depth <= 0 ||
-      projected_[corners[2]].inverse_depth <= 0)
-    return;
-  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  // y points down: a face that is counter-clockwise from outside has negative area where its outside is seen.
-  const std::uint8_t facing = area < 0 ? 1 : 2;
-  for (int corner : corners)
-    facing_[corner] |= facing;
-  if (area == 0)
-    return;
-  if (area < 0)
-    std::swap(b, c);
-  const int x0 = std::max(buffer_.x0, static_cast<int>(std::ceil(std::min({a.x, b.x, c.x}))));
-  const int x1 = std::min(buffer_.x0 + buffer_.width - 1, static_cast<int>(std::floor(std::max({a.x, b.x, c.x}))));
-  const int y0 = std::max(buffer_.y0, static_cast<int>(std::ceil(std::min({a.y, b.y, c.y}))));
-  const int y1 = std::min(buffer_.y0 + buffer_.height - 1, static_cast<int>(std::floor(std::max({a.y, b.y, c.y}))));
-  const float scale = 1.f / std::fabs(area);
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x) {
-      const float fx = static_cast<float>(x), fy = static_cast<float>(y);
-      const float wa = (c.x - b.x) * (fy - b.y) - (c.y - b.y) * (fx - b.x);
-      const float wb = (a.x - c.x) * (fy - c.y) - (a.y - c.y) * (fx - c.x);
-      const float wc = (b.x - a.x) * (fy - a.y) - (b.y - a.y) * (fx - a.x);
-      if (wa < 0 || wb < 0 || wc < 0)
-        continue;
-      const float inverse_depth = (wa * a.inverse_depth + wb * b.inverse_depth + wc * c.inverse_depth) * scale;
-      const std::size_t i = buffer_.index(x, y);
-      if (inverse_depth > buffer_.inverse_depth[i]) {
-        buffer_.inverse_depth[i] = inverse_depth;
-        buffer_.face[i] = face;
-      }
-    }
-}
-
-void ClothView::draw(const Vertices &surface, const CoarseCamera &camera, const CoarseBuffer &others) {
+void ClothView::look(const CoarseCamera &camera) {
   camera_ = &camera;
-  project(surface);
-  clear(others);
-  facing_.assign(topology_->vertices.size(), 0);
-  for (int f = 0; f < static_cast<int>(topology_->faces.size()); ++f)
-    draw_face(f);
+  kernels_->project(camera.lens, topology_->vertex_count(), positions_.data(), image_.data(), range_.data());
+  kernels_->turn(topology_->face_count(), topology_->corners.data(), image_.data(), facing_.data());
+  box_ = {1 << 30, 1 << 30, -(1 << 30), -(1 << 30)};
+  for (std::size_t i = 0; i < range_.size(); i += 4) {
+    box_[0] = std::min(box_[0], range_[i]), box_[1] = std::min(box_[1], range_[i + 1]);
+    box_[2] = std::max(box_[2], range_[i + 2]), box_[3] = std::max(box_[3], range_[i + 3]);
+  }
 }
 
-bool ClothView::on_outline(int vertex) const {
-  const Projected &p = coarse_[vertex];
-  const int px = static_cast<int>(std::lround(p.x)), py = static_cast<int>(std::lround(p.y));
-  bool background = false, seen = false;
-  for (int y = py - 1; y <= py + 1; ++y)
-    for (int x = px - 1; x <= px + 1; ++x) {
-      if (!buffer_.holds(x, y))
+/// False if there is no cloth in the image.
+bool ClothView::coarse_box() {
+  const auto [x0, y0, x1, y1] = box_;
+  x0_ = std::max(-kMargin, floor_int(camera_->coarse_x(static_cast<float>(x0))) - kMargin);
+  y0_ = std::max(-kMargin, floor_int(camera_->coarse_y(static_cast<float>(y0))) - kMargin);
+  width_ = std::min(camera_->width + kMargin, ceil_int(camera_->coarse_x(static_cast<float>(x1))) + kMargin + 1) - x0_;
+  height_ = std::min(camera_->height + kMargin, ceil_int(camera_->coarse_y(static_cast<float>(y1))) + kMargin + 1) - y0_;
+  return width_ > 0 && height_ > 0;
+}
+
+/// The number of layers changes by `layers` from above the edge to below it, where it runs to the right, and by as many back
+/// where it runs to the left. A column belongs to one of two edges that meet in it.
+void ClothView::add_edge(const ClothEdge &edge, int lane, int layers) {
+  const float *a = &image_[(static_cast<std::size_t>(edge.a) * 3) * lanes() + lane];
+  const float *b = &image_[(static_cast<std::size_t>(edge.b) * 3) * lanes() + lane];
+  float ax = camera_->coarse_x(a[0]), ay = camera_->coarse_y(a[lanes()]);
+  float bx = camera_->coarse_x(b[0]), by = camera_->coarse_y(b[lanes()]);
+  if (ax > bx) {
+    std::swap(ax, bx), std::swap(ay, by);
+    layers = -layers;
+  }
+  const int first = std::max(x0_, floor_int(ax) + 1), last = std::min(x0_ + width_ - 1, floor_int(bx));
+  if (first > last)
+    return;
+  const float slope = (by - ay) / (bx - ax);
+  std::uint8_t *buffer = &layers_[static_cast<std::size_t>(lane) * width_ * height_];
+  for (int x = first; x <= last; ++x) {
+    const int y = std::max(y0_, ceil_int(ay + (static_cast<float>(x) - ax) * slope));
+    if (y < y0_ + height_)
+      buffer[(y - y0_) * width_ + (x - x0_)] += static_cast<std::uint8_t>(layers);
+  }
+}
+
+/// How many faces lie over a pixel: only folds (where a front face meets a back face) and borders change it, so they are all that
+/// is drawn, and each column is summed up from above. (Appel 1967, "The notion of quantitative invisibility", has the idea.)
+void ClothView::count_layers() {
+  layers_.assign(static_cast<std::size_t>(samples_) * width_ * height_, 0);
+  rim_edges_.clear();
+  constexpr int kWord = 4; // lanes compared at once
+  for (const ClothEdge &edge : topology_->edges) {
+    const signed char *left = &facing_[static_cast<std::size_t>(edge.left) * lanes()];
+    const signed char *right =
+        &facing_[static_cast<std::size_t>(edge.right < 0 ? topology_->face_count() : edge.right) * lanes()];
+    for (int word = 0; word < lanes(); word += kWord) {
+      if (std::memcmp(left + word, right + word, kWord) == 0)
         continue;
-      const std::size_t i = buffer_.index(x, y);
-      background |= buffer_.inverse_depth[i] == 0;
-      if (buffer_.face[i] >= 0) {
-        const auto &corners = topology_->faces[buffer_.face[i]];
-        seen |= corners[0] == vertex || corners[1] == vertex || corners[2] == vertex;
+      for (int lane = word; lane < std::min(word + kWord, samples_); ++lane) {
+        const int layers = left[lane] - right[lane];
+        if (layers == 0)
+          continue;
+        add_edge(edge, lane, layers);
+        if (edge.right >= 0 || edge.hem)
+          rim_edges_.push_back({edge.a, edge.b, lane, layers > 0});
       }
     }
-  return background && seen;
+  }
+  for (int lane = 0; lane < samples_; ++lane) {
+    std::uint8_t *above = &layers_[static_cast<std::size_t>(lane) * width_ * height_];
+    for (int y = 1; y < height_; ++y, above += width_)
+      for (int x = 0; x < width_; ++x)
+        above[width_ + x] = static_cast<std::uint8_t>(above[width_ + x] + above[x]);
+  }
 }
 
-void ClothView::outline(std::vector<int> &result) const {
+void ClothView::mask_others(const CoarseBuffer &others) {
+  covered_.assign(static_cast<std::size_t>(width_) * height_, 1);
+  const int left = std::max(x0_, 0), right = std::min(x0_ + width_, camera_->width);
+  for (int y = std::max(y0_, 0); y < std::min(y0_ + height_, camera_->height); ++y)
+    for (int x = left; x < right; ++x)
+      covered_[static_cast<std::size_t>(y - y0_) * width_ + (x - x0_)] = others.at(x, y) > 0;
+}
+
+/// Whether the pixel beside the middle of an edge, on the side away from the cloth, is background. It is the next one in the row
+/// or column that the edge crosses more steeply.
+bool ClothView::on_outline(const RimEdge &edge) const {
+  const float *a = &image_[(static_cast<std::size_t>(edge.a) * 3) * lanes() + edge.lane];
+  const float *b = &image_[(static_cast<std::size_t>(edge.b) * 3) * lanes() + edge.lane];
+  const float ax = camera_->coarse_x(a[0]), ay = camera_->coarse_y(a[lanes()]);
+  const float dx = camera_->coarse_x(b[0]) - ax, dy = camera_->coarse_y(b[lanes()]) - ay;
+  const float middle_x = ax + 0.5f * dx, middle_y = ay + 0.5f * dy;
+  const float out_x = edge.cloth_below ? dy : -dy, out_y = edge.cloth_below ? -dx : dx;
+  int x, y;
+  if (std::fabs(dx) > std::fabs(dy)) {
+    x = floor_int(middle_x + 0.5f);
+    const float at = middle_y + (static_cast<float>(x) - middle_x) * dy / dx;
+    y = out_y > 0 ? floor_int(at) + 1 : ceil_int(at) - 1;
+  } else if (dy != 0) {
+    y = floor_int(middle_y + 0.5f);
+    const float at = middle_x + (static_cast<float>(y) - middle_y) * dx / dy;
+    x = out_x > 0 ? floor_int(at) + 1 : ceil_int(at) - 1;
+  } else {
+    return false;
+  }
+  if (x < x0_ || y < y0_ || x >= x0_ + width_ || y >= y0_ + height_)
+    return false;
+  const std::size_t i = static_cast<std::size_t>(y - y0_) * width_ + (x - x0_);
+  return !(layers_[static_cast<std::size_t>(edge.lane) * width_ * height_ + i] | covered_[i]);
+}
+
+void ClothView::outline(const CoarseBuffer &others, std::vector<Rim> &result) {
   result.clear();
-  const float width = static_cast<float>(camera_->camera.width), height = static_cast<float>(camera_->camera.height);
-  for (int v = 0; v < static_cast<int>(topology_->vertices.size()); ++v) {
-    const Projected &p = projected_[v];
-    const bool rim = facing_[v] == 3 || (topology_->hem[v] && facing_[v] != 0);
-    if (!rim || topology_->region[v] < 0 || p.inverse_depth <= 0)
+  if (!coarse_box())
+    return;
+  count_layers();
+  mask_others(others);
+  std::fill(rim_.begin(), rim_.end(), std::uint16_t{0});
+  for (const RimEdge &edge : rim_edges_)
+    if (on_outline(edge))
+      for (int v : {edge.a, edge.b})
+        rim_[v] = static_cast<std::uint16_t>(rim_[v] | (1u << edge.lane));
+  const float right = static_cast<float>(camera_->camera.width - 1), bottom = static_cast<float>(camera_->camera.height - 1);
+  for (int v = 0; v < topology_->vertex_count(); ++v) {
+    if (rim_[v] == 0 || topology_->region[v] < 0)
       continue;
-    if (p.x < 0 || p.y < 0 || p.x > width - 1 || p.y > height - 1)
-      continue;
-    if (on_outline(v))
-      result.push_back(v);
+    const float *p = &image_[static_cast<std::size_t>(v) * 3 * lanes()];
+    for (int lane = 0; lane < samples_; ++lane) {
+      if (!(rim_[v] >> lane & 1))
+        continue;
+      const float x = p[lane], y = p[lanes() + lane];
+      if (x < 0 || y < 0 || x > right || y > bottom)
+        continue;
+      const float in_front = others.at(floor_int(camera_->coarse_x(x) + 0.5f), floor_int(camera_->coarse_y(y) + 0.5f));
+      if (set_back(in_front) < p[2 * lanes() + lane])
+        result.push_back({lane, v, x, y});
+    }
   }
 }
 
-std::optional<SurfacePoint> ClothView::locate(const Eigen::Vector2f &pixel) const {
-  const int x = static_cast<int>(std::lround(camera_->coarse_x(pixel.x()))),
-            y = static_cast<int>(std::lround(camera_->coarse_y(pixel.y())));
-  if (!buffer_.holds(x, y))
-    return std::nullopt;
-  int face = buffer_.face[buffer_.index(x, y)], previous = -1;
-  for (int step = 0; step < kWalkSteps && face >= 0; ++step) {
-    const auto &corners = topology_->faces[face];
-    const Projected &a = projected_[corners[0]], &b = projected_[corners[1]], &c = projected_[corners[2]];
-    const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    if (area == 0 || a.inverse_depth <= 0 || b.inverse_depth <= 0 || c.inverse_depth <= 0)
-      return std::nullopt;
-    Eigen::Vector3f weights((c.x - b.x) * (pixel.y() - b.y) - (c.y - b.y) * (pixel.x() - b.x),
-                            (a.x - c.x) * (pixel.y() - c.y) - (a.y - c.y) * (pixel.x() - c.x),
-                            (b.x - a.x) * (pixel.y() - a.y) - (b.y - a.y) * (pixel.x() - a.x));
-    weights /= area;
-    int worst = 0;
-    if (weights.minCoeff(&worst) >= kInside) {
-      // Linear in the image after division by depth: perspective-correct.
-      weights = weights.cwiseMax(0.f).cwiseProduct(Eigen::Vector3f(a.inverse_depth, b.inverse_depth, c.inverse_depth));
-      return SurfacePoint{face, weights / weights.sum()};
-    }
-    const int next = topology_->neighbours[face][worst];
-    if (next == previous) // over the fold: the pixel is beside the cloth
-      return std::nullopt;
-    previous = face;
-    face = next;
+/// Into the cells of a grid that starts at the image's corner, but keeps only the cells where there is cloth in any lane. The
+/// order of those that are kept does not depend on the lanes.
+void ClothView::sort_features(const std::vector<FeatureMatch> &matches) {
+  const auto [x0, y0, x1, y1] = box_;
+  const int cell = std::max(1, std::max(camera_->camera.width, camera_->camera.height) / kGridCells);
+  const int column = std::max(0, x0) / cell, row = std::max(0, y0) / cell;
+  grid_.cell = cell;
+  grid_.x0 = column * cell, grid_.y0 = row * cell;
+  grid_.width = std::max(0, std::min(camera_->camera.width, x1) / cell + 1 - column);
+  grid_.height = std::max(0, std::min(camera_->camera.height, y1) / cell + 1 - row);
+  first_.assign(static_cast<std::size_t>(grid_.width) * grid_.height + 2, 0);
+  cell_.clear();
+  for (const FeatureMatch &match : matches) {
+    const float x = match.previous.x() - static_cast<float>(grid_.x0), y = match.previous.y() - static_cast<float>(grid_.y0);
+    const bool inside =
+        x >= 0 && y >= 0 && x < static_cast<float>(grid_.width * cell) && y < static_cast<float>(grid_.height * cell);
+    cell_.push_back(inside ? static_cast<int>(y) / cell * grid_.width + static_cast<int>(x) / cell : -1);
+    if (inside)
+      ++first_[cell_.back() + 2];
   }
-  return std::nullopt;
+  for (std::size_t i = 2; i < first_.size(); ++i)
+    first_[i] += first_[i - 1];
+  order_.resize(first_.back());
+  for (std::size_t i = 0; i < matches.size(); ++i)
+    if (cell_[i] >= 0)
+      order_[first_[cell_[i] + 1]++] = static_cast<int>(i); // ends where the next cell starts
+  grid_.first = first_.data();
+}
+
+void ClothView::locate(const std::vector<FeatureMatch> &matches, const CoarseBuffer &others, LocatedFeatures &result) {
+  sort_features(matches);
+  result.count = static_cast<int>(order_.size());
+  const std::size_t size = static_cast<std::size_t>(result.count) * lanes();
+  result.seen_x.resize(result.count), result.seen_y.resize(result.count);
+  feature_x_.resize(result.count), feature_y_.resize(result.count);
+  nearest_.resize(size);
+  result.face.assign(size, -1);
+  result.weight.assign(3 * size, 1.f);
+  for (int i = 0; i < result.count; ++i) {
+    const FeatureMatch &match = matches[order_[i]];
+    feature_x_[i] = match.previous.x(), feature_y_[i] = match.previous.y();
+    result.seen_x[i] = match.current.x(), result.seen_y[i] = match.current.y();
+    const float in_front = set_back(
+        others.at(floor_int(camera_->coarse_x(feature_x_[i]) + 0.5f), floor_int(camera_->coarse_y(feature_y_[i]) + 0.5f)));
+    std::fill_n(&nearest_[static_cast<std::size_t>(i) * lanes()], lanes(), in_front);
+  }
+  grid_.x = feature_x_.data(), grid_.y = feature_y_.data();
+  kernels_->locate(grid_, topology_->face_count(), topology_->corners.data(), image_.data(), range_.data(), facing_.data(),
+                   {nearest_.data(), result.face.data(), result.weight.data()});
+}
+
+const std::vector<float> &ClothView::carry(const LocatedFeatures &located, float largest) {
+  squared_.resize(static_cast<std::size_t>(located.count) * lanes());
+  kernels_->carry(camera_->lens, located.count, located.seen_x.data(), located.seen_y.data(), topology_->corners.data(),
+                  positions_.data(), located.face.data(), located.weight.data(), largest, squared_.data());
+  return squared_;
 }
 
 Mesh capsule_mesh(const std::vector<pbd::Capsule> &capsules) {

@@ -121,8 +121,9 @@ float DistanceField::distance(float x, float y) const {
   const int right = width_ > 1 ? 1 : 0, down = height_ > 1 ? width_ : 0;
   const float top = row[0] + fx * (row[right] - row[0]), bottom = row[down] + fx * (row[down + right] - row[down]);
   const float inside = (top + fy * (bottom - top)) * (cap_ / 65535.f);
-  const float outside = std::hypot(gx - cx, gy - cy) * cell_;
-  return std::min(cap_, inside + outside);
+  if (gx == cx && gy == cy)
+    return std::min(cap_, inside);
+  return std::min(cap_, inside + std::hypot(gx - cx, gy - cy) * cell_);
 }
 
 } // namespace doublet

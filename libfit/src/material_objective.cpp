@@ -16,9 +16,9 @@ namespace {
 
 using namespace fit;
 
-constexpr int kFramesPerChunk = 8; // between two polls for cancellation
-constexpr int kLargestGroup = 16;  // samples that the solver steps side by side
-constexpr int kSmallestGroup = 4;  // below which a group is not worth a thread of its own
+constexpr int kFramesPerChunk = 32; // between two polls for cancellation
+constexpr int kLargestGroup = 16;   // samples that the solver steps side by side
+constexpr int kSmallestGroup = 4;   // below which a group is not worth a thread of its own
 
 struct Box {
   float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
@@ -36,22 +36,21 @@ struct FrameView {
   CoarseBuffer others; ///< depth of everything that is not cloth: it is the same for every sample
 };
 
-/// A feature on the cloth at the last frame, and where it was seen at this one.
-struct Carried {
-  SurfacePoint place;
-  Eigen::Vector2f seen;
-};
-
+/// One sample on its way through the motion.
 struct Rollout {
-  std::vector<pbd::Material> materials;
+  std::vector<pbd::Material> materials; ///< [R]
   CharacterState state;
-  Vertices surface;
-  ClothView view;
-  std::vector<std::vector<Carried>> carried; ///< [cameras]
-  std::vector<int> outline;
   std::vector<std::uint8_t> exploded;         ///< [R]
   std::vector<std::vector<FrameTerms>> terms; ///< [R][T]
-  explicit Rollout(const ClothTopology &topology) : view(topology) {}
+};
+
+/// What measures a group of rollouts, one in each lane.
+struct Measure {
+  ClothView view;
+  std::vector<LocatedFeatures> located; ///< [cameras]
+  std::vector<Rim> rims;
+  Measure(const ClothTopology &topology, std::size_t samples, std::size_t cameras)
+      : view(topology, static_cast<int>(samples)), located(cameras) {}
 };
 
 int field_cell(const Camera &camera, int field_size) {
@@ -102,9 +101,11 @@ struct MaterialObjective::Impl {
   void put_back(Rollout &rollout, const PosedFrame &frame) const;
   void check_explosion(Rollout &rollout, const PosedFrame &frame) const;
   void step(std::span<Rollout> group, int from, int to, bool settling) const;
-  void measure(Rollout &rollout, int t) const;
-  void measure_rims(Rollout &rollout, int t, std::size_t c) const;
-  void measure_features(Rollout &rollout, int t, std::size_t c) const;
+  void place(std::span<Rollout> group, int t, ClothView &view) const;
+  void locate(int t, std::size_t c, Measure &measure) const;
+  void measure(std::span<Rollout> group, int t, Measure &measure) const;
+  void measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
+  void measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
   void start(std::span<Rollout> group) const;
   void advance(std::span<Rollout> group, int from, int to) const;
   double energy(const Rollout &rollout, int region) const;
@@ -267,65 +268,76 @@ void MaterialObjective::Impl::step(std::span<Rollout> group, int from, int to, b
       group[sample].exploded[region] = 1;
 }
 
+/// The cloth of all samples into the lanes of the view.
+void MaterialObjective::Impl::place(std::span<Rollout> group, int t, ClothView &view) const {
+  float *to = view.positions().data();
+  const int lanes = view.lanes(), count = static_cast<int>(group.size());
+  for (int v = 0; v < topology.vertex_count(); ++v, to += 3 * lanes)
+    for (int l = 0; l < lanes; ++l) {
+      const int r = topology.region[v];
+      const double *from = r < 0 ? &frames[t].skinned(topology.vertices[v], 0)
+                                 : &group[std::min(l, count - 1)].state.regions[r].positions(topology.row[v], 0);
+      for (int k = 0; k < 3; ++k)
+        to[k * lanes + l] = static_cast<float>(from[k]);
+    }
+}
+
 /// Eq. (6).
-void MaterialObjective::Impl::measure_rims(Rollout &rollout, int t, std::size_t c) const {
-  rollout.view.outline(rollout.outline);
-  for (int v : rollout.outline) {
-    const Projected &p = rollout.view.projected()[v];
-    const double distance = views[t][c].contour.distance(p.x, p.y);
-    FrameTerms &terms = rollout.terms[topology.region[v]][t];
+void MaterialObjective::Impl::measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
+  measure.view.outline(views[t][c].others, measure.rims);
+  for (const Rim &rim : measure.rims) {
+    const double distance = views[t][c].contour.distance(rim.x, rim.y);
+    FrameTerms &terms = group[rim.lane].terms[topology.region[rim.vertex]][t];
     terms.silhouette += distance * distance;
     ++terms.rims;
   }
 }
 
 /// Eq. (7).
-void MaterialObjective::Impl::measure_features(Rollout &rollout, int t, std::size_t c) const {
-  const Camera &camera = cameras[c].camera;
-  const double cap = options.feature_cap * larger_side(camera);
-  for (const Carried &carried : rollout.carried[c]) {
-    const auto &corners = topology.faces[carried.place.face];
-    Eigen::Vector3d point = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 3; ++k)
-      point += carried.place.barycentric[k] * rollout.surface.row(topology.vertices[corners[k]]).transpose();
-    double squared = cap * cap;
-    if (camera.depth(point) > 0.05)
-      squared = std::min(squared, (camera.project(point) - carried.seen.cast<double>()).squaredNorm());
-    FrameTerms &terms = rollout.terms[topology.face_region[carried.place.face]][t];
-    terms.feature += squared;
-    ++terms.features;
-  }
+void MaterialObjective::Impl::measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
+  const LocatedFeatures &located = measure.located[c];
+  const float cap = static_cast<float>(options.feature_cap) * larger_side(cameras[c].camera);
+  const std::vector<float> &squared = measure.view.carry(located, cap * cap);
+  for (int i = 0; i < located.count; ++i)
+    for (std::size_t s = 0; s < group.size(); ++s) {
+      const std::size_t at = static_cast<std::size_t>(i) * measure.view.lanes() + s;
+      if (located.face[at] < 0)
+        continue;
+      FrameTerms &terms = group[s].terms[topology.face_region[located.face[at]]][t];
+      terms.feature += squared[at];
+      ++terms.features;
+    }
 }
 
-void MaterialObjective::Impl::measure(Rollout &rollout, int t) const {
-  rollout.surface = simulator->surface(rollout.state, frames[t]);
+/// Where the features lie that are matched from this frame to the next.
+void MaterialObjective::Impl::locate(int t, std::size_t c, Measure &measure) const {
+  measure.located[c].count = 0;
+  if (t + 1 < frame_count() && !matches[t + 1][c].empty())
+    measure.view.locate(matches[t + 1][c], views[t][c].others, measure.located[c]);
+}
+
+void MaterialObjective::Impl::measure(std::span<Rollout> group, int t, Measure &measure) const {
+  place(group, t, measure.view);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    measure_features(rollout, t, c);
-    rollout.carried[c].clear();
-    const bool features_follow = t + 1 < frame_count() && !matches[t + 1][c].empty();
-    if (!views[t][c].seen && !features_follow)
-      continue;
-    rollout.view.draw(rollout.surface, cameras[c], views[t][c].others);
+    measure.view.look(cameras[c]);
+    measure_features(group, t, c, measure);
     if (views[t][c].seen)
-      measure_rims(rollout, t, c);
-    if (features_follow)
-      for (const FeatureMatch &match : matches[t + 1][c])
-        if (const auto place = rollout.view.locate(match.previous))
-          rollout.carried[c].push_back({*place, match.current});
+      measure_rims(group, t, c, measure);
+    locate(t, c, measure);
   }
-  for (int r = 0; r < regions(); ++r) {
-    FrameTerms &terms = rollout.terms[r][t];
-    terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : 0;
-    terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
-    if (rollout.exploded[r])
-      terms = worst;
-  }
+  for (Rollout &rollout : group)
+    for (int r = 0; r < regions(); ++r) {
+      FrameTerms &terms = rollout.terms[r][t];
+      terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : 0;
+      terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
+      if (rollout.exploded[r])
+        terms = worst;
+    }
 }
 
 void MaterialObjective::Impl::start(std::span<Rollout> group) const {
   for (Rollout &rollout : group) {
     rollout.state = simulator->start(frames[0], &first_surface);
-    rollout.carried.assign(cameras.size(), {});
     rollout.exploded.assign(regions(), 0);
     rollout.terms.assign(regions(), std::vector<FrameTerms>(frames.size()));
   }
@@ -337,13 +349,20 @@ void MaterialObjective::Impl::start(std::span<Rollout> group) const {
 }
 
 void MaterialObjective::Impl::advance(std::span<Rollout> group, int from, int to) const {
+  Measure tools(topology, group.size(), cameras.size());
+  if (from > 0) { // the features that the frame before has found
+    place(group, from - 1, tools.view);
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      tools.view.look(cameras[c]);
+      locate(from - 1, c, tools);
+    }
+  }
   for (int t = from; t < to; ++t) {
     if (t > 0)
       step(group, t - 1, t, false);
-    for (Rollout &rollout : group) {
+    for (Rollout &rollout : group)
       check_explosion(rollout, frames[t]);
-      measure(rollout, t);
-    }
+    measure(group, t, tools);
   }
 }
 
@@ -433,8 +452,7 @@ MatrixRM MaterialObjective::energies(const std::vector<std::vector<pbd::Material
                                                             ", one a region, found " + std::to_string(sample.size()));
     for (const pbd::Material &material : sample)
       pbd::validate(material);
-    rollouts.emplace_back(impl_->topology);
-    rollouts.back().materials = sample;
+    rollouts.push_back({sample, {}, {}, {}});
   }
   const int groups = std::max((count + kLargestGroup - 1) / kLargestGroup,
                               std::min(context.thread_count(), (count + kSmallestGroup - 1) / kSmallestGroup));
@@ -470,8 +488,7 @@ MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &con
 
 std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<pbd::Material> &materials) const {
   require(static_cast<int>(materials.size()) == impl_->regions(), "MaterialObjective: materials: expected one a region");
-  Rollout rollout(impl_->topology);
-  rollout.materials = materials;
+  Rollout rollout{materials, {}, {}, {}};
   impl_->start({&rollout, 1});
   impl_->advance({&rollout, 1}, 0, impl_->frame_count());
   return rollout.terms;

@@ -33,7 +33,7 @@ TEST(MaterialObjective, TheTruthCostsLittleAndEverythingElseMore) {
   for (double d_n : {0.0, 1.0, 16.0, 32.0}) {
     const double other = energy_of(scene(), with_drag(d_n));
     std::printf(", d_n %.0f %.2f", d_n, other);
-    EXPECT_GT(other, 2 * truth) << d_n;
+    EXPECT_GT(other, 1.5 * truth) << d_n;
   }
   const double centre = energy_of(scene(), pbd::Material{});
   std::printf(", centre %.2f\n", centre);
