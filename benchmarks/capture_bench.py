@@ -12,7 +12,6 @@ import time
 from pathlib import Path
 
 import doublet as d
-from doublet import pipeline
 
 
 def timed(seconds, step, function, *arguments):
@@ -24,7 +23,7 @@ def timed(seconds, step, function, *arguments):
 
 def measure_images(session, count) -> dict:
     """One thread, all cameras: what becomes of an image before any pose is sought; seconds a frame."""
-    extractor = pipeline.trained_extractor(session, d.FrameSource.open(session), d.ChromaKeyOptions(), d.Context())
+    extractor = d.session_silhouettes(session, d.FrameSource.open(session))
     frames, tracker = d.FrameSource.open(session), d.FeatureTracker.create()
     seconds, last = {}, {}
     for frame in range(count):
@@ -44,7 +43,7 @@ def measure_images(session, count) -> dict:
 
 def capture(session, actor, count) -> dict:
     """The whole stage, all threads; seconds a frame and the process's peak memory."""
-    extractor = pipeline.trained_extractor(session, d.FrameSource.open(session), d.ChromaKeyOptions(), d.Context())
+    extractor = d.session_silhouettes(session, d.FrameSource.open(session))
     stage = d.PerformanceCapture.create(d.CaptureOptions(frame_count=count))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     summary = stage.capture(actor, session.rig, d.FrameSource.open(session), extractor).summary

@@ -15,7 +15,22 @@ public:
     // The model by pointer: it is passed on, not copied.
     PYBIND11_OVERRIDE_PURE(BodyFit, BodyFitter, fit, actor, clothness, &model, landmarks, context);
   }
+  std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
+                                    const Context &context) const override {
+    PYBIND11_OVERRIDE_IMPL(std::vector<BodyFit>, BodyFitter, "fit_together", scans, &model, context);
+    return BodyFitter::fit_together(scans, model, context);
+  }
 };
+
+void bind_regions(py::module_ &m) {
+  py::class_<BodyRegion>(m, "BodyRegion", "How far a fit can be trusted along one bone.")
+      .def_readonly("joint", &BodyRegion::joint, "that the bone hangs from")
+      .def_readonly("area", &BodyRegion::area, "m^2 of the body")
+      .def_readonly("exposed", &BodyRegion::exposed, "share of it whose nearest surface is skin")
+      .def_readonly("residual", &BodyRegion::residual, "m, mean distance of that skin to the body")
+      .def_readonly("deviation", &BodyRegion::deviation, "m, expected RMS error");
+  m.def("body_regions", &body_regions, py::arg("fit"), py::arg("actor"), py::arg("clothness"), Release());
+}
 
 void bind_proxy_statistics(py::module_ &m) {
   py::class_<ProxyStatistics>(m, "ProxyStatistics", "How well the capsules stand for the body under cloth, m.")
@@ -57,6 +72,7 @@ void bind_bodymodel(py::module_ &m) {
           py::arg("path"), Release())
       .def_property_readonly("vertex_count", &BodyModel::vertex_count)
       .def_property_readonly("component_count", &BodyModel::component_count)
+      .def_property_readonly("shape_count", &BodyModel::shape_count, "the first coefficients; the others are the pose")
       .def_property_readonly("faces", &BodyModel::faces)
       .def_property_readonly("landmarks", &BodyModel::landmarks)
       .def_property_readonly("name", &BodyModel::name, "name and hash of the file")
@@ -76,13 +92,26 @@ void bind_bodymodel(py::module_ &m) {
       .field("cloth_margin", &ProxyOptions::cloth_margin, "m, at least this far inside the cloth of the scan pose")
       .field("capsules_per_bone", &ProxyOptions::capsules_per_bone, "1 to 3")
       .field("iterations", &ProxyOptions::iterations, "of the least squares");
+  py::class_<DressedScan>(m, "DressedScan", "One of several scans of the same person.")
+      .def(py::init([](const RiggedMesh &actor, const Clothness &clothness, const Landmarks &landmarks) {
+             return DressedScan{&actor, &clothness, landmarks};
+           }),
+           py::arg("actor"), py::arg("clothness"), py::arg("landmarks"), py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
+      .def_property_readonly(
+          "actor", [](const DressedScan &scan) { return scan.actor; }, py::return_value_policy::reference)
+      .def_property_readonly(
+          "clothness", [](const DressedScan &scan) { return scan.clothness; }, py::return_value_policy::reference)
+      .def_readonly("landmarks", &DressedScan::landmarks, "name -> point on the surface, m");
   py::class_<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{})
       .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("clothness"), py::arg("model"), py::arg("landmarks"),
-           py::arg("context") = interruptible_context(), Release());
+           py::arg("context") = interruptible_context(), Release())
+      .def("fit_together", &BodyFitter::fit_together, py::arg("scans"), py::arg("model"),
+           py::arg("context") = interruptible_context(), Release(), "One shape, a pose a scan; a list of BodyFit.");
   m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("clothness"), py::arg("options") = ProxyOptions{},
         Release());
+  bind_regions(m);
   bind_proxy_statistics(m);
   bind_training(m);
 }

@@ -381,7 +381,8 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("body", &BodyFit::body)
       .def_readwrite("coefficients", &BodyFit::coefficients)
       .def_readwrite("model", &BodyFit::model)
-      .def_readwrite("residual", &BodyFit::residual, "m");
+      .def_readwrite("residual", &BodyFit::residual, "m")
+      .def_readwrite("deviation", &BodyFit::deviation, "(B) m, expected RMS error of each vertex; empty = not known");
 }
 
 void bind_files(py::module_ &m) {

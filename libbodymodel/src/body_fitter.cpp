@@ -1,5 +1,6 @@
 #include "doublet/bodymodel/body_fitter.h"
 
+#include "anatomy.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 #include "nearest_points.h"
@@ -62,9 +63,23 @@ public:
     matrix_(unknown, unknown) += weight;
     right_[unknown] -= weight * residual;
   }
+  /// Adds the equations of a part whose unknown i is this one's unknown[i].
+  void add(NormalEquations &part, const std::vector<int> &unknown) {
+    part.flush();
+    for (std::size_t i = 0; i < unknown.size(); ++i) {
+      right_[unknown[i]] += part.right_[i];
+      for (std::size_t j = 0; j <= i; ++j)
+        matrix_(std::max(unknown[i], unknown[j]), std::min(unknown[i], unknown[j])) += part.matrix_(i, j);
+    }
+  }
   Eigen::VectorXd solve() {
     flush();
     return matrix_.selfadjointView<Eigen::Lower>().ldlt().solve(right_);
+  }
+  /// Lower factor of the matrix: of the inverse covariance, if every residual was divided by its deviation.
+  Eigen::LLT<Eigen::MatrixXd> factor() {
+    flush();
+    return matrix_.selfadjointView<Eigen::Lower>().llt();
   }
 
 private:
@@ -145,9 +160,10 @@ void add_named(NormalEquations &equations, const State &state, const BodyModel &
   }
 }
 
-void add_prior(NormalEquations &equations, const State &state, double scale_deviation) {
+/// skipped: the first coefficients, whose prior somebody else has added.
+void add_prior(NormalEquations &equations, const State &state, double scale_deviation, int skipped) {
   equations.add_diagonal(6, std::log(state.scale / state.prior_scale), 1 / (scale_deviation * scale_deviation));
-  for (int k = 0; k < state.coefficients.size(); ++k)
+  for (int k = skipped; k < state.coefficients.size(); ++k)
     equations.add_diagonal(7 + k, state.coefficients[k], 1);
 }
 
@@ -313,64 +329,147 @@ double exposed_residual(const Scan &scan, const Mesh &body, const Context &conte
   return sum / area;
 }
 
+/// Everything about one of the scans.
+struct Subject {
+  Scan scan;
+  std::vector<NamedPoint> named;
+  State state;
+  std::vector<int> unknown; ///< (7 + K) its unknowns among those of all scans: the shape comes first and is common
+};
+
+std::vector<int> unknowns_of(int subject, const BodyModel &model) {
+  const int shape = model.shape_count(), own = 7 + model.component_count() - shape, first = shape + subject * own;
+  std::vector<int> unknown(7 + model.component_count());
+  std::iota(unknown.begin(), unknown.begin() + 7, first);
+  std::iota(unknown.begin() + 7, unknown.begin() + 7 + shape, 0);
+  std::iota(unknown.begin() + 7 + shape, unknown.end(), first + 7);
+  return unknown;
+}
+
 class IcpBodyFitter : public BodyFitter {
 public:
   explicit IcpBodyFitter(const BodyFitOptions &options) : options_(options) { options_.validate(); }
 
   BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model,
               const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const override {
+    return fit_together({{&actor, &clothness, landmarks}}, model, context)[0];
+  }
+
+  std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
+                                    const Context &context) const override {
     context.report("body", 0.0);
-    const Scan scan = prepare_scan(actor, clothness);
-    if (std::count(scan.exposed.begin(), scan.exposed.end(), 1) == 0)
-      throw Error("body fit: no vertex of the actor is exposed (valid and clothness 0), nothing to fit to");
-    const std::vector<NamedPoint> named = match_names(actor, model, landmarks, options_);
-    State state = initial_state(model, named);
-    for (int iteration = 0; iteration < 10; ++iteration) {
-      NormalEquations equations(7 + model.component_count());
-      add_named(equations, state, model, named);
-      add_prior(equations, state, options_.scale_deviation);
-      state.move(equations.solve());
-    }
+    std::vector<Subject> subjects = prepare(scans, model);
+    for (int iteration = 0; iteration < 10; ++iteration)
+      move(subjects, equations(subjects, model, [](const Subject &, NormalEquations &) {}).solve());
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
       context.report("body", 0.1 + 0.8 * iteration / options_.iterations);
-      state.move(surface_step(scan, state, model, named, robust_scale(iteration), context));
+      move(subjects, surface_equations(subjects, model, robust_scale(iteration), context).solve());
     }
-    BodyFit result;
-    result.body = {state.world(model.vertices(state.coefficients)), model.faces()};
-    if (!result.body.vertices.allFinite())
-      throw Error("body fit: diverged; the landmarks or joints do not fit the surface");
-    result.coefficients = state.coefficients;
-    result.model = model.name();
-    result.residual = exposed_residual(scan, result.body, context);
+    // What the last step left: the posterior of the unknowns around the answer (Laplace's approximation).
+    const auto certainty = surface_equations(subjects, model, options_.outlier_scale, context).factor();
+    std::vector<BodyFit> fits;
+    for (const Subject &subject : subjects)
+      fits.push_back(result(subject, model, certainty, context));
     context.report("body", 1.0);
-    return result;
+    return fits;
   }
 
 private:
+  std::vector<Subject> prepare(const std::vector<DressedScan> &scans, const BodyModel &model) const {
+    if (scans.empty())
+      throw std::invalid_argument("body fit: expected at least one scan, found none");
+    std::vector<Subject> subjects;
+    for (std::size_t i = 0; i < scans.size(); ++i)
+      try {
+        Scan scan = prepare_scan(*scans[i].actor, *scans[i].clothness);
+        if (std::count(scan.exposed.begin(), scan.exposed.end(), 1) == 0)
+          throw Error("body fit: no vertex of the actor is exposed (valid and clothness 0), nothing to fit to");
+        std::vector<NamedPoint> named = match_names(*scans[i].actor, model, scans[i].landmarks, options_);
+        State state = initial_state(model, named);
+        subjects.push_back({std::move(scan), std::move(named), std::move(state), unknowns_of(static_cast<int>(i), model)});
+      } catch (const Error &error) {
+        if (scans.size() == 1)
+          throw;
+        throw Error("scan " + std::to_string(i) + ": " + error.what());
+      }
+    return subjects;
+  }
+
   /// Five times the final scale at first, so that a pose that is centimetres off still finds its surface.
   double robust_scale(int iteration) const {
     const double progress = std::min(1.0, iteration / std::max(1.0, options_.iterations * 2.0 / 3.0));
     return options_.outlier_scale * std::pow(5.0, 1 - progress);
   }
 
-  Eigen::VectorXd surface_step(const Scan &scan, const State &state, const BodyModel &model, const std::vector<NamedPoint> &named,
-                               double robust, const Context &context) const {
-    const BodySurface body = surface_of(state, model);
-    std::vector<Plane> planes = body_to_scan(scan, body, robust, options_, context);
-    const std::vector<Plane> back = scan_to_body(scan, body, robust, context);
-    planes.insert(planes.end(), back.begin(), back.end());
+  static void move(std::vector<Subject> &subjects, const Eigen::VectorXd &step) {
+    for (Subject &subject : subjects)
+      subject.state.move(step(subject.unknown));
+  }
+
+  /// The named points, the priors, and what `add_rest` adds of each subject.
+  template <typename AddRest>
+  NormalEquations equations(const std::vector<Subject> &subjects, const BodyModel &model, const AddRest &add_rest) const {
+    const int shape = model.shape_count(), own = 7 + model.component_count() - shape;
+    NormalEquations all(shape + static_cast<int>(subjects.size()) * own);
+    for (int k = 0; k < shape; ++k)
+      all.add_diagonal(k, subjects[0].state.coefficients[k], 1);
+    for (const Subject &subject : subjects) {
+      NormalEquations part(7 + model.component_count());
+      add_rest(subject, part);
+      add_named(part, subject.state, model, subject.named);
+      add_prior(part, subject.state, options_.scale_deviation, shape);
+      all.add(part, subject.unknown);
+    }
+    return all;
+  }
+
+  NormalEquations surface_equations(const std::vector<Subject> &subjects, const BodyModel &model, double robust,
+                                    const Context &context) const {
+    return equations(subjects, model, [&](const Subject &subject, NormalEquations &part) {
+      const BodySurface body = surface_of(subject.state, model);
+      std::vector<Plane> planes = body_to_scan(subject.scan, body, robust, options_, context);
+      const std::vector<Plane> back = scan_to_body(subject.scan, body, robust, context);
+      planes.insert(planes.end(), back.begin(), back.end());
+      const BodyLinearisation at = model.linearise(subject.state.coefficients, all_vertices(model));
+      const double certainty = 1 / (options_.surface_deviation * options_.surface_deviation);
+      for (const Plane &plane : planes)
+        if (plane.weight > 1e-6)
+          part.add(point_row(subject.state, at, plane.vertex, plane.normal),
+                   plane.normal.dot(body.vertices.row(plane.vertex).transpose() - plane.point), certainty * plane.weight);
+    });
+  }
+
+  static std::vector<int> all_vertices(const BodyModel &model) {
     std::vector<int> all(model.vertex_count());
     std::iota(all.begin(), all.end(), 0);
-    const BodyLinearisation at = model.linearise(state.coefficients, all);
-    const double certainty = 1 / (options_.surface_deviation * options_.surface_deviation);
-    NormalEquations equations(7 + model.component_count());
-    for (const Plane &plane : planes)
-      if (plane.weight > 1e-6)
-        equations.add(point_row(state, at, plane.vertex, plane.normal),
-                      plane.normal.dot(body.vertices.row(plane.vertex).transpose() - plane.point), certainty * plane.weight);
-    add_named(equations, state, model, named);
-    add_prior(equations, state, options_.scale_deviation);
-    return equations.solve();
+    return all;
+  }
+
+  static BodyFit result(const Subject &subject, const BodyModel &model, const Eigen::LLT<Eigen::MatrixXd> &certainty,
+                        const Context &context) {
+    BodyFit fit;
+    fit.body = {subject.state.world(model.vertices(subject.state.coefficients)), model.faces()};
+    if (!fit.body.vertices.allFinite())
+      throw Error("body fit: diverged; the landmarks or joints do not fit the surface");
+    fit.coefficients = subject.state.coefficients;
+    fit.model = model.name();
+    fit.residual = exposed_residual(subject.scan, fit.body, context);
+    fit.deviation = deviations(subject, model, certainty, context);
+    return fit;
+  }
+
+  /// (B) sqrt(trace(J covariance J^T)) of each vertex.
+  static Eigen::VectorXd deviations(const Subject &subject, const BodyModel &model, const Eigen::LLT<Eigen::MatrixXd> &certainty,
+                                    const Context &context) {
+    const BodyLinearisation at = model.linearise(subject.state.coefficients, all_vertices(model));
+    Eigen::VectorXd deviation(model.vertex_count());
+    parallel_for(context, model.vertex_count(), [&](int v) {
+      Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(certainty.rows(), 3);
+      for (int axis = 0; axis < 3; ++axis)
+        columns(subject.unknown, axis) = point_row(subject.state, at, v, Eigen::Vector3d::Unit(axis)).transpose();
+      deviation[v] = certainty.matrixL().solve(columns).norm();
+    });
+    return deviation;
   }
 
   BodyFitOptions options_;
@@ -399,6 +498,45 @@ void BodyFitOptions::validate() const {
 
 std::unique_ptr<BodyFitter> BodyFitter::create(const BodyFitOptions &options) {
   return std::make_unique<IcpBodyFitter>(options);
+}
+
+std::vector<BodyFit> BodyFitter::fit_together(const std::vector<DressedScan> &, const BodyModel &, const Context &) const {
+  throw std::logic_error("this body fitter takes one scan at a time");
+}
+
+std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness) {
+  const Scan scan = prepare_scan(actor, clothness);
+  const RayScene scene(fit.body);
+  const Anatomy anatomy = find_bones(fit.body, vertex_normals(fit.body.vertices, fit.body.faces), scene, actor.skeleton);
+  const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);
+  std::vector<BodyRegion> of_joint(actor.skeleton.joint_count());
+  std::vector<double> seen(of_joint.size(), 0);
+  for (int v = 0; v < fit.body.vertices.rows(); ++v) {
+    if (anatomy.nearest[v] < 0)
+      continue;
+    const int joint = anatomy.bones[anatomy.nearest[v]].joint;
+    BodyRegion &region = of_joint[joint];
+    const ClosestPoint at = scan.scene.closest(fit.body.vertices.row(v).transpose());
+    region.area += areas[v];
+    if (fit.deviation.size() > 0)
+      region.deviation += areas[v] * fit.deviation[v] * fit.deviation[v];
+    if (at.face >= 0 && scan.face_label[at.face] == Label::Exposed) {
+      region.residual += areas[v] * at.distance;
+      seen[joint] += areas[v];
+    }
+  }
+  std::vector<BodyRegion> regions;
+  for (int j = 0; j < actor.skeleton.joint_count(); ++j) {
+    BodyRegion &region = of_joint[j];
+    if (region.area == 0)
+      continue;
+    region.joint = actor.skeleton.joints[j].name;
+    region.exposed = seen[j] / region.area;
+    region.residual = seen[j] > 0 ? region.residual / seen[j] : 0;
+    region.deviation = std::sqrt(region.deviation / region.area);
+    regions.push_back(region);
+  }
+  return regions;
 }
 
 std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Clothness &clothness) {

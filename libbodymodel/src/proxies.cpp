@@ -1,6 +1,7 @@
 // Tapered capsules for the fitted body: Levenberg-Marquardt on signed distances, all capsules together.
 #include "doublet/bodymodel/body_fitter.h"
 
+#include "anatomy.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 
@@ -23,65 +24,11 @@ constexpr double kUncoveredWeight = 0.3; ///< of body surface that cloth does no
 constexpr double kCoveredShare = 0.1;    ///< a bone with more of its body surface under cloth gets capsules
 constexpr double kWrappedShare = 0.33;   ///< cloth that wraps more than this of a bone swings against the next one, too
 constexpr double kTether = 1e-3; ///< m^2, pull of a capsule's ends to where they started: it must not wander along the chain
-constexpr double kShortestBone = 0.03;   ///< m, shorter ones (a clavicle's stub) have no surface of their own
 constexpr double kSmallestRadius = 0.01; ///< m
 constexpr double kDeepest = 0.01;        ///< m, cloth further inside the fitted body does not rest on it
-constexpr double kSkinDepth = 0.002;     ///< m, where a vertex looks for its bone from
-
-struct Bone {
-  int joint, end;
-  bool chosen = false, wrapped = false;
-};
-
-Eigen::Vector3d closest_on_segment(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
-  const Eigen::Vector3d axis = b - a;
-  return a + std::clamp((x - a).dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0) * axis;
-}
-
-double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
-  return (x - closest_on_segment(x, a, b)).norm();
-}
-
-struct Anatomy {
-  std::vector<Bone> bones;
-  std::vector<int> nearest; ///< per body vertex
-};
 
 bool is_leaf(const Skeleton &skeleton, int joint) {
   return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
-}
-
-/// Every vertex belongs to the nearest bone that it sees through the flesh (Baran & Popovic 2007): with the arms down, a flank is
-/// closer to the arm's bone than to the spine.
-Anatomy find_bones(const Mesh &body, const Vertices &normals, const RayScene &scene, const Skeleton &skeleton) {
-  Anatomy anatomy;
-  for (int j = 0; j < skeleton.joint_count(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    if (parent >= 0 && (skeleton.joints[j].rest - skeleton.joints[parent].rest).norm() > kShortestBone)
-      anatomy.bones.push_back({parent, j});
-  }
-  anatomy.nearest.assign(body.vertices.rows(), -1);
-  for (int v = 0; v < body.vertices.rows(); ++v) {
-    const Eigen::Vector3d point = body.vertices.row(v), inside = point - kSkinDepth * normals.row(v).transpose();
-    double best_seen = std::numeric_limits<double>::infinity(), best = best_seen;
-    int nearest = -1;
-    for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
-      const Eigen::Vector3d on_bone =
-          closest_on_segment(point, skeleton.joints[anatomy.bones[b].joint].rest, skeleton.joints[anatomy.bones[b].end].rest);
-      const double distance = (point - on_bone).norm();
-      if (distance < best) {
-        best = distance;
-        nearest = static_cast<int>(b);
-      }
-      if (distance < best_seen && !scene.occluded(inside, on_bone)) {
-        best_seen = distance;
-        anatomy.nearest[v] = static_cast<int>(b);
-      }
-    }
-    if (anatomy.nearest[v] < 0) // a finger's side, a fold
-      anatomy.nearest[v] = nearest;
-  }
-  return anatomy;
 }
 
 /// Covered bones, and the next ones down the chain of wrapped bones where cloth that hangs can swing against them: those that

@@ -33,6 +33,7 @@ public:
   explicit SkinnedBodyModel(SkinnedBodyData data);
   int vertex_count() const override { return static_cast<int>(data_.mean.rows()); }
   int component_count() const override { return static_cast<int>(data_.shape.cols() + data_.pose.cols()); }
+  int shape_count() const override { return static_cast<int>(data_.shape.cols()); }
   const Faces &faces() const override { return data_.faces; }
   Vertices vertices(const Eigen::VectorXd &coefficients) const override;
   Vertices component(int k) const override;

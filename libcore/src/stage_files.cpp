@@ -283,6 +283,8 @@ void write_body(const Path &path, const BodyFit &fit) {
   npz.set_f4("coefficients", {fit.coefficients.size()}, flat(fit.coefficients));
   npz.set_text("model", {fit.model});
   npz.set_f4("residual", {1}, {fit.residual});
+  if (fit.deviation.size() > 0)
+    npz.set_f4("deviation", {fit.deviation.size()}, flat(fit.deviation));
   npz.write(path);
 }
 
@@ -294,6 +296,8 @@ BodyFit read_body(const Path &path) {
   npz.require_shape("model", {1});
   fit.model = npz.text("model")[0];
   fit.residual = read_vector(npz, "residual", 1)[0];
+  if (npz.has("deviation"))
+    fit.deviation = read_vector(npz, "deviation", fit.body.vertices.rows());
   return fit;
 }
 

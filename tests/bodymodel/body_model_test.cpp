@@ -324,6 +324,79 @@ TEST(BodyFit, ClothThatFacesAnotherWayIsNotWornHere) {
   EXPECT_LT(mean_error(fit, truth, true), 0.008);
 }
 
+TEST(BodyFit, SaysWhereItCannotBeTrusted) {
+  Subject subject = make_subject();
+  for (int v = 0; v < subject.clothness.clothness.size(); ++v)
+    subject.clothness.clothness[v] = on_thigh(v);
+  for (int f = 0; f < subject.actor.mesh.faces.rows(); ++f)
+    subject.actor.face_valid[f] = !on_thigh(subject.actor.mesh.faces(f, 0));
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  ASSERT_EQ(fit.deviation.size(), fit.body.vertices.rows());
+  double hidden = 0, seen = 0;
+  int count = 0;
+  for (int v = 0; v < fit.deviation.size(); ++v)
+    if (on_thigh(v)) {
+      hidden += fit.deviation[v];
+      ++count;
+    } else
+      seen += fit.deviation[v];
+  EXPECT_GT(hidden / count, 1.5 * seen / (fit.deviation.size() - count));
+  EXPECT_LT(mean_error(fit, subject.actor, true), 2 * hidden / count); // and it does not promise too much
+
+  double area = 0;
+  bool thigh = false;
+  for (const BodyRegion &region : body_regions(fit, subject.actor, subject.clothness)) {
+    area += region.area;
+    EXPECT_GT(region.deviation, 0) << region.joint;
+    if (region.joint.find("hip") != std::string::npos) {
+      thigh = true;
+      EXPECT_LT(region.exposed, 0.5) << region.joint;
+    } else if (region.joint.find("elbow") != std::string::npos) {
+      EXPECT_GT(region.exposed, 0.9) << region.joint;
+    }
+  }
+  EXPECT_TRUE(thigh);
+  EXPECT_NEAR(area, face_areas(fit.body.vertices, fit.body.faces).sum(), 0.01);
+}
+
+TEST(BodyFit, ScansOfOnePersonHelpEachOther) {
+  // One scan lacks the thighs, the other everything but the thighs and the feet.
+  const Subject whole = make_subject();
+  Subject upper = whole, lower = whole;
+  for (int f = 0; f < whole.actor.mesh.faces.rows(); ++f) {
+    const int v = whole.actor.mesh.faces(f, 0);
+    upper.actor.face_valid[f] = !on_thigh(v);
+    lower.actor.face_valid[f] = on_thigh(v) || whole.actor.mesh.vertices(v, 1) < 0.2;
+  }
+  const auto fitter = BodyFitter::create();
+  const std::vector<BodyFit> fits =
+      fitter->fit_together({{&upper.actor, &upper.clothness, upper.landmarks}, {&lower.actor, &lower.clothness, lower.landmarks}},
+                           *trained().model, {});
+  ASSERT_EQ(fits.size(), 2u);
+  const int shape = trained().model->shape_count();
+  EXPECT_EQ(fits[0].coefficients.head(shape), fits[1].coefficients.head(shape));
+  for (const Subject *subject : {&upper, &lower}) {
+    const BodyFit &with_help = fits[subject == &lower];
+    const BodyFit alone = fitter->fit(subject->actor, subject->clothness, *trained().model, subject->landmarks, {});
+    EXPECT_LT(with_help.deviation.sum(), alone.deviation.sum());
+    if (subject == &lower) { // whose trunk nobody saw
+      EXPECT_LT(mean_error(with_help, whole.actor, false), mean_error(alone, whole.actor, false));
+    }
+  }
+
+  EXPECT_THROW(fitter->fit_together({}, *trained().model, {}), std::invalid_argument);
+  Subject hidden = whole;
+  hidden.clothness.clothness.setOnes();
+  try {
+    fitter->fit_together(
+        {{&upper.actor, &upper.clothness, upper.landmarks}, {&hidden.actor, &hidden.clothness, hidden.landmarks}},
+        *trained().model, {});
+    FAIL();
+  } catch (const Error &error) {
+    EXPECT_NE(std::string(error.what()).find("scan 1"), std::string::npos) << error.what();
+  }
+}
+
 TEST(BodyFit, ForgivesMarksThatAreOff) {
   Subject subject = make_subject();
   std::mt19937 random(9);

@@ -166,10 +166,12 @@ TEST(Files, ClothnessAndBodyRoundTrip) {
   EXPECT_THROW(read_clothness(folder / "segmentation.npz"), Error);
 
   BodyFit fit{testing::sphere(1), Eigen::VectorXd::Random(7), "pca-2024 \xE2\x80\x93 abc", 0.004};
+  fit.deviation = Eigen::VectorXd::Constant(fit.body.vertices.rows(), 0.01);
   write_body(folder / "body.npz", fit);
   const BodyFit back = read_body(folder / "body.npz");
   EXPECT_EQ(back.model, fit.model);
   EXPECT_NEAR(back.residual, 0.004, 1e-9);
+  EXPECT_TRUE(back.deviation.isApprox(fit.deviation, 1e-6));
   EXPECT_TRUE(back.coefficients.isApprox(fit.coefficients, 1e-6));
   EXPECT_TRUE(back.body.vertices.isApprox(fit.body.vertices, 1e-6));
 }

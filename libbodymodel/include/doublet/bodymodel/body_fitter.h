@@ -26,6 +26,13 @@ struct BodyFitOptions {
   void validate() const;
 };
 
+/// One of several scans of the same person: other clothes, other poses, even other units.
+struct DressedScan {
+  const RiggedMesh *actor;
+  const Clothness *clothness;
+  std::map<std::string, Eigen::Vector3d> landmarks; ///< name -> point on the surface, m
+};
+
 class BodyFitter {
 public:
   virtual ~BodyFitter() = default;
@@ -34,6 +41,10 @@ public:
   /// missing.
   virtual BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model,
                       const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const = 0;
+  /// All scans together: one shape (BodyModel::shape_count()), for each scan its own pose and place. One fit a scan, in order.
+  /// Throws Error as fit() does, naming the scan; the default throws std::logic_error, since a fitter need not know how.
+  virtual std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
+                                            const Context &context) const;
   static std::unique_ptr<BodyFitter> create(const BodyFitOptions &options = {});
 };
 
@@ -60,6 +71,17 @@ struct ProxyStatistics {
 };
 ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
                                  const Clothness &clothness);
+
+/// How far a fit can be trusted along one bone.
+struct BodyRegion {
+  std::string joint;    ///< that the bone hangs from
+  double area = 0;      ///< m^2 of the body
+  double exposed = 0;   ///< share of it whose nearest surface is skin
+  double residual = 0;  ///< m, mean distance of that skin to the body; 0 where none is exposed
+  double deviation = 0; ///< m, expected RMS error (BodyFit::deviation); 0 if the fitter told none
+};
+/// One a joint that has surface of its own, in the skeleton's order.
+std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness);
 
 /// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.
 std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Clothness &clothness);

@@ -26,6 +26,8 @@ public:
   virtual ~BodyModel() = default;
   virtual int vertex_count() const = 0;
   virtual int component_count() const = 0;
+  /// The first coefficients, those of the person; the others are the pose. Default: all, a model without poses.
+  virtual int shape_count() const { return component_count(); }
   virtual const Faces &faces() const = 0;
   virtual Vertices
   vertices(const Eigen::VectorXd &coefficients) const = 0;         ///< (B, 3) m; throws std::invalid_argument on a wrong size

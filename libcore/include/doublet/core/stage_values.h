@@ -83,10 +83,11 @@ double signed_distance(const PosedCapsule &capsule, const Eigen::Vector3d &point
 
 /// The body under the clothes, scan pose. File: body.npz.
 struct BodyFit {
-  Mesh body;                    ///< (B, 3) scan pose
-  Eigen::VectorXd coefficients; ///< of the statistical model, ~ N(0, 1)
-  std::string model;            ///< name and hash of the model file
-  double residual = 0;          ///< m, mean |distance| of the exposed scan surface to the body
+  Mesh body;                      ///< (B, 3) scan pose
+  Eigen::VectorXd coefficients;   ///< of the statistical model, ~ N(0, 1)
+  std::string model;              ///< name and hash of the model file
+  double residual = 0;            ///< m, mean |distance| of the exposed scan surface to the body
+  Eigen::VectorXd deviation = {}; ///< (B) m, expected RMS error of each vertex: small where skin was seen; empty = not known
 };
 
 } // namespace doublet
