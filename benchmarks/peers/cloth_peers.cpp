@@ -2,9 +2,9 @@
 // ours with the number of vertices. Every time is CPU time of the process, ms.
 //   cloth_peers scene  AROUND ROWS FRAMES FOLDER   the scene, for engines that are driven from Python
 //   cloth_peers ours   AROUND ROWS FRAMES FOLDER   edges and bends only, as the peers; one simulation
-//   cloth_peers ours16 AROUND ROWS FRAMES FOLDER   the same, 16 materials side by side by step_many, time per simulation
+//   cloth_peers ours8  AROUND ROWS FRAMES FOLDER   the same, 8 materials side by side, time per simulation; ours16: 16
 //   cloth_peers full   AROUND ROWS FRAMES FOLDER   with drag, blend, proxies, friction and self-collision; one simulation
-//   cloth_peers full16 AROUND ROWS FRAMES FOLDER
+//   cloth_peers full8  AROUND ROWS FRAMES FOLDER   the same, 8 materials side by side; full16: 16
 //   cloth_peers bullet AROUND ROWS FRAMES FOLDER
 //   cloth_peers growth                             curtains from 1000 to 100000 vertices, as CSV
 
@@ -33,7 +33,6 @@ using namespace doublet::pbd;
 
 constexpr double kH = 1.0 / 40;
 constexpr int kSweeps = 24, kSettle = 20; ///< frames before the clock starts
-constexpr int kSamples = 16;
 
 double cpu_ms() {
   std::timespec t;
@@ -88,6 +87,19 @@ void write_scene(const Scene &scene) {
   scene.write("waist", waist.data(), static_cast<std::size_t>(waist.size()) * sizeof(double));
 }
 
+/// Materials around the one that Sect. 7 recovers; without drag and friction where the peers have none.
+std::vector<Material> generation(bool everything, int samples) {
+  std::vector<Material> materials;
+  for (int i = 0; i < samples; ++i) {
+    const double spread = samples == 1 ? 0 : 2.0 * i / (samples - 1) - 1;
+    Material m{.d_n = 5.4 + spread, .d_t = 5.6 - spread, .k_bend = 0.75 + 0.2 * spread, .k_stretch = 1, .k_friction = 0.47};
+    if (!everything)
+      m.d_n = m.d_t = m.k_friction = 0;
+    materials.push_back(m);
+  }
+  return materials;
+}
+
 void measure_ours(const Scene &scene, const std::string &name, bool everything, int samples) {
   ClothOptions options;
   options.iterations = kSweeps;
@@ -95,15 +107,9 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
   Eigen::VectorXd clothness = scene.skirt.clothness; // the waist is pinned, the next two rings are blended
   if (!everything)
     clothness.tail(clothness.size() - scene.around).setOnes();
-  const auto solver = ClothSolver::create(ClothModel::create(scene.skirt.rest, scene.skirt.faces, clothness, options));
-  std::vector<Material> materials;
-  for (int i = 0; i < samples; ++i) {
-    const double spread = samples == 1 ? 0 : 2.0 * i / (samples - 1) - 1; // a generation around the material of Sect. 7
-    Material m{.d_n = 5.4 + spread, .d_t = 5.6 - spread, .k_bend = 0.75 + 0.2 * spread, .k_stretch = 1, .k_friction = 0.47};
-    if (!everything)
-      m.d_n = m.d_t = m.k_friction = 0;
-    materials.push_back(m);
-  }
+  const auto solver =
+      ClothSolver::create_with_lanes(ClothModel::create(scene.skirt.rest, scene.skirt.faces, clothness, options), samples);
+  const std::vector<Material> materials = generation(everything, samples);
   std::vector<ClothState> states(materials.size(), initial_state(scene.skirt.rest));
   Vertices previous = scene.targets(0), current = previous;
   std::vector<Capsule> previous_capsules, capsules = scene.dancer.capsules(0);
@@ -120,8 +126,7 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
         current = scene.targets(f);
         capsules = scene.dancer.capsules(f * kH);
       },
-      [&] { samples == 1 ? solver->step(states[0], in, materials[0]) : solver->step_many(states, in, materials); }, samples,
-      [&] { return states[0].positions; });
+      [&] { solver->step_many(states, in, materials); }, samples, [&] { return states[0].positions; });
 }
 
 #ifdef DOUBLET_WITH_BULLET
@@ -177,45 +182,47 @@ void measure_bullet(const Scene &) {
 }
 #endif
 
-/// A curtain of 25 rows, hung by its top edge that waves, ever wider: the same cloth at every size.
+/// A curtain of 25 rows, hung by its top edge that waves, ever wider: the same cloth at every size. Median ms a frame of one
+/// simulation when `lanes` run side by side.
+double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, int lanes) {
+  ClothOptions options;
+  options.self_collision = everything;
+  const auto solver =
+      ClothSolver::create_with_lanes(ClothModel::create(curtain.rest, curtain.faces, curtain.clothness, options), lanes);
+  const std::vector<Material> materials = generation(everything, lanes);
+  std::vector<ClothState> states(materials.size(), initial_state(curtain.rest));
+  Vertices previous = curtain.rest, current = previous;
+  StepInputs in;
+  in.previous_targets = &previous;
+  in.targets = &current;
+  std::vector<double> times;
+  for (int f = 1; f <= kSettle + 20; ++f) {
+    previous.swap(current);
+    current = curtain.rest;
+    for (int c = 0; c <= columns; ++c)
+      current(c, 2) += 0.05 * std::sin(6 * f * kH + 20 * curtain.rest(c, 0));
+    const double start = cpu_ms();
+    solver->step_many(states, in, materials);
+    if (f > kSettle)
+      times.push_back((cpu_ms() - start) / lanes);
+  }
+  std::nth_element(times.begin(), times.begin() + 10, times.end());
+  return times[10];
+}
+
 void print_growth() {
-  std::printf("vertices,faces,create_ms,edges_and_bends_ms,everything_ms\n");
+  const int widest = ClothSolver::supported_lanes().back();
+  std::printf("vertices,faces,edges_and_bends_1,everything_1,edges_and_bends_%d,everything_%d\n", widest, widest);
   for (int columns : {39, 79, 159, 399, 799, 1599, 3999}) {
     scenes::Sheet curtain = scenes::grid(columns, 24, 0.025);
     curtain.rest.col(1) = -curtain.rest.col(2).eval();
     curtain.rest.col(2).setZero();
     curtain.clothness.head(columns + 1).setZero();
-    double create = 0, median[2];
-    for (bool self : {false, true}) {
-      ClothOptions options;
-      options.self_collision = self;
-      const double before = cpu_ms();
-      const auto solver = ClothSolver::create(ClothModel::create(curtain.rest, curtain.faces, curtain.clothness, options));
-      create = cpu_ms() - before;
-      Material m{.d_n = 5.4, .d_t = 5.6, .k_bend = 0.75, .k_stretch = 1, .k_friction = 0.47};
-      if (!self)
-        m.d_n = m.d_t = m.k_friction = 0;
-      ClothState state = initial_state(curtain.rest);
-      Vertices previous = curtain.rest, current = previous;
-      StepInputs in;
-      in.previous_targets = &previous;
-      in.targets = &current;
-      std::vector<double> times;
-      for (int f = 1; f <= kSettle + 20; ++f) {
-        previous.swap(current);
-        current = curtain.rest;
-        for (int c = 0; c <= columns; ++c)
-          current(c, 2) += 0.05 * std::sin(6 * f * kH + 20 * curtain.rest(c, 0));
-        const double start = cpu_ms();
-        solver->step(state, in, m);
-        if (f > kSettle)
-          times.push_back(cpu_ms() - start);
-      }
-      std::nth_element(times.begin(), times.begin() + 10, times.end());
-      median[self] = times[10];
-    }
-    std::printf("%d,%d,%.3f,%.4f,%.4f\n", static_cast<int>(curtain.rest.rows()), static_cast<int>(curtain.faces.rows()), create,
-                median[0], median[1]);
+    std::printf("%d,%d", static_cast<int>(curtain.rest.rows()), static_cast<int>(curtain.faces.rows()));
+    for (int lanes : {1, widest})
+      for (bool everything : {false, true})
+        std::printf(",%.4f", curtain_ms(curtain, columns, everything, lanes));
+    std::printf("\n");
     std::fflush(stdout);
   }
 }
@@ -228,14 +235,15 @@ int main(int argc, char **argv) {
     if (what == "growth" && argc == 2)
       return print_growth(), 0;
     if (argc != 6)
-      throw std::invalid_argument("usage: cloth_peers scene|ours|ours16|full|full16|bullet AROUND ROWS FRAMES FOLDER, or growth");
+      throw std::invalid_argument(
+          "usage: cloth_peers scene|ours|ours8|ours16|full|full8|full16|bullet AROUND ROWS FRAMES FOLDER, or growth");
     const Scene scene(std::stoi(argv[2]), std::stoi(argv[3]), std::stoi(argv[4]), argv[5]);
     if (what == "scene")
       write_scene(scene);
     else if (what == "bullet")
       measure_bullet(scene);
-    else if (what == "ours" || what == "ours16" || what == "full" || what == "full16")
-      measure_ours(scene, what, what.rfind("full", 0) == 0, what.size() > 4 ? kSamples : 1);
+    else if (what.rfind("ours", 0) == 0 || what.rfind("full", 0) == 0)
+      measure_ours(scene, what, what[0] == 'f', what.size() > 4 ? std::stoi(what.substr(4)) : 1);
     else
       throw std::invalid_argument("no engine called " + what);
   } catch (const std::exception &e) {

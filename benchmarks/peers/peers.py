@@ -14,7 +14,8 @@ HERE = Path(__file__).parent
 SKIRTS = [(52, 24), (72, 35)]  # around, rows: 1300 vertices and 2496 faces; 2592 and 5040
 TERMS = {
     "ours": "ours: edges, dihedral angles",
-    "ours16": "ours, 16 materials at once: the same, per simulation",
+    "ours8": "ours, 8 materials at once (AVX2): the same, per simulation",
+    "ours16": "ours, 16 materials at once (AVX-512): the same, per simulation",
     "bullet": "Bullet: edges, links across bends",
     "pypbd": "PositionBasedDynamics: edges, dihedral angles",
     "newton-xpbd": "Newton XPBD: edges, dihedral angles (Jacobi)",
@@ -22,6 +23,7 @@ TERMS = {
     "mujoco": "MuJoCo flex: edges, thin-shell bending (CG)",
     "blender": "Blender: edges, dihedral angles (implicit, one solve)",
     "full": "ours: everything",
+    "full8": "ours, 8 materials at once: everything, per simulation",
     "full16": "ours, 16 materials at once: everything, per simulation",
 }
 PEERS = ("bullet", "pypbd", "newton-xpbd", "newton-vbd", "mujoco", "blender")
@@ -35,7 +37,7 @@ def commands(program, around, rows, frames, folder):
         return [sys.executable, str(HERE / f"{name}_cloth.py"), folder, *more]
 
     return {
-        **{name: native(name) for name in ("ours", "ours16", "full", "full16", "bullet")},
+        **{name: native(name) for name in ("ours", "ours8", "ours16", "full", "full8", "full16", "bullet")},
         "pypbd": script("pypbd"),
         "newton-xpbd": script("newton"),
         "newton-vbd": script("newton", "vbd"),
@@ -77,19 +79,18 @@ def compare(program, around, rows, frames, rounds):
     print(
         f"\n{len(scene.rest)} vertices, {len(scene.faces)} faces: {rounds} x {frames} frames of 1/40 s, 24 iterations, one core"
     )
-    print(f"{'':58}{'ms a frame':>11}{'/ ours':>8}{'/ ours16':>9}{'edges off by':>14}")
+    bases = [name for name in ("ours", "ours8", "ours16") if name in medians]
+    print(f"{'':64}{'ms a frame':>11}" + "".join(f"{'/ ' + base:>9}" for base in bases) + f"{'edges off by':>14}")
     for name, terms in TERMS.items():
         if name not in medians:
-            print(f"{terms:58} not measured: {last[name]}")
+            print(f"{terms:64} not measured: {last[name]}")
             continue
-        ratios = "".join(f"{medians[name] / medians[base]:{w}.1f}" for base, w in (("ours", 8), ("ours16", 9)))
-        print(f"{terms:58}{medians[name]:11.3f}{ratios}{stretch(last[name]):12.1f} %")
+        ratios = "".join(f"{medians[name] / medians[base]:9.1f}" for base in bases)
+        print(f"{terms:64}{medians[name]:11.3f}{ratios}{stretch(last[name]):12.1f} %")
     best = min((name for name in PEERS if name in medians), key=medians.get, default=None)
     if best:
-        print(
-            f"fastest peer: {best}, {medians[best]:.3f} ms; ours {medians[best] / medians['ours']:.1f} x its rate alone, ", end=""
-        )
-        print(f"{medians[best] / medians['ours16']:.1f} x with 16 simulations at once")
+        rates = ", ".join(f"{base} {medians[best] / medians[base]:.1f} x" for base in bases)
+        print(f"fastest peer: {best}, {medians[best]:.3f} ms; rate of a simulation against it: {rates}")
 
 
 def growth(program, picture):
@@ -103,11 +104,13 @@ def growth(program, picture):
     names, *rows = (line.split(",") for line in table.split())
     columns = dict(zip(names, np.array(rows, float).T, strict=True))
     figure, axes = plt.subplots(figsize=(5, 3.6), layout="constrained")
-    for name, label in (("edges_and_bends_ms", "edges and bends"), ("everything_ms", "with drag and self-collision")):
+    for name in names[2:]:
+        what, lanes = name.rsplit("_", 1)
+        label = {"edges_and_bends": "edges and bends", "everything": "everything"}[what] + f", {lanes} at once"
         slope = np.polyfit(np.log(columns["vertices"]), np.log(columns[name]), 1)[0]
         print(f"{label}: time grows with the power {slope:.3f} of the vertices")
         axes.loglog(columns["vertices"], columns[name], "o-", label=f"{label}: power {slope:.2f}")
-    axes.set(xlabel="vertices", ylabel="ms a frame, one core", title="Cost of a frame, 24 sweeps")
+    axes.set(xlabel="vertices", ylabel="ms a frame of one simulation", title="Cost of a frame, 24 sweeps, one core")
     axes.grid(alpha=0.3)
     axes.legend()
     figure.savefig(picture, dpi=110)
