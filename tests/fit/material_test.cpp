@@ -35,7 +35,7 @@ TEST(MaterialObjective, TheTruthCostsLittleAndEverythingElseMore) {
     std::printf(", d_n %.0f %.2f", d_n, other);
     EXPECT_GT(other, 1.5 * truth) << d_n;
   }
-  const double centre = energy_of(scene(), pbd::Material{});
+  const double centre = energy_of(scene(), ParameterSpace{}.material(Eigen::VectorXd::Constant(5, 0.5)));
   std::printf(", centre %.2f\n", centre);
   EXPECT_GT(centre, 5 * truth);
   EXPECT_LT(truth, 8); // contours are pixels, the field has two-pixel cells

@@ -294,8 +294,7 @@ TEST(Cloth, DampingKeepsRigidMotionAndStopsTheRest) {
 TEST(Cloth, IsEquivariant) {
   const Sheet s = scenes::skirt(24, 10);
   const scenes::Dancer dancer;
-  Material m;
-  m.k_stretch = 1;
+  const Material m;
   const auto play = [&](const Eigen::Matrix3d &r, const Eigen::RowVector3d &t) {
     ClothOptions options;
     options.gravity = r * options.gravity;
@@ -333,8 +332,7 @@ TEST(Cloth, ReplaysToTheBit) {
   const auto model = ClothModel::create(s.rest, s.faces, s.clothness);
   const auto solver = ClothSolver::create(model), other = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness));
   const scenes::Dancer dancer{1.5};
-  Material m;
-  m.k_stretch = 1;
+  const Material m;
   const auto play = [&](const ClothSolver &with, ClothState &state, int from, int to) {
     for (int f = from; f < to; ++f) {
       const Vertices a = dancer.targets(s.rest, f * kH), b = dancer.targets(s.rest, (f + 1) * kH);

@@ -7,11 +7,12 @@
 
 namespace doublet::pbd {
 
+/// The defaults are the cloth of the synthetic example in Sect. 7 of the paper, a skirt that stretches little.
 struct Material {
-  double d_n = 16.0;       ///< drag along the normal, quadratic, 1/m, box [0, 32]
-  double d_t = 16.0;       ///< drag along the surface, linear, 1/s, box [0, 32]
-  double k_bend = 0.5;     ///< bending stiffness, box [0, 1]
-  double k_stretch = 0.5;  ///< stretching stiffness, box (0, 1]
+  double d_n = 4.0;        ///< drag along the normal, quadratic, 1/m, box [0, 32]
+  double d_t = 4.9;        ///< drag along the surface, linear, 1/s, box [0, 32]
+  double k_bend = 0.7;     ///< bending stiffness, box [0, 1]
+  double k_stretch = 1.0;  ///< stretching stiffness, box (0, 1]; below 0.99 cloth hangs like rubber
   double k_friction = 0.5; ///< friction against proxies and itself, box [0, 1]
   double k_damping = 0.0;  ///< velocity damping towards rigid motion, box [0, 1]; not estimated unless asked for
 };

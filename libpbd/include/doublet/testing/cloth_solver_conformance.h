@@ -69,8 +69,7 @@ inline std::vector<std::string> cloth_solver_violations(const ClothSolverFactory
   std::vector<std::string> broken;
   const detail::Banner banner;
   const std::vector<Capsule> none;
-  Material material;
-  material.k_stretch = 1;
+  const Material material;
 
   ClothOptions weightless;
   weightless.gravity.setZero();
