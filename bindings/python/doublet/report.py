@@ -111,6 +111,14 @@ def body(shown: Shown) -> str:
         through = (0.5 * skin + 0.5 * picture.shade(solid, camera)).astype(np.uint8) if solid else skin
         figures.append(figure(through, f"collision proxies, {name}"))
     text = f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
+    regions = d.body_regions(fit, shown.actor, shown.job.clothness())
+    text += table(
+        ["bone", "body surface, cm²", "seen as skin, %", "skin to body, mm", "expected error, mm"],
+        [
+            [r.joint, round(1e4 * r.area), round(100 * r.exposed), round(1000 * r.residual, 1), round(1000 * r.deviation, 1)]
+            for r in regions
+        ],
+    )
     if proxies:
         found = d.proxy_statistics(proxies, fit, shown.actor, shown.job.clothness())
         lengths = ("mean_distance", "percentile95", "largest_bulge", "cloth_clearance")
