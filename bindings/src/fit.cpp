@@ -166,7 +166,10 @@ void bind_energy(py::module_ &m) {
       .field("rim_cap", &EnergyOptions::rim_cap, "longest rim distance, fraction of the larger image side")
       .field("feature_cap", &EnergyOptions::feature_cap, "longest feature distance, likewise")
       .field("outline_size", &EnergyOptions::outline_size, "pixels of the views in which visibility is decided")
-      .field("field_size", &EnergyOptions::field_size, "nodes along the larger side of a distance field");
+      .field("field_size", &EnergyOptions::field_size, "nodes along the larger side of a distance field")
+      .field("window", &EnergyOptions::window, "frames of a window that starts from the captured surface; 0 = one rollout")
+      .field("window_lead", &EnergyOptions::window_lead, "frames simulated before a window counts")
+      .field("stop_margin", &EnergyOptions::stop_margin, "stop samples whose energy is this much above the middle; 0 = never");
   OptionsClass<ParameterSpace>(m, "ParameterSpace", "Which material parameters are searched.")
       .field("names", &ParameterSpace::names, "of Material")
       .field("fixed", &ParameterSpace::fixed, "gives the parameters that are not searched")

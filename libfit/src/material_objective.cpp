@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <mutex>
 #include <span>
 
 namespace doublet {
@@ -19,6 +21,7 @@ using namespace fit;
 constexpr int kFramesPerChunk = 32; // between two polls for cancellation
 constexpr int kLargestGroup = 16;   // samples that the solver steps side by side
 constexpr int kSmallestGroup = 4;   // below which a group is not worth a thread of its own
+constexpr int kStages = 8;          // of a call, between which hopeless samples are stopped
 
 struct Box {
   float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
@@ -36,16 +39,64 @@ struct FrameView {
   CoarseBuffer others; ///< depth of everything that is not cloth: it is the same for every sample
 };
 
-/// One sample on its way through the motion.
+/// Frames that are simulated in one go.
+struct Window {
+  int start = 0;          ///< from the captured surface
+  int first = 0, end = 0; ///< frames that count
+  CharacterState state;   ///< at the start
+};
+
+using Terms = std::vector<std::vector<FrameTerms>>; // [R][T]
+
+/// One sample on its way through a window.
 struct Rollout {
+  int sample;
   std::vector<pbd::Material> materials; ///< [R]
   CharacterState state;
-  std::vector<std::uint8_t> exploded;         ///< [R]
-  std::vector<std::vector<FrameTerms>> terms; ///< [R][T]
+  std::vector<std::uint8_t> exploded; ///< [R]
+  Terms *terms = nullptr;             ///< of the sample
+};
+
+/// Rollouts that go through a window side by side.
+struct Group {
+  const Window *window;
+  std::span<Rollout> rollouts;
+  int from, to; ///< frames
+};
+
+/// A call of energies(): what is known about its samples so far.
+struct Samples {
+  std::vector<std::vector<pbd::Material>> materials; ///< [S][R]
+  std::vector<Terms> terms;                          ///< [S]
+  std::vector<std::uint8_t> stopped;                 ///< [S]
+  MatrixRM ratio;                                    ///< (S, R) to the sample in the middle, when it was stopped
+};
+
+double thread_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// The CPU time of this thread, sorted by what it was spent on.
+class Stopwatch {
+public:
+  /// Adds the time since the last call, or since the start, to `part`.
+  void lap(double EnergyTimes::*part) {
+    const double now = thread_seconds();
+    times_.*part += now - last_;
+    last_ = now;
+  }
+  const EnergyTimes &times() const { return times_; }
+
+private:
+  EnergyTimes times_;
+  double last_ = thread_seconds();
 };
 
 /// What measures a group of rollouts, one in each lane.
 struct Measure {
+  Stopwatch watch;
   ClothView view;
   std::vector<LocatedFeatures> located; ///< [cameras]
   std::vector<Rim> rims;
@@ -59,6 +110,13 @@ int field_cell(const Camera &camera, int field_size) {
 
 float larger_side(const Camera &camera) {
   return static_cast<float>(std::max(camera.width, camera.height));
+}
+
+/// The last of those that CMA-ES selects from a population, of which `values` are the lowest.
+double middle(std::vector<double> values, std::size_t population) {
+  const std::size_t last = std::max<std::size_t>(1, population / 2) - 1; // that CMA-ES selects
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(last), values.end());
+  return values[last];
 }
 
 } // namespace
@@ -75,6 +133,10 @@ void EnergyOptions::validate() const {
           "EnergyOptions: alpha and beta: expected non-negative numbers, not both 0, found " + std::to_string(alpha) + " and " +
               std::to_string(beta));
   require(settle_frames >= 0, "EnergyOptions: settle_frames: expected at least 0, found " + std::to_string(settle_frames));
+  require(window >= 0 && window_lead >= 0, "EnergyOptions: window and window_lead: expected at least 0, found " +
+                                               std::to_string(window) + " and " + std::to_string(window_lead));
+  require(stop_margin >= 0 && std::isfinite(stop_margin),
+          "EnergyOptions: stop_margin: expected at least 0, found " + std::to_string(stop_margin));
   require(outline_size >= 16, "EnergyOptions: outline_size: expected at least 16, found " + std::to_string(outline_size));
   require(field_size >= 16, "EnergyOptions: field_size: expected at least 16, found " + std::to_string(field_size));
 }
@@ -88,11 +150,14 @@ struct MaterialObjective::Impl {
   std::vector<PosedFrame> frames;                              // [T], shared by all samples
   std::vector<std::vector<FrameView>> views;                   // [T][cameras]
   std::vector<std::vector<std::vector<FeatureMatch>>> matches; // [T][cameras], from t-1 to t
-  Vertices first_surface;                                      // captured, where the cloth starts
-  double farthest = 0;                                         // m, see exploded()
-  FrameTerms worst;                                            // what a frame of an exploded sample costs
+  std::vector<Window> windows;
+  double farthest = 0; // m, see exploded()
+  FrameTerms worst;    // what a frame of an exploded sample costs
   std::string fingerprint;
+  mutable std::mutex mutex; // of the times alone
+  mutable EnergyTimes times;
 
+  void add(const Stopwatch &watch) const;
   int regions() const { return static_cast<int>(simulator->regions().size()); }
   int frame_count() const { return static_cast<int>(frames.size()); }
 
@@ -106,9 +171,17 @@ struct MaterialObjective::Impl {
   void measure(std::span<Rollout> group, int t, Measure &measure) const;
   void measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
   void measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
-  void start(std::span<Rollout> group) const;
-  void advance(std::span<Rollout> group, int from, int to) const;
-  double energy(const Rollout &rollout, int region) const;
+  void find(std::span<Rollout> group, int t, Measure &measure) const;
+  void start(Group &group) const;
+  void advance(Group &group, int from, int to) const;
+  Window make_window(int first, int end, const MeshSequence &captured) const;
+  Samples make_samples(const std::vector<std::vector<pbd::Material>> &materials) const;
+  void split(std::span<Rollout> rollouts, const Window &window, int from, int to, int threads, std::vector<Group> &groups) const;
+  void run_groups(std::span<Group> groups, const Context &context) const;
+  MatrixRM final_energies(const Samples &samples, const std::vector<std::uint8_t> &counts) const;
+  double mean_energy(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const;
+  void stop_hopeless(Samples &samples, const std::vector<std::uint8_t> &counts) const;
+  MatrixRM run(Samples &samples, bool may_stop, const Context &context) const;
 };
 
 namespace {
@@ -167,7 +240,8 @@ std::string hash_problem(const CharacterSimulator &simulator, const ReferencePer
         print.add(match.previous).add(match.current);
     }
   print.add({o.dt, o.alpha, o.beta, static_cast<double>(o.settle_frames), o.rim_cap, o.feature_cap,
-             static_cast<double>(o.outline_size), static_cast<double>(o.field_size), space.per_iteration_stiffness ? 1.0 : 0.0,
+             static_cast<double>(o.outline_size), static_cast<double>(o.field_size), static_cast<double>(o.window),
+             static_cast<double>(o.window_lead), o.stop_margin, space.per_iteration_stiffness ? 1.0 : 0.0,
              static_cast<double>(space.iterations)});
   for (const std::string &name : space.names)
     print.add(name);
@@ -268,6 +342,13 @@ void MaterialObjective::Impl::step(std::span<Rollout> group, int from, int to, b
       group[sample].exploded[region] = 1;
 }
 
+void MaterialObjective::Impl::add(const Stopwatch &watch) const {
+  const std::lock_guard lock(mutex);
+  for (double EnergyTimes::*part :
+       {&EnergyTimes::set_up, &EnergyTimes::simulate, &EnergyTimes::project, &EnergyTimes::rims, &EnergyTimes::features})
+    times.*part += watch.times().*part;
+}
+
 /// The cloth of all samples into the lanes of the view.
 void MaterialObjective::Impl::place(std::span<Rollout> group, int t, ClothView &view) const {
   float *to = view.positions().data();
@@ -287,7 +368,7 @@ void MaterialObjective::Impl::measure_rims(std::span<Rollout> group, int t, std:
   measure.view.outline(views[t][c].others, measure.rims);
   for (const Rim &rim : measure.rims) {
     const double distance = views[t][c].contour.distance(rim.x, rim.y);
-    FrameTerms &terms = group[rim.lane].terms[topology.region[rim.vertex]][t];
+    FrameTerms &terms = (*group[rim.lane].terms)[topology.region[rim.vertex]][t];
     terms.silhouette += distance * distance;
     ++terms.rims;
   }
@@ -303,7 +384,7 @@ void MaterialObjective::Impl::measure_features(std::span<Rollout> group, int t, 
       const std::size_t at = static_cast<std::size_t>(i) * measure.view.lanes() + s;
       if (located.face[at] < 0)
         continue;
-      FrameTerms &terms = group[s].terms[topology.face_region[located.face[at]]][t];
+      FrameTerms &terms = (*group[s].terms)[topology.face_region[located.face[at]]][t];
       terms.feature += squared[at];
       ++terms.features;
     }
@@ -316,18 +397,31 @@ void MaterialObjective::Impl::locate(int t, std::size_t c, Measure &measure) con
     measure.view.locate(matches[t + 1][c], views[t][c].others, measure.located[c]);
 }
 
+/// The features alone, of a frame that does not count.
+void MaterialObjective::Impl::find(std::span<Rollout> group, int t, Measure &measure) const {
+  place(group, t, measure.view);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    measure.view.look(cameras[c]);
+    locate(t, c, measure);
+  }
+  measure.watch.lap(&EnergyTimes::features);
+}
+
 void MaterialObjective::Impl::measure(std::span<Rollout> group, int t, Measure &measure) const {
   place(group, t, measure.view);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     measure.view.look(cameras[c]);
+    measure.watch.lap(&EnergyTimes::project);
     measure_features(group, t, c, measure);
+    locate(t, c, measure);
+    measure.watch.lap(&EnergyTimes::features);
     if (views[t][c].seen)
       measure_rims(group, t, c, measure);
-    locate(t, c, measure);
+    measure.watch.lap(&EnergyTimes::rims);
   }
   for (Rollout &rollout : group)
     for (int r = 0; r < regions(); ++r) {
-      FrameTerms &terms = rollout.terms[r][t];
+      FrameTerms &terms = (*rollout.terms)[r][t];
       terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : 0;
       terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
       if (rollout.exploded[r])
@@ -335,43 +429,187 @@ void MaterialObjective::Impl::measure(std::span<Rollout> group, int t, Measure &
     }
 }
 
-void MaterialObjective::Impl::start(std::span<Rollout> group) const {
-  for (Rollout &rollout : group) {
-    rollout.state = simulator->start(frames[0], &first_surface);
-    rollout.exploded.assign(regions(), 0);
-    rollout.terms.assign(regions(), std::vector<FrameTerms>(frames.size()));
+/// Frames [first, end) from the captured surface some frames before, at the speed that it has there; from rest at the first frame
+/// of the motion.
+Window MaterialObjective::Impl::make_window(int first, int end, const MeshSequence &captured) const {
+  Window window{std::max(0, first - (first > 0 ? options.window_lead : 0)), first, end, {}};
+  const int t = window.start;
+  window.state = simulator->start(frames[t], &captured.frames[t]);
+  if (t == 0)
+    return window;
+  const int after = std::min(t + 1, frame_count() - 1);
+  const Vertices velocities = (captured.frames[after] - captured.frames[t - 1]) / ((after - t + 1) * options.dt);
+  for (int r = 0; r < regions(); ++r) {
+    const std::vector<int> &vertices = simulator->regions()[r].vertex_from_cloth;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      window.state.regions[r].velocities.row(static_cast<Eigen::Index>(i)) = velocities.row(vertices[i]);
   }
-  for (int i = 0; i < options.settle_frames; ++i)
-    step(group, 0, 0, true);
-  for (Rollout &rollout : group)
-    for (pbd::ClothState &region : rollout.state.regions)
-      region.velocities.setZero();
+  return window;
 }
 
-void MaterialObjective::Impl::advance(std::span<Rollout> group, int from, int to) const {
-  Measure tools(topology, group.size(), cameras.size());
-  if (from > 0) { // the features that the frame before has found
-    place(group, from - 1, tools.view);
-    for (std::size_t c = 0; c < cameras.size(); ++c) {
-      tools.view.look(cameras[c]);
-      locate(from - 1, c, tools);
+void MaterialObjective::Impl::start(Group &group) const {
+  Stopwatch watch;
+  for (Rollout &rollout : group.rollouts) {
+    rollout.state = group.window->state;
+    rollout.exploded.assign(regions(), 0);
+  }
+  if (group.window->start == 0) {
+    for (int i = 0; i < options.settle_frames; ++i)
+      step(group.rollouts, 0, 0, true);
+    for (Rollout &rollout : group.rollouts)
+      for (pbd::ClothState &region : rollout.state.regions)
+        region.velocities.setZero();
+  }
+  watch.lap(&EnergyTimes::simulate);
+  add(watch);
+}
+
+/// Simulates frames [from, to) of the window, and measures those that count.
+void MaterialObjective::Impl::advance(Group &group, int from, int to) const {
+  if (from >= to)
+    return;
+  const std::span<Rollout> rollouts = group.rollouts;
+  Measure tools(topology, rollouts.size(), cameras.size());
+  if (from > group.window->start && from - 1 >= group.window->first)
+    find(rollouts, from - 1, tools);
+  for (int t = from; t < to; ++t) {
+    if (t > group.window->start)
+      step(rollouts, t - 1, t, false);
+    for (Rollout &rollout : rollouts)
+      check_explosion(rollout, frames[t]);
+    tools.watch.lap(&EnergyTimes::simulate);
+    if (t >= group.window->first)
+      measure(rollouts, t, tools);
+    else if (t + 1 == group.window->first)
+      find(rollouts, t, tools);
+  }
+  add(tools.watch);
+}
+
+/// The samples that are still running, in as few groups as fill the registers, but not fewer than threads.
+void MaterialObjective::Impl::split(std::span<Rollout> rollouts, const Window &window, int from, int to, int threads,
+                                    std::vector<Group> &groups) const {
+  const int count = static_cast<int>(rollouts.size());
+  int parts = (count + kLargestGroup - 1) / kLargestGroup;
+  if (windows.size() == 1) // several keep the threads busy by themselves
+    parts = std::max(parts, std::min(threads, (count + kSmallestGroup - 1) / kSmallestGroup));
+  for (int g = 0; g < parts; ++g) {
+    const int first = count * g / parts, last = count * (g + 1) / parts;
+    groups.push_back({&window, rollouts.subspan(first, last - first), from, to});
+  }
+}
+
+/// Eq. (8), over the frames that count so far.
+double MaterialObjective::Impl::mean_energy(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const {
+  double sum = 0;
+  int count = 0;
+  for (int t = 0; t < frame_count(); ++t)
+    if (counts[t]) {
+      sum += options.alpha * terms[region][t].silhouette + options.beta * terms[region][t].feature;
+      ++count;
+    }
+  return sum / std::max(1, count);
+}
+
+Samples MaterialObjective::Impl::make_samples(const std::vector<std::vector<pbd::Material>> &materials) const {
+  for (const auto &sample : materials) {
+    require(static_cast<int>(sample.size()) == regions(), "MaterialObjective: materials: expected " + std::to_string(regions()) +
+                                                              ", one a region, found " + std::to_string(sample.size()));
+    for (const pbd::Material &material : sample)
+      pbd::validate(material);
+  }
+  Samples samples;
+  samples.materials = materials;
+  samples.terms.assign(materials.size(), Terms(regions(), std::vector<FrameTerms>(frames.size())));
+  samples.stopped.assign(materials.size(), 0);
+  samples.ratio.resize(static_cast<Eigen::Index>(materials.size()), regions());
+  return samples;
+}
+
+void MaterialObjective::Impl::stop_hopeless(Samples &samples, const std::vector<std::uint8_t> &counts) const {
+  const std::size_t count = samples.stopped.size();
+  std::vector<std::uint8_t> hopeless = samples.stopped;
+  for (std::uint8_t &h : hopeless)
+    h = !h;
+  for (int r = 0; r < regions(); ++r) {
+    std::vector<double> running;
+    for (std::size_t s = 0; s < count; ++s)
+      if (!samples.stopped[s])
+        running.push_back(mean_energy(samples.terms[s], r, counts));
+    const double reference = middle(running, count);
+    for (std::size_t s = 0; s < count; ++s)
+      if (!samples.stopped[s]) {
+        const double energy = mean_energy(samples.terms[s], r, counts);
+        samples.ratio(static_cast<Eigen::Index>(s), r) = energy / reference;
+        hopeless[s] &= energy > (1 + options.stop_margin) * reference;
+      }
+  }
+  for (std::size_t s = 0; s < count; ++s)
+    samples.stopped[s] |= hopeless[s];
+}
+
+/// Runs groups of one stage, all threads on a few of them at a time.
+void MaterialObjective::Impl::run_groups(std::span<Group> groups, const Context &context) const {
+  const std::size_t batch = windows.size() == 1 ? groups.size() : 2 * static_cast<std::size_t>(context.thread_count());
+  for (std::size_t i = 0; i < groups.size(); i += batch) {
+    const auto some = groups.subspan(i, std::min(batch, groups.size() - i));
+    int longest = 0;
+    for (const Group &group : some)
+      longest = std::max(longest, group.to - group.from);
+    for (int done = 0; done < longest; done += kFramesPerChunk) {
+      context.check_cancelled();
+      parallel_for(context, static_cast<int>(some.size()), [&](int g) {
+        Group &group = some[g];
+        if (done == 0 && group.from == group.window->start)
+          start(group);
+        advance(group, std::min(group.from + done, group.to), std::min(group.from + done + kFramesPerChunk, group.to));
+      });
     }
   }
-  for (int t = from; t < to; ++t) {
-    if (t > 0)
-      step(group, t - 1, t, false);
-    for (Rollout &rollout : group)
-      check_explosion(rollout, frames[t]);
-    measure(group, t, tools);
-  }
 }
 
-/// Eq. (8).
-double MaterialObjective::Impl::energy(const Rollout &rollout, int region) const {
-  double sum = 0;
-  for (const FrameTerms &terms : rollout.terms[region])
-    sum += options.alpha * terms.silhouette + options.beta * terms.feature;
-  return sum / frame_count();
+/// E_fit (S, R).
+MatrixRM MaterialObjective::Impl::run(Samples &samples, bool may_stop, const Context &context) const {
+  const int stages = may_stop && options.stop_margin > 0 ? kStages : 1, count = static_cast<int>(samples.stopped.size());
+  std::vector<std::uint8_t> counts(frames.size(), 0); // frames measured so far
+  std::vector<std::vector<Rollout>> rollouts(windows.size());
+  for (int stage = 0; stage < stages; ++stage) {
+    std::vector<Group> groups;
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+      int from = windows[w].start, to = windows[w].end;
+      if (windows.size() == 1)
+        from = frame_count() * stage / stages, to = frame_count() * (stage + 1) / stages;
+      else if (static_cast<int>(w) % stages != stage)
+        continue;
+      if (from == windows[w].start)
+        for (int s = 0; s < count; ++s)
+          rollouts[w].push_back({s, samples.materials[s], {}, {}, &samples.terms[s]});
+      std::erase_if(rollouts[w], [&](const Rollout &rollout) { return samples.stopped[rollout.sample]; });
+      split(rollouts[w], windows[w], from, to, context.thread_count(), groups);
+      std::fill(counts.begin() + std::max(from, windows[w].first), counts.begin() + to, std::uint8_t{1});
+    }
+    run_groups(groups, context);
+    if (windows.size() > 1)
+      rollouts.assign(windows.size(), {});
+    if (stage + 1 < stages)
+      stop_hopeless(samples, counts);
+  }
+  return final_energies(samples, counts);
+}
+
+MatrixRM MaterialObjective::Impl::final_energies(const Samples &samples, const std::vector<std::uint8_t> &counts) const {
+  const std::size_t count = samples.stopped.size();
+  MatrixRM result(static_cast<Eigen::Index>(count), regions());
+  for (int r = 0; r < regions(); ++r) {
+    std::vector<double> finished;
+    for (std::size_t s = 0; s < count; ++s)
+      if (!samples.stopped[s])
+        finished.push_back(result(static_cast<Eigen::Index>(s), r) = mean_energy(samples.terms[s], r, counts));
+    for (std::size_t s = 0; s < count; ++s)
+      if (samples.stopped[s])
+        result(static_cast<Eigen::Index>(s), r) = samples.ratio(static_cast<Eigen::Index>(s), r) * middle(finished, count);
+  }
+  return result;
 }
 
 MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
@@ -385,7 +623,6 @@ MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const 
   impl->options = options;
   impl->space = space;
   impl->topology = cloth_topology(simulator);
-  impl->first_surface = performance.surface.frames[0];
   const Vertices &rest = simulator.actor().mesh.vertices;
   impl->farthest = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   for (const Camera &camera : observations.cameras)
@@ -405,13 +642,19 @@ MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const 
     context.report("fit: images", from / static_cast<double>(count));
     parallel_for(context, std::min(kFramesPerChunk, count - from), [&](int i) {
       const int t = from + i;
+      Stopwatch watch;
       impl->frames[t] = simulator.pose(performance.dofs.row(t).transpose());
       for (std::size_t c = 0; c < impl->cameras.size(); ++c) {
         impl->matches[t].push_back(observations.views[t][c].matches);
         impl->keep_image(t, c, performance.surface.frames[t], observations.views[t][c], impl->cameras[c]);
       }
+      watch.lap(&EnergyTimes::set_up);
+      impl->add(watch);
     });
   }
+  const int windows = options.window > 0 ? std::max(1, count / options.window) : 1;
+  for (int w = 0; w < windows; ++w)
+    impl->windows.push_back(impl->make_window(count * w / windows, count * (w + 1) / windows, performance.surface));
   impl_ = std::move(impl);
 }
 
@@ -425,6 +668,10 @@ int MaterialObjective::part_count() const {
 }
 double MaterialObjective::worst_energy() const {
   return impl_->options.alpha * impl_->worst.silhouette + impl_->options.beta * impl_->worst.feature;
+}
+EnergyTimes MaterialObjective::times() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->times;
 }
 std::string MaterialObjective::fingerprint() const {
   return impl_->fingerprint;
@@ -445,32 +692,8 @@ std::size_t MaterialObjective::image_bytes() const {
 }
 
 MatrixRM MaterialObjective::energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const {
-  const int count = static_cast<int>(materials.size()), regions = impl_->regions();
-  std::vector<Rollout> rollouts;
-  for (const auto &sample : materials) {
-    require(static_cast<int>(sample.size()) == regions, "MaterialObjective: materials: expected " + std::to_string(regions) +
-                                                            ", one a region, found " + std::to_string(sample.size()));
-    for (const pbd::Material &material : sample)
-      pbd::validate(material);
-    rollouts.push_back({sample, {}, {}, {}});
-  }
-  const int groups = std::max((count + kLargestGroup - 1) / kLargestGroup,
-                              std::min(context.thread_count(), (count + kSmallestGroup - 1) / kSmallestGroup));
-  const auto group = [&](int g) {
-    const int first = count * g / groups, last = count * (g + 1) / groups;
-    return std::span(rollouts).subspan(first, last - first);
-  };
-  parallel_for(context, groups, [&](int g) { impl_->start(group(g)); });
-  for (int from = 0; from < impl_->frame_count(); from += kFramesPerChunk) {
-    context.check_cancelled();
-    const int to = std::min(from + kFramesPerChunk, impl_->frame_count());
-    parallel_for(context, groups, [&](int g) { impl_->advance(group(g), from, to); });
-  }
-  MatrixRM result(count, regions);
-  for (int s = 0; s < count; ++s)
-    for (int r = 0; r < regions; ++r)
-      result(s, r) = impl_->energy(rollouts[s], r);
-  return result;
+  Samples samples = impl_->make_samples(materials);
+  return impl_->run(samples, false, context);
 }
 
 MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &context) {
@@ -483,15 +706,16 @@ MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &con
   for (Eigen::Index s = 0; s < samples.rows(); ++s)
     for (int r = 0; r < regions; ++r)
       materials[s].push_back(impl_->space.material(samples.row(s).segment(r * n, n).transpose()));
-  return energies(materials, context);
+  Samples generation = impl_->make_samples(materials);
+  return impl_->run(generation, true, context);
 }
 
 std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<pbd::Material> &materials) const {
-  require(static_cast<int>(materials.size()) == impl_->regions(), "MaterialObjective: materials: expected one a region");
-  Rollout rollout{materials, {}, {}, {}};
-  impl_->start({&rollout, 1});
-  impl_->advance({&rollout, 1}, 0, impl_->frame_count());
-  return rollout.terms;
+  Context one;
+  one.threads = 1;
+  Samples samples = impl_->make_samples({materials});
+  impl_->run(samples, false, one);
+  return samples.terms[0];
 }
 
 } // namespace doublet

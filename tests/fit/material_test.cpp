@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
+#include <numeric>
 
 namespace doublet {
 namespace {
@@ -75,6 +77,63 @@ TEST(MaterialObjective, SameEnergyForAnyNumberOfThreadsAndAnyCompany) {
   const MatrixRM expected = objective.evaluate(samples, one);
   EXPECT_EQ(objective.evaluate(samples, two), expected);
   EXPECT_EQ(objective.evaluate(samples.row(3), two)(0, 0), expected(3, 0));
+}
+
+TEST(MaterialObjective, WindowsStartFromTheCapturedSurface) {
+  EnergyOptions whole, windows;
+  windows.window = 8;
+  windows.window_lead = 4;
+  const double truth = energy_of(scene(), cotton(), windows);
+  EXPECT_LT(truth, 8);
+  for (double d_n : {0.0, 16.0, 32.0})
+    EXPECT_GT(energy_of(scene(), with_drag(d_n), windows), truth) << d_n;
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, windows);
+  const std::vector<std::vector<FrameTerms>> terms = objective.terms({cotton()});
+  for (const FrameTerms &frame : terms[0])
+    EXPECT_GT(frame.rims, 20);
+  // However bad the material, a window starts from the truth again.
+  EXPECT_LT(energy_of(scene(), with_drag(32), windows), energy_of(scene(), with_drag(32), whole));
+  whole.window = 1000; // longer than the motion
+  EXPECT_EQ(energy_of(scene(), with_drag(8), whole), energy_of(scene(), with_drag(8)));
+}
+
+/// Samples of one generation around `material`, in the box.
+MatrixRM generation(int count) {
+  NormalGenerator random(2);
+  MatrixRM samples = ParameterSpace{}.unit(cotton()).transpose().replicate(count, 1);
+  for (Eigen::Index i = 0; i < samples.size(); ++i)
+    samples.data()[i] = std::clamp(samples.data()[i] + 0.3 * random.normal(), 0.0, 1.0);
+  return samples;
+}
+
+TEST(MaterialObjective, StoppingHopelessSamplesLeavesTheSelectedAsTheyAre) {
+  const int count = 9, selected = count / 2;
+  const MatrixRM samples = generation(count);
+  for (int window : {0, 4}) {
+    EnergyOptions options;
+    options.window = window;
+    const auto energies = [&](double margin, int threads) {
+      options.stop_margin = margin;
+      Context context;
+      context.threads = threads;
+      MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, options);
+      return Eigen::VectorXd(objective.evaluate(samples, context).col(0));
+    };
+    const Eigen::VectorXd all = energies(0, 1), some = energies(0.5, 1);
+    EXPECT_EQ(energies(0.5, 2), some);
+    std::vector<int> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return all[a] < all[b]; });
+    for (int i = 0; i < selected; ++i)
+      EXPECT_EQ(some[order[i]], all[order[i]]) << i;
+    int stopped = 0;
+    for (int i = selected; i < count; ++i) {
+      EXPECT_GT(some[order[i]], all[order[selected - 1]]) << i;
+      stopped += some[order[i]] != all[order[i]];
+    }
+    std::printf("window %d: %d of %d stopped\n", window, stopped, count);
+    EXPECT_GE(stopped, 1);
+  }
 }
 
 TEST(MaterialObjective, KeepsLittleOfTheImages) {

@@ -111,6 +111,7 @@ inline void film(Scene &scene, const CameraRig &cameras) {
 struct SceneSize {
   int frames = 32, cameras = 4, pixels = 320;
   int rings = 10, segments = 24; ///< of a skirt
+  bool self_collision = false;   ///< slower
 };
 
 /// The scene under `truth`, one material a skirt.
@@ -119,7 +120,7 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth
   make_character(*scene, static_cast<int>(truth.size()), size.rings, size.segments);
   make_motion(*scene, size.frames);
   pbd::ClothOptions options;
-  options.self_collision = false; // speed
+  options.self_collision = size.self_collision;
   scene->simulator = std::make_unique<CharacterSimulator>(scene->actor, scene->clothness, scene->proxies, options);
   scene->performance.surface.faces = scene->actor.mesh.faces;
   // Captured without error, but for the first frame: there the truth and the estimator both start from rest.

@@ -3409,6 +3409,30 @@ class EnergyOptions:
     @settle_frames.setter
     def settle_frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
+    @property
+    def stop_margin(self) -> float:
+        """
+        stop samples whose energy is this much above the middle; 0 = never
+        """
+    @stop_margin.setter
+    def stop_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def window(self) -> int:
+        """
+        frames of a window that starts from the captured surface; 0 = one rollout
+        """
+    @window.setter
+    def window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def window_lead(self) -> int:
+        """
+        frames simulated before a window counts
+        """
+    @window_lead.setter
+    def window_lead(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
 class ParameterSpace:
     """
     Which material parameters are searched.

@@ -24,7 +24,15 @@ struct EnergyOptions {
   double feature_cap = 0.032;
   int outline_size = 251; ///< pixels along the larger side of the views in which outline and visibility are decided
   int field_size = 502;   ///< nodes that would span the larger side of a distance field
-  void validate() const;  ///< throws std::invalid_argument naming option, range and value
+  /// Frames of a window: the motion is cut into windows that each start from the captured surface, at the speed that it has, and
+  /// E_fit is their mean. Beyond the paper: the motion of cloth is chaotic, so that over a long rollout noise outgrows what the
+  /// material does. 0 = one rollout over the whole motion (the paper's).
+  int window = 0;
+  int window_lead = 8; ///< frames simulated before a window counts: the captured surface is not at rest under any material
+  /// Beyond the paper: evaluate() stops a sample once the energy of its frames so far is more than (1 + stop_margin) times that
+  /// of the sample in the middle of the ranking (the last that CMA-ES selects), in every region; see evaluate(). 0 = never.
+  double stop_margin = 0;
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Which parameters are searched, and how they map to [0, 1].
@@ -48,6 +56,15 @@ struct FrameTerms {
   int rims = 0, features = 0;         ///< n_sil and n_sift
 };
 
+/// Where the time of an objective went: seconds of CPU time over all threads.
+struct EnergyTimes {
+  double set_up = 0;   ///< poses, distance fields, depth of everything that is not cloth
+  double simulate = 0; ///< the solver
+  double project = 0;  ///< the cloth into the cameras
+  double rims = 0;     ///< E_sil
+  double features = 0; ///< E_sift
+};
+
 /// Immutable after construction, so evaluations from several threads are safe. One part a region. Only 2D data of the sequence is
 /// kept.
 class MaterialObjective : public Objective {
@@ -63,7 +80,10 @@ public:
   int part_count() const override;
   /// E_fit (S, R), pixels^2. Samples are simulated side by side on context.thread_count() threads; the result does not depend on
   /// how many. A sample whose cloth leaves the actor (further from its skinned place than the actor is long) or stops being
-  /// finite has exploded: its frames from there on count with worst_energy().
+  /// finite has exploded: its frames from there on (to the end of the window) count with worst_energy().
+  /// With stop_margin the frames are run in eight parts, each spread over the motion if there are windows, and the samples are
+  /// compared after each but the last. The energy of a stopped one is that of the sample in the middle, times their ratio when it
+  /// was stopped: it stays behind all that CMA-ES selects. An energy then depends on the other samples of the call.
   MatrixRM evaluate(const MatrixRM &samples, const Context &context) override;
   /// E_fit (S, R) of materials[s][r].
   MatrixRM energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const;
@@ -73,6 +93,7 @@ public:
   double worst_energy() const;
   /// Bytes of what is kept of the images.
   std::size_t image_bytes() const;
+  EnergyTimes times() const;
   /// A hash of everything the energy depends on, for checkpoints.
   std::string fingerprint() const;
   const ParameterSpace &space() const;
