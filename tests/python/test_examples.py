@@ -10,7 +10,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.name)
 def test_example_runs(path, capsys):
-    ran = runpy.run_path(str(path))
+    ran = runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out
     if path.name == "hang_a_cloth.py":
         assert ran["state"].positions[:, 1].min() < 0.5  # it hangs, 0.95 m long
