@@ -101,7 +101,7 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
     assert region["influence"]["k_stretch"]["rank"] == 1 and region["influence"]["k_stretch"]["confidence"] != "low"
     assert region["influence"]["k_friction"]["confidence"] == "low"  # the bell touches nothing
     page = (out / "fit_progress.html").read_text()
-    assert "stretching" in page and "says little about friction" in page
+    assert "something about stretching" in page and re.search("says little about [^.:]*friction", page)
     assert page.count("<svg") == 2 and "refresh" not in page
 
 
