@@ -112,7 +112,7 @@ def growth(program, picture):
         axes.loglog(columns["vertices"], columns[name], "o-", label=f"{label}: power {slope:.2f}")
     axes.set(xlabel="vertices", ylabel="ms a frame of one simulation", title="Cost of a frame, 24 sweeps, one core")
     axes.grid(alpha=0.3)
-    axes.legend()
+    axes.legend(loc="upper left", fontsize="small")
     figure.savefig(picture, dpi=110)
 
 
