@@ -9,8 +9,8 @@
 namespace doublet::fit {
 namespace {
 
-constexpr int kMargin = 2;     // coarse pixels around the cloth, so that the background beside the outline is there to be seen
-constexpr int kGridCells = 64; // along the larger side of an image
+constexpr int kMargin = 2;      // coarse pixels around the cloth, so that the background beside the outline is there to be seen
+constexpr int kGridCells = 128; // along the larger side of an image
 /// What is not cloth hides it only from this far in front, m: coarse depths are those of pixel centres, and the cloth lies on the
 /// body.
 constexpr float kInFront = 0.01f;
@@ -140,29 +140,23 @@ ClothView::ClothView(const ClothTopology &topology, int samples, const LaneKerne
   const std::size_t size = static_cast<std::size_t>(topology.vertex_count()) * 3 * lanes();
   positions_.resize(size);
   image_.resize(size);
-  range_.resize(static_cast<std::size_t>(topology.vertex_count()) * 4);
   facing_.assign(static_cast<std::size_t>(topology.face_count() + 1) * lanes(), 0);
   rim_.resize(topology.vertex_count());
 }
 
 void ClothView::look(const CoarseCamera &camera) {
   camera_ = &camera;
-  kernels_->project(camera.lens, topology_->vertex_count(), positions_.data(), image_.data(), range_.data());
+  kernels_->project(camera.lens, topology_->vertex_count(), positions_.data(), image_.data(), box_.data());
   kernels_->turn(topology_->face_count(), topology_->corners.data(), image_.data(), facing_.data());
-  box_ = {1 << 30, 1 << 30, -(1 << 30), -(1 << 30)};
-  for (std::size_t i = 0; i < range_.size(); i += 4) {
-    box_[0] = std::min(box_[0], range_[i]), box_[1] = std::min(box_[1], range_[i + 1]);
-    box_[2] = std::max(box_[2], range_[i + 2]), box_[3] = std::max(box_[3], range_[i + 3]);
-  }
 }
 
 /// False if there is no cloth in the image.
 bool ClothView::coarse_box() {
   const auto [x0, y0, x1, y1] = box_;
-  x0_ = std::max(-kMargin, floor_int(camera_->coarse_x(static_cast<float>(x0))) - kMargin);
-  y0_ = std::max(-kMargin, floor_int(camera_->coarse_y(static_cast<float>(y0))) - kMargin);
-  width_ = std::min(camera_->width + kMargin, ceil_int(camera_->coarse_x(static_cast<float>(x1))) + kMargin + 1) - x0_;
-  height_ = std::min(camera_->height + kMargin, ceil_int(camera_->coarse_y(static_cast<float>(y1))) + kMargin + 1) - y0_;
+  x0_ = std::max(-kMargin, floor_int(camera_->coarse_x(x0)) - kMargin);
+  y0_ = std::max(-kMargin, floor_int(camera_->coarse_y(y0)) - kMargin);
+  width_ = std::min(camera_->width + kMargin, ceil_int(camera_->coarse_x(x1)) + kMargin + 1) - x0_;
+  height_ = std::min(camera_->height + kMargin, ceil_int(camera_->coarse_y(y1)) + kMargin + 1) - y0_;
   return width_ > 0 && height_ > 0;
 }
 
@@ -287,7 +281,7 @@ void ClothView::outline(const CoarseBuffer &others, std::vector<Rim> &result) {
 /// Into the cells of a grid that starts at the image's corner, but keeps only the cells where there is cloth in any lane. The
 /// order of those that are kept does not depend on the lanes.
 void ClothView::sort_features(const std::vector<FeatureMatch> &matches) {
-  const auto [x0, y0, x1, y1] = box_;
+  const int x0 = floor_int(box_[0]), y0 = floor_int(box_[1]), x1 = ceil_int(box_[2]), y1 = ceil_int(box_[3]);
   const int cell = std::max(1, std::max(camera_->camera.width, camera_->camera.height) / kGridCells);
   const int column = std::max(0, x0) / cell, row = std::max(0, y0) / cell;
   grid_.cell = cell;
@@ -311,6 +305,16 @@ void ClothView::sort_features(const std::vector<FeatureMatch> &matches) {
     if (cell_[i] >= 0)
       order_[first_[cell_[i] + 1]++] = static_cast<int>(i); // ends where the next cell starts
   grid_.first = first_.data();
+  const int pitch = grid_.width + 1;
+  before_.assign(static_cast<std::size_t>(grid_.height + 1) * pitch, 0);
+  for (int r = 0; r < grid_.height; ++r)
+    for (int c = 0; c < grid_.width; ++c) {
+      const int row_start = first_[static_cast<std::size_t>(r) * grid_.width];
+      before_[static_cast<std::size_t>(r + 1) * pitch + c + 1] = before_[static_cast<std::size_t>(r) * pitch + c + 1] +
+                                                                 first_[static_cast<std::size_t>(r) * grid_.width + c + 1] -
+                                                                 row_start;
+    }
+  grid_.before = before_.data();
 }
 
 void ClothView::locate(const std::vector<FeatureMatch> &matches, const CoarseBuffer &others, LocatedFeatures &result) {
@@ -331,7 +335,7 @@ void ClothView::locate(const std::vector<FeatureMatch> &matches, const CoarseBuf
     std::fill_n(&nearest_[static_cast<std::size_t>(i) * lanes()], lanes(), in_front);
   }
   grid_.x = feature_x_.data(), grid_.y = feature_y_.data();
-  kernels_->locate(grid_, topology_->face_count(), topology_->corners.data(), image_.data(), range_.data(), facing_.data(),
+  kernels_->locate(grid_, topology_->face_count(), topology_->corners.data(), image_.data(), facing_.data(),
                    {nearest_.data(), result.face.data(), result.weight.data()});
 }
 

@@ -107,8 +107,7 @@ private:
   const LaneKernels *kernels_;
   const CoarseCamera *camera_ = nullptr;
   std::vector<float> positions_, image_;
-  std::vector<int> range_;          // [D][4] pixels around a vertex in all lanes
-  std::array<int, 4> box_{};        // around all vertices
+  std::array<float, 4> box_{};      // around all vertices in all lanes, pixels
   std::vector<signed char> facing_; // [G + 1][lanes], the last row 0
   std::vector<RimEdge> rim_edges_;
   std::vector<std::uint16_t> rim_;               // [D] bit l: on the outline in lane l
@@ -117,7 +116,7 @@ private:
   std::vector<std::uint8_t> covered_; // [height][width] 1 = by something that is not cloth, or outside the image
   // Features by cells of a grid over the image
   FeatureGrid grid_{};
-  std::vector<int> cell_, first_, order_;
+  std::vector<int> cell_, first_, before_, order_;
   std::vector<float> feature_x_, feature_y_, nearest_, squared_;
 };
 

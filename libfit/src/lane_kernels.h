@@ -21,6 +21,7 @@ struct FeatureGrid {
   int x0, y0, width, height; ///< pixels of the first cell's corner; cells
   int cell;                  ///< pixels
   const int *first;          ///< [height * width + 1] the first feature of each cell
+  const int *before;         ///< [height + 1][width + 1] how many features lie in the rows above and the columns to the left
   const float *x, *y;        ///< [features] pixels
 };
 
@@ -34,14 +35,14 @@ struct Places {
 struct LaneKernels {
   int lanes;
   /// positions [count][3][lanes], m -> image [count][3][lanes]: pixels of the full image and inverse depth, all 0 where it cannot
-  /// be drawn; range [count][4]: a box in whole pixels around all lanes, x0 y0 x1 y1.
-  void (*project)(const Lens &lens, int count, const float *positions, float *image, int *range);
+  /// be drawn; box [4]: around all of them, pixels, x0 y0 x1 y1.
+  void (*project)(const Lens &lens, int count, const float *positions, float *image, float *box);
   /// corners [count][3] -> facing [count][lanes]: sign of the area in the image (y points down: -1 = seen from outside), 0 =
   /// none.
   void (*turn)(int count, const int *corners, const float *image, signed char *facing);
   /// Takes for every feature the nearest face over it that is nearer than what `places` holds.
-  void (*locate)(const FeatureGrid &grid, int count, const int *corners, const float *image, const int *range,
-                 const signed char *facing, Places places);
+  void (*locate)(const FeatureGrid &grid, int count, const int *corners, const float *image, const signed char *facing,
+                 Places places);
   /// The squared distance in the image between where each place is now and where it was seen (x, y), at most `largest`; -1 = the
   /// feature is not on the cloth. squared [count][lanes], pixels^2.
   void (*carry)(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,

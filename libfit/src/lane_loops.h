@@ -46,36 +46,37 @@ template <bool distorted> struct Seen {
   }
 };
 
-template <int L, bool distorted> void project_all(const Lens &lens, int count, const float *positions, float *image, int *range) {
+template <int L, bool distorted> void project_all(const Lens &lens, int count, const float *positions, float *image, float *box) {
+  float x0[L], y0[L], x1[L], y1[L];
+  for (int l = 0; l < L; ++l)
+    x0[l] = y0[l] = kFarOut, x1[l] = y1[l] = -kFarOut;
   for (int v = 0; v < count; ++v) {
     const float *p = positions + v * 3 * L;
     float *q = image + v * 3 * L;
-    int column[L], row[L];
     for (int l = 0; l < L; ++l) {
       const Seen<distorted> seen(lens, p[l], p[L + l], p[2 * L + l]);
       const bool drawable =
           (seen.depth > kNear) & (seen.x < kFarOut) & (seen.x > -kFarOut) & (seen.y < kFarOut) & (seen.y > -kFarOut);
-      q[l] = drawable ? seen.x : 0.f;
-      q[L + l] = drawable ? seen.y : 0.f;
+      const float x = drawable ? seen.x : 0.f, y = drawable ? seen.y : 0.f;
+      q[l] = x;
+      q[L + l] = y;
       q[2 * L + l] = drawable ? 1.f / seen.depth : 0.f;
-      column[l] = static_cast<int>(q[l]);
-      row[l] = static_cast<int>(q[L + l]);
+      x0[l] = x < x0[l] ? x : x0[l], x1[l] = x > x1[l] ? x : x1[l];
+      y0[l] = y < y0[l] ? y : y0[l], y1[l] = y > y1[l] ? y : y1[l];
     }
-    int x0 = column[0], y0 = row[0], x1 = column[0], y1 = row[0];
-    for (int l = 1; l < L; ++l) {
-      x0 = smaller(x0, column[l]), x1 = larger(x1, column[l]);
-      y0 = smaller(y0, row[l]), y1 = larger(y1, row[l]);
-    }
-    int *box = range + v * 4; // the conversion to integers rounds towards 0
-    box[0] = x0 - 1, box[1] = y0 - 1, box[2] = x1 + 1, box[3] = y1 + 1;
+  }
+  box[0] = x0[0], box[1] = y0[0], box[2] = x1[0], box[3] = y1[0];
+  for (int l = 1; l < L; ++l) {
+    box[0] = x0[l] < box[0] ? x0[l] : box[0], box[2] = x1[l] > box[2] ? x1[l] : box[2];
+    box[1] = y0[l] < box[1] ? y0[l] : box[1], box[3] = y1[l] > box[3] ? y1[l] : box[3];
   }
 }
 
-template <int L> void project(const Lens &lens, int count, const float *positions, float *image, int *range) {
+template <int L> void project(const Lens &lens, int count, const float *positions, float *image, float *box) {
   if (lens.distorted)
-    project_all<L, true>(lens, count, positions, image, range);
+    project_all<L, true>(lens, count, positions, image, box);
   else
-    project_all<L, false>(lens, count, positions, image, range);
+    project_all<L, false>(lens, count, positions, image, box);
 }
 
 template <int L> void turn(int count, const int *corners, const float *image, signed char *facing) {
@@ -93,63 +94,73 @@ template <int L> void turn(int count, const int *corners, const float *image, si
   }
 }
 
-/// One face and one feature. Everything is worked out for all lanes, and kept in those where the face is over the feature.
+/// One face and one feature in one lane.
 template <int L>
-void test_feature(float x, float y, int face, const float *a, const float *b, const float *c, const signed char *facing,
-                  float *nearest, int *nearest_face, float *weight) {
-  float wa[L], wb[L], wc[L], inverse_depth[L];
-  int hit[L], any = 0;
-  for (int l = 0; l < L; ++l) {
-    const float sign = static_cast<float>(facing[l]);
-    const float ax = a[l] - x, ay = a[L + l] - y, bx = b[l] - x, by = b[L + l] - y, cx = c[l] - x, cy = c[L + l] - y;
-    wa[l] = sign * (bx * cy - by * cx);
-    wb[l] = sign * (cx * ay - cy * ax);
-    wc[l] = sign * (ax * by - ay * bx);
-    const float sum = wa[l] + wb[l] + wc[l];
-    const int inside = (wa[l] >= 0) & (wb[l] >= 0) & (wc[l] >= 0) & (sum > 0);
-    wa[l] = wa[l] * a[2 * L + l], wb[l] = wb[l] * b[2 * L + l], wc[l] = wc[l] * c[2 * L + l];
-    inverse_depth[l] = (wa[l] + wb[l] + wc[l]) / sum;
-    hit[l] = inside & (inverse_depth[l] > nearest[l]);
-    any |= hit[l];
-  }
-  if (!any)
+inline void test_feature(float x, float y, int face, float sign, const float *a, const float *b, const float *c, float *nearest,
+                         int *nearest_face, float *weight) {
+  const float ax = a[0] - x, ay = a[L] - y, bx = b[0] - x, by = b[L] - y, cx = c[0] - x, cy = c[L] - y;
+  const float wa = sign * (bx * cy - by * cx), wb = sign * (cx * ay - cy * ax), wc = sign * (ax * by - ay * bx);
+  const float sum = wa + wb + wc;
+  if (!((wa >= 0) & (wb >= 0) & (wc >= 0) & (sum > 0)))
     return;
-  for (int l = 0; l < L; ++l) {
-    // By rounding a sliver may seem to hold a point beside it; whether that is tested at all depends on the other lanes.
-    const bool in_box = (x >= smallest(a[l], b[l], c[l])) & (x <= largest(a[l], b[l], c[l])) &
-                        (y >= smallest(a[L + l], b[L + l], c[L + l])) & (y <= largest(a[L + l], b[L + l], c[L + l]));
-    const bool take = hit[l] & in_box;
-    nearest[l] = take ? inverse_depth[l] : nearest[l];
-    nearest_face[l] = take ? face : nearest_face[l];
-    weight[l] = take ? wa[l] : weight[l];
-    weight[L + l] = take ? wb[l] : weight[L + l];
-    weight[2 * L + l] = take ? wc[l] : weight[2 * L + l];
-  }
+  const float ta = wa * a[2 * L], tb = wb * b[2 * L], tc = wc * c[2 * L];
+  const float inverse_depth = (ta + tb + tc) / sum;
+  if (!(inverse_depth > *nearest))
+    return;
+  *nearest = inverse_depth;
+  *nearest_face = face;
+  weight[0] = ta, weight[L] = tb, weight[2 * L] = tc;
 }
 
+/// The cell that a pixel lies in, or the nearest one of the grid.
+inline int cell_of(float pixel, float origin, float size, int count) {
+  const float cell = (pixel - origin) / size;
+  const float kept = cell > 0 ? cell : 0.f; // the conversion to integers rounds towards 0
+  return smaller(static_cast<int>(kept), count - 1);
+}
+
+/// Most faces lie over no feature at all, and those that do are not the same in every lane: so all lanes look up how many
+/// features the cells around the face hold, and only where there are some each lane goes through its own.
 template <int L>
-void locate(const FeatureGrid &grid, int count, const int *corners, const float *image, const int *range,
-            const signed char *facing, Places places) {
-  const int right = grid.x0 + grid.width * grid.cell - 1, bottom = grid.y0 + grid.height * grid.cell - 1;
+void locate(const FeatureGrid &grid, int count, const int *corners, const float *image, const signed char *facing,
+            Places places) {
+  if (grid.width <= 0 || grid.height <= 0)
+    return;
+  const float left = static_cast<float>(grid.x0), top = static_cast<float>(grid.y0), size = static_cast<float>(grid.cell);
+  const int pitch = grid.width + 1;
   for (int f = 0; f < count; ++f) {
-    const int va = corners[3 * f], vb = corners[3 * f + 1], vc = corners[3 * f + 2];
-    const int *ra = range + va * 4, *rb = range + vb * 4, *rc = range + vc * 4;
-    const int x0 = larger(grid.x0, smaller(ra[0], smaller(rb[0], rc[0]))),
-              y0 = larger(grid.y0, smaller(ra[1], smaller(rb[1], rc[1])));
-    const int x1 = smaller(right, larger(ra[2], larger(rb[2], rc[2]))), y1 = smaller(bottom, larger(ra[3], larger(rb[3], rc[3])));
-    if (x0 > x1 || y0 > y1)
+    const float *a = image + corners[3 * f] * 3 * L, *b = image + corners[3 * f + 1] * 3 * L,
+                *c = image + corners[3 * f + 2] * 3 * L;
+    float x0[L], y0[L], x1[L], y1[L];
+    int column0[L], row0[L], column1[L], row1[L], found[L], any = 0;
+    for (int l = 0; l < L; ++l) {
+      x0[l] = smallest(a[l], b[l], c[l]), x1[l] = largest(a[l], b[l], c[l]);
+      y0[l] = smallest(a[L + l], b[L + l], c[L + l]), y1[l] = largest(a[L + l], b[L + l], c[L + l]);
+      column0[l] = cell_of(x0[l], left, size, grid.width), column1[l] = cell_of(x1[l], left, size, grid.width);
+      row0[l] = cell_of(y0[l], top, size, grid.height), row1[l] = cell_of(y1[l], top, size, grid.height);
+    }
+    for (int l = 0; l < L; ++l) {
+      const int above = row0[l] * pitch, below = (row1[l] + 1) * pitch;
+      found[l] = grid.before[below + column1[l] + 1] - grid.before[above + column1[l] + 1] - grid.before[below + column0[l]] +
+                 grid.before[above + column0[l]];
+      found[l] = facing[f * L + l] == 0 ? 0 : found[l];
+      any |= found[l];
+    }
+    if (!any)
       continue;
-    const int first_column = (x0 - grid.x0) / grid.cell, last_column = (x1 - grid.x0) / grid.cell;
-    const int first_row = (y0 - grid.y0) / grid.cell, last_row = (y1 - grid.y0) / grid.cell;
-    const float left = static_cast<float>(x0), top = static_cast<float>(y0), end_x = static_cast<float>(x1),
-                end_y = static_cast<float>(y1);
-    for (int row = first_row; row <= last_row; ++row)
-      for (int i = grid.first[row * grid.width + first_column]; i < grid.first[row * grid.width + last_column + 1]; ++i) {
-        const float x = grid.x[i], y = grid.y[i];
-        if (x >= left && x <= end_x && y >= top && y <= end_y)
-          test_feature<L>(x, y, f, image + va * 3 * L, image + vb * 3 * L, image + vc * 3 * L, facing + f * L,
-                          places.inverse_depth + i * L, places.face + i * L, places.weight + i * 3 * L);
-      }
+    for (int l = 0; l < L; ++l) {
+      if (!found[l])
+        continue;
+      const float sign = static_cast<float>(facing[f * L + l]);
+      for (int row = row0[l]; row <= row1[l]; ++row)
+        for (int i = grid.first[row * grid.width + column0[l]]; i < grid.first[row * grid.width + column1[l] + 1]; ++i) {
+          const float x = grid.x[i], y = grid.y[i];
+          if ((x >= x0[l]) & (x <= x1[l]) & (y >= y0[l]) &
+              (y <= y1[l])) // by rounding a sliver may seem to hold a point beside it
+            test_feature<L>(x, y, f, sign, a + l, b + l, c + l, places.inverse_depth + i * L + l, places.face + i * L + l,
+                            places.weight + i * 3 * L + l);
+        }
+    }
   }
 }
 
