@@ -105,10 +105,10 @@ std::pair<ReferencePerformance, Observations> forth_and_back(const testing::Scen
   return {performance, observations};
 }
 
-/// A whole estimation: population, evaluations, frames, threads. Self-collision on, 8 cameras of 1004 pixels. The parts are
+/// A whole estimation: population, evaluations, frames, threads, frames a window (0 = one rollout). Self-collision on, 8 cameras of 1004 pixels. The parts are
 /// shares of the CPU time.
 void estimate(benchmark::State &state) {
-  static const auto scene = testing::make_scene({testing::cotton()}, {126, 8, 1004, 25, 52, true});
+  static const auto scene = testing::make_scene({testing::cotton()}, {126, 8, 1004, 25, 52, true, 9});
   const auto [performance, observations] = forth_and_back(*scene, static_cast<int>(state.range(2)));
   Context context;
   context.threads = static_cast<int>(state.range(3));
@@ -120,7 +120,9 @@ void estimate(benchmark::State &state) {
   double evaluations = 0, image_bytes = 0;
   const std::clock_t start = std::clock();
   for (auto _ : state) {
-    MaterialObjective objective(*scene->simulator, performance, observations, {}, {}, context);
+    EnergyOptions energy;
+    energy.window = static_cast<int>(state.range(4));
+    MaterialObjective objective(*scene->simulator, performance, observations, energy, {}, context);
     MinimiseOptions options;
     options.make_optimizer = [&](int n, std::uint64_t) { return create_cma_es(n, cma); };
     evaluations = minimise(objective, options, context).parts[0].evaluations;
@@ -145,11 +147,15 @@ void estimate(benchmark::State &state) {
   state.counters["peak_MB"] = static_cast<double>(usage.ru_maxrss) / 1e3;
 }
 BENCHMARK(estimate)
-    ->Args({9, 36, 250, 2})
-    ->Args({16, 64, 250, 2})
-    ->Args({32, 64, 250, 2})
-    ->Args({9, 512, 1000, 2})
-    ->Args({16, 512, 1000, 2})
+    ->Args({9, 36, 250, 2, 0})
+    ->Args({16, 64, 250, 2, 0})
+    ->Args({32, 64, 250, 2, 0})
+    ->Args({9, 36, 250, 2, 60})
+    ->Args({16, 64, 250, 2, 60})
+    ->Args({9, 512, 1000, 2, 0})
+    ->Args({16, 512, 1000, 2, 0})
+    ->Args({9, 512, 1000, 2, 60})
+    ->Args({16, 512, 1000, 2, 60})
     ->Iterations(1)
     ->UseRealTime()
     ->Unit(benchmark::kSecond);

@@ -44,32 +44,55 @@ private:
   std::vector<double> from_;
 };
 
+/// (height, width) the row of the closest seed in the node's column, the upper of two as close, -1 if there is none.
+std::vector<int> nearest_rows(int width, int height, const std::vector<std::uint8_t> &seed) {
+  std::vector<int> row_of(seed.size());
+  std::vector<int> last(width, -1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t node = static_cast<std::size_t>(y) * width + x;
+      row_of[node] = last[x] = seed[node] ? y : last[x];
+    }
+  last.assign(width, -1);
+  for (int y = height - 1; y >= 0; --y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t node = static_cast<std::size_t>(y) * width + x;
+      last[x] = seed[node] ? y : last[x];
+      const bool nearer = row_of[node] < 0 || (last[x] >= 0 && last[x] - y < y - row_of[node]);
+      row_of[node] = nearer ? last[x] : row_of[node];
+    }
+  return row_of;
+}
+
+/// From nearest_rows() of a row y to the closest seed of each of its nodes.
+class RowTransform {
+public:
+  explicit RowTransform(int width) : width_(width), envelope_(width), f_(width), site_(width) {}
+  void transform(const int *rows, int y, int *nearest) {
+    for (int x = 0; x < width_; ++x)
+      f_[x] = rows[x] < 0 ? kInfinity : static_cast<double>(rows[x] - y) * (rows[x] - y);
+    envelope_.transform(f_, width_, site_);
+    for (int x = 0; x < width_; ++x)
+      nearest[x] = site_[x] < 0 ? -1 : rows[site_[x]] * width_ + site_[x];
+  }
+
+private:
+  int width_;
+  Envelope envelope_;
+  std::vector<double> f_;
+  std::vector<int> site_;
+};
+
 } // namespace
 
 std::vector<int> nearest_seed(int width, int height, const std::vector<std::uint8_t> &seed) {
   require(width > 0 && height > 0 && seed.size() == static_cast<std::size_t>(width) * height,
           "nearest_seed: seed: expected width * height values, found " + std::to_string(seed.size()));
-  const int longest = std::max(width, height);
-  Envelope envelope(longest);
-  std::vector<double> f(longest);
-  std::vector<int> site(longest);
-  std::vector<int> row_of(seed.size()); // per node the row of the closest seed in its column
-  for (int x = 0; x < width; ++x) {
-    for (int y = 0; y < height; ++y)
-      f[y] = seed[static_cast<std::size_t>(y) * width + x] ? 0.0 : kInfinity;
-    envelope.transform(f, height, site);
-    for (int y = 0; y < height; ++y)
-      row_of[static_cast<std::size_t>(y) * width + x] = site[y];
-  }
+  const std::vector<int> rows = nearest_rows(width, height, seed);
   std::vector<int> nearest(seed.size());
-  for (int y = 0; y < height; ++y) {
-    const int *rows = &row_of[static_cast<std::size_t>(y) * width];
-    for (int x = 0; x < width; ++x)
-      f[x] = rows[x] < 0 ? kInfinity : static_cast<double>(rows[x] - y) * (rows[x] - y);
-    envelope.transform(f, width, site);
-    for (int x = 0; x < width; ++x)
-      nearest[static_cast<std::size_t>(y) * width + x] = site[x] < 0 ? -1 : rows[site[x]] * width + site[x];
-  }
+  RowTransform row(width);
+  for (int y = 0; y < height; ++y)
+    row.transform(&rows[static_cast<std::size_t>(y) * width], y, &nearest[static_cast<std::size_t>(y) * width]);
   return nearest;
 }
 
@@ -97,11 +120,15 @@ DistanceField::DistanceField(const std::vector<Eigen::Vector2f> &points, const B
     seed[node] = 1;
     point_at[node] = static_cast<int>(i);
   }
-  const std::vector<int> nearest = nearest_seed(wide, high, seed);
+  const std::vector<int> rows = nearest_rows(wide, high, seed);
+  std::vector<int> nearest(wide); // of the rows that are kept alone
+  RowTransform row(wide);
   values_.resize(static_cast<std::size_t>(width_) * height_);
-  for (int y = 0; y < height_; ++y)
+  for (int y = 0; y < height_; ++y) {
+    const int fine_y = y * cell + margin;
+    row.transform(&rows[static_cast<std::size_t>(fine_y) * wide], fine_y, nearest.data());
     for (int x = 0; x < width_; ++x) {
-      const int node = nearest[static_cast<std::size_t>(y * cell + margin) * wide + x * cell + margin];
+      const int node = nearest[x * cell + margin];
       float distance = cap;
       if (node >= 0) {
         const Eigen::Vector2f here(x0_ + static_cast<float>(x * cell), y0_ + static_cast<float>(y * cell));
@@ -109,6 +136,7 @@ DistanceField::DistanceField(const std::vector<Eigen::Vector2f> &points, const B
       }
       values_[static_cast<std::size_t>(y) * width_ + x] = static_cast<std::uint16_t>(std::lround(distance / cap * 65535.f));
     }
+  }
 }
 
 float DistanceField::distance(float x, float y) const {

@@ -40,12 +40,13 @@ public:
   virtual const float *zero_if_finite() = 0;
 };
 
-/// Caller owns the result. The last four exist on x86-64 alone, and ask for AVX2 with FMA and for AVX-512.
+/// Caller owns the result. The last five exist on x86-64 alone, and ask for AVX2 with FMA and for AVX-512 (F and VL).
 LaneGroup *make_group_1(const LaneModel &model);
 LaneGroup *make_group_4(const LaneModel &model);
 LaneGroup *make_group_1_avx2(const LaneModel &model);
 LaneGroup *make_group_4_avx2(const LaneModel &model);
 LaneGroup *make_group_8(const LaneModel &model);
+LaneGroup *make_group_8_avx512(const LaneModel &model);
 LaneGroup *make_group_16(const LaneModel &model);
 
 // What the loops ask of the rest of the program.

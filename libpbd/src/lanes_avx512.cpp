@@ -9,6 +9,9 @@ namespace doublet::pbd {
 LaneGroup *make_group_16(const LaneModel &model) {
   return new LaneSolver<Pack<16>>(model);
 }
+LaneGroup *make_group_8_avx512(const LaneModel &model) {
+  return new LaneSolver<Pack<8>>(model);
+}
 #endif
 
 } // namespace doublet::pbd

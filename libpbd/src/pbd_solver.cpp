@@ -245,8 +245,10 @@ std::vector<Width> supported_widths() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
     widths = {{1, make_group_1_avx2}, {4, make_group_4_avx2}, {8, make_group_8}};
-  if (__builtin_cpu_supports("avx512f"))
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl")) {
+    widths.back().make = make_group_8_avx512; // twice the registers
     widths.push_back({16, make_group_16});
+  }
 #endif
   return widths;
 }

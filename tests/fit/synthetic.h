@@ -70,8 +70,8 @@ inline std::vector<Eigen::Vector2f> mask_contour(const FaceBuffer &buffer) {
   return contour;
 }
 
-/// Face centres seen in both frames, wherever they are on the character.
-inline std::vector<FeatureMatch> exact_matches(const Faces &faces, const Camera &camera, const Vertices &before,
+/// Centres of every so many faces, seen in both frames, wherever they are on the character.
+inline std::vector<FeatureMatch> exact_matches(const Faces &faces, int every, const Camera &camera, const Vertices &before,
                                                const Vertices &now, const FaceBuffer &buffer_before,
                                                const FaceBuffer &buffer_now) {
   const auto visible = [&](const Vertices &v, const FaceBuffer &b, int f, Eigen::Vector2d &pixel) {
@@ -81,7 +81,7 @@ inline std::vector<FeatureMatch> exact_matches(const Faces &faces, const Camera 
     return x >= 0 && y >= 0 && x < b.width && y < b.height && b.face_at(x, y) == f;
   };
   std::vector<FeatureMatch> matches;
-  for (int f = 0; f < faces.rows(); f += 3) {
+  for (int f = 0; f < faces.rows(); f += every) {
     Eigen::Vector2d p, q;
     if (visible(before, buffer_before, f, p) && visible(now, buffer_now, f, q))
       matches.push_back({p.cast<float>(), q.cast<float>()});
@@ -89,7 +89,7 @@ inline std::vector<FeatureMatch> exact_matches(const Faces &faces, const Camera 
   return matches;
 }
 
-inline void film(Scene &scene, const CameraRig &cameras) {
+inline void film(Scene &scene, const CameraRig &cameras, int faces_a_feature) {
   scene.observations.cameras = cameras;
   scene.observations.frames = scene.performance.frames;
   const auto &frames = scene.frames;
@@ -102,7 +102,7 @@ inline void film(Scene &scene, const CameraRig &cameras) {
       ViewObservation &view = scene.observations.views[t][c];
       view.contour = mask_contour(now);
       if (t > 0)
-        view.matches = exact_matches(faces, cameras[c], frames[t - 1], frames[t], before, now);
+        view.matches = exact_matches(faces, faces_a_feature, cameras[c], frames[t - 1], frames[t], before, now);
       before = std::move(now);
     }
   }
@@ -112,6 +112,7 @@ struct SceneSize {
   int frames = 32, cameras = 4, pixels = 320;
   int rings = 10, segments = 24; ///< of a skirt
   bool self_collision = false;   ///< slower
+  int faces_a_feature = 3;
 };
 
 /// The scene under `truth`, one material a skirt.
@@ -128,7 +129,7 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth
   scene->frames = simulate_reference(*scene->simulator, scene->performance, truth, 1.0 / 40);
   scene->performance.surface.frames = scene->frames;
   scene->performance.surface.frames[0] = scene->actor.mesh.vertices;
-  film(*scene, camera_ring(size.cameras, size.pixels));
+  film(*scene, camera_ring(size.cameras, size.pixels), size.faces_a_feature);
   return scene;
 }
 
