@@ -113,10 +113,15 @@ def write_video(character: d.Character, motion: d.Motion, out: Path, context: d.
         return d.animate_each(character, motion, draw, d.AnimateOptions(), context)
 
 
-def animate_exactly(character_file: Path, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
-    """(T, V, 3) m: the character on a motion of its own skeleton, whose first frame is the rest pose; nothing is put
-    in front of it, nothing adapted to the floor."""
-    character = d.Character.read(character_file)
+def exact_motion(character: d.Character, motion_file: Path, fps: float, context: d.Context) -> d.Motion:
+    """A motion of the character's own skeleton, whose first frame is the rest pose: nothing is put in front of it, nothing
+    adapted to the floor."""
     as_it_is = d.RetargetOptions(fps=fps, apply_limits=False, ground_feet=False, hold_seconds=0.0, blend_seconds=0.0)
-    motion = d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, as_it_is, context)
+    return d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, as_it_is, context)
+
+
+def animate_exactly(character_file: Path, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
+    """(T, V, 3) m: the character on such a motion."""
+    character = d.Character.read(character_file)
+    motion = exact_motion(character, motion_file, fps, context)
     return d.animate(character, motion, d.AnimateOptions(high=False, body=False), context).surface

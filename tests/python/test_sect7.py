@@ -1,0 +1,162 @@
+"""The claims of Sect. 7 on a swinging bell: each command's core, with an answer that is known."""
+
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import study
+from doublet.console import Console
+from doublet.synthesize import SynthesisOptions, synthesize
+
+FOLDER = Path(__file__).parents[2] / "benchmarks" / "sect7"
+STEPS = {"cloth.iterations": 12, "cloth.substeps": 1}
+FPS = 40.0
+
+
+@pytest.fixture(autouse=True)
+def importable(monkeypatch):
+    """By the tests, and by name in workers."""
+    monkeypatch.syspath_prepend(str(FOLDER))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(FOLDER), os.environ.get("PYTHONPATH", "")]))
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    yield
+    for name in ("reconstructions", "filmed", "comparisons", "searches"):
+        sys.modules.pop(name, None)
+
+
+@pytest.fixture(scope="module")
+def out(bell, shapes, tmp_path_factory):
+    """The bell as a whole reconstruction: a session, what it was made with, a character and an estimate."""
+    folder = tmp_path_factory.mktemp("sect7") / "out"
+    shutil.copytree(bell, folder)
+    actor, clothness = d.read_actor(bell / "actor.npz"), d.read_clothness(bell / "segmentation.npz")
+    own = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
+    solver = d.SolverSettings(1 / FPS, d.ClothOptions(iterations=12))
+    character = d.make_character(actor, clothness, d.BodyFit(), [], [own], solver)
+    character.write(folder / "character.glb")
+    performance = d.read_performance(bell / "performance.npz", actor)
+    surfaces = performance.surface.frames
+    surfaces[0] += 0.01  # not quite the skinned surface, as captured ones are
+    performance.surface = d.MeshSequence(actor.mesh.faces, surfaces)
+    d.write_performance(folder / "performance.npz", performance)
+    motion = d.Motion(FPS, performance.dofs[:2])
+    rig = [shapes["camera"](a, name=f"cam{i}", height=1.0, size=240) for i, a in enumerate((0, 2.1, 4.2))]
+    synthesize(character, motion, folder / "session", SynthesisOptions(), rig, console=Console(quiet=True))
+    record = {"session": str(folder / "session"), "stages": {"fit": {"options": STEPS}}}
+    (folder / "run.json").write_text(json.dumps(record))
+    (folder / "material.json").write_text(json.dumps({"regions": [{"parameters": own.to_dict()}]}))
+    return folder
+
+
+def films(**more):
+    from filmed import Filming
+
+    return Filming(perfect=True, frames=16, **more)
+
+
+def test_a_filmed_character_is_simulated_again_to_the_same_surface(out, tmp_path):
+    """The error of the truth itself is none, whether it was seen perfectly or in images; a wrong one has some."""
+    from filmed import Filming, filmed
+    from reconstructions import energies, energy_job, material, rms_cm, simulate
+
+    truth, wrong = material([4, 4.9, 0.7, 1, 0.5]), material([20, 20, 0.1, 0.9, 0.5])
+    for how in (films(), Filming(frames=8, noise=2.0)):
+        folder, options = filmed(out, None, truth, how, tmp_path)
+        job = study.plain_job(folder, options, FPS, 1)
+        made = study.reconstruction(job)
+        again, other = simulate(made, [truth]), simulate(made, [wrong])
+        assert len(again) == how.frames
+        assert rms_cm(again, again, made) == 0 and rms_cm(other, again, made) > 0.5
+        assert rms_cm(again + [0.03, 0.0, 0.04], again, made) == pytest.approx(5)
+        right, off = energies(energy_job(job, [[truth], [wrong]]))
+        assert right[0] < 0.5 * off[0]
+        if how.perfect:
+            seen = d.read_observations(folder / "observations.npz").views
+            assert np.mean([len(view.matches) for views in seen[1:] for view in views]) > 200
+        else:
+            with np.load(folder / "session" / "ground_truth" / "frames_0000.npz") as truth_of_film:
+                assert np.abs(truth_of_film["surface"] - again).max() < 1e-4
+        assert filmed(out, None, truth, how, tmp_path)[0] == folder
+
+
+def test_recovery_finds_what_was_filmed(out, tmp_path, capsys):
+    from comparisons import recovery
+    from reconstructions import material
+
+    fit, rows = recovery(out, None, material([4, 4.9, 0.7, 1, 0.5]), films(), 96, 4.0, tmp_path, 1)
+    found = {name: (energy, rms) for name, energy, rms in rows}
+    assert found["truth"][1] == 0 and found["estimate"][1] < 0.3 * found["centre of the box"][1]
+    assert fit["regions"][0]["energy"] == pytest.approx(found["estimate"][0], rel=1e-6)
+    assert "abs. error" in capsys.readouterr().out
+
+
+def test_every_material_of_table_1_explains_its_own_film_best(out, tmp_path):
+    from comparisons import table1
+
+    costs = table1(out, None, films(), tmp_path, 1)
+    assert costs.shape == (6, 6) and (costs.argmin(axis=1) == np.arange(6)).all()
+
+
+def test_the_same_steps_are_the_same_cloth(out):
+    from comparisons import apart_from, fewer_iterations, iterations
+    from reconstructions import estimate
+
+    apart = apart_from(out, None, estimate(out), (12, 1))
+    assert apart((12, 1), estimate(out)) == 0 and apart((9, 1), estimate(out)) > 0.01
+    assert fewer_iterations(24, 1) == [(18, 1)] and fewer_iterations(6, 4) == [(4, 4), (5, 4), (6, 3)]
+    assert [row[1:3] for row in iterations(out, None)][-1] == ["9 x 1", "25"]
+
+
+def write_truth(folder, faces, surfaces, cloth):
+    """The cloth of `surfaces` as a true garment."""
+    np.savez(folder / "static.npz", body_tris=faces[:1], cloth_tris=np.zeros((0, 3), np.int32))
+    np.savez(folder / "frames_0000.npz", start=0, body=surfaces, cloth=surfaces[:, cloth])
+
+
+def test_rivals_are_measured_as_evaluate_does(out, tmp_path, monkeypatch):
+    """The truth is the estimate's own cloth: no error to it, and some to every other material, on both motions."""
+    import comparisons
+    from reconstructions import estimate, plain_job, simulate
+
+    swing = np.zeros((12, 6))
+    swing[:, 0] = 0.02 * np.arange(12) ** 1.5
+    monkeypatch.setattr(comparisons, "exact_motion", lambda *_: d.Motion(FPS, swing))  # clips are read for humans only
+    made, novel = study.reconstruction(plain_job(out)), tmp_path / "novel"
+    faces, cloth = made.actor.mesh.faces, made.clothness().clothness > 0.5
+    write_truth(tmp_path, faces, simulate(made, estimate(out)), cloth)
+    novel.mkdir()
+    (novel / "motion.bvh").touch()
+    own, _ = comparisons.novel_surfaces(out, novel / "motion.bvh", FPS, {"estimate": estimate(out)}, d.Context())
+    write_truth(novel, faces, np.asarray(own[1]), cloth)
+    found = comparisons.rivals(out, None, tmp_path, 4)
+    assert max(found.pop("estimate")) < 1e-4 and min(min(row) for row in found.values()) > 0.02
+
+
+def test_an_estimate_costs_least_on_its_own_motion(out, tmp_path):
+    from comparisons import cross
+
+    costs = cross([out, out], [None, None], [], tmp_path, 1)
+    assert costs.shape == (2, 3) and (costs[0] == costs[1]).all() and costs[0, 0] == costs[0, 1] < costs[0, 2]
+
+
+def test_pictures(out, tmp_path):
+    """Fig. 5a has the energy of its node; Fig. 5b begins where it is told."""
+    from reconstructions import energies, energy_job, estimate, plain_job
+    from searches import annealing, cma_from, landscape, robustness
+
+    costs = landscape(out, None, 3, tmp_path, 1)
+    (own,) = estimate(out)
+    corner = d.Material(**{**own.to_dict(), "d_n": 32.0, "k_bend": 0.0})
+    assert costs.shape == (3, 3, 1) and costs[0, 2].tolist() == energies(energy_job(plain_job(out), [[corner]]))[0]
+    start = [0.2, 0.8, 0.3, 0.9, 0.6]
+    samples = cma_from(start, 1e-6, 1, d.FitOptions(max_evaluations=8)).ask()
+    assert np.abs(samples - start).max() < 1e-4
+    runs = robustness(out, None, 2, 16, tmp_path, 1)
+    assert [steps[0] for steps in runs[0]["steps"]] == [8, 16] and runs[0]["steps"] != runs[1]["steps"]
+    assert np.shape(annealing(out, None, [1], 8, tmp_path, 1)) == (1, 3)
+    assert (tmp_path / "landscape_0.png").stat().st_size > 5000 and (tmp_path / "robustness.png").stat().st_size > 5000
