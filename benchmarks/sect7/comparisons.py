@@ -32,13 +32,7 @@ def recovery(out: Path, session, truth: d.Material, how: Filming, evaluations: i
     job = study.fit_jobs([folder], options=[{**options, "fit.max_evaluations": evaluations}], fps=fps, threads=workers)[0]
     fit = run(study.fit, [{**job, "checkpoints": str(work.resolve())}], work, 1)[0]
 
-    unit, rows = d.ParameterSpace().unit, []
-    for k, region in enumerate(fit["regions"]):
-        apart = np.abs(unit(d.Material(**region["parameters"])) - unit(truth))
-        for name, error in zip(NAMES, apart):
-            told = region["confidence"][name]
-            told = "low: not identifiable" if told == "low" else told
-            rows.append([k, name, getattr(truth, name), region["parameters"][name], float(error), told])
+    rows = recovered_parameters(fit["regions"], truth)
     print(markdown(["region", "parameter", "true", "estimated", "abs. error, of the box", "confidence"], rows), "\n")
 
     made, found = study.reconstruction(job), [d.Material(**region["parameters"]) for region in fit["regions"]]
@@ -53,11 +47,23 @@ def recovery(out: Path, session, truth: d.Material, how: Filming, evaluations: i
     return fit, rows
 
 
+def recovered_parameters(regions: list[dict], truth: d.Material) -> list[list]:
+    unit, rows = d.ParameterSpace().unit, []
+    for k, region in enumerate(regions):
+        apart = np.abs(unit(d.Material(**region["parameters"])) - unit(truth))
+        for name, error in zip(NAMES, apart):
+            told = region["confidence"][name]
+            told = "low: not identifiable" if told == "low" else told
+            rows.append([k, name, getattr(truth, name), region["parameters"][name], float(error), told])
+    return rows
+
+
 def table1(out: Path, session, how: Filming, work: Path, workers: int):
     """Table 1: whether E_fit tells the paper's six materials apart. Each is filmed on the character, and all six are compared
     with what was filmed. (1a and 1b are one skirt in two motions: the paper calls them the same material.)"""
     sets, jobs = table_1(), []
-    fps, regions = plain_job(out, session)["fps"], len(estimate(out))
+    base = plain_job(out, session)
+    fps, regions = base["fps"], study.reconstruction(base).clothness().region_count
     for truth in sets.values():
         folder, options = filmed(out, session, truth, how, work)
         jobs.append(energy_job(study.plain_job(folder, options, fps, 1), [[m] * regions for m in sets.values()]))
@@ -67,9 +73,8 @@ def table1(out: Path, session, how: Filming, work: Path, workers: int):
         shown = [f"**{cost:.4g}**" if cost == row.min() else f"{cost:.4g}" for cost in row]
         rows.append([name, *shown, "yes" if row.argmin() == k else "no"])
     print(markdown(["filmed; E_fit, px^2, of", *sets, "own is lowest"], rows))
-    print(
-        f"\nown material is the lowest of its row in {int((costs.argmin(axis=1) == np.arange(len(sets))).sum())} of {len(sets)}"
-    )
+    own = int((costs.argmin(axis=1) == np.arange(len(sets))).sum())
+    print(f"\nown material is the lowest of its row in {own} of {len(sets)}")
     return costs
 
 
@@ -91,14 +96,11 @@ def rivals(out: Path, session, truth_folder: Path, every: int):
     others = {"centre of the box": box_centre(), **table_1()}
     samples = {"estimate": own, **{name: [m] * len(own) for name, m in others.items()}}
     found = {}
-    for name, materials in samples.items():
-        surfaces = dict(zip(recon.performance.frames, simulate(made, materials)))
-        found[name] = [evaluate.cloth_rms_cm(surfaces, recon.faces, truth, every, context, name), ""]
-    skinned = [d.pose_surface(recon.actor, dofs) for dofs in recon.performance.dofs]
-    found["skinned, no cloth"] = [
-        evaluate.cloth_rms_cm(dict(zip(recon.performance.frames, skinned)), recon.faces, truth, every, context, "skinned"),
-        "",
-    ]
+    surfaces = {name: simulate(made, materials) for name, materials in samples.items()}
+    surfaces["skinned, no cloth"] = [d.pose_surface(recon.actor, dofs) for dofs in recon.performance.dofs]
+    for name, sequence in surfaces.items():
+        by_frame = dict(zip(recon.performance.frames, sequence))
+        found[name] = [evaluate.cloth_rms_cm(by_frame, recon.faces, truth, every, context, name), ""]
     novel = truth.folder / "novel"
     if (novel / "motion.bvh").exists():
         for name, surfaces in novel_surfaces(out, novel / "motion.bvh", made.fps, samples, context):
