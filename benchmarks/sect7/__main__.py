@@ -14,10 +14,12 @@ OUT: a folder of `doublet reconstruct`; robustness and annealing need it up to s
 """
 
 import argparse
+import sys
 from pathlib import Path
 
 import comparisons
 import searches
+from doublet import evaluate
 from filmed import Filming
 from reconstructions import material
 
@@ -38,7 +40,8 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True)
 
     def add(name: str, function, run, outs: int = 1):
-        command = commands.add_parser(name, help=function.__doc__.splitlines()[0], description=function.__doc__)
+        text = function.__doc__.replace("%", "%%")
+        command = commands.add_parser(name, help=text.splitlines()[0], description=text)
         command.add_argument("out", type=Path, nargs=outs, metavar="OUT")
         command.add_argument("--session", type=Path, nargs=outs, metavar="DIR", help="default: the one that OUT was made from")
         command.add_argument("--work", type=Path, metavar="DIR", help="what was done is kept here (default: OUT/sect7)")
@@ -77,9 +80,15 @@ def build_parser() -> argparse.ArgumentParser:
 def main(arguments=None) -> None:
     parsed = build_parser().parse_args(arguments)
     parsed.session = parsed.session or [None] * len(parsed.out)
+    for out in parsed.out:
+        if not out.is_dir():
+            sys.exit(f"sect7: {out} is not a folder")
     parsed.work = parsed.work or parsed.out[0] / "sect7"
     parsed.work.mkdir(parents=True, exist_ok=True)
-    parsed.run(parsed)
+    try:
+        parsed.run(parsed)
+    except (RuntimeError, OSError, ValueError, evaluate.Missing) as error:
+        sys.exit(f"sect7: {error}")
 
 
 if __name__ == "__main__":

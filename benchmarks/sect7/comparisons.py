@@ -103,9 +103,9 @@ def rivals(out: Path, session, truth_folder: Path, every: int):
         found[name] = [evaluate.cloth_rms_cm(by_frame, recon.faces, truth, every, context, name), ""]
     novel = truth.folder / "novel"
     if (novel / "motion.bvh").exists():
-        for name, surfaces in novel_surfaces(out, novel / "motion.bvh", made.fps, samples, context):
-            there = evaluate.Truth(novel)
-            found[name][1] = evaluate.cloth_rms_cm(dict(enumerate(surfaces)), recon.faces, there, every, context, name)
+        there = evaluate.Truth(novel)
+        for name, moved in novel_surfaces(out, novel / "motion.bvh", made.fps, samples, context):
+            found[name][1] = evaluate.cloth_rms_cm(dict(enumerate(moved)), recon.faces, there, every, context, name)
     print(markdown(["material", "resim_cloth_cm", "novel_cloth_cm"], [[name, *row] for name, row in found.items()]))
     return found
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import runpy
 import shutil
 import sys
 from pathlib import Path
@@ -160,3 +161,19 @@ def test_pictures(out, tmp_path):
     assert [steps[0] for steps in runs[0]["steps"]] == [8, 16] and runs[0]["steps"] != runs[1]["steps"]
     assert np.shape(annealing(out, None, [1], 8, tmp_path, 1)) == (1, 3)
     assert (tmp_path / "landscape_0.png").stat().st_size > 5000 and (tmp_path / "robustness.png").stat().st_size > 5000
+
+
+def test_the_command_line(out, tmp_path, capsys):
+    main = runpy.run_path(str(FOLDER / "__main__.py"))["main"]
+    main(["iterations", str(out), "--work", str(tmp_path)])
+    assert "| 24 x 1 | 18 x 1 | 25 |" in capsys.readouterr().out
+    for arguments in (["-h"], ["cross", "-h"]):
+        with pytest.raises(SystemExit) as stop:
+            main(arguments)
+        assert stop.value.code == 0
+    for arguments, text in (
+        (["iterations", "nowhere"], "nowhere is not a folder"),
+        (["table1", str(out), "--work", str(tmp_path), "--cameras", "9"], "--cameras is 9, the session has 3"),
+    ):
+        with pytest.raises(SystemExit, match=text):
+            main(arguments)
