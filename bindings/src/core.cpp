@@ -357,14 +357,15 @@ void bind_stage_values(py::module_ &m) {
       "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
   py::class_<Clothness>(m, "Clothness", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
-      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {
+      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region, Eigen::VectorXd fullness) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
-             return Clothness{std::move(sigma), std::move(clothness), std::move(region), count};
+             return Clothness{std::move(sigma), std::move(clothness), std::move(region), count, std::move(fullness)};
            }),
-           py::arg("sigma"), py::arg("clothness"), py::arg("region"))
+           py::arg("sigma"), py::arg("clothness"), py::arg("region"), py::arg("fullness") = Eigen::VectorXd())
       .def_readwrite("sigma", &Clothness::sigma, "(V) m")
       .def_readwrite("clothness", &Clothness::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Clothness::region, "(V), -1 = rigid")
+      .def_readwrite("fullness", &Clothness::fullness, "(V) width across gravity over the scan's; empty = 1")
       .def_readwrite("region_count", &Clothness::region_count);
   py::class_<TaperedCapsule>(m, "TaperedCapsule", "Collision proxy carried by a joint.")
       .def(py::init([](int joint, Eigen::Vector3d p0, Eigen::Vector3d p1, double r0, double r1) {

@@ -151,10 +151,12 @@ void bind_pbd(py::module_ &m) {
       .field("self_thickness", &ClothOptions::self_thickness, "m, kept between cloth and itself")
       .field("self_collision", &ClothOptions::self_collision, "cloth collides with itself");
   py::class_<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "Topology and rest state of a piece of cloth; immutable.")
-      .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options) {
-             return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options));
+      .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
+                       const Eigen::VectorXd &fullness) {
+             return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options, fullness));
            }),
-           py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{}, Release())
+           py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{},
+           py::arg("fullness") = Eigen::VectorXd(), Release())
       .def_property_readonly("vertex_count", &ClothModel::vertex_count)
       .def_property_readonly("options", &ClothModel::options)
       .def_property_readonly("inverse_masses", &ClothModel::inverse_masses);

@@ -70,17 +70,19 @@ Skeleton json_skeleton(const json &joints) {
 }
 
 json clothness_json(glb::Writer &writer, const Clothness &clothness) {
-  std::vector<float> sigma, delta;
+  std::vector<float> sigma, delta, fullness;
   std::vector<std::uint32_t> region;
   for (Eigen::Index v = 0; v < clothness.clothness.size(); ++v) {
     const double s = v < clothness.sigma.size() ? clothness.sigma[v] : std::numeric_limits<double>::quiet_NaN();
     sigma.push_back(std::isfinite(s) ? static_cast<float>(s) : -1.0f); // glTF has no NaN
     delta.push_back(static_cast<float>(clothness.clothness[v]));
+    fullness.push_back(clothness.fullness.size() > 0 ? static_cast<float>(clothness.fullness[v]) : 1.0f);
     region.push_back(static_cast<std::uint32_t>(clothness.region[v] + 1));
   }
   return {{"sigma", writer.floats(sigma, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
           {"clothness", writer.floats(delta, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
           {"region", writer.integers(region, glb::Use::Data)},
+          {"fullness", writer.floats(fullness, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
           {"regionCount", clothness.region_count}};
 }
 
@@ -100,6 +102,13 @@ Clothness json_clothness(const glb::Reader &reader, const json &j) {
     if (region[v] > static_cast<std::uint32_t>(std::max(clothness.region_count, 0)))
       reader.fail("region " + std::to_string(region[v]) + " of " + std::to_string(clothness.region_count));
     clothness.region[v] = static_cast<int>(region[v]) - 1;
+  }
+  if (j.contains("fullness")) { // not in characters of 0.1.0
+    const std::vector<float> fullness = reader.floats(j.at("fullness").get<int>());
+    if (fullness.size() != delta.size())
+      reader.fail("expected fullness and clothness of one length");
+    clothness.fullness =
+        Eigen::Map<const Eigen::VectorXf>(fullness.data(), static_cast<Eigen::Index>(fullness.size())).cast<double>();
   }
   return clothness;
 }

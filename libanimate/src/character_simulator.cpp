@@ -25,6 +25,8 @@ void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std:
   expect("a row of actor.weights", actor.weights.cols(), joints);
   expect("clothness.clothness", clothness.clothness.size(), vertices);
   expect("clothness.region", clothness.region.size(), vertices);
+  if (clothness.fullness.size() > 0)
+    expect("clothness.fullness", clothness.fullness.size(), vertices);
   if (!(clothness.clothness.array() >= 0).all() || !(clothness.clothness.array() <= 1).all())
     throw Error("CharacterSimulator: clothness must lie in [0, 1]");
   if (vertices > 0 && clothness.region.maxCoeff() >= clothness.region_count)
@@ -58,12 +60,14 @@ ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, con
     throw Error("CharacterSimulator: cloth region " + std::to_string(region) + " has no valid triangle");
   ClothRegion result;
   const Mesh sub = submesh(actor.mesh, faces, &result.vertex_from_cloth);
-  Eigen::VectorXd delta(sub.vertices.rows());
+  Eigen::VectorXd delta(sub.vertices.rows()), fullness = Eigen::VectorXd::Ones(sub.vertices.rows());
   for (Eigen::Index i = 0; i < delta.size(); ++i) {
     const int v = result.vertex_from_cloth[i];
     delta[i] = clothness.region[v] == region ? clothness.clothness[v] : 0.0;
+    if (clothness.fullness.size() > 0)
+      fullness[i] = clothness.fullness[v];
   }
-  result.model = pbd::ClothModel::create(sub.vertices, sub.faces, delta, options);
+  result.model = pbd::ClothModel::create(sub.vertices, sub.faces, delta, options, fullness);
   result.solver = pbd::ClothSolver::create(result.model);
   return result;
 }

@@ -257,6 +257,10 @@ void write_clothness(const Path &path, const Clothness &clothness) {
   npz.set_f4("sigma", {V}, flat(clothness.sigma));
   npz.set_f4("clothness", {V}, flat(clothness.clothness));
   npz.set_i4("region", {V}, {clothness.region.data(), clothness.region.data() + V});
+  if (clothness.fullness.size() > 0) {
+    require(clothness.fullness.size() == V, "write_clothness: expected fullness of the length of clothness, or empty");
+    npz.set_f4("fullness", {V}, flat(clothness.fullness));
+  }
   npz.write(path);
 }
 
@@ -273,6 +277,11 @@ Clothness read_clothness(const Path &path) {
   const bool in_range = (out.clothness.array() >= 0 && out.clothness.array() <= 1).all();
   if (!in_range)
     throw Error(npz.source + ": array 'clothness': expected values in [0, 1], found others");
+  if (npz.has("fullness")) {
+    out.fullness = read_vector(npz, "fullness", out.clothness.size());
+    if (!(out.fullness.array() >= 1).all() || !out.fullness.allFinite())
+      throw Error(npz.source + ": array 'fullness': expected finite values of at least 1, found others");
+  }
   return out;
 }
 

@@ -43,6 +43,25 @@ double face_area(const Vertices &rest, const Triangle &face) {
   return 0.5 * (b - a).cross(c - a).norm();
 }
 
+/// (N, 3) the horizontal direction in the surface, a unit vector; 0 where the surface lies (almost) flat, or nothing pulls.
+Vertices directions_across(const Vertices &rest, const std::vector<Triangle> &faces, const Eigen::Vector3d &gravity) {
+  constexpr double kUpright = 0.2; // sine between normal and gravity
+  Vertices normals = Vertices::Zero(rest.rows(), 3);
+  for (const Triangle &face : faces) {
+    const Eigen::Vector3d a = rest.row(face.v[0]), b = rest.row(face.v[1]), c = rest.row(face.v[2]);
+    for (int v : face.v)
+      normals.row(v) += (b - a).cross(c - a).transpose();
+  }
+  Vertices across = Vertices::Zero(rest.rows(), 3);
+  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+    const Eigen::Vector3d horizontal = gravity.cross(Eigen::Vector3d(normals.row(v)));
+    const double size = horizontal.norm();
+    if (size > kUpright * gravity.norm() * normals.row(v).norm())
+      across.row(v) = horizontal.transpose() / size;
+  }
+  return across;
+}
+
 /// Undirected edge -> the faces beside it with the vertex opposite, in face order. Ordered map: the same on every platform.
 using EdgeMap = std::map<std::array<int, 2>, std::vector<int>>;
 EdgeMap opposite_vertices(const std::vector<Triangle> &faces) {
@@ -148,14 +167,17 @@ void ClothOptions::validate() const {
 }
 
 std::shared_ptr<const ClothModel> ClothModel::create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                                     const ClothOptions &options) {
-  return std::make_shared<PbdModel>(rest, faces, clothness, options);
+                                                     const ClothOptions &options, const Eigen::VectorXd &fullness) {
+  return std::make_shared<PbdModel>(rest, faces, clothness, options, fullness);
 }
 
-PbdModel::PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options)
-    : options_(options) {
+PbdModel::PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
+                   const Eigen::VectorXd &fullness)
+    : options_(options), fullness_(fullness.size() > 0 ? fullness : Eigen::VectorXd::Ones(rest.rows())) {
   options.validate();
   check_mesh(rest, faces, clothness);
+  if (fullness_.size() != rest.rows() || !(fullness_.array() >= 1).all() || !fullness_.allFinite())
+    refuse("fullness must have one finite value of at least 1 a vertex (" + std::to_string(rest.rows()) + ")");
   for (int f = 0; f < faces.rows(); ++f)
     faces_.push_back({{faces(f, 0), faces(f, 1), faces(f, 2)}});
   set_masses(rest, clothness);
@@ -174,7 +196,7 @@ void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness
       refuse("face " + std::to_string(&face - faces_.data()) + " is degenerate: its area must exceed 1e-12 m^2, found " +
              std::to_string(area));
     for (int v : face.v)
-      mass[v] += area / 3;
+      mass[v] += fullness_[v] * area / 3;
   }
   inverse_mass_ = Eigen::VectorXd::Zero(rest.rows());
   for (int i = 0; i < rest.rows(); ++i) {
@@ -189,6 +211,7 @@ void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness
 void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
   const Eigen::VectorXd &w = inverse_mass_;
+  const Vertices across = directions_across(rest, faces_, options_.gravity);
   std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
   for (const auto &[edge, opposite] : edges) {
@@ -196,7 +219,7 @@ void PbdModel::set_constraints(const Vertices &rest) {
     const double sum = w[a] + w[b];
     if (sum > 0) {
       stretches_.push_back({a, b, static_cast<float>(w[a] / sum), static_cast<float>(w[b] / sum),
-                            static_cast<float>((rest.row(a) - rest.row(b)).norm())});
+                            static_cast<float>(full_length(rest, across, a, b))});
       stretch_vertices.insert(stretch_vertices.end(), {a, b});
     }
     for (size_t k = 0; k + 1 < opposite.size(); ++k) { // a non-manifold edge bends between consecutive faces
@@ -224,6 +247,13 @@ void PbdModel::set_constraints(const Vertices &rest) {
   const std::vector<int> ring = rings_from_attachment(edges, weights_);
   stretches_ = in_spread_order(stretches_, stretch_vertices, 2, ring, kStretchGap);
   blocks_ = in_blocks(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), vertex_count());
+}
+
+/// Of an edge: its part across gravity is wider than in `rest`.
+double PbdModel::full_length(const Vertices &rest, const Vertices &across, int a, int b) const {
+  const Eigen::Vector3d d = (rest.row(b) - rest.row(a)).transpose();
+  const auto square = [&](int v) { return std::pow(across.row(v).dot(d), 2) * (fullness_[v] * fullness_[v] - 1); };
+  return std::sqrt(d.squaredNorm() + 0.5 * (square(a) + square(b)));
 }
 
 void PbdModel::set_followers(const Eigen::VectorXd &clothness) {

@@ -9,7 +9,8 @@ namespace doublet::pbd {
 
 class PbdModel final : public ClothModel {
 public:
-  PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options);
+  PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
+           const Eigen::VectorXd &fullness);
   int vertex_count() const override { return static_cast<int>(inverse_mass_.size()); }
   const ClothOptions &options() const override { return options_; }
   const Eigen::VectorXd &inverse_masses() const override { return inverse_mass_; }
@@ -18,11 +19,13 @@ public:
 private:
   void set_masses(const Vertices &rest, const Eigen::VectorXd &clothness);
   void set_constraints(const Vertices &rest);
+  double full_length(const Vertices &rest, const Vertices &across, int a, int b) const;
   void set_followers(const Eigen::VectorXd &clothness);
   void set_tree(const Vertices &rest);
   void set_arrays();
 
   ClothOptions options_;
+  Eigen::VectorXd fullness_; ///< (N)
   std::vector<Triangle> faces_;
   Eigen::VectorXd inverse_mass_;
   std::vector<float> weights_; ///< inverse masses once more, for the loops

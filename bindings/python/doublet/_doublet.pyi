@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'body_regions', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'measure_influence', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'body_regions', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'measure_influence', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -349,7 +349,7 @@ class Clothness:
     def __init__(self) -> None:
         ...
     @typing.overload
-    def __init__(self, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], region: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+    def __init__(self, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], region: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"], fullness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...) -> None:
         ...
     @property
     def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -358,6 +358,14 @@ class Clothness:
         """
     @clothness.setter
     def clothness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def fullness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) width across gravity over the scan's; empty = 1
+        """
+    @fullness.setter
+    def fullness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def region(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
@@ -1908,6 +1916,55 @@ class SegmentOptions:
     @smallest_region.setter
     def smallest_region(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class FullnessOptions:
+    """
+    Options of estimate_fullness.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def estimate(self) -> bool:
+        """
+        off: the cloth is as wide as the scan
+        """
+    @estimate.setter
+    def estimate(self, arg0: bool) -> None:
+        ...
+    @property
+    def largest(self) -> float:
+        """
+        more is taken for a mistake of the tracking
+        """
+    @largest.setter
+    def largest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def quantile(self) -> float:
+        """
+        over time, of the width that counts
+        """
+    @quantile.setter
+    def quantile(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smoothing(self) -> float:
+        """
+        length scale of the diffusion over the surface, m
+        """
+    @smoothing.setter
+    def smoothing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class ClothSegmenter:
     """
     Stage: mesh sequence -> clothness. Subclass to replace it.
@@ -2476,7 +2533,7 @@ class ClothModel:
     """
     Topology and rest state of a piece of cloth; immutable.
     """
-    def __init__(self, rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: ClothOptions = ...) -> None:
+    def __init__(self, rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: ClothOptions = ..., fullness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...) -> None:
         ...
     @property
     def inverse_masses(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -3670,6 +3727,8 @@ def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.
     (N) unsigned distances, m
     """
 def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], world_from_rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    ...
+def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], clothness: Clothness, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     ...
 def estimate_material(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: FitOptions = ..., context: Context = ...) -> FitResult:
     ...

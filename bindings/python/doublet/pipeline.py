@@ -29,6 +29,7 @@ OPTION_GROUPS = {
     "annealing": d.ParticleAnnealingOptions,
     "surface": d.SurfaceOptions,
     "segment": d.SegmentOptions,
+    "fullness": d.FullnessOptions,
     "body": d.BodyFitOptions,
     "proxy": d.ProxyOptions,
     "cloth": d.ClothOptions,
@@ -191,9 +192,18 @@ def run_segment(job: Job) -> dict:
     sequence = performance.surface
     sequence.unposed = d.unposed_frames(job.actor, performance, job.context)
     result = stage.segment(sequence, job.actor.face_valid, job.context)
+    scan = d.Mesh(job.actor.mesh.vertices, job.actor.mesh.faces)
+    result.fullness = d.estimate_fullness(
+        scan, job.actor.face_valid, result, performance.surface, job.options["fullness"], job.context
+    )
     d.write_clothness(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
-    return {"regions": result.region_count, "cloth_area_m2": float(areas[result.clothness > 0.5].sum())}
+    cloth = result.clothness > 0.5
+    return {
+        "regions": result.region_count,
+        "cloth_area_m2": float(areas[cloth].sum()),
+        "fullness": float(np.average(result.fullness[cloth], weights=areas[cloth])) if cloth.any() else 1.0,
+    }
 
 
 def run_body(job: Job) -> dict:
@@ -275,7 +285,7 @@ STAGES = (
         ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
         lambda s: [calibration_file(s), *image_files(s)], uses_seed=True,
     ),
-    Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment",), run_segment),
+    Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "fullness"), run_segment),
     Stage(
         "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
         lambda s: [markers_file(s)], uses_body_model=True,

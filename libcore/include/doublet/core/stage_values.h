@@ -62,6 +62,8 @@ struct Clothness {
   Eigen::VectorXd clothness; ///< (V) delta in [0, 1]
   Eigen::VectorXi region;    ///< (V) connected region of delta > 0, numbered by falling area; -1 = rigid
   int region_count = 0;
+  /// (V) >= 1: width across gravity over that of the scan (see estimate_fullness); empty = 1 everywhere.
+  Eigen::VectorXd fullness = {};
 };
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.

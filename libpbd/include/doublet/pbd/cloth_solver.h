@@ -42,10 +42,12 @@ struct ClothOptions {
 class ClothModel {
 public:
   /// rest (N, 3): rest lengths and angles come from here. clothness (N) in [0, 1]: 0 = follows its target (infinite mass), 1 =
-  /// free, between = blended with stiffness 1 - clothness. Masses are one third of the adjacent areas. Throws
-  /// std::invalid_argument on an empty or non-finite mesh, bad indices, degenerate faces, wrong lengths.
+  /// free, between = blended with stiffness 1 - clothness. Masses are one third of the adjacent areas. fullness (N) >= 1, empty =
+  /// 1: how many times as wide as `rest` the cloth is across gravity (gathered cloth, whose folds the mesh does not show);
+  /// lengths and masses grow with it, angles do not. Throws std::invalid_argument on an empty or non-finite mesh, bad indices,
+  /// degenerate faces, wrong lengths.
   static std::shared_ptr<const ClothModel> create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                                  const ClothOptions &options = {});
+                                                  const ClothOptions &options = {}, const Eigen::VectorXd &fullness = {});
   virtual ~ClothModel() = default;
   virtual int vertex_count() const = 0;
   virtual const ClothOptions &options() const = 0;

@@ -1,0 +1,141 @@
+#include "doublet/segment/fullness.h"
+
+#include "doublet/segment/diffusion.h"
+#include "valid_faces.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+namespace doublet {
+namespace {
+
+constexpr int kRings = 2;        // of edges around a vertex
+constexpr double kUpright = 0.2; // sine between normal and gravity below which a surface lies flat
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+/// Edges of the cloth with their rest state, and which ones meet at a vertex.
+struct Edges {
+  std::vector<std::array<int, 2>> ends;
+  std::vector<std::vector<int>> at; ///< [V]
+};
+
+Edges edges_of(const Faces &faces, Eigen::Index vertex_count) {
+  std::set<std::array<int, 2>> unique;
+  for (int f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = faces(f, k), b = faces(f, (k + 1) % 3);
+      unique.insert({std::min(a, b), std::max(a, b)});
+    }
+  Edges edges{{unique.begin(), unique.end()}, std::vector<std::vector<int>>(vertex_count)};
+  for (std::size_t e = 0; e < edges.ends.size(); ++e)
+    for (int v : edges.ends[e])
+      edges.at[v].push_back(static_cast<int>(e));
+  return edges;
+}
+
+/// The edges between vertices at most kRings edges away.
+std::vector<int> surroundings(const Edges &edges, int vertex) {
+  std::set<int> reached{vertex}, chosen;
+  std::vector<int> front{vertex};
+  for (int ring = 0; ring < kRings; ++ring) {
+    std::vector<int> next;
+    for (int v : front)
+      for (int e : edges.at[v]) {
+        chosen.insert(e);
+        for (int w : edges.ends[e])
+          if (reached.insert(w).second)
+            next.push_back(w);
+      }
+    front = std::move(next);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+double quantile(std::vector<double> values, double share) {
+  const auto last = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), last, values.end());
+  return *last;
+}
+
+/// Widths across gravity over that of the scan, one a frame; empty if they cannot be told.
+std::vector<double> widths(const Mesh &scan, const Edges &edges, int vertex, const Eigen::Vector3d &normal,
+                           const MeshSequence &sequence) {
+  const Eigen::Vector3d horizontal = Eigen::Vector3d::UnitY().cross(normal);
+  const std::vector<int> chosen = surroundings(edges, vertex);
+  if (!(horizontal.norm() > kUpright) || chosen.size() < 4)
+    return {};
+  const Eigen::Vector3d across = horizontal.normalized(), along = normal.cross(across).normalized();
+  // |d|^2 = d' G d for each edge d in the tangent plane, turned into it at its full length; relative to the scan's.
+  Eigen::Matrix<double, Eigen::Dynamic, 3> system(chosen.size(), 3);
+  Eigen::VectorXd lengths(chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const auto [a, b] = edges.ends[chosen[i]];
+    const Eigen::Vector3d d = (scan.vertices.row(b) - scan.vertices.row(a)).transpose();
+    const Eigen::Vector2d flat = Eigen::Vector2d(d.dot(across), d.dot(along)).normalized();
+    system.row(i) << flat.x() * flat.x(), 2 * flat.x() * flat.y(), flat.y() * flat.y();
+    lengths[i] = d.norm();
+  }
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(system);
+  if (solver.rank() < 3 || !(lengths.minCoeff() > 0))
+    return {};
+  std::vector<double> result;
+  Eigen::VectorXd squares(chosen.size());
+  for (const Vertices &frame : sequence.frames) {
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const auto [a, b] = edges.ends[chosen[i]];
+      squares[i] = (frame.row(b) - frame.row(a)).squaredNorm() / (lengths[i] * lengths[i]);
+    }
+    const Eigen::Vector3d metric = solver.solve(squares);
+    result.push_back(std::sqrt(std::max(metric[0], 0.0)));
+  }
+  return result;
+}
+
+} // namespace
+
+void FullnessOptions::validate() const {
+  const auto check = [](bool ok, const std::string &expected, double found) {
+    if (!ok)
+      throw std::invalid_argument("FullnessOptions: expected " + expected + ", found " + std::to_string(found));
+  };
+  check(quantile >= 0 && quantile <= 1, "quantile in [0, 1]", quantile);
+  check(largest >= 1 && std::isfinite(largest), "largest of at least 1", largest);
+  check(smoothing >= 0 && std::isfinite(smoothing), "a smoothing of at least 0 m", smoothing);
+}
+
+Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness,
+                                  const MeshSequence &sequence, const FullnessOptions &options, const Context &context) {
+  options.validate();
+  const Eigen::Index count = scan.vertices.rows();
+  const auto check = [count](const std::string &what, Eigen::Index found) {
+    if (found != count)
+      throw std::invalid_argument("estimate_fullness: " + what + ": expected " + std::to_string(count) + " vertices, found " +
+                                  std::to_string(found));
+  };
+  check("clothness", clothness.region.size());
+  if (sequence.frames.empty())
+    throw std::invalid_argument("estimate_fullness: expected at least one frame, found none");
+  for (const Vertices &frame : sequence.frames)
+    check("a frame", frame.rows());
+  if (!options.estimate || clothness.region_count == 0)
+    return Eigen::VectorXd::Ones(count);
+  const Faces faces = valid_faces(scan.faces, face_valid);
+  const Edges edges = edges_of(faces, count);
+  const Vertices normals = vertex_normals(scan.vertices, faces);
+  Eigen::VectorXd wide = Eigen::VectorXd::Ones(count);
+  parallel_for(context, static_cast<int>(count), [&](int v) {
+    if (clothness.region[v] < 0)
+      return;
+    const std::vector<double> found = widths(scan, edges, v, normals.row(v).transpose(), sequence);
+    wide[v] = found.empty() ? kUnknown : std::clamp(quantile(found, options.quantile), 1.0, options.largest);
+  });
+  wide = diffuse_on_surface(scan.vertices, faces, wide, options.smoothing);
+  for (Eigen::Index v = 0; v < count; ++v)
+    wide[v] = clothness.region[v] >= 0 && wide[v] > 1 ? std::min(wide[v], options.largest) : 1.0;
+  return wide;
+}
+
+} // namespace doublet
