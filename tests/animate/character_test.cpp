@@ -58,6 +58,7 @@ void expect_same(const Character &a, const Character &b) {
   ASSERT_EQ(a.materials.size(), b.materials.size());
   EXPECT_EQ(a.materials[0].d_n, b.materials[0].d_n);
   EXPECT_EQ(a.materials[0].k_friction, b.materials[0].k_friction);
+  EXPECT_EQ(a.clothness.fullness, b.clothness.fullness);
   EXPECT_EQ(a.solver.dt, b.solver.dt);
   EXPECT_EQ(a.solver.cloth.iterations, b.solver.cloth.iterations);
   EXPECT_EQ(a.solver.cloth.gravity, b.solver.cloth.gravity);
@@ -76,7 +77,8 @@ void expect_same(const Character &a, const Character &b) {
 
 TEST(CharacterFile, ComesBackAsItWas) {
   const TempFolder folder;
-  const Character c = textured_character();
+  Character c = textured_character();
+  c.clothness.fullness = Eigen::VectorXd::Constant(c.clothness.clothness.size(), 1.25);
   write_character(folder / "character.glb", c);
   const Character once = read_character(folder / "character.glb");
   expect_same(c, once);
