@@ -363,14 +363,7 @@ TEST(Cloth, ReplaysToTheBit) {
   const Material m;
   const auto play = [&](const ClothSolver &with, ClothState &state, int from, int to) {
     for (int f = from; f < to; ++f) {
-      const Vertices a = dancer.targets(s.rest, f * kH), b = dancer.targets(s.rest, (f + 1) * kH);
-      const std::vector<Capsule> ca = dancer.capsules(f * kH), cb = dancer.capsules((f + 1) * kH);
-      StepInputs in;
-      in.previous_targets = &a;
-      in.targets = &b;
-      in.previous_capsules = &ca;
-      in.capsules = &cb;
-      with.step(state, in, m);
+      with.step(state, scenes::DancerFrame(dancer, s.rest, f * kH).inputs, m);
     }
   };
   ClothState state = initial_state(s.rest);
@@ -403,14 +396,7 @@ TEST(Cloth, CompanyChangesNoBit) {
                          i % 4 ? 0 : unit(random)});
   const auto play = [&](std::vector<ClothState> &states, const std::vector<Material> &with) {
     for (int f = 0; f < 25; ++f) {
-      const Vertices a = dancer.targets(s.rest, f * kH), b = dancer.targets(s.rest, (f + 1) * kH);
-      const std::vector<Capsule> ca = dancer.capsules(f * kH), cb = dancer.capsules((f + 1) * kH);
-      StepInputs in;
-      in.previous_targets = &a;
-      in.targets = &b;
-      in.previous_capsules = &ca;
-      in.capsules = &cb;
-      solver->step_many(states, in, with);
+      solver->step_many(states, scenes::DancerFrame(dancer, s.rest, f * kH).inputs, with);
     }
   };
   std::vector<ClothState> together(count, initial_state(s.rest));

@@ -95,4 +95,20 @@ struct Dancer {
   }
 };
 
+/// A frame of 1/40 s of a dance, from t (s) on, and what a step is told about it.
+struct DancerFrame {
+  Vertices before, after;
+  std::vector<Capsule> capsules_before, capsules_after;
+  StepInputs inputs;
+  DancerFrame(const Dancer &dancer, const Vertices &rest, double t)
+      : before(dancer.targets(rest, t)), after(dancer.targets(rest, t + 1.0 / 40)), capsules_before(dancer.capsules(t)),
+        capsules_after(dancer.capsules(t + 1.0 / 40)) {
+    inputs.previous_targets = &before;
+    inputs.targets = &after;
+    inputs.previous_capsules = &capsules_before;
+    inputs.capsules = &capsules_after;
+  }
+  DancerFrame(const DancerFrame &) = delete; // inputs point into this one
+};
+
 } // namespace doublet::pbd::scenes
