@@ -105,8 +105,8 @@ std::pair<ReferencePerformance, Observations> forth_and_back(const testing::Scen
   return {performance, observations};
 }
 
-/// A whole estimation: population, evaluations, frames, threads, frames a window (0 = one rollout). Self-collision on, 8 cameras of 1004 pixels. The parts are
-/// shares of the CPU time.
+/// A whole estimation: population, evaluations, frames, threads, frames a window (0 = one rollout). Self-collision on, 8 cameras
+/// of 1004 pixels. The parts are shares of the CPU time.
 void estimate(benchmark::State &state) {
   static const auto scene = testing::make_scene({testing::cotton()}, {126, 8, 1004, 25, 52, true, 9});
   const auto [performance, observations] = forth_and_back(*scene, static_cast<int>(state.range(2)));
