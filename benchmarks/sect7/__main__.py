@@ -8,9 +8,10 @@
     python benchmarks/sect7 landscape OUT         Fig. 5a
     python benchmarks/sect7 robustness OUT        Fig. 5b
     python benchmarks/sect7 annealing OUT         CMA-ES against simulated annealing
+    python benchmarks/sect7 variants OUT          beyond the paper: windows, k', larger populations, early stopping
 
-OUT: a folder of `doublet reconstruct`; robustness and annealing need it up to stage body only. What was done is kept in WORK
-(OUT/sect7) and not done again.
+OUT: a folder of `doublet reconstruct`; robustness, annealing and variants need it up to stage body only. What was done is kept
+in WORK (OUT/sect7) and not done again.
 """
 
 import argparse
@@ -74,6 +75,10 @@ def build_parser() -> argparse.ArgumentParser:
     command = add("annealing", s.annealing, lambda a: s.annealing(*one(a), a.seeds, a.evaluations, a.work, a.workers))
     command.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
     command.add_argument("--evaluations", type=int, default=256, metavar="N", help="of CMA-ES")
+    command = add("variants", s.variants, lambda a: s.variants(*one(a), a.truth, a.evaluations, a.seeds, a.work, a.workers))
+    command.add_argument("--truth", type=Path, metavar="DIR", help="ground_truth: resim_cloth_cm as well")
+    command.add_argument("--evaluations", type=int, default=256, metavar="N")
+    command.add_argument("--seeds", type=int, nargs="+", default=[1])
     return parser
 
 

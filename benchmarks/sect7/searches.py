@@ -2,18 +2,29 @@
 
 import json
 import statistics
+import time
 from pathlib import Path
 
 import doublet as d
 import matplotlib
 import numpy as np
-from doublet import pipeline, study
-from reconstructions import NAMES, energies, energy_job, estimate, markdown, plain_job, run
+from doublet import evaluate, pipeline, study
+from doublet.console import Console
+from reconstructions import NAMES, energies, energy_job, estimate, markdown, plain_job, run, simulate
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 FACTORS = (1, 2, 4)
+#: What the search offers beyond the paper: name -> groups of options.
+VARIANTS = {
+    "as the paper": {},
+    "search in k' (per sweep)": {"space": {"per_iteration_stiffness": True}},
+    "windows of 40 frames": {"energy": {"window": 40}},
+    "penalty omega 256": {"fit": {"penalty": 256}},
+    "population 16": {"fit": {"population": 16}},
+    "population 16, hopeless samples stopped": {"fit": {"population": 16}, "energy": {"stop_margin": 0.3}},
+}
 
 
 def search(job: dict) -> dict:
@@ -25,9 +36,11 @@ def search(job: dict) -> dict:
         options.make_optimizer = lambda n, seed: cma_from(job["start"], job["sigma"], seed, options)
     observations = d.read_observations(made.path("observations.npz"))
     context = d.Context(threads=job["threads"])
+    start = time.monotonic()
     result = d.estimate_material(made.simulator(), made.performance(), observations, options, context)
+    seconds = time.monotonic() - start
     steps = [[row.evaluations, row.best, row.mean.ravel().tolist()] for row in result.log if row.part == 0]
-    return {**study.plain_fit(result), "steps": steps}
+    return {**study.plain_fit(result), "steps": steps, "seconds": seconds}
 
 
 def cma_from(start: list[float], sigma: float, seed: int, options: d.FitOptions) -> d.Optimizer:
@@ -37,6 +50,41 @@ def cma_from(start: list[float], sigma: float, seed: int, options: d.FitOptions)
     optimizer = d.create_cma_es(len(start), chosen)
     optimizer.restore(json.dumps({**json.loads(optimizer.save()), "mean": list(start)}))
     return optimizer
+
+
+def variants(out: Path, session, truth_folder: Path | None, evaluations: int, seeds: list[int], work: Path, workers: int):
+    """Beyond the paper: the same budget under each switch of the search. All answers are compared by the plain energy, and by the
+    distance to the true garment where there is one; seconds are of one estimation on `workers` threads, no other beside it."""
+    jobs = []
+    for groups in VARIANTS.values():
+        chosen = {**groups, "fit": {"max_evaluations": evaluations, "influence": False, **groups.get("fit", {})}}
+        jobs += [{**plain_job(out, session, threads=workers, **chosen), "seed": seed} for seed in seeds]
+    results = run(search, jobs, work, 1)
+    base = plain_job(out, session)
+    rows = []
+    for name, job, found in zip([name for name in VARIANTS for _ in seeds], jobs, results):
+        means = [d.Material(**region["parameters"]) for region in found["regions"]]
+        bests = [d.Material(**region["best_sample"]["parameters"]) for region in found["regions"]]
+        costs = [sum(cost) for cost in run(energies, [energy_job(base, [means, bests])], work, 1)[0]]
+        apart = [resim_cm(out, base, truth_folder, materials) if truth_folder else "" for materials in (means, bests)]
+        rows.append([name, job["seed"], found["seconds"], *costs, *apart])
+    header = [
+        "search",
+        "seed",
+        "s",
+        "E_fit of the answer, px^2",
+        "of the best sample",
+        "resim_cloth_cm of the answer",
+        "of the best sample",
+    ]
+    print(markdown(header, rows))
+    return rows
+
+
+def resim_cm(out: Path, base: dict, truth_folder: Path, materials: list[d.Material]) -> float:
+    recon, truth = evaluate.Reconstruction(out), evaluate.Truth(truth_folder)
+    surfaces = dict(zip(recon.performance.frames, simulate(study.reconstruction(base), materials)))
+    return evaluate.cloth_rms_cm(surfaces, recon.faces, truth, 2, Console(quiet=True).context(), "re-animation")
 
 
 def landscape(out: Path, session, size: int, work: Path, workers: int):

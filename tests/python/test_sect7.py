@@ -163,6 +163,21 @@ def test_pictures(out, tmp_path):
     assert (tmp_path / "landscape_0.png").stat().st_size > 5000 and (tmp_path / "robustness.png").stat().st_size > 5000
 
 
+def test_variants_are_compared_by_the_plain_energy(out, tmp_path):
+    import searches
+    from reconstructions import energies, energy_job, plain_job
+
+    searches.VARIANTS = {"windows": {"energy": {"window": 8}}, "plain": {}}
+    rows = searches.variants(out, None, None, 8, [1, 2], tmp_path, 1)
+    assert [row[:2] for row in rows] == [["windows", 1], ["windows", 2], ["plain", 1], ["plain", 2]]
+    job = {**plain_job(out, fit={"max_evaluations": 8, "influence": False}), "seed": 2}
+    region = searches.search(job)["regions"][0]
+    assert rows[3][3] == pytest.approx(region["energy"]) and rows[3][4] == pytest.approx(region["best_sample"]["energy"])
+    materials = [d.Material(**found["parameters"]) for found in (region, region["best_sample"])]
+    costs = energies(energy_job(plain_job(out), [[m] for m in materials]))
+    assert rows[3][3:5] == pytest.approx([costs[0][0], costs[1][0]])
+
+
 def test_the_command_line(out, tmp_path, capsys):
     main = runpy.run_path(str(FOLDER / "__main__.py"))["main"]
     main(["iterations", str(out), "--work", str(tmp_path)])
