@@ -32,6 +32,10 @@ def filming_flags(command) -> None:
     command.add_argument("--perfect", action="store_true", help="no images: outlines of masks, projected points of the surface")
 
 
+def search(a) -> dict:
+    return {"max_evaluations": a.evaluations, "penalty": a.penalty, "population": a.population}
+
+
 def filming(a) -> Filming:
     return Filming(a.cameras, a.frames, a.noise, a.perfect)
 
@@ -54,10 +58,12 @@ def build_parser() -> argparse.ArgumentParser:
     one = lambda a: (a.out[0], a.session[0])  # noqa: E731
     command = add(
         "recovery", c.recovery,
-        lambda a: c.recovery(*one(a), material(a.material), filming(a), a.evaluations, a.seconds, a.work, a.workers),
+        lambda a: c.recovery(*one(a), material(a.material), filming(a), search(a), a.seconds, a.work, a.workers),
     )  # fmt: skip
     command.add_argument("--material", type=float, nargs=5, default=[4, 4.9, 0.7, 1, 0.5], metavar="X", help="the true one")
     command.add_argument("--evaluations", type=int, default=512, metavar="N")
+    command.add_argument("--penalty", type=float, default=16.0, metavar="X", help="omega (default: 16, the paper's)")
+    command.add_argument("--population", type=int, default=0, metavar="N", help="default: Hansen's, 8 for five parameters")
     command.add_argument("--seconds", type=float, default=4.0, metavar="X", help="of cloth that are compared (default: 4)")
     filming_flags(command)
     filming_flags(add("table1", c.table1, lambda a: c.table1(*one(a), filming(a), a.work, a.workers)))

@@ -24,12 +24,13 @@ from reconstructions import (
 )
 
 
-def recovery(out: Path, session, truth: d.Material, how: Filming, evaluations: int, seconds: float, work: Path, workers: int):
+def recovery(out: Path, session, truth: d.Material, how: Filming, search: dict, seconds: float, work: Path, workers: int):
     """Sect. 7, "Validation": the material of an artificial data set, estimated from its images. The paper: (5.4, 5.6, 0.75, 1.0,
     0.47) for (4.0, 4.9, 0.7, 1.0, 0.5), 0.6 cm RMS between the cloth of both. Poses and first surface are known here."""
     folder, options = filmed(out, session, truth, how, work)
     fps = plain_job(out, session)["fps"]
-    job = study.fit_jobs([folder], options=[{**options, "fit.max_evaluations": evaluations}], fps=fps, threads=workers)[0]
+    search = {f"fit.{name}": value for name, value in search.items()}
+    job = study.fit_jobs([folder], options=[{**options, **search}], fps=fps, threads=workers)[0]
     fit = run(study.fit, [{**job, "checkpoints": str(work.resolve())}], work, 1)[0]
 
     rows = recovered_parameters(fit["regions"], truth)

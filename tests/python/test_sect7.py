@@ -89,7 +89,7 @@ def test_recovery_finds_what_was_filmed(out, tmp_path, capsys):
     from comparisons import recovery
     from reconstructions import material
 
-    fit, rows = recovery(out, None, material([4, 4.9, 0.7, 1, 0.5]), films(), 96, 4.0, tmp_path, 1)
+    fit, rows = recovery(out, None, material([4, 4.9, 0.7, 1, 0.5]), films(), {"max_evaluations": 96}, 4.0, tmp_path, 1)
     found = {name: (energy, rms) for name, energy, rms in rows}
     assert found["truth"][1] == 0 and found["estimate"][1] < 0.3 * found["centre of the box"][1]
     assert fit["regions"][0]["energy"] == pytest.approx(found["estimate"][0], rel=1e-6)
