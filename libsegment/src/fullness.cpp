@@ -60,9 +60,12 @@ double quantile(std::vector<double> values, double share) {
   return *last;
 }
 
-/// Widths across gravity over that of the scan, one a frame; empty if they cannot be told.
-std::vector<double> widths(const Mesh &scan, const Edges &edges, int vertex, const Eigen::Vector3d &normal,
-                           const MeshSequence &sequence) {
+/// Lengths across and along gravity over those of the scan, one a frame; empty if they cannot be told.
+struct Stretches {
+  std::vector<double> across, along;
+};
+Stretches stretches(const Mesh &scan, const Edges &edges, int vertex, const Eigen::Vector3d &normal,
+                    const MeshSequence &sequence) {
   const Eigen::Vector3d horizontal = Eigen::Vector3d::UnitY().cross(normal);
   const std::vector<int> chosen = surroundings(edges, vertex);
   if (!(horizontal.norm() > kUpright) || chosen.size() < 4)
@@ -81,7 +84,7 @@ std::vector<double> widths(const Mesh &scan, const Edges &edges, int vertex, con
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(system);
   if (solver.rank() < 3 || !(lengths.minCoeff() > 0))
     return {};
-  std::vector<double> result;
+  Stretches result;
   Eigen::VectorXd squares(chosen.size());
   for (const Vertices &frame : sequence.frames) {
     for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -89,7 +92,8 @@ std::vector<double> widths(const Mesh &scan, const Edges &edges, int vertex, con
       squares[i] = (frame.row(b) - frame.row(a)).squaredNorm() / (lengths[i] * lengths[i]);
     }
     const Eigen::Vector3d metric = solver.solve(squares);
-    result.push_back(std::sqrt(std::max(metric[0], 0.0)));
+    result.across.push_back(std::sqrt(std::max(metric[0], 0.0)));
+    result.along.push_back(std::sqrt(std::max(metric[2], 0.0)));
   }
   return result;
 }
@@ -129,8 +133,14 @@ Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8
   parallel_for(context, static_cast<int>(count), [&](int v) {
     if (clothness.region[v] < 0)
       return;
-    const std::vector<double> found = widths(scan, edges, v, normals.row(v).transpose(), sequence);
-    wide[v] = found.empty() ? kUnknown : std::clamp(quantile(found, options.quantile), 1.0, options.largest);
+    const Stretches found = stretches(scan, edges, v, normals.row(v).transpose(), sequence);
+    if (found.across.empty()) {
+      wide[v] = kUnknown;
+      return;
+    }
+    // Cloth that hangs straight is as long as in the scan: what the video shows it longer is the noise of the tracking.
+    const double noise = std::max(1.0, quantile(found.along, options.quantile));
+    wide[v] = std::clamp(quantile(found.across, options.quantile) / noise, 1.0, options.largest);
   });
   wide = diffuse_on_surface(scan.vertices, faces, wide, options.smoothing);
   for (Eigen::Index v = 0; v < count; ++v)

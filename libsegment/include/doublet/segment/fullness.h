@@ -19,10 +19,10 @@ struct FullnessOptions {
 
 /// (V) at least 1: the *fullness* of the cloth, its width across gravity over that of the scan. Beyond the paper: a garment hangs
 /// in folds, and a scan bridges those that it cannot see into, so that a skirt made of it is too narrow to fly. Cloth does not
-/// stretch much; what the video shows it spanning, it has. Along gravity it hangs straight, there the scan is right. For every
-/// vertex and frame the metric of its surroundings (two rings of edges) against the scan's is fitted by least squares; what
-/// counts is its component across gravity (-y). 1 off the cloth and where the surface lies flat. sequence: the captured surface,
-/// posed. Throws std::invalid_argument if sizes disagree or there is no frame.
+/// stretch much; what the video shows it spanning, it has. For every vertex and frame the metric of its surroundings (two rings
+/// of edges) against the scan's is fitted by least squares. Its component across gravity (-y) counts, over that along gravity,
+/// where cloth hangs straight and what it seems to stretch is the noise of the tracking. 1 off the cloth and where the surface
+/// lies flat. sequence: the captured surface, posed. Throws std::invalid_argument if sizes disagree or there is no frame.
 Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness,
                                   const MeshSequence &sequence, const FullnessOptions &options = {}, const Context &context = {});
 
