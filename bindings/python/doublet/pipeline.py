@@ -37,7 +37,7 @@ OPTION_GROUPS = {
     "fit": d.FitOptions,
     "space": d.ParameterSpace,
 }
-#: A frame is 24 sweeps, as in the paper, but in 2 substeps of 12: at equal sweeps cloth stretches far less (docs/results.md).
+#: A frame is 24 sweeps, as in the paper, but in 2 substeps of 12: at equal sweeps cloth stretches far less (docs/cloth.md).
 DEFAULTS = {"cloth": {"iterations": 12, "substeps": 2}}
 #: Set by the session, by --seed or by another option, not by an option of their own.
 DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("space", "iterations")}
