@@ -103,8 +103,12 @@ template <class Value> void put(const Value &value, float *row, int lanes, int l
 class FlushToZero {
 #ifdef __SSE2__
 public:
-  FlushToZero() { _mm_setcsr(before_ | 0x8040); } // results and operands
-  ~FlushToZero() { _mm_setcsr(before_); }
+  FlushToZero() {
+    _mm_setcsr(before_ | 0x8040);
+  } // results and operands
+  ~FlushToZero() {
+    _mm_setcsr(before_);
+  }
   FlushToZero(const FlushToZero &) = delete;
 
 private:
