@@ -104,8 +104,8 @@ class FlushToZero {
 #ifdef __SSE2__
 public:
   FlushToZero() {
-    _mm_setcsr(before_ | 0x8040);
-  } // results and operands
+    _mm_setcsr(before_ | 0x8040); // results and operands
+  }
   ~FlushToZero() {
     _mm_setcsr(before_);
   }

@@ -5,9 +5,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
+#include <stdexcept>
+#include <string>
 
 namespace doublet {
 namespace {
@@ -16,7 +19,7 @@ constexpr int kRings = 2;        // of edges around a vertex
 constexpr double kUpright = 0.2; // sine between normal and gravity below which a surface lies flat
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Edges of the cloth with their rest state, and which ones meet at a vertex.
+/// Edges of the surface, and which ones meet at a vertex.
 struct Edges {
   std::vector<std::array<int, 2>> ends;
   std::vector<std::vector<int>> at; ///< [V]

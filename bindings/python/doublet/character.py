@@ -121,7 +121,7 @@ def exact_motion(character: d.Character, motion_file: Path, fps: float, context:
 
 
 def animate_exactly(character_file: Path, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
-    """(T, V, 3) m: the character on such a motion."""
+    """(T, V, 3) m: the character on an `exact_motion`."""
     character = d.Character.read(character_file)
     motion = exact_motion(character, motion_file, fps, context)
     return d.animate(character, motion, d.AnimateOptions(high=False, body=False), context).surface

@@ -192,10 +192,8 @@ def run_segment(job: Job) -> dict:
     sequence = performance.surface
     sequence.unposed = d.unposed_frames(job.actor, performance, job.context)
     result = stage.segment(sequence, job.actor.face_valid, job.context)
-    scan = d.Mesh(job.actor.mesh.vertices, job.actor.mesh.faces)
-    result.fullness = d.estimate_fullness(
-        scan, job.actor.face_valid, result, performance.surface, job.options["fullness"], job.context
-    )
+    actor, options = job.actor, job.options["fullness"]
+    result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, performance.surface, options, job.context)
     d.write_clothness(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
