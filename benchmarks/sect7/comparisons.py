@@ -100,13 +100,14 @@ def rivals(out: Path, session, truth_folder: Path, every: int):
     surfaces = {name: simulate(made, materials) for name, materials in samples.items()}
     surfaces["skinned, no cloth"] = [d.pose_surface(recon.actor, dofs) for dofs in recon.performance.dofs]
     for name, sequence in surfaces.items():
-        by_frame = dict(zip(recon.performance.frames, sequence))
-        found[name] = [evaluate.cloth_rms_cm(by_frame, recon.faces, truth, every, context, name), ""]
+        moving = evaluate.Animated(dict(zip(recon.performance.frames, sequence)), recon.faces)
+        found[name] = [evaluate.cloth_rms_cm(moving, truth, every, context, name), ""]
     novel = truth.folder / "novel"
     if (novel / "motion.bvh").exists():
         there = evaluate.Truth(novel)
         for name, moved in novel_surfaces(out, novel / "motion.bvh", made.fps, samples, context):
-            found[name][1] = evaluate.cloth_rms_cm(dict(enumerate(moved)), recon.faces, there, every, context, name)
+            moving = evaluate.Animated(dict(enumerate(moved)), recon.faces)
+            found[name][1] = evaluate.cloth_rms_cm(moving, there, every, context, name)
     print(markdown(["material", "resim_cloth_cm", "novel_cloth_cm"], [[name, *row] for name, row in found.items()]))
     return found
 
@@ -127,8 +128,8 @@ def cross(outs: list[Path], sessions: list, truths: list, work: Path, workers: i
             recon, truth = evaluate.Reconstruction(out), evaluate.Truth(folder)
             made = study.reconstruction(job)
             simulated = [dict(zip(recon.performance.frames, simulate(made, sample))) for sample in samples]
-            name = "re-animation"
-            rows.append([out.name, *(evaluate.cloth_rms_cm(s, recon.faces, truth, 1, context, name) for s in simulated)])
+            moving = [evaluate.Animated(surfaces, recon.faces) for surfaces in simulated]
+            rows.append([out.name, *(evaluate.cloth_rms_cm(m, truth, 1, context, "re-animation") for m in moving)])
         print("\n" + markdown(["resim_cloth_cm on", *header], rows))
     return costs
 

@@ -1,8 +1,12 @@
 """The error measures on a scene whose errors are known: a trunk (body) in a wider tube (skirt), and a copy that is moved."""
 
+import json
+from pathlib import Path
+
 import doublet as d
 import numpy as np
 import pytest
+from doublet import cli
 from doublet import evaluate as e
 from doublet.console import Console
 from PIL import Image
@@ -127,15 +131,160 @@ def test_hidden_body_is_what_the_garment_hides(scene):
     assert e.hidden_body_mm(made, truth, scene["cameras"]) == pytest.approx(10, rel=0.05)
 
 
+def reanimate(scene, garment=None, clothness=None, **arrays):
+    """A reconstruction with its simulated.npz; the actor is the truth's unless arrays has `vertices`, (T, V, 3) or (V, 3).
+    garment (G, 3) or (T, G, 3) is a skirt of its own, with faces as the true one, once or again and again."""
+    made, truth = reconstruct(scene, clothness=clothness)
+    arrays = {"vertices": scene["vertices"], **arrays}
+    if garment is not None:
+        arrays["garment"] = garment
+        once, count = truth.cloth_faces, np.shape(garment)[-2]
+        faces = np.vstack([once + k for k in range(0, count, once.max() + 1)])
+        np.savez(scene["out"] / "garment.npz", vertices=np.zeros((count, 3)), faces=faces, region=np.zeros(count, np.int32))
+    every = {name: np.broadcast_to(np.asarray(array, np.float32), (FRAMES, *array.shape[-2:])) for name, array in arrays.items()}
+    np.savez(scene["out"] / "simulated.npz", **every)
+    return made.reanimated, truth
+
+
+def is_cloth(scene):
+    return (np.arange(len(scene["vertices"])) >= len(scene["body"][0])).astype(float)
+
+
+def write_true_garment(scene, cloth, pelvis, joint_names=("pelvis",)):
+    """cloth (T, G, 3) and pelvis (T, 3) take the place of the truth's."""
+    body = np.zeros((len(cloth), *scene["body"][0].shape), np.float32)
+    np.savez(scene["truth"] / "frames_0000.npz", frames=np.arange(len(cloth)), body=body, cloth=cloth)
+    joints = np.full((len(cloth), len(joint_names), 3), 9.0)
+    joints[:, joint_names.index("pelvis") if "pelvis" in joint_names else 0] = pelvis
+    np.savez(scene["truth"] / "skeleton.npz", joint_names=joint_names, joints=joints)
+
+
 def test_resimulated_cloth(scene):
-    made, truth = reconstruct(scene)
-    shifted = np.stack([scene["vertices"] + [0, 0.5, 0]] * FRAMES).astype(np.float32)  # the skirt hangs 20 cm above its place
-    np.savez(scene["out"] / "simulated.npz", vertices=shifted)
-    error = e.resim_cloth_cm(made, truth, 1, QUIET)
-    # Lower edge 20 cm below the moved body's lower end, but the trunk is 10 cm inside the skirt: between 10 and 25 cm.
-    assert 10 < error < 25
-    np.savez(scene["out"] / "simulated.npz", vertices=np.stack([scene["vertices"]] * FRAMES).astype(np.float32))
-    assert e.resim_cloth_cm(made, truth, 1, QUIET) < 1e-3
+    # The skirt hangs 20 cm above its place. Its lower edge is 20 cm below the moved body's lower end, but the trunk is 10 cm
+    # inside the skirt: between 10 and 25 cm.
+    assert 10 < e.cloth_rms_cm(*reanimate(scene, vertices=scene["vertices"] + [0, 0.5, 0]), 1, QUIET, "") < 25
+    assert e.cloth_rms_cm(*reanimate(scene), 1, QUIET, "") < 1e-3
+
+
+def test_two_sided_sees_cloth_that_was_torn_off(scene):
+    """Of a double skirt one half flies 1 m above its place: 0.3 to 0.6 m above the upper rim of the true one, by rows."""
+    truth = e.Truth(scene["truth"])
+    skirt = truth.frame(0)[1]
+    moving, truth = reanimate(scene, np.vstack([skirt, skirt + [0, 1, 0]]), is_cloth(scene))
+    assert e.cloth_rms_cm(moving, truth, 1, QUIET, "") < 1e-3
+    torn = np.square(skirt[:, 1] + 1 - 0.7).mean() / 2  # the other half is in its place
+    expected = 100 * np.sqrt(torn / 2)  # and so is the true one for the surface
+    assert e.cloth_rms_cm(moving, truth, 1, QUIET, "", two_sided=True) == pytest.approx(expected, rel=1e-3)
+
+
+def test_two_sided_without_a_garment_of_its_own(scene):
+    """The actor's cloth is 5 cm wider than the true one, either way; the trunk is none of it."""
+    wider = scene["vertices"] * np.where(is_cloth(scene) > 0, 1.25, 1)[:, None] ** np.array([1, 0, 1])
+    moving, truth = reanimate(scene, vertices=wider, clothness=is_cloth(scene))
+    assert e.cloth_rms_cm(moving, truth, 1, QUIET, "", two_sided=True) == pytest.approx(5, abs=0.1)
+    with pytest.raises(e.Missing, match="has no cloth"):
+        e.cloth_rms_cm(*reanimate(scene, clothness=0 * is_cloth(scene)), 1, QUIET, "", two_sided=True)
+
+
+def test_cloth_has_a_face():
+    moving = e.Animated({}, np.array([[0, 1, 2]]), np.array([1, 0.5, 0.6, 1]))
+    assert moving.cloth.tolist() == [0, 2]
+
+
+def test_garment_of_its_own_replaces_the_actors_cloth(scene):
+    """The actor's cloth hangs where the true garment does, the garment 5 cm outside it, and that counts. A single vertex of the
+    trunk that is said to be cloth takes no face away, and is none of the garment."""
+    wider = e.Truth(scene["truth"]).frame(0)[1] * [1.25, 1, 1.25]
+    clothness = is_cloth(scene)
+    clothness[0] = 1
+    moving, truth = reanimate(scene, wider, clothness)
+    assert len(moving.faces) == len(scene["faces"])
+    assert len(moving.cloth) == len(wider) and (moving.surfaces[1][moving.cloth] == wider.astype(np.float32)).all()
+    assert e.cloth_rms_cm(moving, truth, 1, QUIET, "") == pytest.approx(5, abs=0.1)
+    # Without a skirt the trunk, of which every face stays, is 10 cm away.
+    far = reanimate(scene, wider + [9, 0, 0], is_cloth(scene))
+    assert e.cloth_rms_cm(*far, 1, QUIET, "") == pytest.approx(10, abs=0.1)
+
+
+def test_garment_that_does_not_fit_is_an_error(scene):
+    skirt = e.Truth(scene["truth"]).frame(0)[1]
+    reanimate(scene, skirt, is_cloth(scene))
+    short = np.zeros((FRAMES, len(skirt) - 1, 3))
+    np.savez(scene["out"] / "simulated.npz", vertices=np.stack([scene["vertices"]] * FRAMES), garment=short)
+    count = len(skirt)
+    with pytest.raises(
+        d.Error, match=rf"simulated.npz: array 'garment': expected \({FRAMES}, {count}, 3\).* found .*{count - 1}"
+    ):
+        _ = e.Reconstruction(scene["out"]).reanimated
+    (scene["out"] / "garment.npz").unlink()
+    with pytest.raises(e.Missing, match="garment.npz does not exist"):
+        _ = e.Reconstruction(scene["out"]).reanimated
+
+
+def outline(moving, truth):
+    return [e.outline_rms_cm(moving, truth, 1, measure) for measure in (e.lowest, e.wide_radius)]
+
+
+@pytest.mark.parametrize("joint_names", [("spine", "pelvis"), ("root", "spine")])
+def test_hem_height_and_flare_are_measured_around_the_pelvis(scene, shapes, joint_names):
+    """A cone that walks sideways. Its hem hangs 1, 2, 3 cm lower; then all of it is a tenth wider."""
+    pelvis = np.array([[0.3 * t, 0.9, 0.1 * t] for t in range(FRAMES)])
+    cone, faces = shapes["tube"](lambda h: 0.30 - 0.2 * h, -0.5, 0.0)  # about the pelvis; the hem has the radius 0.4
+    sin, cos = np.sin(0.05), np.cos(0.05)  # no vertex on the border of two bins
+    cone = cone @ np.array([[cos, 0, -sin], [0, 1, 0], [sin, 0, cos]])
+    np.savez(scene["truth"] / "static.npz", body_tris=scene["body"][1], cloth_tris=faces)
+    write_true_garment(scene, cone + pelvis[:, None], pelvis, joint_names)
+    lower = np.stack([cone - [0, 0.01 * (t + 1), 0] * (cone[:, 1:2] == -0.5) for t in range(FRAMES)])
+    height, flare = outline(*reanimate(scene, lower + pelvis[:, None], is_cloth(scene)))
+    assert height == pytest.approx(np.sqrt((1 + 4 + 9) / 3), abs=1e-3) and flare == pytest.approx(0, abs=1e-3)
+    height, flare = outline(*reanimate(scene, cone * [1.1, 1, 1.1] + pelvis[:, None], is_cloth(scene)))
+    wide = np.percentile(np.repeat(np.linspace(0.4, 0.3, 24), 2), 95)  # 24 rows of 48: two columns in a bin
+    assert height == pytest.approx(0, abs=1e-3) and flare == pytest.approx(10 * wide, abs=1e-3)
+
+
+def test_outline_compares_where_both_have_cloth(scene):
+    skirt = e.Truth(scene["truth"]).frame(0)[1]
+    tilted = skirt - [0, 0.02, 0] + np.where(skirt[:, :1] < -1e-6, [[0, 0.5, 0]], 0)  # half of it is wrong, and will not be there
+    moving, truth = reanimate(scene, tilted, is_cloth(scene))
+    half = e.Animated(moving.surfaces, moving.faces, moving.clothness * (moving.surfaces[0][:, 0] > 0.02))
+    assert outline(half, truth)[0] == pytest.approx(2, abs=1e-3)
+    write_true_garment(scene, np.stack([skirt[skirt[:, 0] < -0.02]] * FRAMES), np.zeros((FRAMES, 3)))
+    with pytest.raises(e.Missing, match="share no azimuth in frame 0"):
+        outline(half, e.Truth(scene["truth"]))
+
+
+def test_new_motion_is_measured_on_the_characters_own_mesh(scene, monkeypatch):
+    """The dressed character has one vertex more than the actor, and a face there that the scan does not support."""
+    _, truth = reanimate(scene)
+    novel = scene["truth"] / "novel"
+    novel.mkdir()
+    (novel / "motion.bvh").touch()
+    np.savez(novel / "frames_0000.npz", start=0, body=scene["body"][0][None], cloth=truth.frame(0)[1][None])
+    vertices = np.vstack([scene["vertices"], [[0, 2, 0]]])
+    faces = np.vstack([scene["faces"], [[0, 1, len(vertices) - 1]]])
+    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
+    dressed = d.RiggedMesh(d.Mesh(vertices, faces), [1] * (len(faces) - 1) + [0], np.ones((len(vertices), 1)), skeleton)
+    cloth = np.append(is_cloth(scene), 1)
+    clothness = d.Clothness(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    d.make_character(dressed, clothness, d.BodyFit(), [], [d.Material()], d.SolverSettings(1 / 40)).write(
+        scene["out"] / "character.glb"
+    )
+    monkeypatch.setattr("doublet.character.animate_exactly", lambda character, *_: character.actor.mesh.vertices[None])
+    moving, there = e.new_motion(e.Reconstruction(scene["out"]), truth, 40, QUIET)
+    assert there.folder == novel and len(moving.faces) == len(faces) - 1
+    assert moving.cloth.tolist() == np.flatnonzero(is_cloth(scene)).tolist()
+    assert e.cloth_rms_cm(moving, there, 1, QUIET, "", two_sided=True) < 1e-3
+
+
+def test_the_command_line(scene, capsys):
+    reanimate(scene, clothness=is_cloth(scene))
+    session = Path(__file__).parents[2] / "examples" / "data" / "session"
+    command = ["evaluate", scene["out"], "--truth", scene["truth"], "--session", session, "--quiet"]
+    assert cli.main([str(a) for a in [*command, "--json"]]) in (None, 0)
+    result = json.loads(capsys.readouterr().out)
+    assert list(result["metrics"]) == list(e.METRICS) and "novel_cloth_cm" in result["missing"]
+    for name in ("resim_cloth_cm", "resim_two_sided_cm", "hem_height_cm", "flare_cm"):
+        assert result["metrics"][name] == pytest.approx(0, abs=1e-3)
 
 
 def test_what_is_not_there_is_missing_not_zero(scene):
@@ -143,9 +292,15 @@ def test_what_is_not_there_is_missing_not_zero(scene):
     with pytest.raises(e.Missing, match="segmentation.npz"):
         e.cloth_iou(made, truth, scene["cameras"])
     with pytest.raises(e.Missing, match="simulated.npz"):
-        e.resim_cloth_cm(made, truth, 1, QUIET)
+        _ = made.reanimated
+    moving, _ = reanimate(scene)
+    assert e.cloth_rms_cm(moving, truth, 1, QUIET, "") < 1e-3  # needs no segmentation; what follows does
+    with pytest.raises(e.Missing, match="segmentation.npz"):
+        e.cloth_rms_cm(moving, truth, 1, QUIET, "", two_sided=True)
+    with pytest.raises(e.Missing, match="segmentation.npz"):
+        e.outline_rms_cm(moving, truth, 1, e.lowest)
     with pytest.raises(e.Missing, match="novel"):
-        e.novel_cloth_cm(made, truth, 40, 1, QUIET)
+        e.new_motion(made, truth, 40, QUIET)
     with pytest.raises(FileNotFoundError, match="ground truth"):
         e.Truth(scene["out"])
 

@@ -120,8 +120,7 @@ def exact_motion(character: d.Character, motion_file: Path, fps: float, context:
     return d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, as_it_is, context)
 
 
-def animate_exactly(character_file: Path, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
+def animate_exactly(character: d.Character, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
     """(T, V, 3) m: the character on an `exact_motion`."""
-    character = d.Character.read(character_file)
     motion = exact_motion(character, motion_file, fps, context)
     return d.animate(character, motion, d.AnimateOptions(high=False, body=False), context).surface

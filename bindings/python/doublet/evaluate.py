@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -25,8 +26,12 @@ METRICS = {
     "cloth_iou": ("", "clothness > 0.5 against the true garment, by area of the visible surface in the scan pose"),
     "hidden_body_mm": ("mm", "mean distance from the true body hidden by the garment to the fitted body, scan pose"),
     "resim_cloth_cm": ("cm", "RMS distance from the true garment to the re-animated character"),
-    "novel_cloth_cm": ("cm", "the same on a motion that was not used"),
+    "resim_two_sided_cm": ("cm", "the same, and from the character's cloth to the true garment"),
+    "hem_height_cm": ("cm", "lowest point of the garment around the pelvis, re-animated minus true, RMS over frames"),
+    "flare_cm": ("cm", "95 % radius of the garment around the pelvis, re-animated minus true, RMS over frames"),
+    "novel_cloth_cm": ("cm", "resim_cloth_cm on a motion that was not used"),
 }
+AZIMUTHS = 24  # bins around the pelvis
 MASK_NAME = re.compile(r"(?P<camera>.+)_(?P<frame>\d+)\.png")
 
 
@@ -81,10 +86,40 @@ class Truth:
             frames = file["frames"] if "frames" in file else np.arange(len(file["joints"]))
             return [str(n) for n in file["joint_names"]], dict(zip((int(f) for f in frames), file["joints"].astype(float)))
 
+    def pelvis(self) -> dict[int, np.ndarray]:
+        """Frame -> (3) m."""
+        names, joints = self.joints()
+        return {frame: at[pelvis_index(names)] for frame, at in joints.items()}
+
     def masks(self) -> list[tuple[str, int, Path]]:
         """(camera name, frame, file)."""
         matches = [(MASK_NAME.fullmatch(p.name), p) for p in sorted((self.folder / "masks").glob("*.png"))]
         return [(m["camera"], int(m["frame"]), p) for m, p in matches if m]
+
+
+def pelvis_index(joint_names: list[str]) -> int:
+    """The joint of that name; the root, which comes first, if there is none."""
+    return joint_names.index("pelvis") if "pelvis" in joint_names else 0
+
+
+@dataclass(frozen=True)
+class Animated:
+    """The character in motion, as it is compared with the true garment."""
+
+    surfaces: dict[int, np.ndarray]  #: frame -> (N, 3) m
+    faces: np.ndarray  #: (F, 3)
+    clothness: np.ndarray | None = None  #: (N) in [0, 1]
+
+    @cached_property
+    def cloth(self) -> np.ndarray:
+        """Indices of the cloth vertices that a face has."""
+        if self.clothness is None:
+            raise Missing("there is no segmentation.npz to say which vertices are cloth")
+        used = np.unique(self.faces)
+        cloth = used[self.clothness[used] > 0.5]
+        if not len(cloth):
+            raise Missing("the character has no cloth")
+        return cloth
 
 
 class Reconstruction:
@@ -108,8 +143,36 @@ class Reconstruction:
         return self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
 
     @cached_property
+    def clothness(self) -> np.ndarray:
+        return d.read_clothness(self.path("segmentation.npz")).clothness
+
+    @cached_property
     def performance(self) -> d.ReferencePerformance:
         return d.read_performance(self.path("performance.npz"), self.actor)
+
+    @cached_property
+    def reanimated(self) -> Animated:
+        """The reference motion (simulated.npz); a garment with a mesh of its own replaces the actor's cloth."""
+        with np.load(self.path("simulated.npz")) as simulated:
+            vertices = simulated["vertices"].astype(float)
+            garment = simulated["garment"].astype(float) if "garment" in simulated else None
+        if garment is None:
+            clothness = self.clothness if (self.out / "segmentation.npz").exists() else None
+            return Animated(dict(zip(self.performance.frames, vertices)), self.faces, clothness)
+        garment_faces = self.garment_faces(len(vertices), garment.shape)
+        skin_faces = self.faces[self.clothness[self.faces].mean(axis=1) <= 0.5]
+        counts = vertices.shape[1], garment.shape[1]
+        surfaces = dict(zip(self.performance.frames, np.concatenate([vertices, garment], axis=1)))
+        return Animated(surfaces, np.vstack([skin_faces, garment_faces + counts[0]]), np.repeat([0.0, 1.0], counts))
+
+    def garment_faces(self, frames: int, found: tuple) -> np.ndarray:
+        """(H, 3) of garment.npz, which the array of simulated.npz with the shape `found` must fit."""
+        with np.load(self.path("garment.npz")) as garment:
+            expected, faces = (frames, len(garment["vertices"]), 3), garment["faces"].astype(np.int32)
+        if found != expected:
+            shape = "(frames of vertices, vertices of garment.npz, 3)"
+            raise d.Error(f"{self.out / 'simulated.npz'}: array 'garment': expected {expected} {shape}, found {found}")
+        return faces
 
     def rows(self, truth_frames, every: int) -> list[tuple[int, int]]:
         """(row, video frame) for which there is truth."""
@@ -222,7 +285,7 @@ def cloth_iou(made: Reconstruction, truth: Truth, cameras) -> float:
     """Over the template faces seen in the scan pose; the true label is that of the closest true face that a camera sees."""
     if 0 not in truth.chunks:
         raise Missing("the truth does not hold frame 0, the scan pose")
-    clothness = d.read_clothness(made.path("segmentation.npz")).clothness
+    clothness = made.clothness
     vertices, faces, garment = truth.surface(0)
     seen = seen_faces(vertices, faces, cameras)
     ours = made.actor.mesh.vertices
@@ -253,40 +316,94 @@ def hidden_body_mm(made: Reconstruction, truth: Truth, cameras) -> float:
     return 1000 * float(np.average(distance, weights=d.face_areas(body, truth.body_faces[hidden])))
 
 
-def cloth_rms_cm(
-    surfaces: dict[int, np.ndarray], faces: np.ndarray, truth: Truth, every: int, context: d.Context, name: str
-) -> float:
-    """surfaces: frame -> (V, 3). All true garment vertices, weighted alike."""
-    frames = sorted(set(surfaces) & set(truth.chunks))[::every]
+def shared_frames(moving: Animated, true_frames, every: int) -> list[int]:
+    frames = sorted(set(moving.surfaces) & set(true_frames))[::every]
     if not frames:
         raise Missing("no simulated frame has a true one")
-    squares = []
+    return frames
+
+
+def cloth_rms_cm(moving: Animated, truth: Truth, every: int, context: d.Context, name: str, two_sided: bool = False) -> float:
+    """All true garment vertices, weighted alike, to the surface; `two_sided`: and the cloth to the true garment."""
+    frames, squares = shared_frames(moving, truth.chunks, every), []
     for done, frame in enumerate(frames):
         context.report(f"evaluate {name}", done / len(frames))
-        distance = d.distances_to_surface(truth.frame(frame)[1], d.Mesh(surfaces[frame], faces))
-        squares.append(np.square(distance).mean())
+        surface, garment = moving.surfaces[frame], truth.frame(frame)[1]
+        distances = [d.distances_to_surface(garment, d.Mesh(surface, moving.faces))]
+        if two_sided:
+            distances.append(d.distances_to_surface(surface[moving.cloth], d.Mesh(garment, truth.cloth_faces)))
+        squares.append([np.square(distance).mean() for distance in distances])
     return 100 * math.sqrt(np.mean(squares))
 
 
-def resim_cloth_cm(made: Reconstruction, truth: Truth, every: int, context: d.Context) -> float:
-    with np.load(made.path("simulated.npz")) as simulated:
-        vertices = simulated["vertices"].astype(float)
-    surfaces = dict(zip(made.performance.frames, vertices))
-    return cloth_rms_cm(surfaces, made.faces, truth, every, context, "re-animation")
+def horizontal(points: np.ndarray, pelvis: np.ndarray) -> np.ndarray:
+    """(...) z + i x of points (..., 3) seen from the pelvis (..., 3), m: its angle is the azimuth, from +Z to +X."""
+    offset = points - pelvis
+    return offset[..., 2] + 1j * offset[..., 0]
 
 
-def novel_cloth_cm(made: Reconstruction, truth: Truth, fps: float, every: int, context: d.Context) -> float:
+def azimuth_bins(points: np.ndarray, pelvis: np.ndarray, count: int) -> np.ndarray:
+    """(N) in 0 ... count - 1 of points (N, 3) around the pelvis (3)."""
+    return np.floor(np.angle(horizontal(points, pelvis)) * count / (2 * np.pi)).astype(int) % count
+
+
+def lowest(points: np.ndarray, pelvis: np.ndarray) -> float:
+    return points[:, 1].min()
+
+
+def wide_radius(points: np.ndarray, pelvis: np.ndarray) -> float:
+    return np.percentile(np.abs(horizontal(points, pelvis)), 95)
+
+
+def by_azimuth(points: np.ndarray, pelvis: np.ndarray, measure) -> np.ndarray:
+    """(AZIMUTHS) measure(points of the bin, pelvis); NaN where there are none."""
+    bins, values = azimuth_bins(points, pelvis, AZIMUTHS), np.full(AZIMUTHS, np.nan)
+    for k in np.unique(bins):
+        values[k] = measure(points[bins == k], pelvis)
+    return values
+
+
+def outline_rms_cm(moving: Animated, truth: Truth, every: int, measure) -> float:
+    """RMS over frames of ours minus true; a frame's value is the mean over the azimuths that have points of both."""
+    pelvis, errors = truth.pelvis(), []
+    for frame in shared_frames(moving, truth.chunks.keys() & pelvis.keys(), every):
+        garments = moving.surfaces[frame][moving.cloth], truth.frame(frame)[1]
+        ours, true = (by_azimuth(points, pelvis[frame], measure) for points in garments)
+        shared = np.isfinite(ours - true)
+        if not shared.any():
+            raise Missing(f"around the pelvis, true and simulated garment share no azimuth in frame {frame}")
+        errors.append((ours - true)[shared].mean())
+    return 100 * math.sqrt(np.square(errors).mean())
+
+
+def new_motion(made: Reconstruction, truth: Truth, fps: float, context: d.Context) -> tuple[Animated, Truth]:
+    """The character on the motion that was not filmed, and that motion's truth."""
     folder = truth.folder / "novel"
     if not (folder / "motion.bvh").exists():
         raise Missing(f"{folder / 'motion.bvh'} does not exist")
     from .character import animate_exactly
 
-    surfaces = animate_exactly(made.path("character.glb"), folder / "motion.bvh", fps, context)
-    return cloth_rms_cm(dict(enumerate(surfaces)), made.faces, Truth(folder), every, context, "new motion")
+    character = d.Character.read(made.path("character.glb"))
+    surfaces = animate_exactly(character, folder / "motion.bvh", fps, context)
+    faces = character.actor.mesh.faces[np.asarray(character.actor.face_valid, bool)]
+    return Animated(dict(enumerate(surfaces)), faces, character.clothness.clothness), Truth(folder)
+
+
+def attempt(names, computed: dict) -> tuple[dict[str, float | None], dict[str, str]]:
+    """Values, and reasons of the missing ones. A key of `computed` stands for the names that begin with it; its function gives a
+    number or, by name, several. A number that cannot be computed is missing, not 0."""
+    values, missing = dict.fromkeys(names), {}
+    for start, compute in computed.items():
+        try:
+            value = compute()
+            values.update(value if isinstance(value, dict) else {start: value})
+        except Missing as reason:
+            missing.update(dict.fromkeys((n for n in names if n.startswith(start)), str(reason)))
+    return {k: None if v is None else float(f"{v:.5g}") for k, v in values.items()}, missing
 
 
 def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console: Console, every: int = 1) -> dict:
-    """{"metrics": {name: value or None}, "missing": {name: reason}, ...}; a number that cannot be computed is missing, not 0."""
+    """{"metrics": {name: value or None}, "missing": {name: reason}, ...}"""
     from .pipeline import recorded_session
 
     if every < 1:
@@ -296,6 +413,14 @@ def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console
     made, truth, context = Reconstruction(out), Truth(truth_folder), console.context()
     session = d.Session(session_folder or recorded_session(out))
     cameras = session.rig
+
+    def resim_cm(two_sided: bool) -> float:
+        return cloth_rms_cm(made.reanimated, truth, every, context, "re-animation", two_sided)
+
+    def novel_cm() -> float:
+        moving, novel = new_motion(made, truth, session.fps, context)
+        return cloth_rms_cm(moving, novel, every, context, "new motion")
+
     computed = {
         "template": lambda: template_mask(made, truth, cameras),
         "joint_mm": lambda: joint_mm(made, truth, every),
@@ -304,20 +429,15 @@ def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console
         "silhouette_iou": lambda: silhouette_iou(made, truth, cameras, every, context),
         "cloth_iou": lambda: cloth_iou(made, truth, cameras),
         "hidden_body_mm": lambda: hidden_body_mm(made, truth, cameras),
-        "resim_cloth_cm": lambda: resim_cloth_cm(made, truth, every, context),
-        "novel_cloth_cm": lambda: novel_cloth_cm(made, truth, session.fps, every, context),
+        "resim_cloth_cm": lambda: resim_cm(two_sided=False),
+        "resim_two_sided_cm": lambda: resim_cm(two_sided=True),
+        "hem_height_cm": lambda: outline_rms_cm(made.reanimated, truth, every, lowest),
+        "flare_cm": lambda: outline_rms_cm(made.reanimated, truth, every, wide_radius),
+        "novel_cloth_cm": novel_cm,
     }
-    metrics, missing = dict.fromkeys(METRICS), {}
-    for name, compute in computed.items():
-        covered = [m for m in METRICS if m.startswith(name)]
-        try:
-            value = compute()
-            metrics.update(value if isinstance(value, dict) else {name: float(value)})
-        except Missing as reason:
-            missing.update(dict.fromkeys(covered, str(reason)))
+    metrics, missing = attempt(METRICS, computed)
     console.finish()
-    rounded = {k: None if v is None else float(f"{v:.5g}") for k, v in metrics.items()}
-    return {"metrics": rounded, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
+    return {"metrics": metrics, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
 
 
 def format_table(result: dict) -> str:
