@@ -280,11 +280,17 @@ def test_the_command_line(scene, capsys):
     reanimate(scene, clothness=is_cloth(scene))
     session = Path(__file__).parents[2] / "examples" / "data" / "session"
     command = ["evaluate", scene["out"], "--truth", scene["truth"], "--session", session, "--quiet"]
-    assert cli.main([str(a) for a in [*command, "--json"]]) in (None, 0)
+    assert cli.main([str(a) for a in [*command, "--motion", "--json"]]) in (None, 0)
     result = json.loads(capsys.readouterr().out)
     assert list(result["metrics"]) == list(e.METRICS) and "novel_cloth_cm" in result["missing"]
     for name in ("resim_cloth_cm", "resim_two_sided_cm", "hem_height_cm", "flare_cm"):
         assert result["metrics"][name] == pytest.approx(0, abs=1e-3)
+    motion = result["motion"]
+    assert motion["truth"]["hem_speed_m_s"] == 0 and "two true joints" in motion["missing"]["truth"]["hem_lag_s"]
+    cli.main([str(a) for a in [*command, "--motion"]])
+    assert "\nhem_lag_s" in capsys.readouterr().out
+    cli.main([str(a) for a in command])
+    assert "hem_lag_s" not in capsys.readouterr().out
 
 
 def test_what_is_not_there_is_missing_not_zero(scene):

@@ -100,10 +100,17 @@ def run_edit_template(arguments) -> None:
 
 
 def run_evaluate(arguments) -> None:
+    from . import garment_motion
     from .evaluate import evaluate, format_table
 
-    result = evaluate(arguments.out, arguments.truth, arguments.session, make_console(arguments), arguments.every)
-    print(json.dumps(result, indent=1) if arguments.json else format_table(result))
+    console = make_console(arguments)
+    result = evaluate(arguments.out, arguments.truth, arguments.session, console, arguments.every, arguments.motion)
+    if arguments.json:
+        print(json.dumps(result, indent=1))
+        return
+    print(format_table(result))
+    if arguments.motion:
+        print(f"\n{garment_motion.format_table(result['motion'])}")
 
 
 def run_study(arguments) -> None:
@@ -260,6 +267,8 @@ def add_evaluate(commands) -> None:
     evaluate.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
     evaluate.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
     evaluate.add_argument("--every", type=int, default=1, metavar="N", help="measure every n-th frame (default: all)")
+    text = "also how true and simulated garment move: speed, lag, fast motion, folds; every frame"
+    evaluate.add_argument("--motion", action="store_true", help=text)
     evaluate.add_argument("--json", action="store_true", help="print JSON instead of a table")
     common_flags(evaluate)
     evaluate.set_defaults(run=run_evaluate)

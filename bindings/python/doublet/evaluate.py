@@ -402,8 +402,11 @@ def attempt(names, computed: dict) -> tuple[dict[str, float | None], dict[str, s
     return {k: None if v is None else float(f"{v:.5g}") for k, v in values.items()}, missing
 
 
-def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console: Console, every: int = 1) -> dict:
-    """{"metrics": {name: value or None}, "missing": {name: reason}, ...}"""
+def evaluate(
+    out: Path, truth_folder: Path, session_folder: Path | None, console: Console, every: int = 1, motion: bool = False
+) -> dict:
+    """{"metrics": {name: value or None}, "missing": {name: reason}, ...}; `motion` adds garment_motion.compare()."""
+    from .garment_motion import compare
     from .pipeline import recorded_session
 
     if every < 1:
@@ -437,7 +440,8 @@ def evaluate(out: Path, truth_folder: Path, session_folder: Path | None, console
     }
     metrics, missing = attempt(METRICS, computed)
     console.finish()
-    return {"metrics": metrics, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
+    result = {"metrics": metrics, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
+    return {**result, "motion": compare(made, truth, session.fps)} if motion else result
 
 
 def format_table(result: dict) -> str:
