@@ -3427,6 +3427,14 @@ class EnergyOptions:
     def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
+    def fast_features(self) -> bool:
+        """
+        features that the captured cloth confirms may cost as far as they move, and half of feature_cap more
+        """
+    @fast_features.setter
+    def fast_features(self, arg0: bool) -> None:
+        ...
+    @property
     def feature_cap(self) -> float:
         """
         longest feature distance, likewise
@@ -3443,6 +3451,14 @@ class EnergyOptions:
     def field_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def gamma(self) -> float:
+        """
+        weight of the measured contour that no simulated rim comes near; 0 = the paper's
+        """
+    @gamma.setter
+    def gamma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def outline_size(self) -> int:
         """
         pixels of the views in which visibility is decided
@@ -3457,6 +3473,14 @@ class EnergyOptions:
         """
     @rim_cap.setter
     def rim_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def same_comparisons(self) -> bool:
+        """
+        every sample is measured on what the captured cloth shows; false = on what it shows itself (the paper's)
+        """
+    @same_comparisons.setter
+    def same_comparisons(self, arg0: bool) -> None:
         ...
     @property
     def settle_frames(self) -> int:
@@ -3553,6 +3577,18 @@ class MaterialObjective(Objective):
         """
         (S, regions) pixels^2 of materials[sample][region], on all threads
         """
+    def surface_energy(self, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> list[float]:
+        """
+        (regions) E_fit of such surfaces, pixels^2
+        """
+    def surface_terms(self, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> list:
+        """
+        The same of surfaces (T, V, 3) that were not simulated, e.g. the captured ones
+        """
+    def terms(self, materials: collections.abc.Sequence[Material]) -> list:
+        """
+        One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature and contour (E_sil, E_sift and E_con, pixels^2), rims, features and points (how many)
+        """
     @property
     def fingerprint(self) -> str:
         """
@@ -3564,7 +3600,7 @@ class MaterialObjective(Objective):
     @property
     def worst_energy(self) -> float:
         """
-        pixels^2: no frame can cost more
+        pixels^2: no sample costs more
         """
 class FitOptions:
     """
