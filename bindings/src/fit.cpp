@@ -114,6 +114,7 @@ void bind_minimise(py::module_ &m) {
       .def_readonly("seconds", &GenerationRow::seconds);
   py::class_<MinimiseResult>(m, "MinimiseResult")
       .def_readonly("parts", &MinimiseResult::parts)
+      .def_readonly("penalties", &MinimiseResult::penalties, "(parts) added for each unit of squared distance from the box")
       .def_readonly("log", &MinimiseResult::log)
       .def_readonly("seconds", &MinimiseResult::seconds);
   py::class_<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
@@ -124,19 +125,21 @@ void bind_minimise(py::module_ &m) {
            "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
   m.def(
       "minimise",
-      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty,
+      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty, bool relative_penalty,
          const std::optional<Path> &checkpoint, const std::string &problem, const Context &context) {
         MinimiseOptions options;
         options.make_optimizer = factory_from(make_optimizer);
         options.seed = seed;
         options.penalty = penalty;
+        options.relative_penalty = relative_penalty;
         options.checkpoint = checkpoint.value_or(Path());
         options.problem = problem;
         const py::gil_scoped_release release;
         return minimise(objective, options, context);
       },
       py::arg("objective"), py::arg("make_optimizer") = py::none(), py::arg("seed") = 1, py::arg("penalty") = 16.0,
-      py::arg("checkpoint") = std::nullopt, py::arg("problem") = "", py::arg("context") = interruptible_context());
+      py::arg("relative_penalty") = true, py::arg("checkpoint") = std::nullopt, py::arg("problem") = "",
+      py::arg("context") = interruptible_context());
 }
 
 void bind_influence(py::module_ &m) {
@@ -286,6 +289,8 @@ void bind_fit(py::module_ &m) {
       .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")
       .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
       .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
+      .field("relative_penalty", &FitOptions::relative_penalty,
+             "omega times the median energy of the first generation; false = omega alone (the paper's)")
       .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of the final mean")
       .field("optimizer", &FitOptions::optimizer, "cma-es or annealing")
       .field("influence", &FitOptions::influence, "measure at the end what the motion tells about each parameter")

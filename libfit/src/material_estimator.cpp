@@ -57,10 +57,11 @@ FitResult interrupted(FitResult result, const MinimiseResult &found, const FitOp
   result.interrupted = true;
   result.log = found.log;
   result.seconds = found.seconds;
-  for (const OptimizerResult &part : found.parts) {
+  for (std::size_t r = 0; r < found.parts.size(); ++r) {
+    const OptimizerResult &part = found.parts[r];
     RegionFit region = region_fit(part, options.space);
     const Eigen::VectorXd inside = part.best.cwiseMax(0.0).cwiseMin(1.0);
-    region.best_energy -= options.penalty * (part.best - inside).squaredNorm(); // told with it, see minimise()
+    region.best_energy -= found.penalties[r] * (part.best - inside).squaredNorm(); // told with it, see minimise()
     region.material = region.best;
     region.energy = region.best_energy;
     result.regions.push_back(region);
@@ -72,13 +73,15 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
   MinimiseOptions result;
   result.seed = options.seed;
   result.penalty = options.penalty;
+  result.relative_penalty = options.relative_penalty;
   result.expected_evaluations = options.max_evaluations;
   result.checkpoint = options.checkpoint;
   result.make_optimizer = optimizer_factory(options);
   result.problem = objective.fingerprint() + " seed " + std::to_string(options.seed) + " evaluations " +
                    std::to_string(options.max_evaluations) + " population " + std::to_string(options.population) + " sigma " +
                    std::to_string(options.initial_sigma) + " " + std::to_string(options.smallest_deviation) + " penalty " +
-                   std::to_string(options.penalty) + " " + (options.make_optimizer ? "own optimiser" : options.optimizer);
+                   std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") +
+                   (options.make_optimizer ? "own optimiser" : options.optimizer);
   result.on_generation = [&options, &frame](const MinimiseResult &found) {
     if (!options.log.empty())
       write_fit_log(options.log, found.log, options.space);

@@ -3345,6 +3345,11 @@ class MinimiseResult:
     def parts(self) -> list[OptimizerResult]:
         ...
     @property
+    def penalties(self) -> list[float]:
+        """
+        (parts) added for each unit of squared distance from the box
+        """
+    @property
     def seconds(self) -> float:
         ...
 class Objective:
@@ -3706,6 +3711,14 @@ class FitOptions:
     def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def relative_penalty(self) -> bool:
+        """
+        omega times the median energy of the first generation; false = omega alone (the paper's)
+        """
+    @relative_penalty.setter
+    def relative_penalty(self, arg0: bool) -> None:
+        ...
+    @property
     def seed(self) -> int:
         """
         of the search
@@ -3788,7 +3801,7 @@ def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typi
     """
     answers (parts, n) in [0, 1] -> one Influence a part
     """
-def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
+def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, relative_penalty: bool = True, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
     ...
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
     """

@@ -17,6 +17,7 @@ struct FitOptions {
   double initial_sigma = 0.3;        ///< of the search, box units
   double smallest_deviation = 0.025; ///< stop when all are below (the paper's)
   double penalty = 16.0;             ///< omega, see MinimiseOptions
+  bool relative_penalty = true;      ///< times the median energy of the first generation; false = as it is (the paper's)
   bool answer_best = false;          ///< answer the best sample seen instead of the final mean (the paper's)
   /// "cma-es", or "annealing" (the paper's comparison; chains = population, 4 if 0; steps from initial_sigma down to
   /// smallest_deviation).
