@@ -258,6 +258,8 @@ py::dict result_dict(const FitResult &result) {
     entry["best"] = region.best;
     entry["best_energy"] = region.best_energy;
     entry["deviations"] = region.deviations;
+    entry["spread"] = region.spread;
+    entry["remarks"] = region.remarks(result.parameters);
     py::list confidence;
     for (const Confidence level : region.confidence())
       confidence.append(confidence_name(level));
@@ -284,6 +286,7 @@ void bind_fit(py::module_ &m) {
   bind_energy(m);
   OptionsClass<FitOptions>(m, "FitOptions", "Options of estimate_material.")
       .field("seed", &FitOptions::seed, "of the search")
+      .field("seeds", &FitOptions::seeds, "searches from as many different seeds; the answer is that of the lowest energy")
       .field("max_evaluations", &FitOptions::max_evaluations, "no generation begins at or beyond it")
       .field("population", &FitOptions::population, "samples a generation, 0 = 4 + floor(3 ln n)")
       .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")

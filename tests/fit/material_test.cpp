@@ -532,6 +532,107 @@ TEST(EstimateMaterial, ResumesToTheSameBitsForAnyNumberOfThreads) {
   EXPECT_NE(bits(run(options, two)), bits(whole));
 }
 
+TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
+  const auto s = make_scene({cotton(), with_drag(24)}, {12, 2, 160});
+  FitOptions options = quick();
+  options.influence = false;
+  options.max_evaluations = 18; // three generations: the searches end far apart
+  const auto run = [&](std::uint64_t seed, int seeds, const Path &checkpoint = {}, const Context &context = {}) {
+    options.seed = seed, options.seeds = seeds, options.checkpoint = checkpoint;
+    return estimate_material(*s->simulator, s->performance, s->observations, options, context);
+  };
+  // Region r of search k starts from seed + k R + r, and samples do not know of each other.
+  const FitResult one = run(1, 1), two = run(3, 1), both = run(1, 2);
+  for (int r : {0, 1}) {
+    const RegionFit &first = one.regions[r], &second = two.regions[r], &fit = both.regions[r];
+    const RegionFit &better = first.energy <= second.energy ? first : second;
+    EXPECT_EQ(fit.answer, better.answer);
+    EXPECT_EQ(fit.energy, better.energy);
+    EXPECT_EQ(fit.best_energy, std::min(first.best_energy, second.best_energy));
+    EXPECT_EQ(fit.evaluations, first.evaluations + second.evaluations);
+    EXPECT_NEAR((fit.spread - (first.answer - second.answer).cwiseAbs() / 2).norm(), 0, 1e-15);
+    EXPECT_EQ(first.spread.size(), 0);
+  }
+  EXPECT_EQ(both.log.size(), one.log.size()); // of the searches that are answered
+  EXPECT_EQ(both.log[0].part, 0);
+  EXPECT_EQ(both.log[1].part, 1);
+
+  options.energy.stop_margin = 0.5; // samples are compared with those of their own search alone
+  const FitResult alone = run(1, 1), beside = run(1, 2);
+  EXPECT_TRUE(beside.regions[0].best_energy <= alone.regions[0].best_energy);
+  options.energy.stop_margin = 0;
+
+  const TempFolder folder;
+  Context context;
+  int reports = 0;
+  context.progress = [&](const std::string &stage, double) { reports += stage == "fit"; };
+  context.cancelled = [&] { return reports == 2; };
+  EXPECT_THROW(run(1, 2, folder / "checkpoint.json", context), Cancelled);
+  const FitResult resumed = run(1, 2, folder / "checkpoint.json");
+  for (int r : {0, 1}) {
+    EXPECT_EQ(resumed.regions[r].answer, both.regions[r].answer);
+    EXPECT_EQ(resumed.regions[r].spread, both.regions[r].spread);
+  }
+  options.seeds = 0;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+}
+
+/// Three parameters: in the middle of its box, at its lower bound, within 0.01 of its upper bound.
+RegionFit three_parameters() {
+  RegionFit fit;
+  fit.material = cotton();
+  fit.material.d_n = 16, fit.material.d_t = 0, fit.material.k_bend = 0.995;
+  fit.answer = Eigen::Vector3d(0.5, 0, 0.995);
+  fit.deviations = Eigen::Vector3d(0.02, 0.02, 0.2);
+  return fit;
+}
+const std::vector<std::string> kThree = {"d_n", "d_t", "k_bend"};
+
+TEST(RegionFit, RemarksNameWhatIsDoubtful) {
+  RegionFit fit = three_parameters();
+  EXPECT_EQ(
+      fit.remarks(kThree),
+      (std::vector<std::string>{"d_t = 0 lies at the lower bound of its box, 0: a wider box might give another value.",
+                                "k_bend = 0.995 lies at the upper bound of its box, 1: a wider box might give another value."}));
+  fit.answer = Eigen::Vector3d(0.5, 0.011, 0.989);
+  EXPECT_TRUE(fit.remarks(kThree).empty());
+  fit.influence = {Eigen::Vector3d(0.25, 7, 7), 0.5, {3, 1, 2}};
+  EXPECT_EQ(
+      fit.remarks(kThree),
+      (std::vector<std::string>{"d_n = 16 is a guess: the motion does not tell it (moved alone it changes the energy by 0.25 "
+                                "pixels^2, noise by 0.5)."}));
+  fit.influence.change[0] = 7;
+  fit.spread = Eigen::Vector3d(0.1, 0.2, 0);
+  EXPECT_EQ(fit.remarks(kThree),
+            (std::vector<std::string>{"d_t = 0 depends on the seed: the answers of the searches span 0.4 of its box."}));
+  EXPECT_THROW(fit.remarks({"weight", "d_t", "k_bend"}), std::invalid_argument);
+}
+
+TEST(RegionFit, SearchesThatDisagreeLowerTheConfidence) {
+  RegionFit fit = three_parameters();
+  fit.influence = {Eigen::Vector3d(7, 0.1, 7), 0.5, {1, 3, 2}};
+  using enum Confidence;
+  EXPECT_EQ(fit.confidence(), (std::vector{kHigh, kLow, kMedium}));
+  fit.spread = Eigen::Vector3d::Constant(0.1);
+  EXPECT_EQ(fit.confidence(), (std::vector{kHigh, kLow, kMedium}));
+  fit.spread.setConstant(0.11);
+  EXPECT_EQ(fit.confidence(), (std::vector{kMedium, kLow, kLow}));
+}
+
+TEST(EstimateMaterial, SaysWhatIsDoubtful) {
+  const auto s = make_scene({cotton()}, {12, 2, 160});
+  FitOptions options = quick();
+  options.space.names = {"d_n", "k_friction"}; // nothing is touched
+  std::string said;
+  Context context;
+  context.log = [&](const std::string &line) { said += line + "\n"; };
+  const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, options, context);
+  EXPECT_NE(said.find("fit: region 0: k_friction = "), std::string::npos) << said;
+  const TempFolder folder;
+  write_materials(folder / "material.json", result);
+  EXPECT_NE(read_text(folder / "material.json").find("is a guess: the motion does not tell it"), std::string::npos);
+}
+
 TEST(EstimateMaterial, EveryRegionGetsItsOwn) {
   pbd::Material heavy = cotton();
   heavy.d_n = 24;
@@ -552,6 +653,7 @@ TEST(MaterialFiles, AreReadBack) {
   region.deviations = Eigen::Vector2d(0.1, 0.02);
   result.regions = {region, region};
   result.regions[1].material.d_n = 1.0 / 3;
+  result.regions[1].spread = Eigen::Vector2d(0.25, 0);
   result.regions[1].influence = {Eigen::Vector2d(0.1, 7), 0.5, {2, 1}};
   const TempFolder folder;
   write_materials(folder / "material.json", result);
@@ -564,7 +666,9 @@ TEST(MaterialFiles, AreReadBack) {
   const std::string written = read_text(folder / "material.json");
   EXPECT_NE(written.find("\"confidence\": \"low\""), std::string::npos);  // d_n: 0.1 beside a noise of 0.5
   EXPECT_NE(written.find("\"confidence\": \"high\""), std::string::npos); // k_bend: 7, deviation 0.02
-  EXPECT_EQ(written.find("energy_at_centre"), std::string::npos);         // not measured
+  EXPECT_NE(written.find("\"remarks\": []"), std::string::npos);
+  EXPECT_NE(written.find("d_n = 0.333 depends on the seed"), std::string::npos);
+  EXPECT_EQ(written.find("energy_at_centre"), std::string::npos); // not measured
 
   EXPECT_THROW(read_materials(folder / "none.json"), FileNotFound);
   for (const char *text : {"{", "[]", "{\"regions\": [{}]}", "{\"regions\": [{\"parameters\": {\"d_n\": \"much\"}}]}"}) {

@@ -3727,6 +3727,14 @@ class FitOptions:
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def seeds(self) -> int:
+        """
+        searches from as many different seeds; the answer is that of the lowest energy
+        """
+    @seeds.setter
+    def seeds(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
     def smallest_deviation(self) -> float:
         """
         stop when all are below, box units
