@@ -89,6 +89,7 @@ void bind_optimizers(py::module_ &m) {
       .field("initial_sigma", &CmaEsOptions::initial_sigma, "along every axis")
       .field("max_evaluations", &CmaEsOptions::max_evaluations, "no generation begins at or beyond it")
       .field("smallest_deviation", &CmaEsOptions::smallest_deviation, "stop when all standard deviations are below it")
+      .field("stagnation", &CmaEsOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")
       .field("seed", &CmaEsOptions::seed, "of the random numbers");
   OptionsClass<AnnealingOptions>(m, "AnnealingOptions", "Options of create_simulated_annealing.")
       .field("chains", &AnnealingOptions::chains, "samples a generation")
@@ -291,6 +292,7 @@ void bind_fit(py::module_ &m) {
       .field("population", &FitOptions::population, "samples a generation, 0 = 4 + floor(3 ln n)")
       .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")
       .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
+      .field("stagnation", &FitOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")
       .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
       .field("relative_penalty", &FitOptions::relative_penalty,
              "omega times the median energy of the first generation; false = omega alone (the paper's)")

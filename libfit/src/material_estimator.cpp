@@ -23,6 +23,7 @@ CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   cma.initial_sigma = options.initial_sigma;
   cma.max_evaluations = options.max_evaluations;
   cma.smallest_deviation = options.smallest_deviation;
+  cma.stagnation = options.stagnation;
   cma.seed = seed;
   return cma;
 }
@@ -153,8 +154,8 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
   result.problem = objective.fingerprint() + " seed " + std::to_string(options.seed) + " of " + std::to_string(options.seeds) +
                    " evaluations " + std::to_string(options.max_evaluations) + " population " +
                    std::to_string(options.population) + " sigma " + std::to_string(options.initial_sigma) + " " +
-                   std::to_string(options.smallest_deviation) + " penalty " + std::to_string(options.penalty) +
-                   (options.relative_penalty ? " relative " : " absolute ") +
+                   std::to_string(options.smallest_deviation) + " " + std::to_string(options.stagnation) + " penalty " +
+                   std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") +
                    (options.make_optimizer ? "own optimiser" : options.optimizer);
   result.on_generation = [&options, &searches, &frame](const MinimiseResult &found) {
     const FitResult so_far = interrupted(frame, found, searches, options);

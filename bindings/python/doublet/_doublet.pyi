@@ -3239,6 +3239,14 @@ class CmaEsOptions:
     @smallest_deviation.setter
     def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+    @property
+    def stagnation(self) -> float:
+        """
+        stop when the energies of twenty generations change by less; 0 = never
+        """
+    @stagnation.setter
+    def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class AnnealingOptions:
     """
     Options of create_simulated_annealing.
@@ -3741,6 +3749,14 @@ class FitOptions:
         """
     @smallest_deviation.setter
     def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stagnation(self) -> float:
+        """
+        stop when the energies of twenty generations change by less; 0 = never
+        """
+    @stagnation.setter
+    def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class FitResult:
     def to_dict(self) -> dict:

@@ -19,6 +19,7 @@ struct FitOptions {
   int population = 0;                ///< 0 = 4 + floor(3 ln n)
   double initial_sigma = 0.3;        ///< of the search, box units
   double smallest_deviation = 0.025; ///< stop when all are below (the paper's)
+  double stagnation = 0.02;          ///< stop when the energies change by less, see CmaEsOptions; 0 = never
   double penalty = 16.0;             ///< omega, see MinimiseOptions
   bool relative_penalty = true;      ///< times the median energy of the first generation; false = as it is (the paper's)
   bool answer_best = false;          ///< answer the best sample seen instead of the final mean (the paper's)
