@@ -249,7 +249,8 @@ const char *confidence_name(Confidence confidence) {
 std::vector<Confidence> RegionFit::confidence() const {
   std::vector<Confidence> result;
   for (int i = 0; i < influence.change.size(); ++i) {
-    const bool found = deviations[i]<kWellSearched, disputed = spread.size()> 0 && spread[i] > kDisputed;
+    const bool found = deviations[i] < kWellSearched;
+    const bool disputed = spread.size() > 0 && spread[i] > kDisputed;
     result.push_back(!influence.told(i) || (!found && disputed) ? Confidence::kLow
                      : found && !disputed                       ? Confidence::kHigh
                                                                 : Confidence::kMedium);
