@@ -267,7 +267,7 @@ std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &name
     const bool low = i < answer.size() && answer[i] <= kAtBound, high = i < answer.size() && answer[i] >= 1 - kAtBound;
     if (low || high)
       result.push_back(value + " lies at the " + (low ? "lower" : "upper") + " bound of its box, " +
-                       short_number(low ? parameter.lower : parameter.upper) + ": a wider box might give another value.");
+                       short_number(low ? parameter.lower : parameter.upper) + ": the search would go further if it could.");
     if (i < influence.change.size() && !influence.told(static_cast<int>(i)))
       result.push_back(value + " is a guess: the motion does not tell it (moved alone it changes the energy by " +
                        short_number(influence.change[i]) + " pixels^2, noise by " + short_number(influence.noise) + ").");

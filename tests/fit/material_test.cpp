@@ -633,10 +633,10 @@ const std::vector<std::string> kThree = {"d_n", "d_t", "k_bend"};
 
 TEST(RegionFit, RemarksNameWhatIsDoubtful) {
   RegionFit fit = three_parameters();
-  EXPECT_EQ(
-      fit.remarks(kThree),
-      (std::vector<std::string>{"d_t = 0 lies at the lower bound of its box, 0: a wider box might give another value.",
-                                "k_bend = 0.995 lies at the upper bound of its box, 1: a wider box might give another value."}));
+  EXPECT_EQ(fit.remarks(kThree),
+            (std::vector<std::string>{
+                "d_t = 0 lies at the lower bound of its box, 0: the search would go further if it could.",
+                "k_bend = 0.995 lies at the upper bound of its box, 1: the search would go further if it could."}));
   fit.answer = Eigen::Vector3d(0.5, 0.011, 0.989);
   EXPECT_TRUE(fit.remarks(kThree).empty());
   fit.influence = {Eigen::Vector3d(0.25, 7, 7), 0.5, {3, 1, 2}};

@@ -80,8 +80,8 @@ struct EnergyTimes {
   double features = 0; ///< E_sift
 };
 
-/// Immutable after construction, so evaluations from several threads are safe. One part a region. Only 2D data of the sequence is
-/// kept.
+/// Immutable after construction, so evaluations from several threads are safe. One part a region. Of the sequence only 2D data is
+/// kept, and which point of the cloth the captured surface has under each feature.
 class MaterialObjective : public Objective {
 public:
   /// `simulator`, must outlive the objective. Throws std::invalid_argument if the character has no cloth, Error if performance
