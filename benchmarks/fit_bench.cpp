@@ -130,7 +130,7 @@ void estimate(benchmark::State &state) {
     image_bytes = static_cast<double>(objective.image_bytes());
   }
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  const double rest = seconds - times.set_up - times.simulate - times.project - times.rims - times.features;
+  const double rest = seconds - times.set_up - times.simulate - times.project - times.rims - times.contour - times.features;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   state.counters["cpu_s"] = seconds;
@@ -140,6 +140,7 @@ void estimate(benchmark::State &state) {
                                    {"simulate", times.simulate},
                                    {"project", times.project},
                                    {"rims", times.rims},
+                                   {"contour", times.contour},
                                    {"features", times.features},
                                    {"optimiser_and_rest", rest}})
     state.counters[name] = part / seconds;

@@ -89,6 +89,7 @@ void bind_optimizers(py::module_ &m) {
       .field("initial_sigma", &CmaEsOptions::initial_sigma, "along every axis")
       .field("max_evaluations", &CmaEsOptions::max_evaluations, "no generation begins at or beyond it")
       .field("smallest_deviation", &CmaEsOptions::smallest_deviation, "stop when all standard deviations are below it")
+      .field("stagnation", &CmaEsOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")
       .field("seed", &CmaEsOptions::seed, "of the random numbers");
   OptionsClass<AnnealingOptions>(m, "AnnealingOptions", "Options of create_simulated_annealing.")
       .field("chains", &AnnealingOptions::chains, "samples a generation")
@@ -114,6 +115,7 @@ void bind_minimise(py::module_ &m) {
       .def_readonly("seconds", &GenerationRow::seconds);
   py::class_<MinimiseResult>(m, "MinimiseResult")
       .def_readonly("parts", &MinimiseResult::parts)
+      .def_readonly("penalties", &MinimiseResult::penalties, "(parts) added for each unit of squared distance from the box")
       .def_readonly("log", &MinimiseResult::log)
       .def_readonly("seconds", &MinimiseResult::seconds);
   py::class_<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
@@ -124,19 +126,21 @@ void bind_minimise(py::module_ &m) {
            "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
   m.def(
       "minimise",
-      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty,
+      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty, bool relative_penalty,
          const std::optional<Path> &checkpoint, const std::string &problem, const Context &context) {
         MinimiseOptions options;
         options.make_optimizer = factory_from(make_optimizer);
         options.seed = seed;
         options.penalty = penalty;
+        options.relative_penalty = relative_penalty;
         options.checkpoint = checkpoint.value_or(Path());
         options.problem = problem;
         const py::gil_scoped_release release;
         return minimise(objective, options, context);
       },
       py::arg("objective"), py::arg("make_optimizer") = py::none(), py::arg("seed") = 1, py::arg("penalty") = 16.0,
-      py::arg("checkpoint") = std::nullopt, py::arg("problem") = "", py::arg("context") = interruptible_context());
+      py::arg("relative_penalty") = true, py::arg("checkpoint") = std::nullopt, py::arg("problem") = "",
+      py::arg("context") = interruptible_context());
 }
 
 void bind_influence(py::module_ &m) {
@@ -157,14 +161,52 @@ void bind_influence(py::module_ &m) {
         py::arg("context") = interruptible_context(), Release(), "answers (parts, n) in [0, 1] -> one Influence a part");
 }
 
+/// One dict a region of arrays (T), from [R][T].
+py::list terms_list(const std::vector<std::vector<FrameTerms>> &terms) {
+  py::list regions;
+  for (const std::vector<FrameTerms> &frames : terms) {
+    const auto column = [&](auto FrameTerms::*member) {
+      using Value = std::remove_cvref_t<decltype(frames[0].*member)>;
+      py::array_t<Value> values(static_cast<py::ssize_t>(frames.size()));
+      for (std::size_t t = 0; t < frames.size(); ++t)
+        values.mutable_at(static_cast<py::ssize_t>(t)) = frames[t].*member;
+      return values;
+    };
+    py::dict region;
+    region["silhouette"] = column(&FrameTerms::silhouette);
+    region["feature"] = column(&FrameTerms::feature);
+    region["contour"] = column(&FrameTerms::contour);
+    region["rims"] = column(&FrameTerms::rims);
+    region["features"] = column(&FrameTerms::features);
+    region["points"] = column(&FrameTerms::points);
+    regions.append(region);
+  }
+  return regions;
+}
+
+/// The terms, worked out without the GIL.
+template <class Call> py::list terms_without_gil(const Call &call) {
+  std::vector<std::vector<FrameTerms>> terms;
+  {
+    const py::gil_scoped_release release;
+    terms = call();
+  }
+  return terms_list(terms);
+}
+
 void bind_energy(py::module_ &m) {
   OptionsClass<EnergyOptions>(m, "EnergyOptions", "Options of the energy E_fit.")
       .field("dt", &EnergyOptions::dt, "s, one video frame")
       .field("alpha", &EnergyOptions::alpha, "weight of the silhouettes")
       .field("beta", &EnergyOptions::beta, "weight of the texture features")
+      .field("gamma", &EnergyOptions::gamma, "weight of the measured contour that no simulated rim comes near; 0 = the paper's")
+      .field("same_comparisons", &EnergyOptions::same_comparisons,
+             "every sample is measured on what the captured cloth shows; false = on what it shows itself (the paper's)")
       .field("settle_frames", &EnergyOptions::settle_frames, "frames to fall into place before the first")
       .field("rim_cap", &EnergyOptions::rim_cap, "longest rim distance, fraction of the larger image side")
       .field("feature_cap", &EnergyOptions::feature_cap, "longest feature distance, likewise")
+      .field("fast_features", &EnergyOptions::fast_features,
+             "features that the captured cloth confirms may cost as far as they move, and half of feature_cap more")
       .field("outline_size", &EnergyOptions::outline_size, "pixels of the views in which visibility is decided")
       .field("field_size", &EnergyOptions::field_size, "nodes along the larger side of a distance field")
       .field("window", &EnergyOptions::window, "frames of a window that starts from the captured surface; 0 = one rollout")
@@ -185,7 +227,24 @@ void bind_energy(py::module_ &m) {
            py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release())
       .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
            Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")
-      .def_property_readonly("worst_energy", &MaterialObjective::worst_energy, "pixels^2: no frame can cost more")
+      .def(
+          "terms",
+          [](const MaterialObjective &objective, const std::vector<pbd::Material> &materials) {
+            return terms_without_gil([&] { return objective.terms(materials); });
+          },
+          py::arg("materials"),
+          "One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature and contour (E_sil, "
+          "E_sift "
+          "and E_con, pixels^2), rims, features and points (how many)")
+      .def(
+          "surface_terms",
+          [](const MaterialObjective &objective, const std::vector<Vertices> &surfaces) {
+            return terms_without_gil([&] { return objective.surface_terms(surfaces); });
+          },
+          py::arg("surfaces"), "The same of surfaces (T, V, 3) that were not simulated, e.g. the captured ones")
+      .def("surface_energy", &MaterialObjective::surface_energy, py::arg("surfaces"), Release(),
+           "(regions) E_fit of such surfaces, pixels^2")
+      .def_property_readonly("worst_energy", &MaterialObjective::worst_energy, "pixels^2: no sample costs more")
       .def_property_readonly("fingerprint", &MaterialObjective::fingerprint, "hash of everything the energy depends on")
       .def_property_readonly("space", &MaterialObjective::space);
 }
@@ -200,6 +259,8 @@ py::dict result_dict(const FitResult &result) {
     entry["best"] = region.best;
     entry["best_energy"] = region.best_energy;
     entry["deviations"] = region.deviations;
+    entry["spread"] = region.spread;
+    entry["remarks"] = region.remarks(result.parameters);
     py::list confidence;
     for (const Confidence level : region.confidence())
       confidence.append(confidence_name(level));
@@ -226,11 +287,15 @@ void bind_fit(py::module_ &m) {
   bind_energy(m);
   OptionsClass<FitOptions>(m, "FitOptions", "Options of estimate_material.")
       .field("seed", &FitOptions::seed, "of the search")
+      .field("seeds", &FitOptions::seeds, "searches from as many different seeds; the answer is that of the lowest energy")
       .field("max_evaluations", &FitOptions::max_evaluations, "no generation begins at or beyond it")
       .field("population", &FitOptions::population, "samples a generation, 0 = 4 + floor(3 ln n)")
       .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")
       .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
+      .field("stagnation", &FitOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")
       .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
+      .field("relative_penalty", &FitOptions::relative_penalty,
+             "omega times the median energy of the first generation; false = omega alone (the paper's)")
       .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of the final mean")
       .field("optimizer", &FitOptions::optimizer, "cma-es or annealing")
       .field("influence", &FitOptions::influence, "measure at the end what the motion tells about each parameter")

@@ -202,7 +202,7 @@ void ClothView::count_layers() {
           continue;
         add_edge(edge, lane, layers);
         if (edge.right >= 0 || edge.hem)
-          rim_edges_.push_back({edge.a, edge.b, lane, layers > 0});
+          rim_edges_.push_back({edge.a, edge.b, lane, edge.left, layers > 0});
       }
     }
   }
@@ -251,15 +251,22 @@ bool ClothView::on_outline(const RimEdge &edge) const {
 
 void ClothView::outline(const CoarseBuffer &others, std::vector<Rim> &result) {
   result.clear();
+  outline_edges_.clear();
   if (!coarse_box())
     return;
   count_layers();
   mask_others(others);
   std::fill(rim_.begin(), rim_.end(), std::uint16_t{0});
-  for (const RimEdge &edge : rim_edges_)
-    if (on_outline(edge))
-      for (int v : {edge.a, edge.b})
-        rim_[v] = static_cast<std::uint16_t>(rim_[v] | (1u << edge.lane));
+  for (const RimEdge &edge : rim_edges_) {
+    if (!on_outline(edge))
+      continue;
+    for (int v : {edge.a, edge.b})
+      rim_[v] = static_cast<std::uint16_t>(rim_[v] | (1u << edge.lane));
+    const float *a = &image_[static_cast<std::size_t>(edge.a) * 3 * lanes() + edge.lane];
+    const float *b = &image_[static_cast<std::size_t>(edge.b) * 3 * lanes() + edge.lane];
+    if (a[2 * lanes()] > 0 && b[2 * lanes()] > 0) // both can be drawn
+      outline_edges_.push_back({edge.lane, topology_->face_region[edge.face], {a[0], a[lanes()], b[0], b[lanes()]}});
+  }
   const float right = static_cast<float>(camera_->camera.width - 1), bottom = static_cast<float>(camera_->camera.height - 1);
   for (int v = 0; v < topology_->vertex_count(); ++v) {
     if (rim_[v] == 0 || topology_->region[v] < 0)
@@ -278,8 +285,16 @@ void ClothView::outline(const CoarseBuffer &others, std::vector<Rim> &result) {
   }
 }
 
-/// Into the cells of a grid that starts at the image's corner, but keeps only the cells where there is cloth in any lane. The
-/// order of those that are kept does not depend on the lanes.
+void ClothView::approach(int region, int count, const float *x, const float *y, float largest,
+                         std::vector<float> &squared) const {
+  squared.assign(static_cast<std::size_t>(samples_) * count, largest);
+  for (const OutlineEdge &edge : outline_edges_)
+    if (edge.region == region)
+      kernels_->approach(count, x, y, edge.segment, &squared[static_cast<std::size_t>(edge.lane) * count]);
+}
+
+/// Into the cells of a grid that starts at the image's corner, but has only the cells where there is cloth in any lane; the
+/// others come last. Whatever the lanes, those that lie on the cloth are in the same order.
 void ClothView::sort_features(const std::vector<FeatureMatch> &matches) {
   const int x0 = floor_int(box_[0]), y0 = floor_int(box_[1]), x1 = ceil_int(box_[2]), y1 = ceil_int(box_[3]);
   const int cell = std::max(1, std::max(camera_->camera.width, camera_->camera.height) / kGridCells);
@@ -300,10 +315,10 @@ void ClothView::sort_features(const std::vector<FeatureMatch> &matches) {
   }
   for (std::size_t i = 2; i < first_.size(); ++i)
     first_[i] += first_[i - 1];
-  order_.resize(first_.back());
+  order_.resize(matches.size());
+  int outside = first_.back();
   for (std::size_t i = 0; i < matches.size(); ++i)
-    if (cell_[i] >= 0)
-      order_[first_[cell_[i] + 1]++] = static_cast<int>(i); // ends where the next cell starts
+    order_[cell_[i] >= 0 ? first_[cell_[i] + 1]++ : outside++] = static_cast<int>(i); // a cell ends where the next starts
   grid_.first = first_.data();
   const int pitch = grid_.width + 1;
   before_.assign(static_cast<std::size_t>(grid_.height + 1) * pitch, 0);
@@ -320,6 +335,7 @@ void ClothView::sort_features(const std::vector<FeatureMatch> &matches) {
 void ClothView::locate(const std::vector<FeatureMatch> &matches, const CoarseBuffer &others, LocatedFeatures &result) {
   sort_features(matches);
   result.count = static_cast<int>(order_.size());
+  result.match = order_;
   const std::size_t size = static_cast<std::size_t>(result.count) * lanes();
   result.seen_x.resize(result.count), result.seen_y.resize(result.count);
   feature_x_.resize(result.count), feature_y_.resize(result.count);
@@ -339,10 +355,10 @@ void ClothView::locate(const std::vector<FeatureMatch> &matches, const CoarseBuf
                    {nearest_.data(), result.face.data(), result.weight.data()});
 }
 
-const std::vector<float> &ClothView::carry(const LocatedFeatures &located, float largest) {
+const std::vector<float> &ClothView::carry(const LocatedFeatures &located, const std::vector<float> &largest) {
   squared_.resize(static_cast<std::size_t>(located.count) * lanes());
   kernels_->carry(camera_->lens, located.count, located.seen_x.data(), located.seen_y.data(), topology_->corners.data(),
-                  positions_.data(), located.face.data(), located.weight.data(), largest, squared_.data());
+                  positions_.data(), located.face.data(), located.weight.data(), largest.data(), squared_.data());
   return squared_;
 }
 

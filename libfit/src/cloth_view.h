@@ -5,6 +5,7 @@
 #include "doublet/core/camera.h"
 #include "lane_kernels.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -53,15 +54,27 @@ struct CoarseCamera {
   float coarse_y(float y) const { return (y + 0.5f) * scale_y - 0.5f; }
 };
 
+/// Of an image, pixels.
+inline float larger_side(const Camera &camera) {
+  return static_cast<float>(std::max(camera.width, camera.height));
+}
+
 /// A rim vertex of one sample, and where it is in the image, pixels.
 struct Rim {
   int lane, vertex;
   float x, y;
 };
 
+/// A rim edge of one sample on the outline; the region is that of the face beside it.
+struct OutlineEdge {
+  int lane, region;
+  Segment segment;
+};
+
 /// Features on the cloth of every sample, and where they are seen in the next frame.
 struct LocatedFeatures {
   int count = 0;
+  std::vector<int> match;            ///< [count] index into the matches
   std::vector<float> seen_x, seen_y; ///< [count] pixels
   std::vector<int> face;             ///< [count][lanes] -1 = not on the cloth
   std::vector<float> weight;         ///< [count][3][lanes] of the corners, sum not 1
@@ -83,16 +96,21 @@ public:
   /// Rims by vertex, then lane: free vertices between a front and a back face or on a hem, inside the image, not hidden by
   /// `others`, and within 1.5 coarse pixels of the background, where there is neither cloth nor anything of `others`.
   void outline(const CoarseBuffer &others, std::vector<Rim> &result);
-  /// The points of the cloth under the features of the previous frame of each match.
+  /// The rim edges on the outline that outline() saw last.
+  const std::vector<OutlineEdge> &outline_edges() const { return outline_edges_; }
+  /// squared [samples][count]: squared distances of points (x, y) to the outline of one region in each sample, which outline()
+  /// saw last, pixels^2, at most `largest`.
+  void approach(int region, int count, const float *x, const float *y, float largest, std::vector<float> &squared) const;
+  /// The points of the cloth under the features of the previous frame of each match; all matches, sorted by where they are.
   void locate(const std::vector<FeatureMatch> &matches, const CoarseBuffer &others, LocatedFeatures &result);
   /// [count][lanes] squared distances between where the located features are now and where they are seen, pixels^2, at most
-  /// `largest`; -1 = not on the cloth.
-  const std::vector<float> &carry(const LocatedFeatures &located, float largest);
+  /// `largest` [count]; -1 = not on the cloth.
+  const std::vector<float> &carry(const LocatedFeatures &located, const std::vector<float> &largest);
 
 private:
   /// An edge of one sample between a front and a back face, or on a hem.
   struct RimEdge {
-    int a, b, lane;
+    int a, b, lane, face;
     bool cloth_below; ///< where it runs to the right
   };
   bool coarse_box();
@@ -110,6 +128,7 @@ private:
   std::array<float, 4> box_{};      // around all vertices in all lanes, pixels
   std::vector<signed char> facing_; // [G + 1][lanes], the last row 0
   std::vector<RimEdge> rim_edges_;
+  std::vector<OutlineEdge> outline_edges_;
   std::vector<std::uint16_t> rim_;               // [D] bit l: on the outline in lane l
   int x0_ = 0, y0_ = 0, width_ = 0, height_ = 0; // the box around the cloth in coarse pixels, of all lanes
   std::vector<std::uint8_t> layers_;  // [samples][height][width] how many faces of the cloth lie over each other, mod 256

@@ -2,6 +2,7 @@
 
 #include "doublet/core/normal_generator.h"
 #include "doublet/fit/optimizer.h"
+#include "median.h"
 #include "optimizer_checks.h"
 #include "state_json.h"
 
@@ -14,6 +15,7 @@ namespace doublet {
 namespace {
 
 constexpr const char *kKind = "cma-es";
+constexpr std::size_t kHalf = 10;          // generations that are compared with as many before them, see stagnation
 constexpr double kLargestCondition = 1e14; // beyond it the eigenvalues are rounding errors
 
 /// Fixed numbers of a run, Table 1 of the tutorial.
@@ -71,6 +73,8 @@ public:
     }
     evaluations_ += static_cast<int>(energies.size());
     ++generation_;
+    remember(bests_, energies[order[0]]);
+    remember(medians_, energies[order[order.size() / 2]]);
     update(samples, order);
     decompose();
   }
@@ -103,6 +107,8 @@ public:
     json["path_sigma"] = state::to_json(path_sigma_);
     json["path_c"] = state::to_json(path_c_);
     json["best"] = state::to_json(best_);
+    json["bests"] = bests_;
+    json["medians"] = medians_;
     return json.dump();
   }
 
@@ -116,6 +122,8 @@ public:
       path_sigma_ = state::vector(json.at("path_sigma"), n_);
       path_c_ = state::vector(json.at("path_c"), n_);
       best_ = state::vector(json.at("best"), n_);
+      bests_ = json.at("bests").get<std::vector<double>>();
+      medians_ = json.at("medians").get<std::vector<double>>();
       sigma_ = json.at("sigma");
       best_energy_ = json.at("best_energy");
       evaluations_ = json.at("evaluations");
@@ -131,6 +139,8 @@ private:
   std::string reason() const {
     if (deviations().maxCoeff() < options_.smallest_deviation)
       return "every standard deviation below " + state::Json(options_.smallest_deviation).dump();
+    if (settled(bests_) && settled(medians_))
+      return "energies of " + std::to_string(2 * kHalf) + " generations within " + state::Json(options_.stagnation).dump();
     if (evaluations_ >= options_.max_evaluations)
       return std::to_string(options_.max_evaluations) + " evaluations";
     if (lengths_.minCoeff() <= 0 || std::pow(lengths_.maxCoeff() / lengths_.minCoeff(), 2) > kLargestCondition)
@@ -138,6 +148,20 @@ private:
     if ((mean_ + 0.2 * deviations()).cwiseEqual(mean_).all())
       return "steps below the precision of the numbers";
     return {};
+  }
+
+  static void remember(std::vector<double> &history, double energy) {
+    if (history.size() == 2 * kHalf)
+      history.erase(history.begin());
+    history.push_back(energy);
+  }
+  /// In either direction: while the search still widens, energies rise.
+  bool settled(const std::vector<double> &history) const {
+    if (history.size() < 2 * kHalf)
+      return false;
+    const auto half = history.begin() + kHalf;
+    const double before = median({history.begin(), half}), now = median({half, history.end()});
+    return std::fabs(before - now) < options_.stagnation * std::fabs(now);
   }
 
   void update(const MatrixRM &samples, const std::vector<int> &order) {
@@ -178,6 +202,7 @@ private:
   double sigma_;
   Eigen::MatrixXd covariance_, axes_; // C = axes diag(lengths^2) axes^T
   Eigen::VectorXd lengths_, path_sigma_, path_c_, best_;
+  std::vector<double> bests_, medians_; // of the last generations
   double best_energy_ = 0;
   int evaluations_ = 0, generation_ = 0;
 };
@@ -198,6 +223,8 @@ void CmaEsOptions::validate() const {
   require(max_evaluations > 0, "CmaEsOptions: max_evaluations: expected at least 1, found " + std::to_string(max_evaluations));
   require(smallest_deviation >= 0,
           "CmaEsOptions: smallest_deviation: expected at least 0, found " + std::to_string(smallest_deviation));
+  require(stagnation >= 0 && std::isfinite(stagnation),
+          "CmaEsOptions: stagnation: expected at least 0, found " + std::to_string(stagnation));
 }
 
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options) {

@@ -1,6 +1,7 @@
 #include "doublet/fit/influence.h"
 
 #include "doublet/core/error.h"
+#include "median.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>
@@ -14,12 +15,6 @@ constexpr int kProbes = 4;         // values of each parameter
 constexpr double kWindow = 0.4;    // of the box, that they span
 constexpr int kRepeats = 12;       // of the answer; with five parameters all fill 32 lanes
 constexpr double kNowhere = 0.001; // of the box: far below where the search stops
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// (4 n + 12, n) first the probes of every parameter, then the repeats.
 MatrixRM probes_around(const Eigen::RowVectorXd &answer) {

@@ -32,6 +32,11 @@ struct Places {
   float *weight;        ///< [features][3][lanes]
 };
 
+/// A piece of an outline in the image, pixels.
+struct Segment {
+  float ax, ay, bx, by;
+};
+
 struct LaneKernels {
   int lanes;
   /// positions [count][3][lanes], m -> image [count][3][lanes]: pixels of the full image and inverse depth, all 0 where it cannot
@@ -43,10 +48,13 @@ struct LaneKernels {
   /// Takes for every feature the nearest face over it that is nearer than what `places` holds.
   void (*locate)(const FeatureGrid &grid, int count, const int *corners, const float *image, const signed char *facing,
                  Places places);
-  /// The squared distance in the image between where each place is now and where it was seen (x, y), at most `largest`; -1 = the
-  /// feature is not on the cloth. squared [count][lanes], pixels^2.
+  /// The squared distance in the image between where each place is now and where it was seen (x, y), at most `largest` [count];
+  /// -1 = the feature is not on the cloth. squared [count][lanes], pixels^2.
   void (*carry)(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
-                const int *face, const float *weight, float largest, float *squared);
+                const int *face, const float *weight, const float *largest, float *squared);
+  /// Lowers squared [count], pixels^2, to the squared distance of each point (x, y) to the segment between two ends. The lanes
+  /// are the points here: a sample has outlines of its own.
+  void (*approach)(int count, const float *x, const float *y, Segment segment, float *squared);
 };
 
 // 0, 1, 2 = 4, 8, 16 lanes; nullptr where this program was built for a processor that has no such instructions.

@@ -166,7 +166,7 @@ void locate(const FeatureGrid &grid, int count, const int *corners, const float 
 
 template <int L, bool distorted>
 void carry_all(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
-               const int *face, const float *weight, float largest, float *squared) {
+               const int *face, const float *weight, const float *largest, float *squared) {
   for (int i = 0; i < count; ++i) {
     float px[L], py[L], pz[L];
     for (int l = 0; l < L; ++l) {
@@ -184,7 +184,7 @@ void carry_all(const Lens &lens, int count, const float *x, const float *y, cons
       const Seen<distorted> seen(lens, px[l], py[l], pz[l]);
       const float dx = seen.x - x[i], dy = seen.y - y[i];
       const float distance = dx * dx + dy * dy;
-      const float kept = (seen.depth > kNear) & (distance < largest) ? distance : largest;
+      const float kept = (seen.depth > kNear) & (distance < largest[i]) ? distance : largest[i];
       squared[i * L + l] = face[i * L + l] < 0 ? -1.f : kept;
     }
   }
@@ -192,16 +192,29 @@ void carry_all(const Lens &lens, int count, const float *x, const float *y, cons
 
 template <int L>
 void carry(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
-           const int *face, const float *weight, float largest, float *squared) {
+           const int *face, const float *weight, const float *largest, float *squared) {
   if (lens.distorted)
     carry_all<L, true>(lens, count, x, y, corners, positions, face, weight, largest, squared);
   else
     carry_all<L, false>(lens, count, x, y, corners, positions, face, weight, largest, squared);
 }
 
-static const LaneKernels kWidths[3] = {{4, project<4>, turn<4>, locate<4>, carry<4>},
-                                       {8, project<8>, turn<8>, locate<8>, carry<8>},
-                                       {16, project<16>, turn<16>, locate<16>, carry<16>}};
+inline void approach(int count, const float *__restrict x, const float *__restrict y, Segment segment,
+                     float *__restrict squared) {
+  const float dx = segment.bx - segment.ax, dy = segment.by - segment.ay, length = dx * dx + dy * dy;
+  const float inverse = length > 0 ? 1.f / length : 0.f;
+  for (int i = 0; i < count; ++i) {
+    const float px = x[i] - segment.ax, py = y[i] - segment.ay;
+    const float along = (px * dx + py * dy) * inverse;
+    const float after = along > 0.f ? along : 0.f, part = after < 1.f ? after : 1.f;
+    const float ex = px - part * dx, ey = py - part * dy, distance = ex * ex + ey * ey;
+    squared[i] = distance < squared[i] ? distance : squared[i];
+  }
+}
+
+static const LaneKernels kWidths[3] = {{4, project<4>, turn<4>, locate<4>, carry<4>, approach},
+                                       {8, project<8>, turn<8>, locate<8>, carry<8>, approach},
+                                       {16, project<16>, turn<16>, locate<16>, carry<16>, approach}};
 
 } // namespace DOUBLET_FIT_ISA
 } // namespace doublet::fit

@@ -3,7 +3,10 @@
 #include "doublet/core/error.h"
 #include "optimizer_checks.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
 namespace doublet {
 namespace {
@@ -11,6 +14,8 @@ namespace {
 constexpr int kFramesPerReport = 8;
 constexpr double kSmallestStep = 1e-6; // of annealing, which needs one
 constexpr double kWellSearched = 0.1;  // of the box: a deviation below it is a parameter that was found
+constexpr double kDisputed = 0.1;      // of the box: searches whose answers are spread by more disagree
+constexpr double kAtBound = 0.01;      // of the box: closer to its bound is at it
 
 CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   CmaEsOptions cma;
@@ -18,6 +23,7 @@ CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   cma.initial_sigma = options.initial_sigma;
   cma.max_evaluations = options.max_evaluations;
   cma.smallest_deviation = options.smallest_deviation;
+  cma.stagnation = options.stagnation;
   cma.seed = seed;
   return cma;
 }
@@ -41,49 +47,122 @@ OptimizerFactory optimizer_factory(const FitOptions &options) {
   return [options](int n, std::uint64_t seed) { return create_cma_es(n, cma_options(options, seed)); };
 }
 
-RegionFit region_fit(const OptimizerResult &part, const ParameterSpace &space) {
+/// Searches from several seeds at once, so that their samples fill the lanes: part k R + r is search k of region r.
+class Searches : public Objective {
+public:
+  Searches(MaterialObjective &objective, const FitOptions &options)
+      : objective_(objective), count_(options.seeds), apart_(options.energy.stop_margin > 0) {}
+  int parameter_count() const override { return objective_.parameter_count(); }
+  int part_count() const override { return count_ * regions(); }
+  int regions() const { return objective_.part_count(); }
+  int count() const { return count_; }
+  int part(int search, int region) const { return search * regions() + region; }
+
+  MatrixRM evaluate(const MatrixRM &samples, const Context &context) override {
+    const Eigen::Index rows = samples.rows(), width = static_cast<Eigen::Index>(regions()) * parameter_count();
+    MatrixRM energies(rows, part_count());
+    if (apart_) { // samples are compared with those of their own search alone
+      for (int k = 0; k < count_; ++k)
+        energies.middleCols(part(k, 0), regions()) = objective_.evaluate(samples.middleCols(k * width, width), context);
+      return energies;
+    }
+    MatrixRM all(count_ * rows, width);
+    for (int k = 0; k < count_; ++k)
+      all.middleRows(k * rows, rows) = samples.middleCols(k * width, width);
+    const MatrixRM found = objective_.evaluate(all, context);
+    for (int k = 0; k < count_; ++k)
+      energies.middleCols(part(k, 0), regions()) = found.middleRows(k * rows, rows);
+    return energies;
+  }
+
+private:
+  MaterialObjective &objective_;
+  int count_;
+  bool apart_;
+};
+
+Eigen::VectorXd in_box(const Eigen::VectorXd &unit) {
+  return unit.cwiseMax(0.0).cwiseMin(1.0);
+}
+
+/// What search `k` has found of region `r`, without any energy; evaluations are those of all searches.
+RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int k, int r, const ParameterSpace &space) {
+  const OptimizerResult &part = found.parts[searches.part(k, r)];
   RegionFit region;
-  region.best = space.material(part.best);
-  region.best_energy = part.best_energy;
   region.deviations = part.deviations;
-  region.evaluations = part.evaluations;
-  region.generations = part.generations;
   region.stop_reason = part.stop_reason;
+  for (int other = 0; other < searches.count(); ++other) {
+    region.evaluations += found.parts[searches.part(other, r)].evaluations;
+    region.generations += found.parts[searches.part(other, r)].generations;
+  }
+  region.best = space.material(part.best);
   return region;
 }
 
-/// The best so far, while the search goes on.
-FitResult interrupted(FitResult result, const MinimiseResult &found, const FitOptions &options) {
-  result.interrupted = true;
-  result.log = found.log;
-  result.seconds = found.seconds;
-  for (const OptimizerResult &part : found.parts) {
-    RegionFit region = region_fit(part, options.space);
-    const Eigen::VectorXd inside = part.best.cwiseMax(0.0).cwiseMin(1.0);
-    region.best_energy -= options.penalty * (part.best - inside).squaredNorm(); // told with it, see minimise()
-    region.material = region.best;
-    region.energy = region.best_energy;
-    result.regions.push_back(region);
+/// The rows of one search of every region.
+std::vector<GenerationRow> log_of(const MinimiseResult &found, const Searches &searches, const std::vector<int> &chosen) {
+  std::vector<GenerationRow> result;
+  for (GenerationRow row : found.log) {
+    const int r = row.part % searches.regions();
+    if (row.part != searches.part(chosen[r], r))
+      continue;
+    row.part = r;
+    result.push_back(row);
   }
+  std::stable_sort(result.begin(), result.end(), [](const GenerationRow &a, const GenerationRow &b) {
+    return std::pair(a.generation, a.part) < std::pair(b.generation, b.part);
+  });
   return result;
 }
 
-MinimiseOptions minimise_options(const FitOptions &options, const MaterialObjective &objective, const FitResult &frame) {
+int lowest(const std::vector<double> &energies) {
+  return static_cast<int>(std::min_element(energies.begin(), energies.end()) - energies.begin());
+}
+
+/// The best so far, while the search goes on.
+FitResult interrupted(FitResult result, const MinimiseResult &found, const Searches &searches, const FitOptions &options) {
+  result.interrupted = true;
+  result.seconds = found.seconds;
+  std::vector<int> chosen;
+  for (int r = 0; r < searches.regions(); ++r) {
+    std::vector<double> energies; // of the best samples, which were told with the penalty, see minimise()
+    for (int k = 0; k < searches.count(); ++k) {
+      const int p = searches.part(k, r);
+      const Eigen::VectorXd &best = found.parts[p].best;
+      energies.push_back(found.parts[p].best_energy - found.penalties[p] * (best - in_box(best)).squaredNorm());
+    }
+    chosen.push_back(lowest(energies));
+    RegionFit region = region_fit(found, searches, chosen[r], r, options.space);
+    region.energy = region.best_energy = energies[chosen[r]];
+    region.material = region.best;
+    region.answer = in_box(found.parts[searches.part(chosen[r], r)].best);
+    result.regions.push_back(region);
+  }
+  result.log = log_of(found, searches, chosen);
+  return result;
+}
+
+MinimiseOptions minimise_options(const FitOptions &options, const MaterialObjective &objective, const Searches &searches,
+                                 const FitResult &frame) {
   MinimiseOptions result;
   result.seed = options.seed;
   result.penalty = options.penalty;
+  result.relative_penalty = options.relative_penalty;
   result.expected_evaluations = options.max_evaluations;
   result.checkpoint = options.checkpoint;
   result.make_optimizer = optimizer_factory(options);
-  result.problem = objective.fingerprint() + " seed " + std::to_string(options.seed) + " evaluations " +
-                   std::to_string(options.max_evaluations) + " population " + std::to_string(options.population) + " sigma " +
-                   std::to_string(options.initial_sigma) + " " + std::to_string(options.smallest_deviation) + " penalty " +
-                   std::to_string(options.penalty) + " " + (options.make_optimizer ? "own optimiser" : options.optimizer);
-  result.on_generation = [&options, &frame](const MinimiseResult &found) {
+  result.problem = objective.fingerprint() + " seed " + std::to_string(options.seed) + " of " + std::to_string(options.seeds) +
+                   " evaluations " + std::to_string(options.max_evaluations) + " population " +
+                   std::to_string(options.population) + " sigma " + std::to_string(options.initial_sigma) + " " +
+                   std::to_string(options.smallest_deviation) + " " + std::to_string(options.stagnation) + " penalty " +
+                   std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") +
+                   (options.make_optimizer ? "own optimiser" : options.optimizer);
+  result.on_generation = [&options, &searches, &frame](const MinimiseResult &found) {
+    const FitResult so_far = interrupted(frame, found, searches, options);
     if (!options.log.empty())
-      write_fit_log(options.log, found.log, options.space);
+      write_fit_log(options.log, so_far.log, options.space);
     if (options.on_generation)
-      options.on_generation(interrupted(frame, found, options));
+      options.on_generation(so_far);
   };
   return result;
 }
@@ -96,16 +175,69 @@ bool has_matches(const Observations &observations) {
   return false;
 }
 
-/// E_fit of the centre, the optimiser's answer and its best sample, for all regions at once: (3, R).
-MatrixRM final_energies(const MaterialObjective &objective, const MinimiseResult &found, const Context &context) {
-  std::vector<std::vector<pbd::Material>> materials(3);
+/// E_fit of the centre, every search's answer and every search's best sample, for all regions at once: (1 + 2 searches, R).
+MatrixRM final_energies(const MaterialObjective &objective, const Searches &searches, const MinimiseResult &found,
+                        const Context &context) {
   const ParameterSpace &space = objective.space();
-  for (const OptimizerResult &part : found.parts) {
-    materials[0].push_back(space.material(Eigen::VectorXd::Constant(space.size(), 0.5)));
-    materials[1].push_back(space.material(part.answer));
-    materials[2].push_back(space.material(part.best));
-  }
+  const int count = searches.count(), regions = searches.regions();
+  std::vector<std::vector<pbd::Material>> materials(1 + 2 * count);
+  materials[0].assign(regions, space.material(Eigen::VectorXd::Constant(space.size(), 0.5)));
+  for (int k = 0; k < count; ++k)
+    for (int r = 0; r < regions; ++r) {
+      materials[1 + k].push_back(space.material(found.parts[searches.part(k, r)].answer));
+      materials[1 + count + k].push_back(space.material(found.parts[searches.part(k, r)].best));
+    }
   return objective.energies(materials, context);
+}
+
+/// (K, n) what the searches answer about region r, box units.
+MatrixRM answers_of(const MinimiseResult &found, const Searches &searches, int r, bool best) {
+  MatrixRM result(searches.count(), searches.parameter_count());
+  for (int k = 0; k < searches.count(); ++k) {
+    const OptimizerResult &part = found.parts[searches.part(k, r)];
+    result.row(k) = in_box(best ? part.best : part.answer);
+  }
+  return result;
+}
+
+/// The answer of the search of lowest energy; energies: (1 + 2 searches) of the region, see final_energies(). chosen: which.
+RegionFit final_region(const MinimiseResult &found, const Searches &searches, int r, const Eigen::VectorXd &energies,
+                       const FitOptions &options, int &chosen) {
+  const int count = searches.count();
+  const std::vector<double> answered(energies.data() + 1, energies.data() + 1 + count),
+      sampled(energies.data() + 1 + count, energies.data() + 1 + 2 * count);
+  chosen = lowest(options.answer_best ? sampled : answered);
+  const MatrixRM answers = answers_of(found, searches, r, options.answer_best);
+  RegionFit region = region_fit(found, searches, chosen, r, options.space);
+  region.answer = answers.row(chosen).transpose();
+  region.material = options.space.material(region.answer);
+  region.energy = options.answer_best ? sampled[chosen] : answered[chosen];
+  region.energy_at_centre = energies[0];
+  const int best = lowest(sampled);
+  region.best = options.space.material(found.parts[searches.part(best, r)].best);
+  region.best_energy = sampled[best];
+  if (count > 1)
+    region.spread = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
+  return region;
+}
+
+void say_remarks(const FitResult &result, const Context &context) {
+  for (std::size_t r = 0; r < result.regions.size(); ++r)
+    for (const std::string &remark : result.regions[r].remarks(result.parameters))
+      context.say("fit: region " + std::to_string(r) + ": " + remark);
+}
+
+std::string short_number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+const pbd::MaterialParameter &parameter_named(const std::string &name) {
+  for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+    if (name == parameter.name)
+      return parameter;
+  throw std::invalid_argument("remarks: names: expected parameters of a material, found '" + name + "'");
 }
 
 } // namespace
@@ -116,10 +248,33 @@ const char *confidence_name(Confidence confidence) {
 
 std::vector<Confidence> RegionFit::confidence() const {
   std::vector<Confidence> result;
-  for (int i = 0; i < influence.change.size(); ++i)
-    result.push_back(!influence.told(i)              ? Confidence::kLow
-                     : deviations[i] < kWellSearched ? Confidence::kHigh
-                                                     : Confidence::kMedium);
+  for (int i = 0; i < influence.change.size(); ++i) {
+    const bool found = deviations[i] < kWellSearched;
+    const bool disputed = spread.size() > 0 && spread[i] > kDisputed;
+    result.push_back(!influence.told(i) || (!found && disputed) ? Confidence::kLow
+                     : found && !disputed                       ? Confidence::kHigh
+                                                                : Confidence::kMedium);
+  }
+  return result;
+}
+
+std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &names) const {
+  std::vector<std::string> result;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const pbd::MaterialParameter &parameter = parameter_named(names[k]);
+    const std::string value = names[k] + " = " + short_number(material.*parameter.value);
+    const bool low = i < answer.size() && answer[i] <= kAtBound, high = i < answer.size() && answer[i] >= 1 - kAtBound;
+    if (low || high)
+      result.push_back(value + " lies at the " + (low ? "lower" : "upper") + " bound of its box, " +
+                       short_number(low ? parameter.lower : parameter.upper) + ": the search would go further if it could.");
+    if (i < influence.change.size() && !influence.told(static_cast<int>(i)))
+      result.push_back(value + " is a guess: the motion does not tell it (moved alone it changes the energy by " +
+                       short_number(influence.change[i]) + " pixels^2, noise by " + short_number(influence.noise) + ").");
+    if (i < spread.size() && spread[i] > kDisputed)
+      result.push_back(value + " depends on the seed: the answers of the searches span " + short_number(2 * spread[i]) +
+                       " of its box.");
+  }
   return result;
 }
 
@@ -127,6 +282,7 @@ void FitOptions::validate() const {
   require(optimizer == "cma-es" || optimizer == "annealing",
           "FitOptions: optimizer: expected 'cma-es' or 'annealing', found '" + optimizer + "'");
   cma_options(*this, seed).validate();
+  require(seeds >= 1, "FitOptions: seeds: expected at least 1, found " + std::to_string(seeds));
   require(penalty >= 0 && std::isfinite(penalty), "FitOptions: penalty: expected at least 0, found " + std::to_string(penalty));
   space.validate();
   energy.validate();
@@ -157,30 +313,28 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
   if (!has_matches(observations))
     context.say("fit: no feature matches: E_fit is the silhouettes' term alone");
   MaterialObjective objective(simulator, performance, observations, options.energy, options.space, context);
+  Searches searches(objective, options);
   const FitResult frame = result; // what every interrupted result has
-  const MinimiseResult found = minimise(objective, minimise_options(options, objective, frame), context);
-  const MatrixRM energies = final_energies(objective, found, context);
-  result.log = found.log;
+  const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, frame), context);
+  const MatrixRM energies = final_energies(objective, searches, found, context);
   result.seconds = found.seconds;
+  std::vector<int> chosen(objective.part_count());
   MatrixRM answers(objective.part_count(), objective.parameter_count());
   for (int r = 0; r < objective.part_count(); ++r) {
-    const OptimizerResult &part = found.parts[r];
-    RegionFit region = region_fit(part, options.space);
-    region.best_energy = energies(2, r);
-    region.material = options.answer_best ? region.best : options.space.material(part.answer);
-    region.energy = options.answer_best ? energies(2, r) : energies(1, r);
-    region.energy_at_centre = energies(0, r);
-    answers.row(r) = (options.answer_best ? part.best : part.answer).cwiseMax(0.0).cwiseMin(1.0);
+    result.regions.push_back(final_region(found, searches, r, energies.col(r), options, chosen[r]));
+    const RegionFit &region = result.regions.back();
+    answers.row(r) = region.answer;
     if (region.energy > region.best_energy)
       context.say("fit: region " + std::to_string(r) + ": the answer costs " + std::to_string(region.energy) +
                   " pixels^2, the best sample seen " + std::to_string(region.best_energy));
-    result.regions.push_back(region);
   }
+  result.log = log_of(found, searches, chosen);
   if (options.influence) {
     const std::vector<Influence> influences = measure_influence(objective, answers, context);
     for (std::size_t r = 0; r < influences.size(); ++r)
       result.regions[r].influence = influences[r];
   }
+  say_remarks(result, context);
   return result;
 }
 

@@ -61,7 +61,10 @@ void write_materials(const Path &path, const FitResult &result) {
     entry["best_sample"] = {{"parameters", material_json(region.best)}, {"energy", region.best_energy}};
     for (std::size_t i = 0; i < result.parameters.size(); ++i)
       entry["deviations"][result.parameters[i]] = region.deviations[static_cast<Eigen::Index>(i)];
+    for (Eigen::Index i = 0; i < region.spread.size(); ++i)
+      entry["spread"][result.parameters[static_cast<std::size_t>(i)]] = region.spread[i];
     add_confidence(entry, region, result.parameters);
+    entry["remarks"] = region.remarks(result.parameters);
     entry["evaluations"] = region.evaluations;
     entry["generations"] = region.generations;
     entry["stop_reason"] = region.stop_reason;

@@ -1,6 +1,6 @@
 #include "doublet/fit/material_objective.h"
 
-#include "cloth_view.h"
+#include "captured_cloth.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/fit/distance_field.h"
@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <functional>
 #include <mutex>
 #include <span>
 
@@ -98,18 +99,16 @@ private:
 struct Measure {
   Stopwatch watch;
   ClothView view;
-  std::vector<LocatedFeatures> located; ///< [cameras]
+  std::vector<LocatedFeatures> located;    ///< [cameras]
+  std::vector<std::vector<float>> largest; ///< [cameras][located features] what each costs at most, pixels^2
   std::vector<Rim> rims;
+  std::vector<float> squared; ///< of contour points, pixels^2
   Measure(const ClothTopology &topology, std::size_t samples, std::size_t cameras)
-      : view(topology, static_cast<int>(samples)), located(cameras) {}
+      : view(topology, static_cast<int>(samples)), located(cameras), largest(cameras) {}
 };
 
 int field_cell(const Camera &camera, int field_size) {
   return std::max(1, static_cast<int>(std::lround(std::max(camera.width, camera.height) / static_cast<double>(field_size))));
-}
-
-float larger_side(const Camera &camera) {
-  return static_cast<float>(std::max(camera.width, camera.height));
 }
 
 /// The last of those that CMA-ES selects from a population, of which `values` are the lowest.
@@ -129,9 +128,9 @@ void EnergyOptions::validate() const {
   positive(dt, "dt");
   positive(rim_cap, "rim_cap");
   positive(feature_cap, "feature_cap");
-  require(alpha >= 0 && beta >= 0 && alpha + beta > 0 && std::isfinite(alpha + beta),
-          "EnergyOptions: alpha and beta: expected non-negative numbers, not both 0, found " + std::to_string(alpha) + " and " +
-              std::to_string(beta));
+  require(alpha >= 0 && beta >= 0 && gamma >= 0 && alpha + beta + gamma > 0 && std::isfinite(alpha + beta + gamma),
+          "EnergyOptions: alpha, beta and gamma: expected non-negative numbers, not all 0, found " + std::to_string(alpha) +
+              ", " + std::to_string(beta) + " and " + std::to_string(gamma));
   require(settle_frames >= 0, "EnergyOptions: settle_frames: expected at least 0, found " + std::to_string(settle_frames));
   require(window >= 0 && window_lead >= 0, "EnergyOptions: window and window_lead: expected at least 0, found " +
                                                std::to_string(window) + " and " + std::to_string(window_lead));
@@ -147,12 +146,12 @@ struct MaterialObjective::Impl {
   ParameterSpace space;
   ClothTopology topology;
   std::vector<CoarseCamera> cameras;
-  std::vector<PosedFrame> frames;                              // [T], shared by all samples
-  std::vector<std::vector<FrameView>> views;                   // [T][cameras]
-  std::vector<std::vector<std::vector<FeatureMatch>>> matches; // [T][cameras], from t-1 to t
+  std::vector<PosedFrame> frames;                  // [T], shared by all samples
+  std::vector<std::vector<FrameView>> views;       // [T][cameras]
+  std::vector<std::vector<CapturedView>> captured; // [T][cameras], features from t-1 to t
   std::vector<Window> windows;
-  double farthest = 0; // m, see exploded()
-  FrameTerms worst;    // what a frame of an exploded sample costs
+  double farthest = 0; // m, see check_explosion()
+  Terms worst;         // what a frame of an exploded sample costs; a term that is 0 does not count, for any sample
   std::string fingerprint;
   mutable std::mutex mutex; // of the times alone
   mutable EnergyTimes times;
@@ -161,25 +160,33 @@ struct MaterialObjective::Impl {
   int regions() const { return static_cast<int>(simulator->regions().size()); }
   int frame_count() const { return static_cast<int>(frames.size()); }
 
-  void keep_image(int t, std::size_t c, const Vertices &captured, const ViewObservation &observation, const CoarseCamera &camera);
+  void prepare(double done, const Context &context, const std::function<void(int)> &frame);
+  void keep_image(int t, std::size_t c, const Vertices &surface, const ViewObservation &observation, const CoarseCamera &camera);
+  void keep_captured(int t, const MeshSequence &surface, const Observations &observations);
+  bool starts_window(int t) const;
+  FrameTerms worst_terms(int region, int t) const;
   CoarseBuffer draw_others(const PosedFrame &frame, const CoarseCamera &camera, const Box &box) const;
   void put_back(Rollout &rollout, const PosedFrame &frame) const;
   void check_explosion(Rollout &rollout, const PosedFrame &frame) const;
   void step(std::span<Rollout> group, int from, int to, bool settling) const;
   void place(std::span<Rollout> group, int t, ClothView &view) const;
   void locate(int t, std::size_t c, Measure &measure) const;
+  void place_missed(const CapturedFeatures &features, LocatedFeatures &located, int lanes) const;
   void measure(std::span<Rollout> group, int t, Measure &measure) const;
+  void finish(Rollout &rollout, int t) const;
   void measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
+  void measure_contour(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
   void measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
   void find(std::span<Rollout> group, int t, Measure &measure) const;
   void start(Group &group) const;
   void advance(Group &group, int from, int to) const;
-  Window make_window(int first, int end, const MeshSequence &captured) const;
+  Window make_window(int first, int end, const MeshSequence &surface) const;
   Samples make_samples(const std::vector<std::vector<pbd::Material>> &materials) const;
   void split(std::span<Rollout> rollouts, const Window &window, int from, int to, int threads, std::vector<Group> &groups) const;
   void run_groups(std::span<Group> groups, const Context &context) const;
   MatrixRM final_energies(const Samples &samples, const std::vector<std::uint8_t> &counts) const;
   double mean_energy(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const;
+  Terms surface_terms(const std::vector<Vertices> &surfaces) const;
   void stop_hopeless(Samples &samples, const std::vector<std::uint8_t> &counts) const;
   MatrixRM run(Samples &samples, bool may_stop, const Context &context) const;
 };
@@ -201,8 +208,9 @@ void check_inputs(const CharacterSimulator &simulator, const ReferencePerformanc
   expect("frames of the observations", observations.views.size(), count);
   expect("degrees of freedom of the performance", static_cast<std::size_t>(performance.dofs.cols()),
          static_cast<std::size_t>(simulator.actor().skeleton.dof_count()));
-  expect("vertices of the performance's first frame", static_cast<std::size_t>(performance.surface.frames[0].rows()),
-         static_cast<std::size_t>(simulator.actor().mesh.vertices.rows()));
+  for (const Vertices &surface : performance.surface.frames)
+    expect("vertices of the performance's surface", static_cast<std::size_t>(surface.rows()),
+           static_cast<std::size_t>(simulator.actor().mesh.vertices.rows()));
   if (performance.frames != observations.frames)
     throw Error("MaterialObjective: performance and observations: expected the same video frame numbers, found different ones");
   for (const auto &views : observations.views)
@@ -217,11 +225,9 @@ std::string hash_problem(const CharacterSimulator &simulator, const ReferencePer
                          const Observations &observations, const EnergyOptions &o, const ParameterSpace &space) {
   Fingerprint print;
   const RiggedMesh &actor = simulator.actor();
-  print.add(actor.mesh.vertices)
-      .add(actor.mesh.faces)
-      .add(actor.weights)
-      .add(performance.dofs)
-      .add(performance.surface.frames[0]);
+  print.add(actor.mesh.vertices).add(actor.mesh.faces).add(actor.weights).add(performance.dofs);
+  for (const Vertices &surface : performance.surface.frames)
+    print.add(surface);
   for (const ClothRegion &region : simulator.regions()) {
     const pbd::ClothOptions &cloth = region.model->options();
     print.add(region.vertex_from_cloth).add(region.model->inverse_masses()).add(cloth.gravity);
@@ -239,10 +245,10 @@ std::string hash_problem(const CharacterSimulator &simulator, const ReferencePer
       for (const FeatureMatch &match : view.matches)
         print.add(match.previous).add(match.current);
     }
-  print.add({o.dt, o.alpha, o.beta, static_cast<double>(o.settle_frames), o.rim_cap, o.feature_cap,
-             static_cast<double>(o.outline_size), static_cast<double>(o.field_size), static_cast<double>(o.window),
-             static_cast<double>(o.window_lead), o.stop_margin, space.per_iteration_stiffness ? 1.0 : 0.0,
-             static_cast<double>(space.iterations)});
+  print.add({o.dt, o.alpha, o.beta, o.gamma, o.same_comparisons ? 1.0 : 0.0, o.fast_features ? 1.0 : 0.0,
+             static_cast<double>(o.settle_frames), o.rim_cap, o.feature_cap, static_cast<double>(o.outline_size),
+             static_cast<double>(o.field_size), static_cast<double>(o.window), static_cast<double>(o.window_lead), o.stop_margin,
+             space.per_iteration_stiffness ? 1.0 : 0.0, static_cast<double>(space.iterations)});
   for (const std::string &name : space.names)
     print.add(name);
   for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
@@ -275,15 +281,15 @@ CoarseBuffer MaterialObjective::Impl::draw_others(const PosedFrame &frame, const
   return result;
 }
 
-void MaterialObjective::Impl::keep_image(int t, std::size_t c, const Vertices &captured, const ViewObservation &observation,
+void MaterialObjective::Impl::keep_image(int t, std::size_t c, const Vertices &surface, const ViewObservation &observation,
                                          const CoarseCamera &camera) {
   if (observation.contour.empty())
     return;
   const Camera &full = camera.camera;
   Box box;
   for (std::size_t i = 0; i < topology.vertices.size(); ++i)
-    for (const Vertices *surface : {static_cast<const Vertices *>(&frames[t].skinned), &captured}) {
-      const Eigen::Vector3d point = surface->row(topology.vertices[i]).transpose();
+    for (const Vertices *place : {static_cast<const Vertices *>(&frames[t].skinned), &surface}) {
+      const Eigen::Vector3d point = place->row(topology.vertices[i]).transpose();
       if (full.depth(point) > 0.05)
         box.add(full.project(point));
     }
@@ -298,6 +304,69 @@ void MaterialObjective::Impl::keep_image(int t, std::size_t c, const Vertices &c
       DistanceField(observation.contour, {box.x0, box.y0, box.x1, box.y1}, field_cell(full, options.field_size), reach);
   view.others = draw_others(frames[t], camera, box);
   view.seen = true;
+}
+
+/// Calls frame(t) for every frame, on all threads: one half of the preparation, which begins when `done` of it is over.
+void MaterialObjective::Impl::prepare(double done, const Context &context, const std::function<void(int)> &frame) {
+  for (int from = 0; from < frame_count(); from += kFramesPerChunk) {
+    context.report("fit: images", done + 0.5 * from / static_cast<double>(frame_count()));
+    parallel_for(context, std::min(kFramesPerChunk, frame_count() - from), [&](int i) {
+      Stopwatch watch;
+      frame(from + i);
+      watch.lap(&EnergyTimes::set_up);
+      add(watch);
+    });
+  }
+}
+
+/// Whether the simulation starts at this frame, so that there is none at the frame before on which features could lie.
+bool MaterialObjective::Impl::starts_window(int t) const {
+  return std::any_of(windows.begin(), windows.end(),
+                     [&](const Window &window) { return window.start == t && window.first == t; });
+}
+
+/// What the captured cloth shows at frame t, after the images of this frame and of the one before have been kept.
+void MaterialObjective::Impl::keep_captured(int t, const MeshSequence &surface, const Observations &observations) {
+  CapturedCloth cloth(*simulator, topology, options);
+  const Vertices &now = surface.frames[t];
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const ViewObservation &observed = observations.views[t][c];
+    CapturedView &view = captured[t][c];
+    view.rims.assign(regions(), 0);
+    view.contour.first.assign(regions() + 1, 0);
+    if (!starts_window(t))
+      view.features = cloth.features(cameras[c], surface.frames[t - 1], views[t - 1][c].others, now, observed.matches);
+    if (views[t][c].seen)
+      view.rims = cloth.rims(cameras[c], now, views[t][c].others);
+    if (views[t][c].seen && options.gamma > 0)
+      view.contour = cloth.contour(cameras[c], now, views[t][c].others, observed.contour);
+  }
+}
+
+/// What a region costs at most in a frame: a term is 0 where the captured cloth has nothing to compare a sample with.
+FrameTerms MaterialObjective::Impl::worst_terms(int region, int t) const {
+  double side = 0;
+  for (const CoarseCamera &camera : cameras)
+    side = std::max(side, static_cast<double>(larger_side(camera.camera)));
+  FrameTerms result;
+  for (const CapturedView &view : captured[t]) {
+    result.rims += view.rims[region];
+    result.points += view.contour.first[region + 1] - view.contour.first[region];
+    for (int i = 0; i < view.features.count(); ++i)
+      if (view.features.face[i] >= 0 && topology.face_region[view.features.face[i]] == region) {
+        result.feature += view.features.largest[i];
+        ++result.features;
+      }
+  }
+  const double farthest_rim = std::pow(options.rim_cap * side, 2);
+  result.feature = result.features > 0 ? result.feature / result.features : 0;
+  result.silhouette = result.rims > 0 ? farthest_rim : 0;
+  result.contour = result.points > 0 ? farthest_rim : 0;
+  if (!options.same_comparisons) { // every frame counts
+    result.silhouette = farthest_rim;
+    result.feature = std::max(result.feature, std::pow(options.feature_cap * side, 2));
+  }
+  return result;
 }
 
 /// A region that has exploded is put back on the skinned surface, so that it cannot spoil the views of the others, and goes on
@@ -344,8 +413,8 @@ void MaterialObjective::Impl::step(std::span<Rollout> group, int from, int to, b
 
 void MaterialObjective::Impl::add(const Stopwatch &watch) const {
   const std::lock_guard lock(mutex);
-  for (double EnergyTimes::*part :
-       {&EnergyTimes::set_up, &EnergyTimes::simulate, &EnergyTimes::project, &EnergyTimes::rims, &EnergyTimes::features})
+  for (double EnergyTimes::*part : {&EnergyTimes::set_up, &EnergyTimes::simulate, &EnergyTimes::project, &EnergyTimes::rims,
+                                    &EnergyTimes::contour, &EnergyTimes::features})
     times.*part += watch.times().*part;
 }
 
@@ -374,11 +443,28 @@ void MaterialObjective::Impl::measure_rims(std::span<Rollout> group, int t, std:
   }
 }
 
+/// The other direction: from the measured contour of the captured cloth to the outline of the sample's.
+void MaterialObjective::Impl::measure_contour(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
+  const CapturedContour &contour = captured[t][c].contour;
+  const float farthest_rim = static_cast<float>(options.rim_cap) * larger_side(cameras[c].camera);
+  for (int r = 0; r < regions(); ++r) {
+    const int first = contour.first[r], count = contour.first[r + 1] - first;
+    measure.view.approach(r, count, contour.x.data() + first, contour.y.data() + first, farthest_rim * farthest_rim,
+                          measure.squared);
+    const float *squared = measure.squared.data();
+    for (Rollout &rollout : group) {
+      FrameTerms &terms = (*rollout.terms)[r][t];
+      for (int i = 0; i < count; ++i)
+        terms.contour += *squared++;
+      terms.points += count;
+    }
+  }
+}
+
 /// Eq. (7).
 void MaterialObjective::Impl::measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
   const LocatedFeatures &located = measure.located[c];
-  const float cap = static_cast<float>(options.feature_cap) * larger_side(cameras[c].camera);
-  const std::vector<float> &squared = measure.view.carry(located, cap * cap);
+  const std::vector<float> &squared = measure.view.carry(located, measure.largest[c]);
   for (int i = 0; i < located.count; ++i)
     for (std::size_t s = 0; s < group.size(); ++s) {
       const std::size_t at = static_cast<std::size_t>(i) * measure.view.lanes() + s;
@@ -390,11 +476,35 @@ void MaterialObjective::Impl::measure_features(std::span<Rollout> group, int t, 
     }
 }
 
+/// A sample that does not show a feature of the captured cloth, or shows another region there, has the same point of the cloth
+/// elsewhere: that is where the feature is taken to lie.
+void MaterialObjective::Impl::place_missed(const CapturedFeatures &features, LocatedFeatures &located, int lanes) const {
+  for (int i = 0; i < located.count; ++i) {
+    const int match = located.match[i], own = features.face[match];
+    for (int l = 0; l < lanes; ++l) {
+      int &face = located.face[static_cast<std::size_t>(i) * lanes + l];
+      if (face >= 0 && topology.face_region[face] == topology.face_region[own])
+        continue;
+      face = own;
+      for (int k = 0; k < 3; ++k)
+        located.weight[(static_cast<std::size_t>(i) * 3 + k) * lanes + l] = features.weight[3 * match + k];
+    }
+  }
+}
+
 /// Where the features lie that are matched from this frame to the next.
 void MaterialObjective::Impl::locate(int t, std::size_t c, Measure &measure) const {
-  measure.located[c].count = 0;
-  if (t + 1 < frame_count() && !matches[t + 1][c].empty())
-    measure.view.locate(matches[t + 1][c], views[t][c].others, measure.located[c]);
+  LocatedFeatures &located = measure.located[c];
+  located.count = 0;
+  if (t + 1 >= frame_count() || captured[t + 1][c].features.matches.empty())
+    return;
+  const CapturedFeatures &features = captured[t + 1][c].features;
+  measure.view.locate(features.matches, views[t][c].others, located);
+  measure.largest[c].clear();
+  for (const int match : located.match)
+    measure.largest[c].push_back(features.largest[match]);
+  if (options.same_comparisons)
+    place_missed(features, located, measure.view.lanes());
 }
 
 /// The features alone, of a frame that does not count.
@@ -408,37 +518,47 @@ void MaterialObjective::Impl::find(std::span<Rollout> group, int t, Measure &mea
 }
 
 void MaterialObjective::Impl::measure(std::span<Rollout> group, int t, Measure &measure) const {
-  place(group, t, measure.view);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     measure.view.look(cameras[c]);
     measure.watch.lap(&EnergyTimes::project);
     measure_features(group, t, c, measure);
     locate(t, c, measure);
     measure.watch.lap(&EnergyTimes::features);
-    if (views[t][c].seen)
-      measure_rims(group, t, c, measure);
+    if (!views[t][c].seen)
+      continue;
+    measure_rims(group, t, c, measure);
     measure.watch.lap(&EnergyTimes::rims);
+    if (captured[t][c].contour.count() > 0)
+      measure_contour(group, t, c, measure);
+    measure.watch.lap(&EnergyTimes::contour);
   }
   for (Rollout &rollout : group)
-    for (int r = 0; r < regions(); ++r) {
-      FrameTerms &terms = (*rollout.terms)[r][t];
-      terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : 0;
-      terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
-      if (rollout.exploded[r])
-        terms = worst;
-    }
+    finish(rollout, t);
+}
+
+/// From sums to means.
+void MaterialObjective::Impl::finish(Rollout &rollout, int t) const {
+  for (int r = 0; r < regions(); ++r) {
+    FrameTerms &terms = (*rollout.terms)[r][t];
+    const double no_rims = options.same_comparisons ? worst[r][t].silhouette : 0;
+    terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : no_rims;
+    terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
+    terms.contour = terms.points > 0 ? terms.contour / terms.points : 0;
+    if (rollout.exploded[r])
+      terms = worst[r][t];
+  }
 }
 
 /// Frames [first, end) from the captured surface some frames before, at the speed that it has there; from rest at the first frame
 /// of the motion.
-Window MaterialObjective::Impl::make_window(int first, int end, const MeshSequence &captured) const {
+Window MaterialObjective::Impl::make_window(int first, int end, const MeshSequence &surface) const {
   Window window{std::max(0, first - (first > 0 ? options.window_lead : 0)), first, end, {}};
   const int t = window.start;
-  window.state = simulator->start(frames[t], &captured.frames[t]);
+  window.state = simulator->start(frames[t], &surface.frames[t]);
   if (t == 0)
     return window;
   const int after = std::min(t + 1, frame_count() - 1);
-  const Vertices velocities = (captured.frames[after] - captured.frames[t - 1]) / ((after - t + 1) * options.dt);
+  const Vertices velocities = (surface.frames[after] - surface.frames[t - 1]) / ((after - t + 1) * options.dt);
   for (int r = 0; r < regions(); ++r) {
     const std::vector<int> &vertices = simulator->regions()[r].vertex_from_cloth;
     for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -470,7 +590,7 @@ void MaterialObjective::Impl::advance(Group &group, int from, int to) const {
     return;
   const std::span<Rollout> rollouts = group.rollouts;
   Measure tools(topology, rollouts.size(), cameras.size());
-  if (from > group.window->start && from - 1 >= group.window->first)
+  if (from > group.window->start && from >= group.window->first)
     find(rollouts, from - 1, tools);
   for (int t = from; t < to; ++t) {
     if (t > group.window->start)
@@ -478,9 +598,10 @@ void MaterialObjective::Impl::advance(Group &group, int from, int to) const {
     for (Rollout &rollout : rollouts)
       check_explosion(rollout, frames[t]);
     tools.watch.lap(&EnergyTimes::simulate);
-    if (t >= group.window->first)
+    if (t >= group.window->first) {
+      place(rollouts, t, tools.view);
       measure(rollouts, t, tools);
-    else if (t + 1 == group.window->first)
+    } else if (t + 1 == group.window->first)
       find(rollouts, t, tools);
   }
   add(tools.watch);
@@ -499,16 +620,41 @@ void MaterialObjective::Impl::split(std::span<Rollout> rollouts, const Window &w
   }
 }
 
-/// Eq. (8), over the frames that count so far.
+/// Eq. (8), over the frames that count so far: each term over those of them in which there is something to compare.
 double MaterialObjective::Impl::mean_energy(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const {
-  double sum = 0;
-  int count = 0;
-  for (int t = 0; t < frame_count(); ++t)
-    if (counts[t]) {
-      sum += options.alpha * terms[region][t].silhouette + options.beta * terms[region][t].feature;
-      ++count;
-    }
-  return sum / std::max(1, count);
+  const auto mean = [&](double FrameTerms::*term) {
+    double sum = 0;
+    int count = 0;
+    for (int t = 0; t < frame_count(); ++t)
+      if (counts[t] && worst[region][t].*term > 0) {
+        sum += terms[region][t].*term;
+        ++count;
+      }
+    return sum / std::max(1, count);
+  };
+  return options.alpha * mean(&FrameTerms::silhouette) + options.beta * mean(&FrameTerms::feature) +
+         options.gamma * mean(&FrameTerms::contour);
+}
+
+/// Surfaces in the place of a simulation: one sample that never explodes.
+Terms MaterialObjective::Impl::surface_terms(const std::vector<Vertices> &surfaces) const {
+  require(surfaces.size() == frames.size(), "MaterialObjective: surfaces: expected " + std::to_string(frames.size()) +
+                                                " frames, found " + std::to_string(surfaces.size()));
+  const Eigen::Index vertices = simulator->actor().mesh.vertices.rows();
+  for (const Vertices &surface : surfaces)
+    require(surface.rows() == vertices && surface.allFinite(),
+            "MaterialObjective: surfaces: expected (" + std::to_string(vertices) + ", 3) finite numbers, found (" +
+                std::to_string(surface.rows()) + ", 3)" + (surface.allFinite() ? "" : " with NaN or infinity"));
+  Terms terms(regions(), std::vector<FrameTerms>(frames.size()));
+  std::vector<Rollout> one(1);
+  one[0].exploded.assign(regions(), 0);
+  one[0].terms = &terms;
+  Measure tools(topology, 1, cameras.size());
+  for (int t = 0; t < frame_count(); ++t) {
+    place_surface(topology, surfaces[t], tools.view);
+    measure(one, t, tools);
+  }
+  return terms;
 }
 
 Samples MaterialObjective::Impl::make_samples(const std::vector<std::vector<pbd::Material>> &materials) const {
@@ -627,34 +773,26 @@ MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const 
   impl->farthest = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
   for (const Camera &camera : observations.cameras)
     impl->cameras.emplace_back(camera, options.outline_size);
-  double side = 0;
-  for (const Camera &camera : observations.cameras)
-    side = std::max(side, static_cast<double>(larger_side(camera)));
-  impl->worst.silhouette = std::pow(options.rim_cap * side, 2);
-  impl->worst.feature = std::pow(options.feature_cap * side, 2);
   impl->fingerprint = hash_problem(simulator, performance, observations, options, space);
 
   const int count = static_cast<int>(performance.dofs.rows());
   impl->frames.resize(count);
   impl->views.assign(count, std::vector<FrameView>(observations.cameras.size()));
-  impl->matches.resize(count);
-  for (int from = 0; from < count; from += kFramesPerChunk) {
-    context.report("fit: images", from / static_cast<double>(count));
-    parallel_for(context, std::min(kFramesPerChunk, count - from), [&](int i) {
-      const int t = from + i;
-      Stopwatch watch;
-      impl->frames[t] = simulator.pose(performance.dofs.row(t).transpose());
-      for (std::size_t c = 0; c < impl->cameras.size(); ++c) {
-        impl->matches[t].push_back(observations.views[t][c].matches);
-        impl->keep_image(t, c, performance.surface.frames[t], observations.views[t][c], impl->cameras[c]);
-      }
-      watch.lap(&EnergyTimes::set_up);
-      impl->add(watch);
-    });
-  }
+  impl->captured.assign(count, std::vector<CapturedView>(observations.cameras.size()));
+  impl->prepare(0, context, [&](int t) {
+    impl->frames[t] = simulator.pose(performance.dofs.row(t).transpose());
+    for (std::size_t c = 0; c < impl->cameras.size(); ++c)
+      impl->keep_image(t, c, performance.surface.frames[t], observations.views[t][c], impl->cameras[c]);
+  });
   const int windows = options.window > 0 ? std::max(1, count / options.window) : 1;
   for (int w = 0; w < windows; ++w)
     impl->windows.push_back(impl->make_window(count * w / windows, count * (w + 1) / windows, performance.surface));
+  impl->prepare(0.5, context, [&](int t) { impl->keep_captured(t, performance.surface, observations); });
+  for (int r = 0; r < impl->regions(); ++r) {
+    impl->worst.emplace_back();
+    for (int t = 0; t < count; ++t)
+      impl->worst[r].push_back(impl->worst_terms(r, t));
+  }
   impl_ = std::move(impl);
 }
 
@@ -667,7 +805,10 @@ int MaterialObjective::part_count() const {
   return impl_->regions();
 }
 double MaterialObjective::worst_energy() const {
-  return impl_->options.alpha * impl_->worst.silhouette + impl_->options.beta * impl_->worst.feature;
+  double worst = 0;
+  for (int r = 0; r < impl_->regions(); ++r)
+    worst = std::max(worst, impl_->mean_energy(impl_->worst, r, std::vector<std::uint8_t>(impl_->frames.size(), 1)));
+  return worst;
 }
 EnergyTimes MaterialObjective::times() const {
   const std::lock_guard lock(impl_->mutex);
@@ -685,8 +826,9 @@ std::size_t MaterialObjective::image_bytes() const {
   for (std::size_t t = 0; t < impl_->views.size(); ++t)
     for (std::size_t c = 0; c < impl_->cameras.size(); ++c) {
       const FrameView &view = impl_->views[t][c];
-      bytes += view.contour.bytes() + view.others.inverse_depth.size() * sizeof(float) +
-               impl_->matches[t][c].size() * sizeof(FeatureMatch);
+      const CapturedView &captured = impl_->captured[t][c];
+      bytes += view.contour.bytes() + view.others.inverse_depth.size() * sizeof(float) + captured.features.bytes() +
+               captured.contour.bytes();
     }
   return bytes;
 }
@@ -716,6 +858,18 @@ std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<
   Samples samples = impl_->make_samples({materials});
   impl_->run(samples, false, one);
   return samples.terms[0];
+}
+
+std::vector<std::vector<FrameTerms>> MaterialObjective::surface_terms(const std::vector<Vertices> &surfaces) const {
+  return impl_->surface_terms(surfaces);
+}
+
+std::vector<double> MaterialObjective::surface_energy(const std::vector<Vertices> &surfaces) const {
+  const Terms terms = impl_->surface_terms(surfaces);
+  std::vector<double> result;
+  for (int r = 0; r < impl_->regions(); ++r)
+    result.push_back(impl_->mean_energy(terms, r, std::vector<std::uint8_t>(impl_->frames.size(), 1)));
+  return result;
 }
 
 } // namespace doublet

@@ -1,5 +1,6 @@
 #include "doublet/fit/minimise.h"
 
+#include "median.h"
 #include "optimizer_checks.h"
 #include "state_json.h"
 
@@ -15,7 +16,8 @@ constexpr const char *kKind = "minimise";
 class Run {
 public:
   Run(Objective &objective, const MinimiseOptions &options)
-      : objective_(objective), options_(options), n_(objective.parameter_count()), parts_(objective.part_count()) {
+      : objective_(objective), options_(options), n_(objective.parameter_count()), parts_(objective.part_count()),
+        penalties_(std::max(0, parts_), 0.0) {
     require(n_ >= 1 && parts_ >= 1, "minimise: objective: expected at least one parameter and one part");
     for (int r = 0; r < parts_; ++r) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(r);
@@ -51,6 +53,7 @@ private:
     MinimiseResult result;
     for (int r = 0; r < parts_; ++r)
       result.parts.push_back(now(r));
+    result.penalties = penalties_;
     result.log = log_;
     result.seconds = seconds();
     return result;
@@ -121,9 +124,17 @@ private:
         tell(r, asked[r], energies.col(r).head(asked[r].rows()));
   }
 
+  /// What the energies of a part are like, from its first generation.
+  double scale(const Eigen::VectorXd &energies) const {
+    const double middle = options_.relative_penalty ? std::fabs(median({energies.begin(), energies.end()})) : 1.0;
+    return middle > 0 ? middle : 1.0;
+  }
+
   void tell(int r, const MatrixRM &asked, Eigen::VectorXd energies) {
+    if (penalties_[r] == 0)
+      penalties_[r] = options_.penalty * scale(energies);
     const MatrixRM inside = asked.cwiseMax(0.0).cwiseMin(1.0);
-    energies += options_.penalty * (asked - inside).rowwise().squaredNorm();
+    energies += penalties_[r] * (asked - inside).rowwise().squaredNorm();
     optimizers_[r]->tell(asked, energies);
     const OptimizerResult result = now(r);
     GenerationRow row;
@@ -141,7 +152,7 @@ private:
   void save() const {
     if (options_.checkpoint.empty())
       return;
-    state::Json json = {{"kind", kKind}, {"problem", options_.problem}, {"seconds", seconds()}};
+    state::Json json = {{"kind", kKind}, {"problem", options_.problem}, {"seconds", seconds()}, {"penalties", penalties_}};
     for (const auto &optimizer : optimizers_) {
       json["optimizers"].push_back(optimizer->save());
       if (json["optimizers"].back() == "")
@@ -157,7 +168,8 @@ private:
     if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint))
       return;
     state::read(read_text(options_.checkpoint), kKind, [&](const state::Json &json) {
-      if (json.at("problem") != options_.problem || json.at("optimizers").size() != optimizers_.size()) {
+      if (json.at("problem") != options_.problem || json.at("optimizers").size() != optimizers_.size() ||
+          json.value("penalties", state::Json()).size() != penalties_.size()) {
         context.say("fit: " + options_.checkpoint.string() + " belongs to other data or options; starting over");
         return;
       }
@@ -166,6 +178,7 @@ private:
       for (const state::Json &entry : json.at("log"))
         log_.push_back({entry[0], entry[1], entry[2], entry[3], entry[4], state::vector(entry[5], n_),
                         state::vector(entry[6], n_), entry[7]});
+      penalties_ = json.at("penalties").get<std::vector<double>>();
       seconds_before_ = json.at("seconds");
       context.say("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");
     });
@@ -175,6 +188,7 @@ private:
   const MinimiseOptions &options_;
   int n_, parts_;
   std::vector<std::unique_ptr<Optimizer>> optimizers_;
+  std::vector<double> penalties_; // (R), 0 before the first generation
   std::vector<GenerationRow> log_;
   double seconds_before_ = 0;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

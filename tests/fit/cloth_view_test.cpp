@@ -47,11 +47,14 @@ struct Moment {
   }
 };
 
+constexpr float kFarthest = 1600; // pixels^2
+
 /// What a view says about one lane.
 struct Findings {
   std::vector<std::array<float, 3>> rims;                           ///< vertex, x, y
   std::map<std::pair<float, float>, std::array<float, 4>> features; ///< of those on the cloth: where seen -> face, weights
   std::vector<float> squared; ///< of the same, in the order of the view, after the cloth has moved
+  std::vector<float> outline; ///< of the places where the features are: squared distances to the outline
   bool operator==(const Findings &) const = default;
 };
 
@@ -64,6 +67,13 @@ std::vector<Findings> look(const Moment &moment, const std::vector<int> &samples
   std::vector<Findings> found(samples.size());
   for (const fit::Rim &rim : rims)
     found[rim.lane].rims.push_back({static_cast<float>(rim.vertex), rim.x, rim.y});
+  std::vector<float> x, y, distances;
+  for (const FeatureMatch &match : moment.matches)
+    x.push_back(match.current.x()), y.push_back(match.current.y());
+  view.approach(0, static_cast<int>(x.size()), x.data(), y.data(), kFarthest, distances);
+  for (std::size_t l = 0; l < samples.size(); ++l)
+    found[l].outline.assign(distances.begin() + static_cast<std::ptrdiff_t>(l * x.size()),
+                            distances.begin() + static_cast<std::ptrdiff_t>((l + 1) * x.size()));
   fit::LocatedFeatures located;
   view.locate(moment.matches, moment.others, located);
   std::vector<int> later = samples;
@@ -71,7 +81,7 @@ std::vector<Findings> look(const Moment &moment, const std::vector<int> &samples
     ++sample;
   moment.fill(view, later);
   view.look(moment.camera);
-  const std::vector<float> &squared = view.carry(located, 900.f);
+  const std::vector<float> &squared = view.carry(located, std::vector<float>(located.count, 900.f));
   const int lanes = view.lanes();
   for (int i = 0; i < located.count; ++i)
     for (std::size_t l = 0; l < samples.size(); ++l) {
@@ -184,7 +194,39 @@ TEST(ClothView, SameBitsInAnyCompanyAndForEveryInstructionSet) {
   }
 }
 
-/// E_fit by the plain search, for one region.
+double distance_to(const fit::Segment &segment, const Eigen::Vector2d &p) {
+  const Eigen::Vector2d a(segment.ax, segment.ay), along = Eigen::Vector2d(segment.bx, segment.by) - a;
+  const double part = std::clamp(along.dot(p - a) / along.squaredNorm(), 0.0, 1.0);
+  return (p - a - part * along).norm();
+}
+
+TEST(ClothView, TellsHowFarTheOutlineIs) {
+  const Moment moment(false);
+  fit::ClothView view(moment.topology, 1);
+  moment.fill(view, {2});
+  view.look(moment.camera);
+  std::vector<fit::Rim> rims;
+  view.outline(moment.others, rims);
+  const Findings found = look(moment, {0, 1, 2})[2];
+  ASSERT_GT(view.outline_edges().size(), 40u);
+  int near = 0;
+  for (std::size_t i = 0; i < moment.matches.size(); ++i) {
+    double nearest = std::sqrt(kFarthest);
+    for (const fit::OutlineEdge &edge : view.outline_edges())
+      nearest = std::min(nearest, distance_to(edge.segment, moment.matches[i].current.cast<double>()));
+    EXPECT_NEAR(std::sqrt(found.outline[i]), nearest, 1e-3);
+    near += nearest < 39;
+  }
+  EXPECT_GT(near, 100);
+  for (const fit::Rim &rim : rims) { // the ends of the edges
+    double nearest = 1e9;
+    for (const fit::OutlineEdge &edge : view.outline_edges())
+      nearest = std::min(nearest, distance_to(edge.segment, {rim.x, rim.y}));
+    EXPECT_LT(nearest, 1e-3);
+  }
+}
+
+/// The paper's E_fit by the plain search, for one region.
 double plain_energy(const Scene &s, const pbd::Material &material, const EnergyOptions &options) {
   const fit::ClothTopology topology = fit::cloth_topology(*s.simulator);
   const std::vector<Vertices> frames =
@@ -234,7 +276,7 @@ double plain_energy(const Scene &s, const pbd::Material &material, const EnergyO
 
 TEST(MaterialObjective, RanksMaterialsAsThePlainSearchDoes) {
   const auto s = make_scene({cotton()}, {12, 2, 320, 8, 20});
-  const EnergyOptions options;
+  const EnergyOptions options = papers_energy();
   NormalGenerator random(4);
   std::vector<std::vector<pbd::Material>> materials;
   std::vector<double> expected;

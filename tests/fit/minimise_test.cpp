@@ -29,6 +29,7 @@ public:
 };
 
 void expect_same(const MinimiseResult &a, const MinimiseResult &b) {
+  EXPECT_EQ(a.penalties, b.penalties);
   ASSERT_EQ(a.parts.size(), b.parts.size());
   for (std::size_t r = 0; r < a.parts.size(); ++r) {
     EXPECT_EQ(a.parts[r].answer, b.parts[r].answer);
@@ -70,6 +71,80 @@ TEST(Minimise, ResumesToTheSameBits) {
   expect_same(minimise(again, options), expected);
   EXPECT_EQ(again.generations, 0);
   EXPECT_EQ(rows, expected.log.size());
+}
+
+/// Asks for the same samples twice, of which the last is outside the box, and keeps what it is told.
+class Recorder : public Optimizer {
+public:
+  explicit Recorder(std::vector<Eigen::VectorXd> &told) : told_(&told) {}
+  MatrixRM ask() override {
+    MatrixRM samples = MatrixRM::Constant(3, 3, 0.4);
+    samples.row(1).setConstant(0.7);
+    samples.row(2) << 0.7, 1.5, -0.25;
+    return samples;
+  }
+  void tell(const MatrixRM &, const Eigen::VectorXd &energies) override { told_->push_back(energies); }
+  bool stop() const override { return told_->size() >= 2; }
+  OptimizerResult result() const override {
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(3);
+    return {zero, zero, 0, zero, 0, 0, ""};
+  }
+
+private:
+  std::vector<Eigen::VectorXd> *told_;
+};
+
+/// Energies of 40, 300 and 80, and all twice as high in the second generation.
+class Steps : public Objective {
+public:
+  int parameter_count() const override { return 3; }
+  MatrixRM evaluate(const MatrixRM &samples, const Context &) override {
+    EXPECT_EQ(samples.row(2), Eigen::RowVector3d(0.7, 1, 0));
+    return ++generations * (MatrixRM(3, 1) << 40, 300, 80).finished();
+  }
+  int generations = 0;
+};
+
+TEST(Minimise, ThePenaltyIsRelativeToTheFirstGeneration) {
+  for (bool relative : {false, true}) {
+    std::vector<Eigen::VectorXd> told;
+    MinimiseOptions options;
+    options.relative_penalty = relative;
+    options.make_optimizer = [&](int, std::uint64_t) { return std::make_unique<Recorder>(told); };
+    Steps objective;
+    const MinimiseResult result = minimise(objective, options);
+    const double outside = (0.25 + 0.0625) * 16 * (relative ? 80 : 1); // median of 40, 80, 300
+    EXPECT_EQ(told[0], Eigen::Vector3d(40, 300, 80 + outside));
+    EXPECT_EQ(told[1], Eigen::Vector3d(80, 600, 160 + outside));
+    EXPECT_EQ(result.penalties, std::vector<double>{relative ? 16 * 80.0 : 16.0});
+  }
+}
+
+TEST(Minimise, AFlatDirectionStaysInsideTheBox) {
+  /// Energies of hundreds that one parameter does not change.
+  class Valley : public Objective {
+  public:
+    int parameter_count() const override { return 2; }
+    MatrixRM evaluate(const MatrixRM &samples, const Context &) override {
+      return (100 + 2000 * (samples.col(0).array() - 0.9).square() - 30 * samples.col(1).array()).matrix();
+    }
+  };
+  const auto outside = [](bool relative) {
+    double sum = 0;
+    for (std::uint64_t seed = 1; seed <= 11; ++seed) {
+      MinimiseOptions options;
+      options.relative_penalty = relative;
+      options.seed = seed;
+      Valley valley;
+      const Eigen::VectorXd answer = minimise(valley, options).parts[0].answer;
+      sum += (answer - answer.cwiseMax(0.0).cwiseMin(1.0)).norm() / 11;
+    }
+    return sum;
+  };
+  const double relative = outside(true), absolute = outside(false);
+  std::printf("outside the box by: relative %.3f, absolute %.3f\n", relative, absolute);
+  EXPECT_LT(relative, 0.02);
+  EXPECT_GT(absolute, 5 * relative);
 }
 
 TEST(Minimise, CancelsBetweenGenerationsAndResumes) {

@@ -46,6 +46,44 @@ TEST(CmaEs, NeedsAsManyEvaluationsAsPycma) {
   }
 }
 
+/// Generations until the optimiser stops, if the g-th tells lambda energies of which one is best(g) and the others are rest(g).
+int generations_until_stop(const std::function<double(int)> &best, const std::function<double(int)> &rest, double stagnation,
+                           int saved_at = -1) {
+  CmaEsOptions options = unlimited(3);
+  options.max_evaluations = 8 * 100;
+  options.stagnation = stagnation;
+  auto optimizer = create_cma_es(5, options);
+  int g = 0;
+  while (!optimizer->stop()) {
+    if (g == saved_at) {
+      const std::string state = optimizer->save();
+      optimizer = create_cma_es(5, options);
+      optimizer->restore(state);
+    }
+    const MatrixRM samples = optimizer->ask();
+    Eigen::VectorXd energies = Eigen::VectorXd::Constant(samples.rows(), rest(g));
+    energies[g % 8] = best(g);
+    optimizer->tell(samples, energies);
+    ++g;
+  }
+  EXPECT_EQ(optimizer->result().stop_reason, g < 100 ? "energies of 20 generations within 0.02" : "800 evaluations");
+  return g;
+}
+
+TEST(CmaEs, StopsWhereTheEnergiesHaveSettled) {
+  const auto constant = [](double value) { return [value](int) { return value; }; };
+  const auto slope = [](double share) { return [share](int g) { return 100 * std::pow(1 - share, g / 10.0); }; };
+  EXPECT_EQ(generations_until_stop(constant(90), constant(100), 0.02), 20);
+  EXPECT_EQ(generations_until_stop(constant(90), constant(100), 0), 100);
+  EXPECT_EQ(generations_until_stop(slope(0.018), slope(0.018), 0.02), 20);
+  EXPECT_EQ(generations_until_stop(slope(0.022), slope(0.022), 0.02), 100); // improves by 2.2 % in ten generations
+  EXPECT_EQ(generations_until_stop(slope(-0.022), slope(-0.022), 0.02), 100);
+  EXPECT_EQ(generations_until_stop(slope(0.022), constant(100), 0.02), 100); // the best alone
+  EXPECT_EQ(generations_until_stop(constant(50), slope(0.022), 0.02), 100);  // the median alone, at first
+  for (int saved_at : {1, 7, 19})
+    EXPECT_EQ(generations_until_stop(constant(90), constant(100), 0.02, saved_at), 20);
+}
+
 TEST(CmaEs, PopulationIsHansens) {
   EXPECT_EQ(create_cma_es(5)->ask().rows(), 8);
   EXPECT_EQ(create_cma_es(6)->ask().rows(), 9);

@@ -139,4 +139,12 @@ inline pbd::Material cotton() {
   return material;
 }
 
+/// E_fit as the paper has it.
+inline EnergyOptions papers_energy() {
+  EnergyOptions options;
+  options.gamma = 0;
+  options.same_comparisons = options.fast_features = false;
+  return options;
+}
+
 } // namespace doublet::testing

@@ -101,8 +101,10 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
     assert region["influence"]["k_stretch"]["rank"] == 1 and region["influence"]["k_stretch"]["confidence"] != "low"
     assert region["influence"]["k_friction"]["confidence"] == "low"  # the bell touches nothing
     page = (out / "fit_progress.html").read_text()
-    assert "something about stretching" in page and re.search("says little about [^.:]*friction", page)
+    assert re.search("motion tells [^.]*stretching", page) and re.search("says little about [^.:]*friction", page)
     assert page.count("<svg") == 2 and "refresh" not in page
+    assert any("k_friction" in line and "is a guess" in line for line in region["remarks"])
+    assert "Doubtful: k_friction = " in page
 
 
 def test_words_follow_the_confidence():

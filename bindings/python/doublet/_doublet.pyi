@@ -3239,6 +3239,14 @@ class CmaEsOptions:
     @smallest_deviation.setter
     def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+    @property
+    def stagnation(self) -> float:
+        """
+        stop when the energies of twenty generations change by less; 0 = never
+        """
+    @stagnation.setter
+    def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class AnnealingOptions:
     """
     Options of create_simulated_annealing.
@@ -3345,6 +3353,11 @@ class MinimiseResult:
     def parts(self) -> list[OptimizerResult]:
         ...
     @property
+    def penalties(self) -> list[float]:
+        """
+        (parts) added for each unit of squared distance from the box
+        """
+    @property
     def seconds(self) -> float:
         ...
 class Objective:
@@ -3427,6 +3440,14 @@ class EnergyOptions:
     def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
+    def fast_features(self) -> bool:
+        """
+        features that the captured cloth confirms may cost as far as they move, and half of feature_cap more
+        """
+    @fast_features.setter
+    def fast_features(self, arg0: bool) -> None:
+        ...
+    @property
     def feature_cap(self) -> float:
         """
         longest feature distance, likewise
@@ -3443,6 +3464,14 @@ class EnergyOptions:
     def field_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def gamma(self) -> float:
+        """
+        weight of the measured contour that no simulated rim comes near; 0 = the paper's
+        """
+    @gamma.setter
+    def gamma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def outline_size(self) -> int:
         """
         pixels of the views in which visibility is decided
@@ -3457,6 +3486,14 @@ class EnergyOptions:
         """
     @rim_cap.setter
     def rim_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def same_comparisons(self) -> bool:
+        """
+        every sample is measured on what the captured cloth shows; false = on what it shows itself (the paper's)
+        """
+    @same_comparisons.setter
+    def same_comparisons(self, arg0: bool) -> None:
         ...
     @property
     def settle_frames(self) -> int:
@@ -3553,6 +3590,18 @@ class MaterialObjective(Objective):
         """
         (S, regions) pixels^2 of materials[sample][region], on all threads
         """
+    def surface_energy(self, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> list[float]:
+        """
+        (regions) E_fit of such surfaces, pixels^2
+        """
+    def surface_terms(self, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> list:
+        """
+        The same of surfaces (T, V, 3) that were not simulated, e.g. the captured ones
+        """
+    def terms(self, materials: collections.abc.Sequence[Material]) -> list:
+        """
+        One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature and contour (E_sil, E_sift and E_con, pixels^2), rims, features and points (how many)
+        """
     @property
     def fingerprint(self) -> str:
         """
@@ -3564,7 +3613,7 @@ class MaterialObjective(Objective):
     @property
     def worst_energy(self) -> float:
         """
-        pixels^2: no frame can cost more
+        pixels^2: no sample costs more
         """
 class FitOptions:
     """
@@ -3670,6 +3719,14 @@ class FitOptions:
     def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def relative_penalty(self) -> bool:
+        """
+        omega times the median energy of the first generation; false = omega alone (the paper's)
+        """
+    @relative_penalty.setter
+    def relative_penalty(self, arg0: bool) -> None:
+        ...
+    @property
     def seed(self) -> int:
         """
         of the search
@@ -3678,12 +3735,28 @@ class FitOptions:
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def seeds(self) -> int:
+        """
+        searches from as many different seeds; the answer is that of the lowest energy
+        """
+    @seeds.setter
+    def seeds(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
     def smallest_deviation(self) -> float:
         """
         stop when all are below, box units
         """
     @smallest_deviation.setter
     def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stagnation(self) -> float:
+        """
+        stop when the energies of twenty generations change by less; 0 = never
+        """
+    @stagnation.setter
+    def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class FitResult:
     def to_dict(self) -> dict:
@@ -3752,7 +3825,7 @@ def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typi
     """
     answers (parts, n) in [0, 1] -> one Influence a part
     """
-def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
+def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, relative_penalty: bool = True, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
     ...
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
     """

@@ -43,6 +43,7 @@ def sections(out: Path) -> str:
     for k, region in enumerate(fitted["regions"]):
         parts.append(f"<h3>Region {k}</h3>{parameters(region)}<p>{html.escape(energies(region))}</p>")
         parts += [f"<p>{html.escape(line)}</p>" for line in in_words(region)]
+        parts += [f"<p>Doubtful: {html.escape(line)}</p>" for line in region.get("remarks", [])]
         parts.append(parameter_plot([row for row in log if row["region"] == str(k)], fitted["estimated"]))
     return "".join(parts)
 

@@ -12,11 +12,16 @@ struct FitResult;
 
 struct FitOptions {
   std::uint64_t seed = 1;
+  /// Searches from as many different seeds, side by side; the answer is that of the lowest energy. How far their answers lie
+  /// apart tells more than any one search can: each ends somewhere and calls it narrow. Evaluations are those of all searches.
+  int seeds = 1;
   int max_evaluations = 512;         ///< the paper's
   int population = 0;                ///< 0 = 4 + floor(3 ln n)
   double initial_sigma = 0.3;        ///< of the search, box units
   double smallest_deviation = 0.025; ///< stop when all are below (the paper's)
+  double stagnation = 0.02;          ///< stop when the energies change by less, see CmaEsOptions; 0 = never
   double penalty = 16.0;             ///< omega, see MinimiseOptions
+  bool relative_penalty = true;      ///< times the median energy of the first generation; false = as it is (the paper's)
   bool answer_best = false;          ///< answer the best sample seen instead of the final mean (the paper's)
   /// "cma-es", or "annealing" (the paper's comparison; chains = population, 4 if 0; steps from initial_sigma down to
   /// smallest_deviation).
@@ -33,7 +38,8 @@ struct FitOptions {
 };
 
 /// How well the motion tells a parameter: low if moving it changes E_fit no more than noise does; high if it does and the
-/// search's standard deviation came below a tenth of the box; medium otherwise.
+/// search's standard deviation came below a tenth of the box; medium otherwise. One lower if the answers of searches from other
+/// seeds are spread by more than a tenth of the box.
 enum class Confidence { kLow, kMedium, kHigh };
 const char *confidence_name(Confidence confidence); ///< "low", "medium", "high"
 
@@ -44,18 +50,23 @@ struct RegionFit {
       std::numeric_limits<double>::quiet_NaN(); ///< E_fit of the box's centre: what knowing nothing costs; NaN = not measured
   pbd::Material best;                           ///< best sample seen
   double best_energy = 0;                       ///< its E_fit
+  Eigen::VectorXd answer;                       ///< (n) `material` in box units, [0, 1]
   Eigen::VectorXd deviations;                   ///< (n) of the final distribution, box units
+  Eigen::VectorXd spread;                       ///< (n) half the range of the answers of all searches, box units; empty if one
   Influence influence;                          ///< of each parameter on E_fit, pixels^2; empty if not measured
-  int evaluations = 0, generations = 0;
-  std::string stop_reason;
+  int evaluations = 0, generations = 0;         ///< of all searches
+  std::string stop_reason;                      ///< of the one whose answer this is
   /// (n), empty if the influence was not measured.
   std::vector<Confidence> confidence() const;
+  /// What is doubtful, a sentence each: a parameter within 0.01 (box units) of a bound of its box, one that the motion does not
+  /// tell, one about which the searches disagree. names (n): of the parameters searched.
+  std::vector<std::string> remarks(const std::vector<std::string> &names) const;
 };
 
 struct FitResult {
   std::vector<std::string> parameters; ///< (n) names of those searched
   std::vector<RegionFit> regions;
-  std::vector<GenerationRow> log;
+  std::vector<GenerationRow> log; ///< part = region; of several searches the one whose answer is taken
   std::uint64_t seed = 0;
   double dt = 0;                    ///< s
   int iterations = 0, substeps = 0; ///< of the solver

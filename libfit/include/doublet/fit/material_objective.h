@@ -1,5 +1,6 @@
 #pragma once
-// E_fit of Sect. 6.2 (eq. 6-8): how well the simulated character explains the images of the reference performance.
+// E_fit of Sect. 6.2 (eq. 6-8): how well the simulated character explains the images of the reference performance. Beyond the
+// paper it also asks what of the images the character does not explain, so that showing nothing is not free.
 
 #include "doublet/animate/character_simulator.h"
 #include "doublet/fit/minimise.h"
@@ -14,6 +15,15 @@ struct EnergyOptions {
   double dt = 1.0 / 40.0; ///< s, one video frame
   double alpha = 1.0;     ///< weight of E_sil (the paper's)
   double beta = 10.0;     ///< weight of E_sift (the paper's)
+  /// Weight of E_con, beyond the paper: mean squared distance, at most rim_cap, from the measured contour that is the outline of
+  /// the captured cloth to the outline of the simulated cloth. E_sil asks whether every simulated rim is seen, this whether every
+  /// seen rim is simulated. 1 = both count the same; 0 = off (the paper's).
+  double gamma = 1.0;
+  /// Beyond the paper: every sample is measured on the same features and frames, those that the *captured* cloth shows. A feature
+  /// that the simulated cloth does not show costs the distance from where it is seen to where the simulation has its point of the
+  /// captured cloth; a frame without a rim costs rim_cap; a frame in which the captured cloth shows nothing is left out for
+  /// every sample. false = each on what it shows itself, and what it does not show is free (the paper's).
+  bool same_comparisons = true;
   /// Frames of fall into place in the first pose, from the captured surface, before the first frame counts: half a second at 40
   /// fps, long enough for the hem to come to rest under any material, short beside the sequence.
   int settle_frames = 20;
@@ -22,6 +32,10 @@ struct EnergyOptions {
   /// Longest feature distance, likewise (32 px: 3 m/s at 2.4 mm a pixel and 40 fps). A mismatched feature is this far off for
   /// every material; the cap keeps its weight from drowning the good ones (the paper's "robust SIFT features").
   double feature_cap = 0.032;
+  /// Features that the captured cloth confirms (it carries them to within feature_cap of where they are seen) are no mismatches,
+  /// however fast: their cap is their measured displacement plus half of feature_cap, if that is more. So cloth that stands
+  /// still where the video's flies at 5 m/s costs more than cloth that flies at 3. false = feature_cap for all.
+  bool fast_features = true;
   int outline_size = 251; ///< pixels along the larger side of the views in which outline and visibility are decided
   int field_size = 502;   ///< nodes that would span the larger side of a distance field
   /// Frames of a window: the motion is cut into windows that each start from the captured surface, at the speed that it has, and
@@ -50,10 +64,10 @@ struct ParameterSpace {
   Eigen::VectorXd unit(const pbd::Material &material) const; ///< (n) in [0, 1]
 };
 
-/// The two terms at one frame for one region.
+/// The terms at one frame for one region.
 struct FrameTerms {
-  double silhouette = 0, feature = 0; ///< E_sil and E_sift, pixels^2
-  int rims = 0, features = 0;         ///< n_sil and n_sift
+  double silhouette = 0, feature = 0, contour = 0; ///< E_sil, E_sift and E_con, pixels^2
+  int rims = 0, features = 0, points = 0;          ///< n_sil, n_sift and how many points of the measured contour
 };
 
 /// Where the time of an objective went: seconds of CPU time over all threads.
@@ -62,11 +76,12 @@ struct EnergyTimes {
   double simulate = 0; ///< the solver
   double project = 0;  ///< the cloth into the cameras
   double rims = 0;     ///< E_sil
+  double contour = 0;  ///< E_con
   double features = 0; ///< E_sift
 };
 
-/// Immutable after construction, so evaluations from several threads are safe. One part a region. Only 2D data of the sequence is
-/// kept.
+/// Immutable after construction, so evaluations from several threads are safe. One part a region. Of the sequence only 2D data is
+/// kept, and which point of the cloth the captured surface has under each feature.
 class MaterialObjective : public Objective {
 public:
   /// `simulator`, must outlive the objective. Throws std::invalid_argument if the character has no cloth, Error if performance
@@ -80,7 +95,7 @@ public:
   int part_count() const override;
   /// E_fit (S, R), pixels^2. Samples are simulated side by side on context.thread_count() threads; the result does not depend on
   /// how many. A sample whose cloth leaves the actor (further from its skinned place than the actor is long) or stops being
-  /// finite has exploded: its frames from there on (to the end of the window) count with worst_energy().
+  /// finite has exploded: in its frames from there on (to the end of the window) everything costs what it can at most.
   /// With stop_margin the frames are run in eight parts, each spread over the motion if there are windows, and the samples are
   /// compared after each but the last. The energy of a stopped one is that of the sample in the middle, times their ratio when it
   /// was stopped: it stays behind all that CMA-ES selects. An energy then depends on the other samples of the call.
@@ -89,7 +104,13 @@ public:
   MatrixRM energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const;
   /// [R][T] the terms of one rollout.
   std::vector<std::vector<FrameTerms>> terms(const std::vector<pbd::Material> &materials) const;
-  /// alpha rim_cap^2 + beta feature_cap^2 in pixels^2: no frame can cost more.
+  /// [R][T] the terms of surfaces [T] (V, 3), m, that were not simulated: the captured one, or a true one carried over to M.
+  /// Throws std::invalid_argument for other sizes, or if they are not finite.
+  std::vector<std::vector<FrameTerms>> surface_terms(const std::vector<Vertices> &surfaces) const;
+  /// (R) E_fit of such surfaces, pixels^2.
+  std::vector<double> surface_energy(const std::vector<Vertices> &surfaces) const;
+  /// E_fit, pixels^2, if everything cost what it can at most, of the region where that is most; about (alpha + gamma) rim_cap^2 +
+  /// beta feature_cap^2. No sample costs more.
   double worst_energy() const;
   /// Bytes of what is kept of the images.
   std::size_t image_bytes() const;

@@ -35,6 +35,8 @@ using OptimizerFactory = std::function<std::unique_ptr<Optimizer>(int dimension,
 
 struct MinimiseResult {
   std::vector<OptimizerResult> parts; ///< (R)
+  /// (R) what was added to a sample's energy, for each unit of its squared distance from the box; 0 before the first generation.
+  std::vector<double> penalties;
   std::vector<GenerationRow> log;
   double seconds = 0; ///< earlier runs of a resumed one included
 };
@@ -42,9 +44,14 @@ struct MinimiseResult {
 struct MinimiseOptions {
   OptimizerFactory make_optimizer; ///< empty = CMA-ES with its defaults
   std::uint64_t seed = 1;          ///< part r gets seed + r
-  double penalty = 16.0;           ///< omega: energy(clamped sample) + omega |sample - clamped|^2 (the paper's)
-  int expected_evaluations = 512;  ///< for the progress bar and the time left only
-  Path checkpoint;                 ///< empty = none; written after every generation, read at the start if it is there
+  double penalty = 16.0;           ///< omega: energy(clamped sample) + omega scale |sample - clamped|^2
+  /// The scale of the penalty: the median of the energies (before any penalty) of the part's first generation, so that 0.25
+  /// outside the box costs as much as an ordinary sample, whatever the unit of the energy. The absolute value of the median, 1
+  /// if that is 0. false = 1 (the paper's): nothing beside energies of tens to hundreds of pixels^2, so that the mean leaves the
+  /// box along what the energy does not tell.
+  bool relative_penalty = true;
+  int expected_evaluations = 512; ///< for the progress bar and the time left only
+  Path checkpoint;                ///< empty = none; written after every generation, read at the start if it is there
   std::string problem; ///< what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so
   std::function<void(const MinimiseResult &)> on_generation; ///< what there is, after every generation; may be empty
   void validate() const;

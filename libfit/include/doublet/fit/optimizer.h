@@ -46,6 +46,11 @@ struct CmaEsOptions {
   double initial_sigma = 0.3;        ///< along every axis: one box is about +-1.7 sigma
   int max_evaluations = 512;         ///< the paper's; no generation begins at or beyond it
   double smallest_deviation = 0.025; ///< stop when all standard deviations are below it (the paper's)
+  /// Stop when neither the best nor the median energies of the generations have changed by more than this share of them: over the
+  /// last twenty, the median of the later ten against that of the earlier ten. After "TolFun" and "Stagnation" of the tutorial's
+  /// Appendix B.3, but ready within the paper's 512 evaluations. Below the noise of a chaotic energy the search only wanders:
+  /// with 3 % of noise on a quadratic in five parameters it ends after 289 evaluations instead of 359, 0.1 % higher. 0 = never.
+  double stagnation = 0.02;
   std::uint64_t seed = 1;
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
