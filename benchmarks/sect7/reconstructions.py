@@ -60,12 +60,12 @@ def plain_job(out: Path, session: Path | None = None, threads: int = 1, **change
 def simulate(made: pipeline.Job, materials: list[d.Material]) -> np.ndarray:
     """(T, V, 3) m: the reference motion, animated again."""
     settle = made.options["energy"].settle_frames
-    return d.simulate_reference(made.simulator(), made.performance(), materials, 1 / made.fps, settle)
+    return d.simulate_reference(made.simulator(), made.dressed_performance(), materials, 1 / made.fps, settle)
 
 
 def rms_cm(a: np.ndarray, b: np.ndarray, made: pipeline.Job) -> float:
     """Over the cloth's vertices (clothness > 0.5) and all frames."""
-    apart = (a - b)[:, made.clothness().clothness > 0.5]
+    apart = (a - b)[:, made.dressed.clothness.clothness > 0.5]
     return 100 * float(np.sqrt(np.square(apart).sum(axis=2).mean()))
 
 

@@ -37,7 +37,7 @@ def search(job: dict) -> dict:
     observations = d.read_observations(made.path("observations.npz"))
     context = d.Context(threads=job["threads"])
     start = time.monotonic()
-    result = d.estimate_material(made.simulator(), made.performance(), observations, options, context)
+    result = d.estimate_material(made.simulator(), made.dressed_performance(), observations, options, context)
     seconds = time.monotonic() - start
     steps = [[row.evaluations, row.best, row.mean.ravel().tolist()] for row in result.log if row.part == 0]
     return {**study.plain_fit(result), "steps": steps, "seconds": seconds}

@@ -133,6 +133,12 @@ public:
     field_names().push_back(name);
     return *this;
   }
+  /// An option that Python sees as something else, e.g. an enumeration as its name.
+  template <class Get, class Set> OptionsClass &field(const char *name, Get get, Set set, const char *doc) {
+    class_.def_property(name, get, set, doc);
+    field_names().push_back(name);
+    return *this;
+  }
   py::class_<T> &get() { return class_; }
 
 private:

@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/files.h"
+#include "doublet/core/garment.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/ray_scene.h"
 #include "doublet/core/self_intersection.h"
@@ -359,14 +360,34 @@ void bind_stage_values(py::module_ &m) {
       .def(py::init<>())
       .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region, Eigen::VectorXd fullness) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
-             return Clothness{std::move(sigma), std::move(clothness), std::move(region), count, std::move(fullness)};
+             return Clothness{std::move(sigma),    std::move(clothness), std::move(region), count,
+                              std::move(fullness), Vertices(0, 3)};
            }),
            py::arg("sigma"), py::arg("clothness"), py::arg("region"), py::arg("fullness") = Eigen::VectorXd())
       .def_readwrite("sigma", &Clothness::sigma, "(V) m")
       .def_readwrite("clothness", &Clothness::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Clothness::region, "(V), -1 = rigid")
       .def_readwrite("fullness", &Clothness::fullness, "(V) width across gravity over the scan's; empty = 1")
+      .def_readwrite("rest", &Clothness::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
       .def_readwrite("region_count", &Clothness::region_count);
+  py::class_<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
+      .def(py::init<>())
+      .def_readwrite("mesh", &Garment::mesh, "scan pose, m")
+      .def_readwrite("region", &Garment::region, "(G)")
+      .def_readwrite("clothness", &Garment::clothness, "(G) 0 = hangs on the skeleton, 1 = free")
+      .def_readwrite("rest", &Garment::rest, "(G, 3) m, the shape that lengths and masses come from")
+      .def_readwrite("actor_face", &Garment::actor_face, "(G) face of the actor on which the vertex lies")
+      .def_readwrite("barycentric", &Garment::barycentric, "(G, 3) of that face's corners")
+      .def_readwrite("covers", &Garment::covers, "(F) faces of the actor that the garment stands for")
+      .def_readwrite("region_count", &Garment::region_count);
+  py::class_<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
+      .def_readwrite("actor", &DressedActor::actor, "V + G vertices: the actor's, then the garment's")
+      .def_readwrite("clothness", &DressedActor::clothness);
+  m.def("dress", py::overload_cast<const RiggedMesh &, const Clothness &, const Garment &>(&dress), py::arg("actor"),
+        py::arg("clothness"), py::arg("garment"), Release(), "The actor in the garment.");
+  m.def("dress", py::overload_cast<const ReferencePerformance &, const RiggedMesh &, const Garment &>(&dress),
+        py::arg("performance"), py::arg("actor"), py::arg("garment"), Release(),
+        "The captured surface on the dressed actor's mesh.");
   py::class_<TaperedCapsule>(m, "TaperedCapsule", "Collision proxy carried by a joint.")
       .def(py::init([](int joint, Eigen::Vector3d p0, Eigen::Vector3d p1, double r0, double r1) {
              return TaperedCapsule{joint, p0, p1, r0, r1};
@@ -387,6 +408,8 @@ void bind_stage_values(py::module_ &m) {
 }
 
 void bind_files(py::module_ &m) {
+  m.def("write_garment", &write_garment, py::arg("path"), py::arg("garment"), Release());
+  m.def("read_garment", &read_garment, py::arg("path"), py::arg("actor"), Release());
   m.def("write_actor", &write_actor, py::arg("path"), py::arg("actor"), Release());
   m.def("read_actor", &read_actor, py::arg("path"), Release());
   m.def("write_performance", &write_performance, py::arg("path"), py::arg("performance"), Release());

@@ -145,6 +145,11 @@ void bind_pbd(py::module_ &m) {
   OptionsClass<ClothOptions>(m, "ClothOptions", "Settings of the cloth solver.")
       .field("iterations", &ClothOptions::iterations, "Gauss-Seidel sweeps a step")
       .field("substeps", &ClothOptions::substeps, "steps a frame")
+      .field(
+          "stiffness", [](const ClothOptions &options) { return pbd::stiffness_name(options.stiffness); },
+          [](ClothOptions &options, const std::string &name) { options.stiffness = pbd::stiffness_from_name(name); },
+          "what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper")
+      .field("rest_curvature", &ClothOptions::rest_curvature, "share of the rest mesh's angles that bending keeps, 0 = cut flat")
       .field("gravity", &ClothOptions::gravity, "m/s^2")
       .field("restitution", &ClothOptions::restitution, "0 = inelastic")
       .field("thickness", &ClothOptions::thickness, "m, kept between cloth and proxies")

@@ -2,6 +2,7 @@
 
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/fullness.h"
+#include "doublet/segment/garment_mesher.h"
 
 namespace doublet::python {
 namespace {
@@ -11,6 +12,14 @@ public:
   Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                     const Context &context) const override {
     PYBIND11_OVERRIDE_PURE(Clothness, ClothSegmenter, segment, sequence, face_valid, context);
+  }
+};
+
+class PyGarmentMesher : public GarmentMesher {
+public:
+  Garment mesh(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
+               const Context &context) const override {
+    PYBIND11_OVERRIDE_PURE(Garment, GarmentMesher, mesh, actor, clothness, body, captured, context);
   }
 };
 
@@ -36,6 +45,32 @@ void bind_segment(py::module_ &m) {
            py::arg("context") = interruptible_context(), Release());
   m.def("segment_cloth", &segment_cloth, py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
         py::arg("context") = interruptible_context(), Release());
+  OptionsClass<GarmentOptions>(m, "GarmentOptions", "Options of GarmentMesher.")
+      .field("own_mesh", &GarmentOptions::own_mesh, "off: the cloth is the loose part of the template")
+      .field("vertices", &GarmentOptions::vertices, "about, of all regions together")
+      .field("closing", &GarmentOptions::closing, "narrower slits are closed, m")
+      .field("smallest_hole", &GarmentOptions::smallest_hole, "smaller holes are filled, m^2")
+      .field("smallest_piece", &GarmentOptions::smallest_piece, "smaller pieces move as skin, m^2")
+      .field("smallest_edge", &GarmentOptions::smallest_edge, "shorter changes between hanging and free edge are noise, m")
+      .field("spread", &GarmentOptions::spread, "share of the time that a length may be exceeded")
+      .field("band", &GarmentOptions::band, "width of the attachment, m");
+  py::class_<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher",
+                                             "Stage: clothness -> the garment's mesh. Subclass to replace it.")
+      .def(py::init<>())
+      .def_static("create", &GarmentMesher::create, py::arg("options") = GarmentOptions{})
+      .def("mesh", &GarmentMesher::mesh, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("captured"),
+           py::arg("context") = interruptible_context(), Release());
+  m.def("mesh_garment", &mesh_garment, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("captured"),
+        py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release());
+  py::class_<GarmentSummary>(m, "GarmentSummary", "What the mesher made.")
+      .def_readonly("vertices", &GarmentSummary::vertices)
+      .def_readonly("faces", &GarmentSummary::faces)
+      .def_readonly("regions", &GarmentSummary::regions)
+      .def_readonly("loops", &GarmentSummary::loops, "boundaries; a skirt has two")
+      .def_readonly("hanging_loops", &GarmentSummary::hanging_loops, "that hang on the skeleton, at least in part")
+      .def_readonly("mean_edge", &GarmentSummary::mean_edge, "m")
+      .def_readonly("smallest_angle", &GarmentSummary::smallest_angle, "degrees, 1 % quantile");
+  m.def("summarise_garment", &summarise_garment, py::arg("garment"), Release());
 }
 
 } // namespace doublet::python

@@ -79,11 +79,14 @@ json clothness_json(glb::Writer &writer, const Clothness &clothness) {
     fullness.push_back(clothness.fullness.size() > 0 ? static_cast<float>(clothness.fullness[v]) : 1.0f);
     region.push_back(static_cast<std::uint32_t>(clothness.region[v] + 1));
   }
-  return {{"sigma", writer.floats(sigma, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
-          {"clothness", writer.floats(delta, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
-          {"region", writer.integers(region, glb::Use::Data)},
-          {"fullness", writer.floats(fullness, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
-          {"regionCount", clothness.region_count}};
+  json out = {{"sigma", writer.floats(sigma, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
+              {"clothness", writer.floats(delta, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
+              {"region", writer.integers(region, glb::Use::Data)},
+              {"fullness", writer.floats(fullness, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
+              {"regionCount", clothness.region_count}};
+  if (clothness.rest.rows() > 0)
+    out["rest"] = writer.vectors(clothness.rest, glb::Use::Data);
+  return out;
 }
 
 Clothness json_clothness(const glb::Reader &reader, const json &j) {
@@ -109,6 +112,11 @@ Clothness json_clothness(const glb::Reader &reader, const json &j) {
       reader.fail("expected fullness and clothness of one length");
     clothness.fullness =
         Eigen::Map<const Eigen::VectorXf>(fullness.data(), static_cast<Eigen::Index>(fullness.size())).cast<double>();
+  }
+  if (j.contains("rest")) { // of a garment with a mesh of its own
+    clothness.rest = reader.vectors(j.at("rest").get<int>());
+    if (clothness.rest.rows() != static_cast<Eigen::Index>(delta.size()))
+      reader.fail("expected rest and clothness of one length");
   }
   return clothness;
 }
@@ -139,6 +147,8 @@ json solver_json(const SolverSettings &solver) {
   return {{"dt", solver.dt},
           {"iterations", solver.cloth.iterations},
           {"substeps", solver.cloth.substeps},
+          {"stiffness", pbd::stiffness_name(solver.cloth.stiffness)},
+          {"restCurvature", solver.cloth.rest_curvature},
           {"gravity", vector_json(solver.cloth.gravity)},
           {"restitution", solver.cloth.restitution},
           {"thickness", solver.cloth.thickness},
@@ -151,6 +161,8 @@ SolverSettings json_solver(const json &j) {
   solver.dt = j.at("dt").get<double>();
   solver.cloth.iterations = j.at("iterations").get<int>();
   solver.cloth.substeps = j.at("substeps").get<int>();
+  solver.cloth.stiffness = pbd::stiffness_from_name(j.value("stiffness", "sweeps")); // characters of 0.1.0 know no other
+  solver.cloth.rest_curvature = j.value("restCurvature", 1.0);
   solver.cloth.gravity = json_vector(j.at("gravity"));
   solver.cloth.restitution = j.at("restitution").get<double>();
   solver.cloth.thickness = j.at("thickness").get<double>();
@@ -250,6 +262,7 @@ template <class Matrix> void round_to_float(Matrix &m) {
 Character as_stored(Character c) {
   round_to_float(c.actor.mesh.vertices);
   round_to_float(c.actor.weights);
+  round_to_float(c.clothness.rest);
   round_to_float(c.body.vertices);
   round_to_float(c.body_weights);
   round_to_float(c.high.vertices);

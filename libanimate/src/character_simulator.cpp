@@ -27,6 +27,8 @@ void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std:
   expect("clothness.region", clothness.region.size(), vertices);
   if (clothness.fullness.size() > 0)
     expect("clothness.fullness", clothness.fullness.size(), vertices);
+  if (clothness.rest.rows() > 0)
+    expect("clothness.rest", clothness.rest.rows(), vertices);
   if (!(clothness.clothness.array() >= 0).all() || !(clothness.clothness.array() <= 1).all())
     throw Error("CharacterSimulator: clothness must lie in [0, 1]");
   if (vertices > 0 && clothness.region.maxCoeff() >= clothness.region_count)
@@ -53,6 +55,13 @@ std::vector<int> region_faces(const RiggedMesh &actor, const Clothness &clothnes
   return chosen;
 }
 
+Vertices gather(const Vertices &all, const std::vector<int> &rows) {
+  Vertices part(rows.size(), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    part.row(i) = all.row(rows[i]);
+  return part;
+}
+
 ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region,
                         const pbd::ClothOptions &options) {
   const std::vector<int> faces = region_faces(actor, clothness, areas, region);
@@ -67,16 +76,10 @@ ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, con
     if (clothness.fullness.size() > 0)
       fullness[i] = clothness.fullness[v];
   }
-  result.model = pbd::ClothModel::create(sub.vertices, sub.faces, delta, options, fullness);
+  const Vertices rest = clothness.rest.rows() > 0 ? gather(clothness.rest, result.vertex_from_cloth) : sub.vertices;
+  result.model = pbd::ClothModel::create(rest, sub.faces, delta, options, fullness);
   result.solver = pbd::ClothSolver::create(result.model);
   return result;
-}
-
-Vertices gather(const Vertices &all, const std::vector<int> &rows) {
-  Vertices part(rows.size(), 3);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    part.row(i) = all.row(rows[i]);
-  return part;
 }
 
 void check_regions(const CharacterState &state, const std::vector<pbd::Material> &materials, std::size_t count) {
@@ -106,7 +109,7 @@ struct RegionInputs {
 
 CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
                                        const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options)
-    : actor_(actor), proxies_(proxies), options_(options) {
+    : actor_(actor), proxies_(proxies), options_(options), rest_(clothness.rest) {
   check_sizes(actor, clothness, proxies);
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
   for (int r = 0; r < clothness.region_count; ++r)
@@ -131,8 +134,10 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
     throw std::invalid_argument("CharacterSimulator::start: surface has " + std::to_string(surface->rows()) +
                                 " vertices, the character has " + std::to_string(actor_.mesh.vertices.rows()));
   CharacterState state;
+  const Vertices spread = rest_.rows() > 0 ? dual_quaternion_skinning(rest_, actor_.weights, frame.world_from_rest) : Vertices();
+  const Vertices &from = spread.rows() > 0 && !surface ? spread : surface ? *surface : frame.skinned;
   for (const ClothRegion &region : regions_) {
-    Vertices positions = gather(surface ? *surface : frame.skinned, region.vertex_from_cloth);
+    Vertices positions = gather(from, region.vertex_from_cloth);
     // The ring the cloth hangs from follows the skeleton, wherever the given surface has it.
     for (Eigen::Index i = 0; i < positions.rows(); ++i)
       if (region.model->inverse_masses()[i] == 0)

@@ -285,6 +285,50 @@ Clothness read_clothness(const Path &path) {
   return out;
 }
 
+void write_garment(const Path &path, const Garment &garment) {
+  const auto G = garment.mesh.vertices.rows();
+  require(garment.region.size() == G && garment.clothness.size() == G && garment.rest.rows() == G &&
+              garment.actor_face.size() == G && garment.barycentric.rows() == G,
+          "write_garment: expected region, clothness, rest, actor_face and barycentric for " + std::to_string(G) + " vertices");
+  Npz npz;
+  npz.set_f4("vertices", {G, 3}, flat(garment.mesh.vertices));
+  set_faces(npz, garment.mesh.faces);
+  npz.set_i4("region", {G}, {garment.region.data(), garment.region.data() + G});
+  npz.set_f4("clothness", {G}, flat(garment.clothness));
+  npz.set_f4("rest", {G, 3}, flat(garment.rest));
+  npz.set_i4("actor_face", {G}, {garment.actor_face.data(), garment.actor_face.data() + G});
+  npz.set_f4("barycentric", {G, 3}, flat(garment.barycentric));
+  npz.set_b1("covers", garment.covers);
+  npz.write(path);
+}
+
+Garment read_garment(const Path &path, const RiggedMesh &actor) {
+  const Npz npz = Npz::read(path);
+  npz.require_shape("vertices", {-1, 3});
+  Garment out;
+  const auto G = npz.shape("vertices")[0];
+  const auto integers = [&](const std::string &name) {
+    npz.require_shape(name, {G});
+    const std::vector<int> values = npz.integers(name);
+    return Eigen::VectorXi(Eigen::Map<const Eigen::VectorXi>(values.data(), G));
+  };
+  npz.require_shape("barycentric", {G, 3});
+  npz.require_shape("rest", {G, 3});
+  if (G > 0)
+    out.mesh = read_mesh(npz);
+  out.region = integers("region");
+  out.actor_face = integers("actor_face");
+  out.clothness = read_vector(npz, "clothness", G);
+  out.rest = npz.matrix("rest");
+  out.barycentric = npz.matrix("barycentric");
+  for (int covered : npz.integers("covers"))
+    out.covers.push_back(covered ? 1 : 0);
+  out.region_count = G > 0 ? out.region.maxCoeff() + 1 : 0;
+  if (G > 0)
+    validate_garment(out, actor, npz.source);
+  return out;
+}
+
 void write_body(const Path &path, const BodyFit &fit) {
   Npz npz;
   npz.set_f4("vertices", {fit.body.vertices.rows(), 3}, flat(fit.body.vertices));

@@ -304,6 +304,7 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
   result.dt = options.energy.dt;
   result.iterations = simulator.options().iterations;
   result.substeps = simulator.options().substeps;
+  result.stiffness = simulator.options().stiffness;
   if (simulator.regions().empty()) {
     context.say("fit: no cloth, so there is no material to estimate");
     if (!options.log.empty())
@@ -358,7 +359,7 @@ std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, co
     throw Error("simulate_reference: performance: expected at least one frame, found none");
   std::vector<Vertices> result;
   PosedFrame previous = simulator.pose(performance.dofs.row(0).transpose());
-  CharacterState state = simulator.start(previous, &performance.surface.frames[0]);
+  CharacterState state = simulator.start(previous, simulator.has_rest_shape() ? nullptr : &performance.surface.frames[0]);
   simulator.settle(state, previous, materials, dt, settle_frames);
   result.push_back(simulator.surface(state, previous));
   for (int t = 1; t < count; ++t) {

@@ -49,7 +49,10 @@ void write_materials(const Path &path, const FitResult &result) {
   json["estimated"] = result.parameters;
   json["seed"] = result.seed;
   json["seconds"] = result.seconds;
-  json["solver"] = {{"dt", result.dt}, {"n_iter", result.iterations}, {"substeps", result.substeps}};
+  json["solver"] = {{"dt", result.dt},
+                    {"n_iter", result.iterations},
+                    {"substeps", result.substeps},
+                    {"stiffness", pbd::stiffness_name(result.stiffness)}};
   json["interrupted"] = result.interrupted;
   json["regions"] = Json::array();
   for (const RegionFit &region : result.regions) {

@@ -232,7 +232,8 @@ std::string hash_problem(const CharacterSimulator &simulator, const ReferencePer
     const pbd::ClothOptions &cloth = region.model->options();
     print.add(region.vertex_from_cloth).add(region.model->inverse_masses()).add(cloth.gravity);
     print.add({static_cast<double>(cloth.iterations), static_cast<double>(cloth.substeps), cloth.restitution, cloth.thickness,
-               cloth.self_thickness, cloth.self_collision ? 1.0 : 0.0});
+               cloth.self_thickness, cloth.self_collision ? 1.0 : 0.0, cloth.rest_curvature,
+               cloth.stiffness == pbd::Stiffness::Compliance ? 1.0 : 0.0});
   }
   for (const pbd::Capsule &capsule : simulator.pose(performance.dofs.row(0)).capsules)
     print.add(capsule.p0).add(capsule.p1).add({capsule.r0, capsule.r1});
@@ -554,7 +555,7 @@ void MaterialObjective::Impl::finish(Rollout &rollout, int t) const {
 Window MaterialObjective::Impl::make_window(int first, int end, const MeshSequence &surface) const {
   Window window{std::max(0, first - (first > 0 ? options.window_lead : 0)), first, end, {}};
   const int t = window.start;
-  window.state = simulator->start(frames[t], &surface.frames[t]);
+  window.state = simulator->start(frames[t], t == 0 && simulator->has_rest_shape() ? nullptr : &surface.frames[t]);
   if (t == 0)
     return window;
   const int after = std::min(t + 1, frame_count() - 1);

@@ -152,6 +152,17 @@ std::vector<BendBlock> in_blocks(const std::vector<BendConstraint> &bends, int v
 
 } // namespace
 
+const char *stiffness_name(Stiffness stiffness) {
+  return stiffness == Stiffness::Compliance ? "compliance" : "sweeps";
+}
+
+Stiffness stiffness_from_name(const std::string &name) {
+  for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance})
+    if (name == stiffness_name(stiffness))
+      return stiffness;
+  throw std::invalid_argument("cloth option stiffness must be 'sweeps' or 'compliance', found '" + name + "'");
+}
+
 void ClothOptions::validate() const {
   const auto require = [](bool ok, const char *name, const char *range, double found) {
     if (!ok)
@@ -160,6 +171,7 @@ void ClothOptions::validate() const {
   };
   require(iterations >= 1 && iterations <= 10000, "iterations", "[1, 10000]", iterations);
   require(substeps >= 1 && substeps <= 1000, "substeps", "[1, 1000]", substeps);
+  require(rest_curvature >= 0 && rest_curvature <= 1, "rest_curvature", "[0, 1]", rest_curvature);
   require(gravity.allFinite() && gravity.norm() <= 1000, "gravity", "a ball of 1000 m/s^2", gravity.norm());
   require(restitution >= 0 && restitution <= 1, "restitution", "[0, 1]", restitution);
   require(thickness >= 0 && thickness <= 1, "thickness", "[0, 1] m", thickness);
@@ -234,7 +246,7 @@ void PbdModel::set_constraints(const Vertices &rest) {
         c.w[i] = static_cast<float>(w[v[i]] / largest);
       }
       const BendTerms<double> at_rest = bend_terms<double>(x(0), x(1), x(2), x(3), {c.w[0], c.w[1], c.w[2], c.w[3], 1, 0, 0, 0});
-      const double angle = bend_value(at_rest);
+      const double angle = options_.rest_curvature * bend_value(at_rest);
       c.cos = static_cast<float>(std::cos(angle));
       c.sin = static_cast<float>(std::sin(angle));
       // Never 0: faces too small to bend have no gradient, and 0 / 0 would not leave them alone. 1 belongs to faces a metre high.
@@ -257,12 +269,12 @@ double PbdModel::full_length(const Vertices &rest, const Vertices &across, int a
 }
 
 void PbdModel::set_followers(const Eigen::VectorXd &clothness) {
+  const double sweeps = static_cast<double>(options_.iterations) * options_.substeps; // of a frame, which share the blend
   for (int i = 0; i < vertex_count(); ++i) {
     if (clothness[i] == 1)
       continue;
     if (clothness[i] > 0)
-      blends_.push_back(
-          {i, static_cast<int>(followers_.size()), static_cast<float>(1 - std::pow(clothness[i], 1.0 / options_.iterations))});
+      blends_.push_back({i, static_cast<int>(followers_.size()), static_cast<float>(1 - std::pow(clothness[i], 1.0 / sweeps))});
     followers_.push_back(i);
   }
 }

@@ -14,40 +14,54 @@ from .video import VideoWriter
 FORMATS = (".npz", ".glb", ".mp4")
 
 
-def valid_high_faces(high: d.Mesh, actor: d.RiggedMesh) -> np.ndarray:
-    """(FH) 1 where the closest face of the working surface is valid: the display surface carries no mask of its own."""
-    closest, _, _ = d.RayScene(actor.mesh).closest(high.vertices[high.faces].mean(axis=1))
+def valid_high_faces(high: d.Mesh, job) -> np.ndarray:
+    """(FH) 1 where the closest face of the dressed actor is valid: the display surface carries no mask of its own. What the garment
+    stands for is not asked."""
+    actor = job.dressed.actor
+    covered = np.zeros(len(actor.mesh.faces), np.uint8)
+    covered[: len(job.garment.covers)] = job.garment.covers
+    closest, _, _ = d.RayScene(actor.mesh, covered).closest(high.vertices[high.faces].mean(axis=1))
     return np.asarray(actor.face_valid, np.uint8)[closest]
 
 
 def build_character(job) -> dict:
     """Re-animates the reference motion (simulated.npz) and writes character.glb."""
     materials = d.read_materials(job.path("material.json"))
-    performance, dt = job.performance(), 1 / job.session.fps
+    performance, dt = job.dressed_performance(), 1 / job.session.fps
     simulated = d.simulate_reference(
         job.simulator(), performance, materials, dt, job.options["energy"].settle_frames, job.context
     )
     high = d.read_mesh(job.path("template_high.ply"))
+    dressed = job.dressed
     character = d.make_character(
-        job.actor,
-        job.clothness(),
+        dressed.actor,
+        dressed.clothness,
         d.read_body(job.path("body.npz")),
         d.read_proxies(job.path("proxies.json"), job.actor.skeleton),
         materials,
         d.SolverSettings(dt, job.options["cloth"]),
         high,
-        valid_high_faces(high, job.actor),
+        valid_high_faces(high, job),
     )
     character.name = job.session.name
     seen = bake_first_frame(character, job, performance)
-    with written_atomically(job.path("simulated.npz")) as path:
-        np.savez_compressed(path, vertices=simulated.astype(np.float32))
+    write_simulated(job, simulated)
     character.write(job.path("character.glb"))
-    cloth = job.clothness().clothness > 0.5
+    cloth = dressed.clothness.clothness > 0.5
     if not cloth.any():
         return {"texture_seen": seen}
     error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)
     return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean())), "texture_seen": seen}
+
+
+def write_simulated(job, simulated: np.ndarray) -> None:
+    """(T, V + G, 3): the actor's mesh (its cloth as the skeleton carries it) and the garment's."""
+    count = len(job.actor.mesh.vertices)
+    arrays = {"vertices": simulated[:, :count].astype(np.float32)}
+    if job.garment.region_count:
+        arrays["garment"] = simulated[:, count:].astype(np.float32)
+    with written_atomically(job.path("simulated.npz")) as path:
+        np.savez_compressed(path, **arrays)
 
 
 def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:

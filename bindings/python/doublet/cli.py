@@ -192,6 +192,7 @@ STAGE_COMMANDS = {
     "capture": (("template", "rig", "performance"), "scan and videos -> rigged template and reference performance"),
     "segment": (("segment",), "reference performance -> clothness of every vertex"),
     "body": (("body",), "dressed template -> body underneath and collision proxies"),
+    "garment": (("garment",), "clothness and reference performance -> the garment's own mesh"),
     "fit": (("fit",), "performance and its images -> material of the cloth"),
     "character": (("character",), "everything so far -> character.glb and the re-animated performance"),
     "report": (("report",), "everything so far -> report.html"),

@@ -38,7 +38,8 @@ class Shown:
         self.faces = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
         self.captured = self.performance.surface.frames
         with np.load(job.path("simulated.npz")) as simulated:
-            self.simulated = simulated["vertices"].astype(float)
+            parts = [simulated[name].astype(float) for name in ("vertices", "garment") if name in simulated]
+            self.simulated = np.concatenate(parts, axis=1)  # of the dressed actor
         self.source = d.FrameSource.open(job.session)
         with np.load(job.path("observations.npz")) as observations:
             self.matches = len(observations["match_points"])
@@ -141,13 +142,16 @@ def fit(shown: Shown) -> str:
 
 
 def side_by_side(shown: Shown) -> str:
-    colours = picture.cloth_colours(shown.job.clothness().clothness)
+    dressed = shown.job.dressed
+    colours = picture.cloth_colours(dressed.clothness.clothness)
+    faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
+    captured = shown.job.dressed_performance().surface.frames
     camera, figures = shown.session.rig[0], []
     for i in spread(len(shown.captured), 4):
         frame = shown.performance.frames[i]
-        surfaces = [d.RenderMesh(v[i], shown.faces, colours=colours) for v in (shown.captured, shown.simulated)]
+        surfaces = [d.RenderMesh(v[i], faces, colours=colours) for v in (captured, shown.simulated)]
         views = [shown.photo(0, frame), *(picture.shade([surface], camera) for surface in surfaces)]
-        box = picture.crop_box(np.vstack([shown.captured[i], shown.simulated[i]]), camera)
+        box = picture.crop_box(np.vstack([captured[i], shown.simulated[i]]), camera)
         figures.append(figure(np.hstack([v[box] for v in views]), f"frame {frame}: video, captured, simulated"))
     return row(figures)
 

@@ -240,7 +240,7 @@ def fit(job: dict) -> dict:
     if "checkpoints" in job:
         options.checkpoint = Path(job["checkpoints"]) / f"{checkpoint_name(job)}.json"
     observations = d.read_observations(made.path("observations.npz"))
-    result = d.estimate_material(made.simulator(), made.performance(), observations, options, d.Context(threads=job["threads"]))
+    result = d.estimate_material(made.simulator(), made.dressed_performance(), observations, options, d.Context(threads=job["threads"]))
     if "checkpoints" in job:
         options.checkpoint.unlink(missing_ok=True)
     return plain_fit(result)
@@ -285,7 +285,7 @@ def opened_objective(job: str) -> tuple:
     made = reconstruction(json.loads(job))
     simulator = made.simulator()
     observations = d.read_observations(made.path("observations.npz"))
-    return simulator, d.MaterialObjective(simulator, made.performance(), observations, made.energy_options())
+    return simulator, d.MaterialObjective(simulator, made.dressed_performance(), observations, made.energy_options())
 
 
 def table(rows: list[dict]) -> str:

@@ -43,8 +43,11 @@ public:
   const std::vector<ClothRegion> &regions() const { return regions_; }
   const RiggedMesh &actor() const { return actor_; }
   const pbd::ClothOptions &options() const { return options_; }
+  /// Does cloth begin a motion at its rest shape, rather than at a captured surface?
+  bool has_rest_shape() const { return rest_.rows() > 0; }
   PosedFrame pose(const Eigen::VectorXd &dofs) const;
-  /// Cloth at its skinned position (or at `surface` (V, 3), e.g. the captured frame), at rest.
+  /// Cloth at rest: at `surface` (V, 3), e.g. a captured frame, if given; else spread out, at its skinned rest shape if the
+  /// clothness has one; else at its skinned position.
   CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
   /// Lets the cloth fall into place in a still pose for `frames` frames.
   void settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials, double dt,
@@ -65,6 +68,7 @@ private:
   std::vector<TaperedCapsule> proxies_;
   pbd::ClothOptions options_;
   std::vector<ClothRegion> regions_;
+  Vertices rest_; ///< (V, 3) of the clothness; may be empty
 };
 
 } // namespace doublet

@@ -2,6 +2,7 @@
 // The files between stages (docs/formats.md). Every writer writes beside and renames: a file is complete or not there.
 // Readers throw FileNotFound or Error naming file, expectation and finding.
 
+#include "doublet/core/garment.h"
 #include "doublet/core/stage_values.h"
 
 #include <filesystem>
@@ -23,6 +24,8 @@ void write_performance(const Path &path, const ReferencePerformance &performance
 ReferencePerformance read_performance(const Path &path, const RiggedMesh &actor);
 void write_clothness(const Path &path, const Clothness &clothness); // segmentation.npz
 Clothness read_clothness(const Path &path);
+void write_garment(const Path &path, const Garment &garment); // garment.npz; one without vertices is a file, too
+Garment read_garment(const Path &path, const RiggedMesh &actor);
 void write_body(const Path &path, const BodyFit &fit); // body.npz
 BodyFit read_body(const Path &path);
 void write_proxies(const Path &path, const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton); // proxies.json

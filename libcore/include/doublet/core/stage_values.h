@@ -64,6 +64,8 @@ struct Clothness {
   int region_count = 0;
   /// (V) >= 1: width across gravity over that of the scan (see estimate_fullness); empty = 1 everywhere.
   Eigen::VectorXd fullness = {};
+  /// (V, 3) m: the shape that lengths and masses of the cloth come from (see Garment::rest); empty = the mesh in the scan pose.
+  Vertices rest = Vertices(0, 3);
 };
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.

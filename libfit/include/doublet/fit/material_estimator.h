@@ -70,6 +70,7 @@ struct FitResult {
   std::uint64_t seed = 0;
   double dt = 0;                    ///< s
   int iterations = 0, substeps = 0; ///< of the solver
+  pbd::Stiffness stiffness = pbd::Stiffness::Sweeps;
   double seconds = 0;
   bool interrupted = false;                     ///< the search was not over: the materials are the best samples so far
   std::vector<pbd::Material> materials() const; ///< (R) the answers, as CharacterSimulator takes them

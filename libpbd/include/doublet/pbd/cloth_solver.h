@@ -26,10 +26,14 @@ enum class Stiffness {
               ///< the number of sweeps and substeps; 1 = rigid
 };
 
+const char *stiffness_name(Stiffness stiffness);        ///< "sweeps", "compliance"
+Stiffness stiffness_from_name(const std::string &name); ///< throws std::invalid_argument naming both if it is neither
+
 struct ClothOptions {
   int iterations = 24; ///< Gauss-Seidel sweeps a step, as in the paper
   int substeps = 1;    ///< steps a frame
   Stiffness stiffness = Stiffness::Sweeps;
+  double rest_curvature = 1.0;              ///< share of the rest mesh's angles that bending keeps; 0 = cloth that was cut flat
   Eigen::Vector3d gravity{0.0, -9.81, 0.0}; ///< m/s^2
   double restitution = 0.0;                 ///< 0 = inelastic
   double thickness = 0.004;                 ///< m, kept between cloth and proxies

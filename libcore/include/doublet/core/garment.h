@@ -1,0 +1,38 @@
+#pragma once
+// A garment with a mesh of its own, and the actor who wears it.
+
+#include "doublet/core/stage_values.h"
+
+namespace doublet {
+
+/// All cloth of a character as a regular mesh on the actor's surface. File: garment.npz.
+struct Garment {
+  Mesh mesh;                        ///< (G, 3) m in the scan pose, (H, 3); one component or more a region, bounded by clean loops
+  Eigen::VectorXi region;           ///< (G) cloth region of each vertex
+  Eigen::VectorXd clothness;        ///< (G) 0 = hangs on the skeleton, 1 = free, between = the attachment's band
+  Vertices rest;                    ///< (G, 3) m, the shape that lengths and masses come from: spread out, not hanging in folds
+  Eigen::VectorXi actor_face;       ///< (G) the place of each vertex on the actor: face ...
+  Vertices barycentric;             ///< (G, 3) ... and weights of its corners
+  std::vector<std::uint8_t> covers; ///< (F) faces of the actor that the garment stands for
+  int region_count = 0;
+};
+
+/// Throws Error naming `what`, expectation and finding if the arrays do not fit together or to the actor.
+void validate_garment(const Garment &garment, const RiggedMesh &actor, const std::string &what);
+
+/// (G, C) values of the actor's vertices (V, C) at the places of the garment's.
+MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const MatrixRM &values);
+
+/// The actor in the garment: vertices [0, V) are the actor's, [V, V + G) the garment's, which have the skin weights of their
+/// place; those of the actor's faces that it covers count as invalid. Everything that
+/// takes an actor and a clothness takes these. A garment without vertices leaves both as they are: the cloth is the loose part of
+/// the actor's own mesh.
+struct DressedActor {
+  RiggedMesh actor;    ///< V + G vertices, F + H faces
+  Clothness clothness; ///< (V + G), cloth on the garment alone
+};
+DressedActor dress(const RiggedMesh &actor, const Clothness &clothness, const Garment &garment);
+/// The captured surface on the dressed actor's mesh.
+ReferencePerformance dress(const ReferencePerformance &performance, const RiggedMesh &actor, const Garment &garment);
+
+} // namespace doublet

@@ -1,0 +1,232 @@
+#include "isotropic.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
+
+#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+namespace doublet::detail {
+namespace {
+
+struct DoubleTraits : OpenMesh::DefaultTraits {
+  using Point = OpenMesh::Vec3d;
+  using Normal = OpenMesh::Vec3d;
+  VertexAttributes(OpenMesh::Attributes::Status);
+  EdgeAttributes(OpenMesh::Attributes::Status);
+  HalfedgeAttributes(OpenMesh::Attributes::Status);
+  FaceAttributes(OpenMesh::Attributes::Status);
+};
+using Surface = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
+using Point = Surface::Point;
+
+Surface to_openmesh(const Mesh &mesh) {
+  Surface out;
+  std::vector<Surface::VertexHandle> handles;
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+    handles.push_back(out.add_vertex({mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)}));
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (!out.add_face(handles[mesh.faces(f, 0)], handles[mesh.faces(f, 1)], handles[mesh.faces(f, 2)]).is_valid())
+      throw Error("remeshing: expected a manifold mesh, found that face " + std::to_string(f) + " makes it non-manifold");
+  return out;
+}
+
+Mesh from_openmesh(const Surface &surface) {
+  Mesh out{Vertices(static_cast<Eigen::Index>(surface.n_vertices()), 3), Faces(static_cast<Eigen::Index>(surface.n_faces()), 3)};
+  for (const auto v : surface.vertices()) {
+    const Point &p = surface.point(v);
+    out.vertices.row(v.idx()) << p[0], p[1], p[2];
+  }
+  for (const auto f : surface.faces()) {
+    int k = 0;
+    for (const auto v : surface.fv_range(f))
+      out.faces(f.idx(), k++) = v.idx();
+  }
+  return out;
+}
+
+/// The boundary that vertices slide along.
+class Boundary {
+public:
+  explicit Boundary(const Surface &surface) {
+    for (const auto e : surface.edges())
+      if (e.is_boundary())
+        ends_.push_back({surface.point(e.v0()), surface.point(e.v1())});
+  }
+  Point closest(const Point &p) const {
+    Point best = p;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto &[a, b] : ends_) {
+      const Point way = b - a;
+      const double t = std::clamp(((p - a) | way) / std::max(way.sqrnorm(), 1e-30), 0.0, 1.0);
+      const Point q = a + way * t;
+      if ((p - q).sqrnorm() < least) {
+        least = (p - q).sqrnorm();
+        best = q;
+      }
+    }
+    return best;
+  }
+
+private:
+  std::vector<std::array<Point, 2>> ends_;
+};
+
+class Remesher {
+public:
+  Remesher(const Mesh &mesh, double length) : surface_(to_openmesh(mesh)), scene_(mesh), boundary_(surface_), length_(length) {
+    normals_ = face_normals(mesh.vertices, mesh.faces);
+  }
+
+  Mesh operator()(int iterations) {
+    for (int i = 0; i < iterations; ++i) {
+      split_long_edges();
+      collapse_short_edges();
+      flip_edges();
+      for (int k = 0; k < 3; ++k)
+        relax();
+    }
+    surface_.garbage_collection();
+    return from_openmesh(surface_);
+  }
+
+private:
+  void split_long_edges() {
+    const double most = std::pow(4.0 / 3 * length_, 2);
+    const std::size_t count = surface_.n_edges(); // halves of split ones wait for the next iteration
+    for (std::size_t i = 0; i < count; ++i) {
+      const Surface::EdgeHandle e(static_cast<int>(i));
+      if (surface_.status(e).deleted() || surface_.calc_edge_sqr_length(e) <= most)
+        continue;
+      const auto middle = surface_.add_vertex(surface_.calc_edge_midpoint(e));
+      surface_.split(e, middle);
+    }
+  }
+
+  /// May the edge's first vertex go into its second?
+  bool may_collapse(Surface::HalfedgeHandle h) {
+    const auto from = surface_.from_vertex_handle(h), to = surface_.to_vertex_handle(h);
+    if (surface_.is_boundary(from) && !surface_.is_boundary(surface_.edge_handle(h)))
+      return false;
+    if (!surface_.is_collapse_ok(h))
+      return false;
+    const double most = std::pow(4.0 / 3 * length_, 2);
+    for (const auto v : surface_.vv_range(from))
+      if ((surface_.point(v) - surface_.point(to)).sqrnorm() > most)
+        return false;
+    // No face may turn over.
+    for (const auto f : surface_.vf_range(from)) {
+      Point corners[3], moved[3];
+      int k = 0;
+      bool goes = false;
+      for (const auto v : surface_.fv_range(f)) {
+        goes |= v == to;
+        corners[k] = surface_.point(v);
+        moved[k++] = surface_.point(v == from ? to : v);
+      }
+      const Point before = (corners[1] - corners[0]) % (corners[2] - corners[0]),
+                  after = (moved[1] - moved[0]) % (moved[2] - moved[0]);
+      if (!goes && (before | after) < 0.2 * before.norm() * after.norm())
+        return false;
+    }
+    return true;
+  }
+
+  void collapse_short_edges() {
+    const double least = std::pow(4.0 / 5 * length_, 2);
+    for (std::size_t i = 0; i < surface_.n_edges(); ++i) {
+      const Surface::EdgeHandle e(static_cast<int>(i));
+      if (surface_.status(e).deleted() || surface_.calc_edge_sqr_length(e) >= least)
+        continue;
+      for (int side : {0, 1}) {
+        const auto h = surface_.halfedge_handle(e, side);
+        if (may_collapse(h)) {
+          surface_.collapse(h);
+          break;
+        }
+      }
+    }
+    surface_.garbage_collection();
+  }
+
+  int excess(Surface::VertexHandle v, int change) const {
+    const int ideal = surface_.is_boundary(v) ? 4 : 6;
+    return std::abs(static_cast<int>(surface_.valence(v)) + change - ideal);
+  }
+
+  void flip_edges() {
+    for (const auto e : surface_.edges()) {
+      if (e.is_boundary() || !surface_.is_flip_ok(e))
+        continue;
+      const auto h = surface_.halfedge_handle(e, 0), o = surface_.halfedge_handle(e, 1);
+      const auto a = surface_.to_vertex_handle(h), b = surface_.from_vertex_handle(h), c = surface_.opposite_vh(h),
+                 d = surface_.opposite_vh(o);
+      const int before = excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0),
+                after = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1);
+      if (after >= before || surface_.valence(a) <= 3 || surface_.valence(b) <= 3)
+        continue;
+      const Point &pa = surface_.point(a), &pb = surface_.point(b), &pc = surface_.point(c), &pd = surface_.point(d);
+      const Point first = (pd - pc) % (pa - pc), second = (pb - pc) % (pd - pc); // the faces (c, d, a) and (c, b, d) of a flip
+      if ((first | second) > 0.3 * first.norm() * second.norm())
+        surface_.flip(e);
+    }
+  }
+
+  Point normal_at(Surface::VertexHandle v) const {
+    Point n(0, 0, 0);
+    for (const auto f : surface_.vf_range(v))
+      n += surface_.calc_face_normal(f);
+    return n.norm() > 1e-12 ? n / n.norm() : Point(0, 0, 0);
+  }
+
+  /// Every vertex half way to the middle of its neighbours along the surface; boundary vertices along the boundary.
+  void relax() {
+    std::vector<Point> moved(surface_.n_vertices());
+    for (const auto v : surface_.vertices()) {
+      const Point p = surface_.point(v);
+      Point sum(0, 0, 0);
+      int count = 0;
+      const bool boundary = surface_.is_boundary(v);
+      for (const auto h : surface_.voh_range(v))
+        if (!boundary || surface_.is_boundary(surface_.edge_handle(h))) {
+          sum += surface_.point(h.to());
+          ++count;
+        }
+      const Point aim = sum / std::max(1, count);
+      if (boundary)
+        moved[v.idx()] = boundary_.closest(p + 0.5 * (aim - p));
+      else {
+        const Point n = normal_at(v), way = aim - p;
+        moved[v.idx()] = projected(p + 0.5 * (way - (way | n) * n), n);
+      }
+    }
+    for (const auto v : surface_.vertices())
+      surface_.set_point(v, moved[v.idx()]);
+  }
+
+  /// The closest point of the original surface, unless that is another sheet of it.
+  Point projected(const Point &p, const Point &normal) const {
+    const ClosestPoint at = scene_.closest({p[0], p[1], p[2]});
+    const double agreement = normals_.row(at.face).dot(Eigen::RowVector3d(normal[0], normal[1], normal[2]));
+    return agreement > 0 ? Point(at.point.x(), at.point.y(), at.point.z()) : p;
+  }
+
+  Surface surface_;
+  RayScene scene_;
+  Vertices normals_;
+  Boundary boundary_;
+  double length_;
+};
+
+} // namespace
+
+Mesh remesh_isotropic(const Mesh &mesh, double length, int iterations) {
+  require_usable(mesh, "remeshing");
+  return Remesher(mesh, length)(iterations);
+}
+
+} // namespace doublet::detail

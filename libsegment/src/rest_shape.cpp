@@ -1,0 +1,208 @@
+#include "rest_shape.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace doublet::detail {
+namespace {
+
+constexpr double kNoWay = 1e9;
+constexpr int kSmoothing = 20; // double steps of Taubin's filter: takes what is shorter than about four edges
+
+double quantile(std::vector<double> values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Neighbours that a vertex is smoothed with: a boundary vertex with those along the boundary alone, so that hems stay.
+std::vector<std::vector<int>> smoothing_neighbours(const Faces &faces, Eigen::Index count) {
+  const EdgeTopology edges = edge_topology(faces);
+  std::vector<std::vector<int>> all = vertex_neighbours(faces, static_cast<int>(count)), boundary(all.size());
+  for (std::size_t e = 0; e < edges.edges.size(); ++e)
+    if (edges.edge_faces[e].minCoeff() < 0) {
+      boundary[edges.edges[e][0]].push_back(edges.edges[e][1]);
+      boundary[edges.edges[e][1]].push_back(edges.edges[e][0]);
+    }
+  for (std::size_t v = 0; v < all.size(); ++v)
+    if (!boundary[v].empty())
+      all[v] = boundary[v];
+  return all;
+}
+
+/// Mean of the neighbours minus the vertex.
+Vertices laplacian(const Vertices &x, const std::vector<std::vector<int>> &neighbours) {
+  Vertices result = Vertices::Zero(x.rows(), 3);
+  for (Eigen::Index v = 0; v < x.rows(); ++v) {
+    for (int w : neighbours[v])
+      result.row(v) += x.row(w);
+    if (!neighbours[v].empty())
+      result.row(v) = result.row(v) / static_cast<double>(neighbours[v].size()) - x.row(v);
+  }
+  return result;
+}
+
+Vertices smoothed(Vertices x, const std::vector<std::vector<int>> &neighbours) {
+  for (int i = 0; i < kSmoothing; ++i) {
+    x += 0.5 * laplacian(x, neighbours);
+    x -= 0.53 * laplacian(x, neighbours);
+  }
+  return x;
+}
+
+std::vector<double> lengths_of(const std::vector<Eigen::Vector2i> &edges, const Vertices &x) {
+  std::vector<double> lengths;
+  for (const Eigen::Vector2i &e : edges)
+    lengths.push_back((x.row(e[1]) - x.row(e[0])).norm());
+  return lengths;
+}
+
+/// One step of springs.
+void pull(Vertices &x, const std::vector<Eigen::Vector2i> &edges, const std::vector<double> &lengths) {
+  Vertices change = Vertices::Zero(x.rows(), 3);
+  Eigen::VectorXd degree = Eigen::VectorXd::Zero(x.rows());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const Eigen::RowVector3d d = x.row(edges[e][1]) - x.row(edges[e][0]);
+    const Eigen::RowVector3d move = 0.5 * (1 - lengths[e] / std::max(d.norm(), 1e-9)) * d;
+    change.row(edges[e][0]) += move;
+    change.row(edges[e][1]) -= move;
+    degree[edges[e][0]] += 1;
+    degree[edges[e][1]] += 1;
+  }
+  for (Eigen::Index v = 0; v < x.rows(); ++v)
+    if (degree[v] > 0)
+      x.row(v) += 1.5 / degree[v] * change.row(v);
+}
+
+/// `x` with edges that grow to these lengths under a pressure from inside, which opens every fold, and a weight, which irons
+/// them.
+Vertices blown_up(Vertices x, const Faces &faces, const std::vector<std::vector<int>> &neighbours,
+                  const std::vector<Eigen::Vector2i> &edges, const std::vector<double> &lengths,
+                  const std::vector<int> &attached) {
+  constexpr int kSteps = 600, kSprings = 4;
+  constexpr double kPressure = 0.003, kGravity = 0.0005, kBending = 0.2; // m a step; weight
+  const Vertices start = x;
+  const std::vector<double> before = lengths_of(edges, x);
+  std::vector<double> now(lengths.size());
+  for (int step = 0; step < kSteps; ++step) {
+    const double grown = std::min(1.0, 2.0 * step / kSteps);
+    for (std::size_t e = 0; e < now.size(); ++e)
+      now[e] = (1 - grown) * before[e] + grown * lengths[e];
+    x -= kBending * laplacian(laplacian(x, neighbours), neighbours);
+    x += kPressure * (1 - step / static_cast<double>(kSteps)) * vertex_normals(x, faces);
+    x.col(1).array() -= kGravity;
+    for (int i = 0; i < kSprings; ++i) {
+      pull(x, edges, now);
+      for (int v : attached)
+        x.row(v) = start.row(v);
+    }
+  }
+  return x;
+}
+
+/// The smoothest surface with edges of these lengths, near `x`: the weight of the bending falls from `first` to `last`.
+Vertices fair_shape(Vertices x, const std::vector<std::vector<int>> &neighbours, const std::vector<Eigen::Vector2i> &edges,
+                    const std::vector<double> &lengths, double first, double last) {
+  constexpr int kSweeps = 600, kSprings = 4;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    const double bending = first * std::pow(last / first, sweep / static_cast<double>(kSweeps));
+    x -= bending * laplacian(laplacian(x, neighbours), neighbours);
+    for (int i = 0; i < kSprings; ++i)
+      pull(x, edges, lengths);
+  }
+  return x;
+}
+
+/// What each edge exceeds in the share `spread` of the frames; the seam that the garment hangs from does not give.
+std::vector<double> lengths_over_time(const std::vector<Eigen::Vector2i> &edges, const std::vector<Vertices> &frames,
+                                      const Vertices &scan, const std::vector<int> &attached, double spread) {
+  std::vector<char> hangs(scan.rows(), 0);
+  for (int v : attached)
+    hangs[v] = 1;
+  std::vector<double> lengths = lengths_of(edges, scan);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (hangs[edges[e][0]] && hangs[edges[e][1]])
+      continue;
+    std::vector<double> seen;
+    for (const Vertices &frame : frames)
+      seen.push_back((frame.row(edges[e][1]) - frame.row(edges[e][0])).norm());
+    lengths[e] = quantile(std::move(seen), 1 - spread);
+  }
+  return lengths;
+}
+
+/// The part of each edge that leads away from the attachment, brought to the scan's length.
+std::vector<double> lengths_as_hung(const Faces &faces, const Vertices &shape, const Vertices &scan,
+                                    const std::vector<Eigen::Vector2i> &edges, const std::vector<int> &attached) {
+  const Eigen::VectorXd way = distances_along(faces, shape, attached), hung = distances_along(faces, scan, attached);
+  std::vector<double> lengths = lengths_of(edges, shape);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const auto [a, b] = std::pair(edges[e][0], edges[e][1]);
+    if (std::max(way[a], way[b]) >= kNoWay)
+      continue;
+    const double along = std::min(std::abs(way[a] - way[b]), lengths[e]), scanned = std::abs(hung[a] - hung[b]);
+    lengths[e] = std::sqrt(scanned * scanned + lengths[e] * lengths[e] - along * along);
+  }
+  return lengths;
+}
+
+/// `shape` moved rigidly so that the seam it hangs from lies on the scan's.
+Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<int> &attached) {
+  Eigen::Matrix3Xd from(3, attached.size()), to(3, attached.size());
+  for (std::size_t i = 0; i < attached.size(); ++i) {
+    from.col(static_cast<Eigen::Index>(i)) = shape.row(attached[i]).transpose();
+    to.col(static_cast<Eigen::Index>(i)) = scan.row(attached[i]).transpose();
+  }
+  const Eigen::Matrix4d moved = Eigen::umeyama(from, to, false);
+  return (shape * moved.topLeftCorner<3, 3>().transpose()).rowwise() + moved.topRightCorner<3, 1>().transpose();
+}
+
+} // namespace
+
+Eigen::VectorXd distances_along(const Faces &faces, const Vertices &vertices, const std::vector<int> &sources) {
+  const auto neighbours = vertex_neighbours(faces, static_cast<int>(vertices.rows()));
+  Eigen::VectorXd distance = Eigen::VectorXd::Constant(vertices.rows(), kNoWay);
+  std::set<std::pair<double, int>> front; // Dijkstra's algorithm
+  for (int v : sources) {
+    distance[v] = 0;
+    front.emplace(0.0, v);
+  }
+  while (!front.empty()) {
+    const auto [reached, v] = *front.begin();
+    front.erase(front.begin());
+    for (int w : neighbours[v]) {
+      const double way = reached + (vertices.row(v) - vertices.row(w)).norm();
+      if (way < distance[w]) {
+        front.erase({distance[w], w});
+        distance[w] = way;
+        front.emplace(way, w);
+      }
+    }
+  }
+  return distance;
+}
+
+Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
+                    const std::vector<int> &attached, double spread) {
+  if (frames.empty())
+    return scan;
+  constexpr double kStiff = 0.2, kMiddling = 0.05, kSoft = 0.02; // weights of the bending
+  const std::vector<Eigen::Vector2i> edges = edge_topology(faces).edges;
+  const auto neighbours = smoothing_neighbours(faces, scan.rows());
+  std::vector<Vertices> smooth;
+  for (const Vertices &frame : frames)
+    smooth.push_back(smoothed(frame, neighbours));
+  std::vector<double> lengths = lengths_over_time(edges, smooth, scan, attached, spread);
+  Vertices shape = fair_shape(smooth[wide], neighbours, edges, lengths, kStiff, kSoft);
+  for (int i = 0; i < 2; ++i) { // the second time for what the bending gave back
+    lengths = lengths_as_hung(faces, shape, scan, edges, attached);
+    shape = fair_shape(shape, neighbours, edges, lengths, kSoft, kSoft);
+  }
+  lengths = lengths_of(edges, shape);
+  const Vertices open = blown_up(smoothed(scan, neighbours), faces, neighbours, edges, lengths, attached);
+  return on_seam(fair_shape(open, neighbours, edges, lengths, kMiddling, kSoft), scan, attached);
+}
+
+} // namespace doublet::detail
