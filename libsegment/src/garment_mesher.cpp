@@ -2,293 +2,25 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
-#include "doublet/core/surface_distance.h"
-#include "doublet/segment/diffusion.h"
+#include "garment_field.h"
 #include "isotropic.h"
 #include "rest_shape.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <set>
 #include <stdexcept>
 #include <string>
 
 namespace doublet {
+
+using detail::boundary_loops;
+using detail::Piece;
+using detail::placed;
+
 namespace {
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kCut = 0.5;        // of the diffused indicator: the middle of the step from skin to cloth
-constexpr double kOffCut = 0.02;    // no vertex is nearer to the cut, which would make slivers
-constexpr double kTooWide = 0.03;   // share of the frames
-constexpr double kOnBody = 0.012;   // m, about the error of the hidden body: nearer, the surface lies on it
-constexpr double kLeafShare = 0.05; // of a patch on a hand, a foot or the head: it ends there
-constexpr double kFacesAway = 0.5;  // cosine between a normal and the way a garment ends
-
-/// Values of faces to vertices: means weighted by area; faces of unknown value do not count, a vertex between such is unknown.
-Eigen::VectorXd to_vertices(const Mesh &mesh, const Eigen::VectorXd &face_values) {
-  const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.vertices.rows()), weight = sum;
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-    if (!std::isnan(face_values[f]))
-      for (int k = 0; k < 3; ++k) {
-        sum[mesh.faces(f, k)] += areas[f] * face_values[f];
-        weight[mesh.faces(f, k)] += areas[f];
-      }
-  for (Eigen::Index v = 0; v < sum.size(); ++v)
-    sum[v] = weight[v] > 0 ? sum[v] / weight[v] : kUnknown;
-  return sum;
-}
-
-/// Where the garment on a joint's bone ends: along the bone to its child; on the trunk, whose garments hang from it, downwards.
-Eigen::Vector3d away_along(const Skeleton &skeleton, int joint) {
-  int child = -1, count = 0;
-  for (int j = 0; j < skeleton.joint_count(); ++j)
-    if (skeleton.joints[j].parent == joint) {
-      child = j;
-      ++count;
-    }
-  const int from = count == 1 ? joint : skeleton.joints[joint].parent, to = count == 1 ? child : joint;
-  if (count > 1 || from < 0)
-    return -Eigen::Vector3d::UnitY();
-  const Eigen::Vector3d way = (skeleton.joints[to].rest - skeleton.joints[from].rest).normalized();
-  return way.y() > 0.5 ? Eigen::Vector3d(-Eigen::Vector3d::UnitY()) : way;
-}
-
-/// [F] the faces that share an edge with each.
-std::vector<std::vector<int>> faces_beside(const Faces &faces) {
-  std::vector<std::vector<int>> beside(faces.rows());
-  for (const Eigen::Vector2i &pair : edge_topology(faces).edge_faces)
-    if (pair[0] >= 0 && pair[1] >= 0) {
-      beside[pair[0]].push_back(pair[1]);
-      beside[pair[1]].push_back(pair[0]);
-    }
-  return beside;
-}
-
-/// [F] the joint that moves each face most.
-std::vector<int> joint_of_faces(const RiggedMesh &actor) {
-  std::vector<int> result;
-  for (Eigen::Index f = 0; f < actor.mesh.faces.rows(); ++f) {
-    const auto weight = [&](int k) { return actor.weights.row(actor.mesh.faces(f, k)); };
-    Eigen::Index joint = 0;
-    (weight(0) + weight(1) + weight(2)).maxCoeff(&joint);
-    result.push_back(static_cast<int>(joint));
-  }
-  return result;
-}
-
-bool is_leaf(const Skeleton &skeleton, int joint) {
-  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
-}
-
-/// (F) 1 for the sheet that closes the scan below a hem: the invalid faces, and what is left beside them that faces the way the
-/// garment ends.
-std::vector<char> closing_sheet(const RiggedMesh &actor) {
-  const Faces &faces = actor.mesh.faces;
-  const Vertices normals = face_normals(actor.mesh.vertices, faces);
-  std::vector<Eigen::Vector3d> away;
-  for (int j = 0; j < actor.skeleton.joint_count(); ++j)
-    away.push_back(away_along(actor.skeleton, j));
-  std::vector<char> sheet(faces.rows()), seen(faces.rows());
-  std::vector<int> front;
-  const std::vector<int> joints = joint_of_faces(actor);
-  for (int f = 0; f < faces.rows(); ++f) {
-    sheet[f] = !actor.face_valid[f] || normals.row(f).dot(away[joints[f]].transpose()) > kFacesAway;
-    seen[f] = !actor.face_valid[f];
-    if (seen[f])
-      front.push_back(f);
-  }
-  const auto beside = faces_beside(faces);
-  for (std::size_t i = 0; i < front.size(); ++i)
-    for (int f : beside[front[i]])
-      if (sheet[f] && !seen[f]) {
-        seen[f] = 1;
-        front.push_back(f);
-      }
-  return seen;
-}
-
-/// (F) 1 for skin that moved as if it were cloth: what lies on the body beyond a garment's end (a knee below a hem that brushes
-/// it), or at the end of a limb. A waistband lies on the body, too, but on the side where the garment hangs.
-std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Clothness &clothness,
-                            const Mesh &body) {
-  const Faces &faces = actor.mesh.faces;
-  std::vector<char> bare(faces.rows(), 0);
-  if (body.faces.rows() == 0)
-    return bare;
-  Vertices centres(faces.rows(), 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    centres.row(f) =
-        (actor.mesh.vertices.row(faces(f, 0)) + actor.mesh.vertices.row(faces(f, 1)) + actor.mesh.vertices.row(faces(f, 2))) / 3;
-  const Eigen::VectorXd distance = distances_to_surface(centres, body), areas = face_areas(actor.mesh.vertices, faces);
-  const auto cloth = [&](int f) {
-    return clothness.clothness[faces(f, 0)] + clothness.clothness[faces(f, 1)] + clothness.clothness[faces(f, 2)] > 1.5;
-  };
-  const auto beside = faces_beside(faces);
-  const std::vector<int> joints = joint_of_faces(actor);
-  std::vector<char> seen(faces.rows(), 0);
-  for (int start = 0; start < faces.rows(); ++start) {
-    const auto lies_on_body = [&](int f) { return !sheet[f] && cloth(f) && distance[f] < kOnBody; };
-    if (seen[start] || !lies_on_body(start))
-      continue;
-    std::vector<int> patch{start};
-    seen[start] = 1;
-    double beyond = 0, ends = 0, area = 0; // beyond: how far the skin around lies towards the limb's end, m times edges
-    Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-    std::vector<int> around;
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      const int f = patch[i];
-      area += areas[f];
-      middle += areas[f] * centres.row(f);
-      ends += is_leaf(actor.skeleton, joints[f]) ? areas[f] : 0.0;
-      for (int g : beside[f]) {
-        if (!sheet[g] && !cloth(g))
-          around.push_back(g);
-        if (!seen[g] && lies_on_body(g)) {
-          seen[g] = 1;
-          patch.push_back(g);
-        }
-      }
-    }
-    middle /= area;
-    for (int g : around)
-      beyond += (centres.row(g) - middle).dot(away_along(actor.skeleton, joints[g]).transpose());
-    if (beyond > 0 || ends > kLeafShare * area)
-      for (int f : patch)
-        bare[f] = 1;
-  }
-  return bare;
-}
-
-/// What of each face is cloth of the region, [0, 1]; what is `excluded` (the sheet below the hem, bare skin) is not.
-Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness,
-                               int region) {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(actor.mesh.faces.rows());
-  for (Eigen::Index f = 0; f < result.size(); ++f)
-    for (int k = 0; k < 3 && !excluded[f]; ++k) {
-      const int v = actor.mesh.faces(f, k);
-      result[f] += clothness.region[v] == region ? clothness.clothness[v] / 3 : 0.0;
-    }
-  return result;
-}
-
-/// Connected sets of vertices on one side of the cut that are too small change sides.
-void drop_small_sets(const Mesh &mesh, double smallest, bool above, Eigen::VectorXd &field) {
-  const auto on_side = [&](int v) { return (field[v] > kCut) == above; };
-  Faces chosen(mesh.faces.rows(), 3);
-  const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
-  const auto neighbours = vertex_neighbours(mesh.faces, static_cast<int>(field.size()));
-  std::vector<char> seen(field.size(), 0);
-  for (int start = 0; start < field.size(); ++start) {
-    if (seen[start] || !on_side(start))
-      continue;
-    std::vector<int> members{start};
-    seen[start] = 1;
-    double area = 0;
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      area += areas[members[i]];
-      for (int w : neighbours[members[i]])
-        if (!seen[w] && on_side(w)) {
-          seen[w] = 1;
-          members.push_back(w);
-        }
-    }
-    if (area < smallest)
-      for (int v : members)
-        field[v] = 2 * kCut - field[v];
-  }
-}
-
-/// A piece of the actor's surface: every corner of every face knows its place on the actor.
-struct Piece {
-  Mesh mesh;
-  std::vector<int> actor_face;                         ///< [F]
-  std::vector<std::array<Eigen::Vector3d, 3>> corners; ///< [F] barycentric on the actor's face
-};
-
-/// (N, 3) where the piece's vertices are when the actor's are at `actor_vertices`.
-Vertices placed(const Piece &piece, const Faces &actor_faces, const Vertices &actor_vertices) {
-  Vertices result(piece.mesh.vertices.rows(), 3);
-  for (Eigen::Index f = 0; f < piece.mesh.faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      Eigen::RowVector3d p = Eigen::RowVector3d::Zero();
-      for (int j = 0; j < 3; ++j)
-        p += piece.corners[f][k][j] * actor_vertices.row(actor_faces(piece.actor_face[f], j));
-      result.row(piece.mesh.faces(f, k)) = p;
-    }
-  return result;
-}
-
-/// The surface where field > kCut, cut along the line between (marching triangles).
-Piece cut_out(const Mesh &mesh, const Eigen::VectorXd &field) {
-  Piece piece;
-  std::vector<Eigen::RowVector3d> points;
-  std::vector<std::array<int, 3>> faces;
-  std::map<std::array<int, 2>, int> index; // of a vertex (v, v) or of the point on an edge
-  const auto point_at = [&](int a, int b) {
-    const auto [it, fresh] = index.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
-    if (fresh) {
-      const double t = a == b ? 0.0 : (kCut - field[it->first[0]]) / (field[it->first[1]] - field[it->first[0]]);
-      points.push_back(mesh.vertices.row(it->first[0]) + t * (mesh.vertices.row(it->first[1]) - mesh.vertices.row(it->first[0])));
-    }
-    return it->second;
-  };
-  for (int f = 0; f < mesh.faces.rows(); ++f) {
-    std::vector<int> ids; // of the polygon above the cut
-    std::vector<Eigen::Vector3d> places;
-    for (int k = 0; k < 3; ++k) {
-      const int a = mesh.faces(f, k), b = mesh.faces(f, (k + 1) % 3);
-      if (field[a] > kCut) {
-        ids.push_back(point_at(a, a));
-        places.push_back(Eigen::Vector3d::Unit(k));
-      }
-      if ((field[a] > kCut) != (field[b] > kCut)) {
-        const double t = (kCut - field[a]) / (field[b] - field[a]);
-        ids.push_back(point_at(a, b));
-        places.push_back((1 - t) * Eigen::Vector3d::Unit(k) + t * Eigen::Vector3d::Unit((k + 1) % 3));
-      }
-    }
-    for (std::size_t k = 2; k < ids.size(); ++k) {
-      faces.push_back({ids[0], ids[k - 1], ids[k]});
-      piece.actor_face.push_back(f);
-      piece.corners.push_back({places[0], places[k - 1], places[k]});
-    }
-  }
-  piece.mesh.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    piece.mesh.vertices.row(static_cast<Eigen::Index>(i)) = points[i];
-  piece.mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
-  for (std::size_t f = 0; f < faces.size(); ++f)
-    piece.mesh.faces.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
-  return piece;
-}
-
-/// The boundary as loops of vertices, each in the order of its faces.
-std::vector<std::vector<int>> boundary_loops(const Faces &faces) {
-  std::map<int, int> next;
-  std::set<std::array<int, 2>> directed;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      directed.insert({faces(f, k), faces(f, (k + 1) % 3)});
-  for (const auto &[a, b] : directed)
-    if (!directed.count({b, a}))
-      next[a] = b;
-  std::vector<std::vector<int>> loops;
-  while (!next.empty()) {
-    std::vector<int> loop;
-    for (auto it = next.begin(); it != next.end();) {
-      loop.push_back(it->first);
-      const int to = it->second;
-      next.erase(it);
-      it = next.find(to);
-    }
-    loops.push_back(std::move(loop));
-  }
-  return loops;
-}
+constexpr double kTooWide = 0.03; // share of the frames
 
 /// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut.
 std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin, double smallest) {
@@ -352,7 +84,24 @@ std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const V
   return attached;
 }
 
-/// One region's part of a garment, before it is one of several.
+/// Leaves out pieces that no way along the edges leads to from `attached`, whose indices follow.
+void keep_what_hangs(Garment &garment, std::vector<int> &attached) {
+  const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, garment.mesh.vertices, attached);
+  std::vector<int> faces, old_vertex;
+  for (int f = 0; f < garment.mesh.faces.rows(); ++f)
+    if (way[garment.mesh.faces(f, 0)] < detail::kNoWay)
+      faces.push_back(f);
+  if (static_cast<Eigen::Index>(faces.size()) == garment.mesh.faces.rows())
+    return;
+  const Garment all = garment;
+  garment.mesh = faces.empty() ? Mesh{Vertices(0, 3), Faces(0, 3)} : submesh(all.mesh, faces, &old_vertex);
+  garment.actor_face = all.actor_face(old_vertex);
+  garment.barycentric = all.barycentric(old_vertex, Eigen::all);
+  for (int &v : attached)
+    v = static_cast<int>(std::find(old_vertex.begin(), old_vertex.end(), v) - old_vertex.begin());
+}
+
+/// One region's part of a garment, before it is one of several; without clothness if it hangs on nothing.
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const Eigen::VectorXd &skin_at_cut,
                     int region, double edge, const GarmentOptions &options) {
   const int wide = wide_frame(actor, piece, captured);
@@ -372,7 +121,9 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
     garment.actor_face[v] = piece.actor_face[at.face];
     garment.barycentric.row(v) = (place / place.sum()).transpose();
   }
-  const std::vector<int> attached = attached_vertices(garment.mesh, piece, spread.vertices, skin_at_cut, options.smallest_edge);
+  std::vector<int> attached = attached_vertices(garment.mesh, piece, spread.vertices, skin_at_cut, options.smallest_edge);
+  if (keep_what_hangs(garment, attached); attached.empty())
+    return garment;
   garment.mesh.vertices = at_garment(garment, actor.mesh.faces, actor.mesh.vertices);
   std::vector<Vertices> frames;
   for (const Vertices &frame : captured.frames)
@@ -381,7 +132,7 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
   const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, garment.rest, attached);
   garment.clothness =
       options.band > 0 ? Eigen::VectorXd((way / options.band).cwiseMin(1.0)) : Eigen::VectorXd((way.array() > 0).cast<double>());
-  garment.region = Eigen::VectorXi::Constant(count, region);
+  garment.region = Eigen::VectorXi::Constant(way.size(), region);
   return garment;
 }
 
@@ -429,16 +180,16 @@ public:
     garment.covers.assign(actor.mesh.faces.rows(), 0);
     if (!options_.own_mesh)
       return garment;
-    const std::vector<char> sheet = closing_sheet(actor);
-    std::vector<char> excluded = bare_ends(actor, sheet, clothness, body);
+    const std::vector<char> sheet = detail::closing_sheet(actor);
+    std::vector<char> excluded = detail::bare_ends(actor, sheet, clothness, body);
     for (std::size_t f = 0; f < excluded.size(); ++f)
       excluded[f] |= sheet[f];
     std::vector<Eigen::VectorXd> fields;
     std::vector<Piece> pieces;
     double area = 0;
     for (int r = 0; r < clothness.region_count; ++r) {
-      fields.push_back(garment_field(actor, excluded, clothness, r));
-      pieces.push_back(cut_out(actor.mesh, fields.back()));
+      fields.push_back(detail::garment_field(actor, excluded, clothness, r, options_));
+      pieces.push_back(detail::cut_out(actor.mesh, fields.back()));
       const int wide = wide_frame(actor, pieces.back(), captured);
       const Vertices &vertices = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
       area += face_areas(placed(pieces.back(), actor.mesh.faces, vertices), pieces.back().mesh.faces).sum();
@@ -451,9 +202,10 @@ public:
         context.say("garment: region " + std::to_string(r) + " is too small or too thin for a mesh; it moves as skin");
         continue;
       }
-      const Garment part = mesh_region(actor, captured, pieces[r], skin_around(actor, sheet, fields[r], pieces[r]),
-                                       garment.region_count, edge, options_);
-      if (!(part.clothness.array() == 0).any()) {
+      const Garment part =
+          mesh_region(actor, captured, pieces[r], detail::skin_around(actor, sheet, fields[r], pieces[r], options_.closing),
+                      garment.region_count, edge, options_);
+      if (part.clothness.size() == 0) {
         context.say("garment: region " + std::to_string(r) + " does not touch skin and hangs on nothing; it moves as skin");
         continue;
       }
@@ -467,43 +219,6 @@ public:
   }
 
 private:
-  /// (V) what is garment, above and below kCut.
-  Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness,
-                                int region) const {
-    Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, excluded, clothness, region));
-    field = diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, field, options_.closing);
-    for (double &value : field)
-      value = std::isfinite(value) ? value : 0.0;
-    drop_small_sets(actor.mesh, options_.smallest_hole, false, field);
-    drop_small_sets(actor.mesh, options_.smallest_piece, true, field);
-    for (double &value : field)
-      if (std::abs(value - kCut) < kOffCut)
-        value = value > kCut ? kCut + kOffCut : kCut - kOffCut;
-    return field;
-  }
-
-  /// (N) at the vertices of the piece: 1 where the cut runs along skin, 0 where the surface beyond it is invented (a hem).
-  Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sheet, const Eigen::VectorXd &field,
-                              const Piece &piece) const {
-    Eigen::VectorXd faces(actor.mesh.faces.rows());
-    for (Eigen::Index f = 0; f < faces.size(); ++f) {
-      const bool garment =
-          field[actor.mesh.faces(f, 0)] + field[actor.mesh.faces(f, 1)] + field[actor.mesh.faces(f, 2)] > 3 * kCut;
-      faces[f] = garment ? kUnknown : sheet[f] ? 0.0 : 1.0;
-    }
-    const Eigen::VectorXd skin =
-        diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, to_vertices(actor.mesh, faces), options_.closing);
-    Eigen::VectorXd result = Eigen::VectorXd::Zero(piece.mesh.vertices.rows());
-    for (Eigen::Index f = 0; f < piece.mesh.faces.rows(); ++f)
-      for (int k = 0; k < 3; ++k) {
-        double value = 0;
-        for (int j = 0; j < 3; ++j)
-          value += piece.corners[f][k][j] * skin[actor.mesh.faces(piece.actor_face[f], j)];
-        result[piece.mesh.faces(f, k)] = value;
-      }
-    return result;
-  }
-
   GarmentOptions options_;
 };
 

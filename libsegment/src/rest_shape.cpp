@@ -8,7 +8,6 @@
 namespace doublet::detail {
 namespace {
 
-constexpr double kNoWay = 1e9;
 constexpr int kSmoothing = 20; // double steps of Taubin's filter: takes what is shorter than about four edges
 
 double quantile(std::vector<double> values, double share) {

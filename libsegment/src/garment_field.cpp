@@ -1,0 +1,261 @@
+#include "garment_field.h"
+
+#include "doublet/core/surface_distance.h"
+#include "doublet/segment/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace doublet::detail {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kOffCut = 0.02;    // no vertex is nearer to the cut, which would make slivers
+constexpr double kOnBody = 0.012;   // m, about the error of the hidden body: nearer, the surface lies on it
+constexpr double kLeafShare = 0.05; // of a patch on a hand, a foot or the head: it ends there
+constexpr double kFacesAway = 0.5;  // cosine between a normal and the way a garment ends
+
+/// Values of faces to vertices: means weighted by area; faces of unknown value do not count, a vertex between such is unknown.
+Eigen::VectorXd to_vertices(const Mesh &mesh, const Eigen::VectorXd &face_values) {
+  const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.vertices.rows()), weight = sum;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (!std::isnan(face_values[f]))
+      for (int k = 0; k < 3; ++k) {
+        sum[mesh.faces(f, k)] += areas[f] * face_values[f];
+        weight[mesh.faces(f, k)] += areas[f];
+      }
+  for (Eigen::Index v = 0; v < sum.size(); ++v)
+    sum[v] = weight[v] > 0 ? sum[v] / weight[v] : kUnknown;
+  return sum;
+}
+
+/// Where the garment on a joint's bone ends: along the bone to its child; on the trunk, whose garments hang from it, downwards.
+Eigen::Vector3d away_along(const Skeleton &skeleton, int joint) {
+  int child = -1, count = 0;
+  for (int j = 0; j < skeleton.joint_count(); ++j)
+    if (skeleton.joints[j].parent == joint) {
+      child = j;
+      ++count;
+    }
+  const int from = count == 1 ? joint : skeleton.joints[joint].parent, to = count == 1 ? child : joint;
+  if (count > 1 || from < 0)
+    return -Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d way = (skeleton.joints[to].rest - skeleton.joints[from].rest).normalized();
+  return way.y() > 0.5 ? Eigen::Vector3d(-Eigen::Vector3d::UnitY()) : way;
+}
+
+/// [F] the faces that share an edge with each.
+std::vector<std::vector<int>> faces_beside(const Faces &faces) {
+  std::vector<std::vector<int>> beside(faces.rows());
+  for (const Eigen::Vector2i &pair : edge_topology(faces).edge_faces)
+    if (pair[0] >= 0 && pair[1] >= 0) {
+      beside[pair[0]].push_back(pair[1]);
+      beside[pair[1]].push_back(pair[0]);
+    }
+  return beside;
+}
+
+/// [F] the joint that moves each face most.
+std::vector<int> joint_of_faces(const RiggedMesh &actor) {
+  std::vector<int> result;
+  for (Eigen::Index f = 0; f < actor.mesh.faces.rows(); ++f) {
+    const auto weight = [&](int k) { return actor.weights.row(actor.mesh.faces(f, k)); };
+    Eigen::Index joint = 0;
+    (weight(0) + weight(1) + weight(2)).maxCoeff(&joint);
+    result.push_back(static_cast<int>(joint));
+  }
+  return result;
+}
+
+bool is_leaf(const Skeleton &skeleton, int joint) {
+  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
+}
+
+/// What the search for bare ends asks of the actor.
+struct Surroundings {
+  std::vector<std::vector<int>> beside; ///< [F]
+  std::vector<int> joints;              ///< [F]
+  Vertices centres;                     ///< (F, 3)
+  Eigen::VectorXd areas;                ///< (F)
+  std::vector<char> cloth;              ///< [F] clothness over a half, and not of the sheet
+  std::vector<char> skin;               ///< [F] the rest but the sheet
+};
+
+Surroundings surroundings(const RiggedMesh &actor, const std::vector<char> &sheet, const Clothness &clothness) {
+  const Faces &faces = actor.mesh.faces;
+  Surroundings result{faces_beside(faces),
+                      joint_of_faces(actor),
+                      Vertices(faces.rows(), 3),
+                      face_areas(actor.mesh.vertices, faces),
+                      std::vector<char>(faces.rows()),
+                      std::vector<char>(faces.rows())};
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    double sum = 0;
+    result.centres.row(f).setZero();
+    for (int k = 0; k < 3; ++k) {
+      sum += clothness.clothness[faces(f, k)];
+      result.centres.row(f) += actor.mesh.vertices.row(faces(f, k)) / 3;
+    }
+    result.cloth[f] = !sheet[f] && sum > 1.5;
+    result.skin[f] = !sheet[f] && !result.cloth[f];
+  }
+  return result;
+}
+
+/// Is a patch of cloth that lies on the body skin in truth? It is where the skin around it lies towards the end of the limb, or
+/// if it is the end.
+bool is_bare_end(const RiggedMesh &actor, const Surroundings &at, const std::vector<int> &patch) {
+  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
+  double area = 0, end = 0, beyond = 0;
+  for (int f : patch) {
+    area += at.areas[f];
+    middle += at.areas[f] * at.centres.row(f);
+    end += is_leaf(actor.skeleton, at.joints[f]) ? at.areas[f] : 0.0;
+  }
+  middle /= std::max(area, 1e-12);
+  for (int f : patch)
+    for (int g : at.beside[f])
+      if (at.skin[g])
+        beyond += (at.centres.row(g) - middle).dot(away_along(actor.skeleton, at.joints[g]).transpose());
+  return beyond > 0 || end > kLeafShare * area;
+}
+
+/// Connected faces of `chosen`.
+std::vector<std::vector<int>> patches(const std::vector<std::vector<int>> &beside, const std::vector<char> &chosen) {
+  std::vector<std::vector<int>> result;
+  std::vector<char> seen(chosen.size(), 0);
+  for (int start = 0; start < static_cast<int>(chosen.size()); ++start) {
+    if (seen[start] || !chosen[start])
+      continue;
+    std::vector<int> patch{start};
+    seen[start] = 1;
+    for (std::size_t i = 0; i < patch.size(); ++i)
+      for (int f : beside[patch[i]])
+        if (chosen[f] && !seen[f]) {
+          seen[f] = 1;
+          patch.push_back(f);
+        }
+    result.push_back(std::move(patch));
+  }
+  return result;
+}
+
+/// What of each face is cloth of the region, [0, 1]; what is `excluded` (the sheet below the hem, bare skin) is not.
+Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness,
+                               int region) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(actor.mesh.faces.rows());
+  for (Eigen::Index f = 0; f < result.size(); ++f)
+    for (int k = 0; k < 3 && !excluded[f]; ++k) {
+      const int v = actor.mesh.faces(f, k);
+      result[f] += clothness.region[v] == region ? clothness.clothness[v] / 3 : 0.0;
+    }
+  return result;
+}
+
+/// Connected sets of vertices on one side of the cut that are too small change sides.
+void drop_small_sets(const Mesh &mesh, double smallest, bool above, Eigen::VectorXd &field) {
+  const auto on_side = [&](int v) { return (field[v] > kCut) == above; };
+  const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
+  const auto neighbours = vertex_neighbours(mesh.faces, static_cast<int>(field.size()));
+  std::vector<char> seen(field.size(), 0);
+  for (int start = 0; start < field.size(); ++start) {
+    if (seen[start] || !on_side(start))
+      continue;
+    std::vector<int> members{start};
+    seen[start] = 1;
+    double area = 0;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      area += areas[members[i]];
+      for (int w : neighbours[members[i]])
+        if (!seen[w] && on_side(w)) {
+          seen[w] = 1;
+          members.push_back(w);
+        }
+    }
+    if (area < smallest)
+      for (int v : members)
+        field[v] = 2 * kCut - field[v];
+  }
+}
+
+} // namespace
+
+std::vector<char> closing_sheet(const RiggedMesh &actor) {
+  const Faces &faces = actor.mesh.faces;
+  const Vertices normals = face_normals(actor.mesh.vertices, faces);
+  std::vector<Eigen::Vector3d> away;
+  for (int j = 0; j < actor.skeleton.joint_count(); ++j)
+    away.push_back(away_along(actor.skeleton, j));
+  std::vector<char> sheet(faces.rows()), seen(faces.rows());
+  std::vector<int> front;
+  const std::vector<int> joints = joint_of_faces(actor);
+  for (int f = 0; f < faces.rows(); ++f) {
+    sheet[f] = !actor.face_valid[f] || normals.row(f).dot(away[joints[f]].transpose()) > kFacesAway;
+    seen[f] = !actor.face_valid[f];
+    if (seen[f])
+      front.push_back(f);
+  }
+  const auto beside = faces_beside(faces);
+  for (std::size_t i = 0; i < front.size(); ++i)
+    for (int f : beside[front[i]])
+      if (sheet[f] && !seen[f]) {
+        seen[f] = 1;
+        front.push_back(f);
+      }
+  return seen;
+}
+
+std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Clothness &clothness,
+                            const Mesh &body) {
+  std::vector<char> bare(actor.mesh.faces.rows(), 0);
+  if (body.faces.rows() == 0)
+    return bare;
+  const Surroundings at = surroundings(actor, sheet, clothness);
+  const Eigen::VectorXd distance = distances_to_surface(at.centres, body);
+  std::vector<char> on_body = at.cloth;
+  for (std::size_t f = 0; f < on_body.size(); ++f)
+    on_body[f] &= distance[static_cast<Eigen::Index>(f)] < kOnBody;
+  for (const std::vector<int> &patch : patches(at.beside, on_body))
+    if (is_bare_end(actor, at, patch))
+      for (int f : patch)
+        bare[f] = 1;
+  return bare;
+}
+
+Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness, int region,
+                              const GarmentOptions &options) {
+  Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, excluded, clothness, region));
+  field = diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, field, options.closing);
+  for (double &value : field)
+    value = std::isfinite(value) ? value : 0.0;
+  drop_small_sets(actor.mesh, options.smallest_hole, false, field);
+  drop_small_sets(actor.mesh, options.smallest_piece, true, field);
+  for (double &value : field)
+    if (std::abs(value - kCut) < kOffCut)
+      value = value > kCut ? kCut + kOffCut : kCut - kOffCut;
+  return field;
+}
+
+Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sheet, const Eigen::VectorXd &field,
+                            const Piece &piece, double smoothing) {
+  const Faces &faces = actor.mesh.faces;
+  Eigen::VectorXd is_skin(faces.rows());
+  for (Eigen::Index f = 0; f < is_skin.size(); ++f) {
+    const bool garment = field[faces(f, 0)] + field[faces(f, 1)] + field[faces(f, 2)] > 3 * kCut;
+    is_skin[f] = garment ? kUnknown : sheet[f] ? 0.0 : 1.0;
+  }
+  const Eigen::VectorXd skin = diffuse_on_surface(actor.mesh.vertices, faces, to_vertices(actor.mesh, is_skin), smoothing);
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(piece.mesh.vertices.rows());
+  for (Eigen::Index f = 0; f < piece.mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      double value = 0;
+      for (int j = 0; j < 3; ++j)
+        value += piece.corners[f][k][j] * skin[faces(piece.actor_face[f], j)];
+      result[piece.mesh.faces(f, k)] = value;
+    }
+  return result;
+}
+
+} // namespace doublet::detail
