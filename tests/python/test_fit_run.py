@@ -13,8 +13,8 @@ import pytest
 from doublet.console import Console
 from doublet.fit_page import in_words
 
-OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--fit-max-evaluations", "56"]
-OPTIONS += ["--space-names", "d_n", "k_stretch", "k_friction"]
+OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--cloth-stiffness", "sweeps", "--cloth-rest-curvature", "1"]
+OPTIONS += ["--fit-max-evaluations", "56", "--space-names", "d_n", "k_stretch", "k_friction"]
 
 
 @pytest.fixture
