@@ -52,7 +52,9 @@ def reconstruction(bell, shapes, folder, own_mesh=False):
     bare, clothness = d.read_actor(bell / "actor.npz"), d.read_clothness(bell / "segmentation.npz")
     captured = d.read_performance(bell / "performance.npz", bare)
     options = d.GarmentOptions(own_mesh=own_mesh, vertices=150)
-    d.write_garment(folder / "garment.npz", d.mesh_garment(bare, clothness, d.Mesh(), captured.surface, options))
+    garment = d.mesh_garment(bare, clothness, d.Mesh(), captured.surface, options)
+    garment.clothness = np.where(garment.mesh.vertices[:, 1] < 0.9, 1.0, garment.clothness)  # the bell is open below
+    d.write_garment(folder / "garment.npz", garment)
     dressed = d.dress(bare, clothness, d.read_garment(folder / "garment.npz", bare))
     own = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
     solver = d.SolverSettings(1 / FPS, d.ClothOptions(iterations=12))
