@@ -168,6 +168,7 @@ def test_report_stands_alone(made):
     out, _ = made
     page = (out / "report.html").read_text()
     assert page.count("data:image/jpeg;base64,") >= 10 and "<svg" in page
+    assert "<h2>Garment</h2>" in page and "boundary loops" in page and "rest shape" in page
     assert not re.search(r'(src|href)="(?!data:|#)', page)
 
 
