@@ -99,6 +99,8 @@ def segmentation(shown: Shown) -> str:
 def garment(shown: Shown) -> str:
     """The garment's mesh in the scan pose and in its rest shape."""
     worn = shown.job.garment
+    if not shown.job.dressed.clothness.region_count:
+        return "<p>No cloth, so there is no garment.</p>"
     if not worn.region_count:
         return "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
     faces, colours = worn.mesh.faces, picture.cloth_colours(worn.clothness)
