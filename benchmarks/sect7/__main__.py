@@ -10,8 +10,8 @@
     python benchmarks/sect7 annealing OUT         CMA-ES against simulated annealing
     python benchmarks/sect7 variants OUT          beyond the paper: windows, k', larger populations, early stopping
 
-OUT: a folder of `doublet reconstruct`; robustness, annealing and variants need it up to stage body only. What was done is kept
-in WORK (OUT/sect7) and not done again.
+OUT: a folder of `doublet reconstruct`; robustness, annealing and variants need it up to stage garment only. What was done is
+kept in WORK (OUT/sect7) and not done again.
 """
 
 import argparse

@@ -64,7 +64,7 @@ def table1(out: Path, session, how: Filming, work: Path, workers: int):
     with what was filmed. (1a and 1b are one skirt in two motions: the paper calls them the same material.)"""
     sets, jobs = table_1(), []
     base = plain_job(out, session)
-    fps, regions = base["fps"], study.reconstruction(base).clothness().region_count
+    fps, regions = base["fps"], study.reconstruction(base).dressed.clothness.region_count
     for truth in sets.values():
         folder, options = filmed(out, session, truth, how, work)
         jobs.append(energy_job(study.plain_job(folder, options, fps, 1), [[m] * regions for m in sets.values()]))
@@ -98,15 +98,16 @@ def rivals(out: Path, session, truth_folder: Path, every: int):
     samples = {"estimate": own, **{name: [m] * len(own) for name, m in others.items()}}
     found = {}
     surfaces = {name: simulate(made, materials) for name, materials in samples.items()}
-    surfaces["skinned, no cloth"] = [d.pose_surface(recon.actor, dofs) for dofs in recon.performance.dofs]
+    dressed = made.dressed.actor
+    surfaces["skinned, no cloth"] = np.array([d.pose_surface(dressed, dofs) for dofs in recon.performance.dofs])
     for name, sequence in surfaces.items():
-        moving = evaluate.Animated(dict(zip(recon.performance.frames, sequence)), recon.faces)
-        found[name] = [evaluate.cloth_rms_cm(moving, truth, every, context, name), ""]
+        found[name] = [evaluate.cloth_rms_cm(recon.animated(sequence), truth, every, context, name), ""]
     novel = truth.folder / "novel"
     if (novel / "motion.bvh").exists():
         there = evaluate.Truth(novel)
+        faces = dressed.mesh.faces[np.asarray(dressed.face_valid, bool)]
         for name, moved in novel_surfaces(out, novel / "motion.bvh", made.fps, samples, context):
-            moving = evaluate.Animated(dict(enumerate(moved)), recon.faces)
+            moving = evaluate.Animated(dict(enumerate(moved)), faces)
             found[name][1] = evaluate.cloth_rms_cm(moving, there, every, context, name)
     print(markdown(["material", "resim_cloth_cm", "novel_cloth_cm"], [[name, *row] for name, row in found.items()]))
     return found
@@ -127,8 +128,7 @@ def cross(outs: list[Path], sessions: list, truths: list, work: Path, workers: i
         for out, job, folder in zip(outs, jobs, truths):
             recon, truth = evaluate.Reconstruction(out), evaluate.Truth(folder)
             made = study.reconstruction(job)
-            simulated = [dict(zip(recon.performance.frames, simulate(made, sample))) for sample in samples]
-            moving = [evaluate.Animated(surfaces, recon.faces) for surfaces in simulated]
+            moving = [recon.animated(simulate(made, sample)) for sample in samples]
             rows.append([out.name, *(evaluate.cloth_rms_cm(m, truth, 1, context, "re-animation") for m in moving)])
         print("\n" + markdown(["resim_cloth_cm on", *header], rows))
     return costs

@@ -103,8 +103,9 @@ class PerfectViews:
 
 
 def known_motion(made: pipeline.Job, frames: int) -> d.ReferencePerformance:
-    """The poses of OUT. The cloth starts as that of an animation does, from the skinned surface; the captured surfaces after
-    it only say where images matter."""
+    """The poses of OUT, of the bare actor. Cloth starts as that of an animation does: the loose part of the template from the
+    skinned surface, a garment with a mesh of its own from its rest shape. The captured surfaces after it only say where images
+    matter."""
     performance = made.performance()
     dofs, surfaces = performance.dofs[:frames], performance.surface.frames[:frames]
     surfaces[0] = d.pose_surface(made.actor, dofs[0])
@@ -142,7 +143,7 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     motion = d.Motion(motion.fps, motion.dofs[:frames])
     rig, console = chosen_cameras(session, how.cameras), Console()
     folder.mkdir(parents=True, exist_ok=True)
-    for name in ("actor.npz", "segmentation.npz", "proxies.json"):
+    for name in ("actor.npz", "segmentation.npz", "proxies.json", "garment.npz"):
         shutil.copy(out / name, folder / name)
     performance = known_motion(made, frames)
     d.write_performance(folder / "performance.npz", performance)

@@ -83,8 +83,7 @@ def variants(out: Path, session, truth_folder: Path | None, evaluations: int, se
 
 def resim_cm(out: Path, base: dict, truth_folder: Path, materials: list[d.Material]) -> float:
     recon, truth = evaluate.Reconstruction(out), evaluate.Truth(truth_folder)
-    surfaces = dict(zip(recon.performance.frames, simulate(study.reconstruction(base), materials)))
-    moving = evaluate.Animated(surfaces, recon.faces)
+    moving = recon.animated(simulate(study.reconstruction(base), materials))
     return evaluate.cloth_rms_cm(moving, truth, 2, Console(quiet=True).context(), "re-animation")
 
 

@@ -82,6 +82,8 @@ def bell(tmp_path_factory):
     d.write_actor(out / "actor.npz", actor)
     d.write_performance(out / "performance.npz", performance)
     d.write_clothness(out / "segmentation.npz", clothness)
+    as_it_is = d.GarmentOptions(own_mesh=False)
+    d.write_garment(out / "garment.npz", d.mesh_garment(actor, clothness, d.Mesh(), performance.surface, as_it_is))
     d.write_proxies(out / "proxies.json", [], skeleton)
     d.write_observations(out / "observations.npz", observations)
     return out

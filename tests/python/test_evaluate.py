@@ -140,7 +140,8 @@ def reanimate(scene, garment=None, clothness=None, **arrays):
         arrays["garment"] = garment
         once, count = truth.cloth_faces, np.shape(garment)[-2]
         faces = np.vstack([once + k for k in range(0, count, once.max() + 1)])
-        np.savez(scene["out"] / "garment.npz", vertices=np.zeros((count, 3)), faces=faces, region=np.zeros(count, np.int32))
+        covers = clothness[scene["faces"]].mean(axis=1) > 0.5
+        np.savez(scene["out"] / "garment.npz", vertices=np.zeros((count, 3)), faces=faces, covers=covers)
     every = {name: np.broadcast_to(np.asarray(array, np.float32), (FRAMES, *array.shape[-2:])) for name, array in arrays.items()}
     np.savez(scene["out"] / "simulated.npz", **every)
     return made.reanimated, truth

@@ -15,7 +15,7 @@ from doublet.console import Console
 from doublet.synthesize import SynthesisOptions, synthesize
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "sect7"
-STEPS = {"cloth.iterations": 12, "cloth.substeps": 1}
+STEPS = {"cloth.iterations": 12, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}
 FPS = 40.0
 
 
@@ -33,19 +33,38 @@ def importable(monkeypatch):
 @pytest.fixture(scope="module")
 def out(bell, shapes, tmp_path_factory):
     """The bell as a whole reconstruction: a session, what it was made with, a character and an estimate."""
-    folder = tmp_path_factory.mktemp("sect7") / "out"
+    return reconstruction(bell, shapes, tmp_path_factory.mktemp("sect7") / "out")
+
+
+@pytest.fixture(scope="module")
+def dressed(bell, shapes, tmp_path_factory):
+    """The same in a garment with a mesh of its own."""
+    return reconstruction(bell, shapes, tmp_path_factory.mktemp("sect7") / "dressed", own_mesh=True)
+
+
+@pytest.fixture(params=["out", "dressed"])
+def either(request):
+    return request.getfixturevalue(request.param)
+
+
+def reconstruction(bell, shapes, folder, own_mesh=False):
     shutil.copytree(bell, folder)
-    actor, clothness = d.read_actor(bell / "actor.npz"), d.read_clothness(bell / "segmentation.npz")
+    bare, clothness = d.read_actor(bell / "actor.npz"), d.read_clothness(bell / "segmentation.npz")
+    captured = d.read_performance(bell / "performance.npz", bare)
+    options = d.GarmentOptions(own_mesh=own_mesh, vertices=150)
+    garment = d.mesh_garment(bare, clothness, d.Mesh(), captured.surface, options)
+    garment.clothness = np.where(garment.mesh.vertices[:, 1] < 0.9, 1.0, garment.clothness)  # the bell is open below
+    d.write_garment(folder / "garment.npz", garment)
+    dressed = d.dress(bare, clothness, d.read_garment(folder / "garment.npz", bare))
     own = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
     solver = d.SolverSettings(1 / FPS, d.ClothOptions(iterations=12))
-    character = d.make_character(actor, clothness, d.BodyFit(), [], [own], solver)
+    character = d.make_character(dressed.actor, dressed.clothness, d.BodyFit(), [], [own], solver)
     character.write(folder / "character.glb")
-    performance = d.read_performance(bell / "performance.npz", actor)
-    surfaces = performance.surface.frames
+    surfaces = captured.surface.frames
     surfaces[0] += 0.01  # not quite the skinned surface, as captured ones are
-    performance.surface = d.MeshSequence(actor.mesh.faces, surfaces)
-    d.write_performance(folder / "performance.npz", performance)
-    motion = d.Motion(FPS, performance.dofs[:2])
+    captured.surface = d.MeshSequence(bare.mesh.faces, surfaces)
+    d.write_performance(folder / "performance.npz", captured)
+    motion = d.Motion(FPS, captured.dofs[:2])
     rig = [shapes["camera"](a, name=f"cam{i}", height=1.0, size=240) for i, a in enumerate((0, 2.1, 4.2))]
     synthesize(character, motion, folder / "session", SynthesisOptions(), rig, console=Console(quiet=True))
     record = {"session": str(folder / "session"), "stages": {"fit": {"options": STEPS}}}
@@ -60,14 +79,14 @@ def films(**more):
     return Filming(perfect=True, frames=16, **more)
 
 
-def test_a_filmed_character_is_simulated_again_to_the_same_surface(out, tmp_path):
+def test_a_filmed_character_is_simulated_again_to_the_same_surface(either, tmp_path):
     """The error of the truth itself is none, whether it was seen perfectly or in images; a wrong one has some."""
     from filmed import Filming, filmed
     from reconstructions import energies, energy_job, material, rms_cm, simulate
 
     truth, wrong = material([4, 4.9, 0.7, 1, 0.5]), material([20, 20, 0.1, 0.9, 0.5])
     for how in (films(), Filming(frames=8, noise=2.0)):
-        folder, options = filmed(out, None, truth, how, tmp_path)
+        folder, options = filmed(either, None, truth, how, tmp_path)
         job = study.plain_job(folder, options, FPS, 1)
         made = study.reconstruction(job)
         again, other = simulate(made, [truth]), simulate(made, [wrong])
@@ -75,14 +94,14 @@ def test_a_filmed_character_is_simulated_again_to_the_same_surface(out, tmp_path
         assert rms_cm(again, again, made) == 0 and rms_cm(other, again, made) > 0.5
         assert rms_cm(again + [0.03, 0.0, 0.04], again, made) == pytest.approx(5)
         right, off = energies(energy_job(job, [[truth], [wrong]]))
-        assert right[0] < 0.5 * off[0]
+        assert right[0] < 0.6 * off[0]
         if how.perfect:
             seen = d.read_observations(folder / "observations.npz").views
             assert np.mean([len(view.matches) for views in seen[1:] for view in views]) > 200
         else:
             with np.load(folder / "session" / "ground_truth" / "frames_0000.npz") as truth_of_film:
                 assert np.abs(truth_of_film["surface"] - again).max() < 1e-4
-        assert filmed(out, None, truth, how, tmp_path)[0] == folder
+        assert filmed(either, None, truth, how, tmp_path)[0] == folder
 
 
 def test_recovery_finds_what_was_filmed(out, tmp_path, capsys):
@@ -119,7 +138,7 @@ def write_truth(folder, faces, surfaces, cloth):
     np.savez(folder / "frames_0000.npz", start=0, body=surfaces, cloth=surfaces[:, cloth])
 
 
-def test_rivals_are_measured_as_evaluate_does(out, tmp_path, monkeypatch):
+def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch):
     """The truth is the estimate's own cloth: no error to it, and some to every other material, on both motions."""
     import comparisons
     from reconstructions import estimate, plain_job, simulate
@@ -127,14 +146,14 @@ def test_rivals_are_measured_as_evaluate_does(out, tmp_path, monkeypatch):
     swing = np.zeros((12, 6))
     swing[:, 0] = 0.02 * np.arange(12) ** 1.5
     monkeypatch.setattr(comparisons, "exact_motion", lambda *_: d.Motion(FPS, swing))  # clips are read for humans only
-    made, novel = study.reconstruction(plain_job(out)), tmp_path / "novel"
-    faces, cloth = made.actor.mesh.faces, made.clothness().clothness > 0.5
-    write_truth(tmp_path, faces, simulate(made, estimate(out)), cloth)
+    made, novel = study.reconstruction(plain_job(either)), tmp_path / "novel"
+    faces, cloth = made.actor.mesh.faces, made.dressed.clothness.clothness > 0.5
+    write_truth(tmp_path, faces, simulate(made, estimate(either)), cloth)
     novel.mkdir()
     (novel / "motion.bvh").touch()
-    own, _ = comparisons.novel_surfaces(out, novel / "motion.bvh", FPS, {"estimate": estimate(out)}, d.Context())
+    own, _ = comparisons.novel_surfaces(either, novel / "motion.bvh", FPS, {"estimate": estimate(either)}, d.Context())
     write_truth(novel, faces, np.asarray(own[1]), cloth)
-    found = comparisons.rivals(out, None, tmp_path, 4)
+    found = comparisons.rivals(either, None, tmp_path, 4)
     assert max(found.pop("estimate")) < 1e-4 and min(min(row) for row in found.values()) > 0.02
 
 

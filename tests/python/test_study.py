@@ -13,7 +13,8 @@ import pytest
 import study_jobs
 from doublet import study
 
-BELLS = {"cloth.iterations": 24, "cloth.substeps": 1}  # the solver of the truth
+#: The solver of the truth.
+BELLS = {"cloth.iterations": 24, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}
 QUICK = {**BELLS, "fit.max_evaluations": 18, "space.names": ["d_n", "k_bend"], "fit.influence": False}
 
 

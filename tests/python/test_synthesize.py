@@ -6,7 +6,7 @@ import pytest
 from doublet.cli import changed
 from doublet.console import Console
 from doublet.evaluate import Truth
-from doublet.synthesize import SynthesisOptions, photograph, read_motion, ring_of_cameras, synthesize, write_calibration
+from doublet.synthesize import Surfaces, SynthesisOptions, photograph, read_motion, ring_of_cameras, synthesize, write_calibration
 
 MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
 FPS = 40.0
@@ -45,6 +45,18 @@ def test_it_is_a_session(made):
     assert (len(session.cameras), session.frame_count, session.fps) == (3, 14, FPS)
     assert {j.name: j.dof for j in session.joints} == {"pelvis": 6, "spine": 3}
     assert np.linalg.norm(session.joints[0].position - [0, 1, 0]) < 0.02
+
+
+def test_a_garment_of_its_own_is_the_garment(character):
+    """Not the skin that it stands for, which is in the same place."""
+    actor, clothness = character.actor, character.clothness
+    garment = d.mesh_garment(actor, clothness, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=300))
+    dressed = d.dress(actor, clothness, garment)
+    worn = d.make_character(dressed.actor, dressed.clothness, d.BodyFit(), [], character.materials, character.solver)
+    faces, height = actor.mesh.faces, actor.mesh.vertices[actor.mesh.faces].mean(axis=1)[:, 1]
+    found = Surfaces.garment_faces(worn, actor.mesh.vertices, faces)
+    inside = (height > 0.6) & (height < 0.9)
+    assert found[inside].all() and not found[height > 1.1].any()
 
 
 def test_the_images_show_the_truth(made):

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'body_regions', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'measure_influence', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'animate', 'animate_each', 'bake_texture', 'body_regions', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
 class Error(RuntimeError):
     pass
 class Context:
@@ -382,12 +382,101 @@ class Clothness:
     def region_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m, the shape that lengths and masses come from; empty = the scan pose
+        """
+    @rest.setter
+    def rest(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
     def sigma(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (V) m
         """
     @sigma.setter
     def sigma(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+class Garment:
+    """
+    All cloth of a character as a mesh of its own (garment.npz).
+    """
+    def __init__(self) -> None:
+        ...
+    @property
+    def actor_face(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
+        """
+        (G) face of the actor on which the vertex lies
+        """
+    @actor_face.setter
+    def actor_face(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+        ...
+    @property
+    def barycentric(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (G, 3) of that face's corners
+        """
+    @barycentric.setter
+    def barycentric(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
+    def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (G) 0 = hangs on the skeleton, 1 = free
+        """
+    @clothness.setter
+    def clothness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def covers(self) -> list[int]:
+        """
+        (F) faces of the actor that the garment stands for
+        """
+    @covers.setter
+    def covers(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+        ...
+    @property
+    def mesh(self) -> Mesh:
+        """
+        scan pose, m
+        """
+    @mesh.setter
+    def mesh(self, arg0: Mesh) -> None:
+        ...
+    @property
+    def region(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
+        """
+        (G)
+        """
+    @region.setter
+    def region(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+        ...
+    @property
+    def region_count(self) -> int:
+        ...
+    @region_count.setter
+    def region_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (G, 3) m, the shape that lengths and masses come from
+        """
+    @rest.setter
+    def rest(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+class DressedActor:
+    """
+    The actor in a garment of its own mesh.
+    """
+    clothness: Clothness
+    @property
+    def actor(self) -> RiggedMesh:
+        """
+        V + G vertices: the actor's, then the garment's
+        """
+    @actor.setter
+    def actor(self, arg0: RiggedMesh) -> None:
         ...
 class TaperedCapsule:
     """
@@ -1976,6 +2065,131 @@ class ClothSegmenter:
         ...
     def segment(self, sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], context: Context = ...) -> Clothness:
         ...
+class GarmentOptions:
+    """
+    Options of GarmentMesher.
+    """
+    @staticmethod
+    def fields() -> list[str]:
+        """
+        Names of the options, in order.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        ...
+    @property
+    def band(self) -> float:
+        """
+        width of the attachment, m
+        """
+    @band.setter
+    def band(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def closing(self) -> float:
+        """
+        narrower slits are closed, m
+        """
+    @closing.setter
+    def closing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def own_mesh(self) -> bool:
+        """
+        off: the cloth is the loose part of the template
+        """
+    @own_mesh.setter
+    def own_mesh(self, arg0: bool) -> None:
+        ...
+    @property
+    def smallest_edge(self) -> float:
+        """
+        shorter changes between hanging and free edge are noise, m
+        """
+    @smallest_edge.setter
+    def smallest_edge(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_hole(self) -> float:
+        """
+        smaller holes are filled, m^2
+        """
+    @smallest_hole.setter
+    def smallest_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_piece(self) -> float:
+        """
+        smaller pieces move as skin, m^2
+        """
+    @smallest_piece.setter
+    def smallest_piece(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def spread(self) -> float:
+        """
+        share of the time that a length may be exceeded
+        """
+    @spread.setter
+    def spread(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def vertices(self) -> int:
+        """
+        about, of all regions together
+        """
+    @vertices.setter
+    def vertices(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class GarmentMesher:
+    """
+    Stage: clothness -> the garment's mesh. Subclass to replace it.
+    """
+    @staticmethod
+    def create(options: GarmentOptions = ...) -> GarmentMesher:
+        ...
+    def __init__(self) -> None:
+        ...
+    def mesh(self, actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: MeshSequence, context: Context = ...) -> Garment:
+        ...
+class GarmentSummary:
+    """
+    What the mesher made.
+    """
+    @property
+    def faces(self) -> int:
+        ...
+    @property
+    def hanging_loops(self) -> int:
+        """
+        that hang on the skeleton, at least in part
+        """
+    @property
+    def loops(self) -> int:
+        """
+        boundaries; a skirt has two
+        """
+    @property
+    def mean_edge(self) -> float:
+        """
+        m
+        """
+    @property
+    def regions(self) -> int:
+        ...
+    @property
+    def smallest_angle(self) -> float:
+        """
+        degrees, 1 % quantile
+        """
+    @property
+    def vertices(self) -> int:
+        ...
 class BodyModel:
     """
     vertices = mean + components s, s ~ N(0, I).
@@ -2490,6 +2704,14 @@ class ClothOptions:
     def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def rest_curvature(self) -> float:
+        """
+        share of the rest mesh's angles that bending keeps, 0 = cut flat
+        """
+    @rest_curvature.setter
+    def rest_curvature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def restitution(self) -> float:
         """
         0 = inelastic
@@ -2512,6 +2734,14 @@ class ClothOptions:
         """
     @self_thickness.setter
     def self_thickness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def stiffness(self) -> str:
+        """
+        what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper
+        """
+    @stiffness.setter
+    def stiffness(self, arg1: str) -> None:
         ...
     @property
     def substeps(self) -> int:
@@ -3799,6 +4029,16 @@ def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.
     """
     (N) unsigned distances, m
     """
+@typing.overload
+def dress(actor: RiggedMesh, clothness: Clothness, garment: Garment) -> DressedActor:
+    """
+    The actor in the garment.
+    """
+@typing.overload
+def dress(performance: ReferencePerformance, actor: RiggedMesh, garment: Garment) -> ReferencePerformance:
+    """
+    The captured surface on the dressed actor's mesh.
+    """
 def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], world_from_rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     ...
 def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], clothness: Clothness, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -3825,6 +4065,8 @@ def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typi
     """
     answers (parts, n) in [0, 1] -> one Influence a part
     """
+def mesh_garment(actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
+    ...
 def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, relative_penalty: bool = True, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
     ...
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
@@ -3846,6 +4088,8 @@ def read_actor(path: os.PathLike | str | bytes) -> RiggedMesh:
 def read_body(path: os.PathLike | str | bytes) -> BodyFit:
     ...
 def read_clothness(path: os.PathLike | str | bytes) -> Clothness:
+    ...
+def read_garment(path: os.PathLike | str | bytes, actor: RiggedMesh) -> Garment:
     ...
 def read_materials(path: os.PathLike | str | bytes) -> list[Material]:
     ...
@@ -3879,6 +4123,8 @@ def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerf
     """
     (T, V, 3) the reference motion re-animated
     """
+def summarise_garment(garment: Garment) -> GarmentSummary:
+    ...
 def summarise_template(surface: Template, scan: Mesh, context: Context = ...) -> TemplateSummary:
     ...
 def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: typing.SupportsInt | typing.SupportsIndex = 2) -> Outline:
@@ -3908,6 +4154,8 @@ def write_baked_npz(path: os.PathLike | str | bytes, character: Character, anima
 def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
     ...
 def write_clothness(path: os.PathLike | str | bytes, clothness: Clothness) -> None:
+    ...
+def write_garment(path: os.PathLike | str | bytes, garment: Garment) -> None:
     ...
 def write_materials(path: os.PathLike | str | bytes, result: FitResult) -> None:
     ...

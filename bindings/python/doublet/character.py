@@ -15,8 +15,8 @@ FORMATS = (".npz", ".glb", ".mp4")
 
 
 def valid_high_faces(high: d.Mesh, job) -> np.ndarray:
-    """(FH) 1 where the closest face of the dressed actor is valid: the display surface carries no mask of its own. What the garment
-    stands for is not asked."""
+    """(FH) 1 where the closest face of the dressed actor is valid: the display surface carries no mask of its own. What the
+    garment stands for is not asked."""
     actor = job.dressed.actor
     covered = np.zeros(len(actor.mesh.faces), np.uint8)
     covered[: len(job.garment.covers)] = job.garment.covers

@@ -278,7 +278,7 @@ def add_evaluate(commands) -> None:
 def add_study(commands) -> None:
     text = "many material fits, over reconstructions and seeds, on many processes or machines"
     study = commands.add_parser("study", help=text, description=text)
-    study.add_argument("outs", type=Path, nargs="+", metavar="OUT", help="reconstructions up to stage 'body'")
+    study.add_argument("outs", type=Path, nargs="+", metavar="OUT", help="reconstructions up to stage 'garment'")
     study.add_argument("-o", "--results", type=Path, required=True, metavar="FILE.jsonl", help="one line a fit; goes on with it")
     study.add_argument("--seeds", type=int, nargs="+", default=[1], metavar="N", help="of each fit (default: 1)")
     study.add_argument("--workers", type=int, default=1, metavar="N", help="processes on this machine (default: 1)")

@@ -152,27 +152,30 @@ class Reconstruction:
 
     @cached_property
     def reanimated(self) -> Animated:
-        """The reference motion (simulated.npz); a garment with a mesh of its own replaces the actor's cloth."""
+        """The reference motion (simulated.npz)."""
         with np.load(self.path("simulated.npz")) as simulated:
             vertices = simulated["vertices"].astype(float)
-            garment = simulated["garment"].astype(float) if "garment" in simulated else None
-        if garment is None:
-            clothness = self.clothness if (self.out / "segmentation.npz").exists() else None
-            return Animated(dict(zip(self.performance.frames, vertices)), self.faces, clothness)
-        garment_faces = self.garment_faces(len(vertices), garment.shape)
-        skin_faces = self.faces[self.clothness[self.faces].mean(axis=1) <= 0.5]
-        counts = vertices.shape[1], garment.shape[1]
-        surfaces = dict(zip(self.performance.frames, np.concatenate([vertices, garment], axis=1)))
-        return Animated(surfaces, np.vstack([skin_faces, garment_faces + counts[0]]), np.repeat([0.0, 1.0], counts))
-
-    def garment_faces(self, frames: int, found: tuple) -> np.ndarray:
-        """(H, 3) of garment.npz, which the array of simulated.npz with the shape `found` must fit."""
-        with np.load(self.path("garment.npz")) as garment:
-            expected, faces = (frames, len(garment["vertices"]), 3), garment["faces"].astype(np.int32)
+            if "garment" not in simulated:
+                return self.animated(vertices)
+            garment = simulated["garment"].astype(float)
+        with np.load(self.path("garment.npz")) as own:
+            expected, found = (len(vertices), len(own["vertices"]), 3), garment.shape
         if found != expected:
             shape = "(frames of vertices, vertices of garment.npz, 3)"
             raise d.Error(f"{self.out / 'simulated.npz'}: array 'garment': expected {expected} {shape}, found {found}")
-        return faces
+        return self.animated(np.concatenate([vertices, garment], axis=1))
+
+    def animated(self, surfaces: np.ndarray) -> Animated:
+        """The reference motion as surfaces of the actor (T, V, 3), or of the dressed one (T, V + G, 3): a garment with a mesh of
+        its own replaces the faces that it stands for."""
+        bare, by_frame = len(self.actor.mesh.vertices), dict(zip(self.performance.frames, surfaces))
+        if surfaces.shape[1] == bare:
+            clothness = self.clothness if (self.out / "segmentation.npz").exists() else None
+            return Animated(by_frame, self.faces, clothness)
+        with np.load(self.path("garment.npz")) as garment:
+            faces, covers = garment["faces"].astype(np.int32), garment["covers"].astype(bool)
+        skin = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool) & ~covers]
+        return Animated(by_frame, np.vstack([skin, faces + bare]), np.repeat([0.0, 1.0], [bare, surfaces.shape[1] - bare]))
 
     def rows(self, truth_frames, every: int) -> list[tuple[int, int]]:
         """(row, video frame) for which there is truth."""

@@ -70,11 +70,11 @@ def energies(region: dict) -> str:
 
 
 def in_words(region: dict) -> list[str]:
-    """What the motion says about the parameters; nothing if it was not measured."""
+    """Which parameters the motion tells; nothing if that was not measured. (Those that it does not are among the remarks.)"""
     told = region.get("influence", {})
     if not told:
         return []
-    by_level = {level: [NAMES[n] for n in told if told[n]["confidence"] == level] for level in ("high", "medium", "low")}
+    by_level = {level: [NAMES[n] for n in told if told[n]["confidence"] == level] for level in ("high", "medium")}
     lines = []
     if by_level["high"]:
         lines.append(f"The motion tells {listed(by_level['high'])}.")
@@ -82,11 +82,6 @@ def in_words(region: dict) -> list[str]:
         who = "It" if lines else "The motion"
         lines.append(
             f"{who} tells something about {listed(by_level['medium'])}, but the search was still wide: give it more evaluations."
-        )
-    if by_level["low"]:
-        lines.append(
-            f"The motion says little about {listed(by_level['low'])}: moved alone over 0.4 of the box, it changes E_fit no more "
-            f"than the noise of {region['energy_noise']:.2g} px². Other values would do as well; film a motion that excites it."
         )
     return lines
 

@@ -38,6 +38,15 @@ def outline(vertices, faces, camera) -> np.ndarray:
     return np.any([other != inside[1:-1, 1:-1] for other in around_it], axis=0)
 
 
+def edges(vertices, faces, camera) -> np.ndarray:
+    """(H, W) bool: where the visible triangles meet."""
+    face = d.rasterize(vertices, faces, camera)[0]
+    seen = np.zeros(face.shape, bool)
+    seen[:, 1:] |= face[:, 1:] != face[:, :-1]
+    seen[1:] |= face[1:] != face[:-1]
+    return seen
+
+
 def draw_outline(picture: np.ndarray, edge: np.ndarray, colour=(255, 0, 120)) -> np.ndarray:
     drawn = picture.copy()
     drawn[edge] = colour

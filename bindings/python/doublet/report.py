@@ -96,6 +96,27 @@ def segmentation(shown: Shown) -> str:
     return pictures + table(["region", "area, m²"], rows)
 
 
+def garment(shown: Shown) -> str:
+    """The garment's mesh in the scan pose and in its rest shape."""
+    worn = shown.job.garment
+    if not shown.job.dressed.clothness.region_count:
+        return "<p>No cloth, so there is no garment.</p>"
+    if not worn.region_count:
+        return "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
+    faces, colours = worn.mesh.faces, picture.cloth_colours(worn.clothness)
+    shapes = (("scan pose", worn.mesh.vertices), ("rest shape", worn.rest))
+    camera, figures = picture.around(np.vstack([vertices for _, vertices in shapes]), 0.0, size=800), []  # at one scale
+    for name, vertices in shapes:
+        solid = picture.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
+        drawn = picture.draw_outline(solid, picture.edges(vertices, faces, camera), (90, 50, 50))
+        figures.append(figure(drawn[picture.crop_box(vertices, camera)], name))
+    summary = shown.job.record.data["stages"].get("garment", {}).get("summary", {})
+    rows = [[k.replace("_", " "), v] for k, v in summary.items()]
+    rows += [[f"area in the {name}, m²", float(d.face_areas(vertices, faces).sum())] for name, vertices in shapes]
+    text = "<p>Lengths and masses come from the rest shape. Light: what hangs on the skeleton.</p>"
+    return text + row(figures) + table(["number", "value"], rows)
+
+
 def body(shown: Shown) -> str:
     fit = d.read_body(shown.job.path("body.npz"))
     proxies = d.read_proxies(shown.job.path("proxies.json"), shown.actor.skeleton)
@@ -170,6 +191,7 @@ SECTIONS = (
     ("Reference performance", overlays),
     ("Cloth", segmentation),
     ("Body and collision proxies", body),
+    ("Garment", garment),
     ("Material", fit),
     ("Simulated beside captured", side_by_side),
     ("Time and memory", timings),

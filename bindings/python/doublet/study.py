@@ -26,7 +26,7 @@ from . import _doublet as d
 from . import pipeline
 from .files import hash_files, write_text
 
-INPUTS = ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json")
+INPUTS = ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json", "garment.npz")
 
 
 # --- the loop
@@ -178,7 +178,7 @@ def plain_job(out: Path, options: dict, fps: float | None, threads: int) -> dict
     out = Path(out).resolve()
     for name in INPUTS:
         if not (out / name).exists():
-            raise FileNotFoundError(f"{out / name} is missing; a study needs a reconstruction up to stage 'body'")
+            raise FileNotFoundError(f"{out / name} is missing; a study needs a reconstruction up to stage 'garment'")
     if fps is None:
         session = pipeline.recorded_session(out)
         fps = float(json.loads((session / "session.json").read_text(encoding="utf-8"))["fps"])
@@ -239,8 +239,8 @@ def fit(job: dict) -> dict:
     options = pipeline.fit_options(made)
     if "checkpoints" in job:
         options.checkpoint = Path(job["checkpoints"]) / f"{checkpoint_name(job)}.json"
-    observations = d.read_observations(made.path("observations.npz"))
-    result = d.estimate_material(made.simulator(), made.dressed_performance(), observations, options, d.Context(threads=job["threads"]))
+    observations, context = d.read_observations(made.path("observations.npz")), d.Context(threads=job["threads"])
+    result = d.estimate_material(made.simulator(), made.dressed_performance(), observations, options, context)
     if "checkpoints" in job:
         options.checkpoint.unlink(missing_ok=True)
     return plain_fit(result)

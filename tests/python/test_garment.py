@@ -1,0 +1,84 @@
+"""The garment stage from Python: a mesher of one's own, the dressed actor, what the report shows."""
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import pipeline, report
+
+SAID = d.Context()
+
+
+class AsScanned(d.GarmentMesher):
+    """Only as wide as the scan."""
+
+    def mesh(self, actor, clothness, body, captured, context):
+        garment = d.mesh_garment(actor, clothness, body, captured, d.GarmentOptions(vertices=300), context)
+        garment.rest = garment.mesh.vertices
+        return garment
+
+
+@pytest.fixture(scope="module")
+def skirt(shapes):
+    """A cone, its lower half cloth, closed below by a sheet that nobody saw: (actor, clothness)."""
+    vertices, faces = shapes["tube"](lambda h: 0.35 - 0.15 * h, 0.5, 1.5)
+    around, below = 48, len(vertices)
+    sheet = np.stack([np.full(around, below), (np.arange(around) + 1) % around, np.arange(around)], axis=1)
+    vertices, faces = np.vstack([vertices, [[0, 0.5, 0]]]), np.vstack([faces, sheet]).astype(np.int32)
+    valid = np.arange(len(faces)) < len(faces) - around
+    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 1, 0], 6)])
+    actor = d.RiggedMesh(d.Mesh(vertices, faces), valid.tolist(), np.ones((len(vertices), 1)), skeleton)
+    cloth = (vertices[:, 1] < 1).astype(float)
+    return actor, d.Clothness(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+
+
+def test_a_mesher_of_ones_own(skirt, tmp_path):
+    actor, clothness = skirt
+    garment = AsScanned().mesh(actor, clothness, d.Mesh(), d.MeshSequence(), SAID)
+    d.write_garment(tmp_path / "garment.npz", garment)
+    back = d.read_garment(tmp_path / "garment.npz", actor)
+    np.testing.assert_allclose(back.rest, garment.mesh.vertices, atol=1e-6)
+    assert back.covers == garment.covers and back.region_count == 1
+    summary = d.summarise_garment(back)
+    assert (summary.regions, summary.loops, summary.hanging_loops) == (1, 2, 1)
+    assert (summary.vertices, summary.faces) == (len(back.region), len(back.mesh.faces))
+
+
+def test_the_dressed_actor_has_the_garment_behind_its_own_vertices(skirt):
+    actor, clothness = skirt
+    garment = d.mesh_garment(actor, clothness, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=300))
+    dressed, bare = d.dress(actor, clothness, garment), len(actor.mesh.vertices)
+    np.testing.assert_array_equal(dressed.actor.mesh.vertices[bare:], garment.mesh.vertices)
+    np.testing.assert_array_equal(dressed.clothness.clothness, np.r_[np.zeros(bare), garment.clothness])
+    np.testing.assert_array_equal(dressed.clothness.rest[bare:], garment.rest)
+    valid = np.asarray(dressed.actor.face_valid, bool)
+    assert valid[len(actor.mesh.faces) :].all() and not valid[: len(actor.mesh.faces)][np.asarray(garment.covers, bool)].any()
+    performance = d.ReferencePerformance()
+    performance.dofs, performance.frames, performance.joints = np.zeros((2, 6)), [0, 1], np.zeros((2, 1, 3))
+    performance.surface = d.MeshSequence(actor.mesh.faces, np.stack([actor.mesh.vertices, actor.mesh.vertices + [0, 0.1, 0]]))
+    frames = d.dress(performance, actor, garment).surface.frames
+    np.testing.assert_allclose(frames[1, bare:], garment.mesh.vertices + [0, 0.1, 0], atol=1e-9)
+
+
+def test_a_file_of_another_actor_is_refused(skirt, shapes, tmp_path):
+    actor, clothness = skirt
+    d.write_garment(tmp_path / "garment.npz", d.mesh_garment(actor, clothness, d.Mesh(), d.MeshSequence()))
+    vertices, faces = shapes["tube"](0.3, 0.5, 1.5, rows=4)
+    other = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), np.ones((len(vertices), 1)), actor.skeleton)
+    with pytest.raises(d.Error, match=r"garment.npz: array 'covers'"):
+        d.read_garment(tmp_path / "garment.npz", other)
+
+
+def test_the_pipeline_wears_what_the_file_says(bell):
+    """The bell's garment has no vertices: the cloth is the loose part of the template, and the report says so."""
+    job = pipeline.Job(bell, bell)
+    assert len(job.dressed.actor.mesh.vertices) == len(job.actor.mesh.vertices)
+    np.testing.assert_array_equal(job.dressed.clothness.clothness, job.clothness().clothness)
+    assert job.dressed_performance().surface.frames.shape == job.performance().surface.frames.shape
+    assert job.options["cloth"].stiffness == "compliance" and d.ClothOptions().stiffness == "sweeps"
+
+    class Shown:
+        pass
+
+    shown = Shown()
+    shown.job = job
+    assert "No mesh of its own" in report.garment(shown)
