@@ -25,6 +25,7 @@ constexpr double kOffCut = 0.02;    // no vertex is nearer to the cut, which wou
 constexpr double kTooWide = 0.03;   // share of the frames
 constexpr double kOnBody = 0.012;   // m, about the error of the hidden body: nearer, the surface lies on it
 constexpr double kLeafShare = 0.05; // of a patch on a hand, a foot or the head: it ends there
+constexpr double kOffCount = 0.1;   // of the wanted number of vertices
 constexpr double kFacesAway = 0.5;  // cosine between a normal and the way a garment ends
 
 /// Values of faces to vertices: means weighted by area; faces of unknown value do not count, a vertex between such is unknown.
@@ -352,6 +353,20 @@ std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const V
   return attached;
 }
 
+/// Regular triangles with edges of about `edge` (m), and as many as such edges would make: the remesher's come out up to a tenth
+/// shorter, by how much depends on the mesh that it is given.
+Mesh remeshed(const Mesh &mesh, double edge) {
+  const double wanted = 2 * face_areas(mesh.vertices, mesh.faces).sum() / (std::sqrt(3.0) * edge * edge);
+  Mesh result;
+  double ratio = 1;
+  for (int i = 0; i < 3 && (i == 0 || std::abs(ratio - 1) > kOffCount); ++i) {
+    edge *= std::sqrt(ratio);
+    result = detail::remesh_isotropic(mesh, edge);
+    ratio = static_cast<double>(result.vertices.rows()) / wanted;
+  }
+  return result;
+}
+
 /// One region's part of a garment, before it is one of several.
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const Eigen::VectorXd &skin_at_cut,
                     int region, double edge, const GarmentOptions &options) {
@@ -359,7 +374,7 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
   const Vertices &spread_out = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
   const Mesh spread{placed(piece, actor.mesh.faces, spread_out), piece.mesh.faces};
   Garment garment;
-  garment.mesh = detail::remesh_isotropic(spread, edge);
+  garment.mesh = remeshed(spread, edge);
   const Eigen::Index count = garment.mesh.vertices.rows();
   const RayScene scene(spread);
   garment.actor_face.resize(count);
