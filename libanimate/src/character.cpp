@@ -87,6 +87,8 @@ void require_inputs(const RiggedMesh &actor, const Clothness &clothness) {
   expect("a row of actor.weights", actor.weights.cols(), actor.skeleton.joint_count());
   expect("clothness.clothness", clothness.clothness.size(), actor.mesh.vertices.rows());
   expect("clothness.region", clothness.region.size(), actor.mesh.vertices.rows());
+  if (clothness.rest.rows() > 0)
+    expect("clothness.rest", clothness.rest.rows(), actor.mesh.vertices.rows());
 }
 
 /// (L + A H) w = A H p on the free vertices, w given on the others.

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 namespace doublet {
 namespace {
@@ -314,6 +315,8 @@ Character read_character(const std::filesystem::path &path) {
                   extension.at("version").dump());
     parse_extension(reader, extension, character);
   } catch (const json::exception &problem) {
+    reader.fail(std::string(kExtension) + ": " + problem.what());
+  } catch (const std::invalid_argument &problem) { // a name that nobody knows
     reader.fail(std::string(kExtension) + ": " + problem.what());
   }
   try {

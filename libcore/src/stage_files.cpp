@@ -314,6 +314,7 @@ Garment read_garment(const Path &path, const RiggedMesh &actor) {
   };
   npz.require_shape("barycentric", {G, 3});
   npz.require_shape("rest", {G, 3});
+  npz.require_shape("covers", {actor.mesh.faces.rows()});
   if (G > 0)
     out.mesh = read_mesh(npz);
   out.region = integers("region");

@@ -150,6 +150,15 @@ std::vector<BendBlock> in_blocks(const std::vector<BendConstraint> &bends, int v
   return blocks;
 }
 
+/// Of the way to the target, when a whole frame keeps `clothness` of it. Shared evenly, a load would pull the vertex 1 / substeps
+/// as far: under one, g, it comes to rest g h^2 kept / (1 - kept) from the target, h s a substep. Compliance keeps that distance.
+double kept_in_substep(double clothness, const ClothOptions &options) {
+  if (options.stiffness == Stiffness::Sweeps)
+    return std::pow(clothness, 1.0 / options.substeps);
+  const double ratio = options.substeps * options.substeps * clothness;
+  return ratio / (ratio + 1 - clothness);
+}
+
 } // namespace
 
 const char *stiffness_name(Stiffness stiffness) {
@@ -269,12 +278,14 @@ double PbdModel::full_length(const Vertices &rest, const Vertices &across, int a
 }
 
 void PbdModel::set_followers(const Eigen::VectorXd &clothness) {
-  const double sweeps = static_cast<double>(options_.iterations) * options_.substeps; // of a frame, which share the blend
   for (int i = 0; i < vertex_count(); ++i) {
     if (clothness[i] == 1)
       continue;
-    if (clothness[i] > 0)
-      blends_.push_back({i, static_cast<int>(followers_.size()), static_cast<float>(1 - std::pow(clothness[i], 1.0 / sweeps))});
+    if (clothness[i] > 0) { // the sweeps of a substep share what it removes of the way to the target
+      const double kept = kept_in_substep(clothness[i], options_);
+      const double share = 1 - std::pow(kept, 1.0 / options_.iterations);
+      blends_.push_back({i, static_cast<int>(followers_.size()), static_cast<float>(share)});
+    }
     followers_.push_back(i);
   }
 }

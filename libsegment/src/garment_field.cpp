@@ -253,7 +253,7 @@ Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sh
       double value = 0;
       for (int j = 0; j < 3; ++j)
         value += piece.corners[f][k][j] * skin[faces(piece.actor_face[f], j)];
-      result[piece.mesh.faces(f, k)] = value;
+      result[piece.mesh.faces(f, k)] = std::isfinite(value) ? value : 0.0;
     }
   return result;
 }

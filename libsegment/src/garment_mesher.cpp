@@ -21,6 +21,7 @@ using detail::placed;
 namespace {
 
 constexpr double kTooWide = 0.03; // share of the frames
+constexpr double kOffCount = 0.1; // of the wanted number of vertices
 
 /// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut.
 std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin, double smallest) {
@@ -63,52 +64,75 @@ int wide_frame(const RiggedMesh &actor, const Piece &piece, const MeshSequence &
   return by_area.empty() ? -1 : by_area[static_cast<std::size_t>(kTooWide * static_cast<double>(by_area.size()))].second;
 }
 
-/// Which vertices of the new mesh's boundary hang: as the nearest vertex of the cut.
-std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const Vertices &piece_vertices,
-                                   const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
-  std::vector<std::pair<int, char>> cut; // boundary vertex of the piece, does it hang
+/// (N) 1 for the vertices of the piece's boundary that the garment hangs from.
+std::vector<char> hanging_vertices(const Piece &piece, const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
+  std::vector<char> result(piece.mesh.vertices.rows(), 0);
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces)) {
     const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, smallest_edge);
     for (std::size_t i = 0; i < loop.size(); ++i)
-      cut.emplace_back(loop[i], kinds[i]);
+      result[loop[i]] = kinds[i];
   }
-  std::vector<int> attached;
+  return result;
+}
+
+/// The part of the piece that a way along its edges leads to from where it hangs; what hangs on nothing would fall.
+Piece hanging_part(const Piece &piece, std::vector<char> &hangs) {
+  std::vector<int> sources, faces, old_vertex;
+  for (std::size_t v = 0; v < hangs.size(); ++v)
+    if (hangs[v])
+      sources.push_back(static_cast<int>(v));
+  const Eigen::VectorXd way = detail::distances_along(piece.mesh.faces, piece.mesh.vertices, sources);
+  Piece part;
+  for (int f = 0; f < piece.mesh.faces.rows(); ++f)
+    if (way[piece.mesh.faces(f, 0)] < detail::kNoWay) {
+      faces.push_back(f);
+      part.actor_face.push_back(piece.actor_face[f]);
+      part.corners.push_back(piece.corners[f]);
+    }
+  part.mesh = faces.empty() ? Mesh{Vertices(0, 3), Faces(0, 3)} : submesh(piece.mesh, faces, &old_vertex);
+  std::vector<char> kept;
+  for (int v : old_vertex)
+    kept.push_back(hangs[v]);
+  hangs = std::move(kept);
+  return part;
+}
+
+/// Which vertices of the new mesh's boundary hang: as the nearest of the cut, whose vertices are at `cut` (N, 3).
+std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const Vertices &cut, const std::vector<char> &hangs) {
+  std::vector<int> rim, attached;
+  for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces))
+    rim.insert(rim.end(), loop.begin(), loop.end());
   for (const std::vector<int> &loop : boundary_loops(mesh.faces))
     for (int v : loop) {
-      const auto squared = [&](const auto &c) { return (piece_vertices.row(c.first) - mesh.vertices.row(v)).squaredNorm(); };
-      const auto nearest =
-          std::min_element(cut.begin(), cut.end(), [&](const auto &a, const auto &b) { return squared(a) < squared(b); });
-      if (nearest->second)
+      const auto squared = [&](int w) { return (cut.row(w) - mesh.vertices.row(v)).squaredNorm(); };
+      if (hangs[*std::min_element(rim.begin(), rim.end(), [&](int a, int b) { return squared(a) < squared(b); })])
         attached.push_back(v);
     }
   return attached;
 }
 
-/// Leaves out pieces that no way along the edges leads to from `attached`, whose indices follow.
-void keep_what_hangs(Garment &garment, std::vector<int> &attached) {
-  const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, garment.mesh.vertices, attached);
-  std::vector<int> faces, old_vertex;
-  for (int f = 0; f < garment.mesh.faces.rows(); ++f)
-    if (way[garment.mesh.faces(f, 0)] < detail::kNoWay)
-      faces.push_back(f);
-  if (static_cast<Eigen::Index>(faces.size()) == garment.mesh.faces.rows())
-    return;
-  const Garment all = garment;
-  garment.mesh = faces.empty() ? Mesh{Vertices(0, 3), Faces(0, 3)} : submesh(all.mesh, faces, &old_vertex);
-  garment.actor_face = all.actor_face(old_vertex);
-  garment.barycentric = all.barycentric(old_vertex, Eigen::all);
-  for (int &v : attached)
-    v = static_cast<int>(std::find(old_vertex.begin(), old_vertex.end(), v) - old_vertex.begin());
+/// Regular triangles with edges of about `edge` (m), and as many as such edges would make: the remesher's come out up to a tenth
+/// shorter, by how much depends on the mesh that it is given.
+Mesh remeshed(const Mesh &mesh, double edge) {
+  const double wanted = 2 * face_areas(mesh.vertices, mesh.faces).sum() / (std::sqrt(3.0) * edge * edge);
+  Mesh result;
+  double ratio = 1;
+  for (int i = 0; i < 3 && (i == 0 || std::abs(ratio - 1) > kOffCount); ++i) {
+    edge *= std::sqrt(ratio);
+    result = detail::remesh_isotropic(mesh, edge);
+    ratio = static_cast<double>(result.vertices.rows()) / wanted;
+  }
+  return result;
 }
 
-/// One region's part of a garment, before it is one of several; without clothness if it hangs on nothing.
-Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const Eigen::VectorXd &skin_at_cut,
+/// One region's part of a garment, before it is one of several.
+Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const std::vector<char> &hangs,
                     int region, double edge, const GarmentOptions &options) {
   const int wide = wide_frame(actor, piece, captured);
   const Vertices &spread_out = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
   const Mesh spread{placed(piece, actor.mesh.faces, spread_out), piece.mesh.faces};
   Garment garment;
-  garment.mesh = detail::remesh_isotropic(spread, edge);
+  garment.mesh = remeshed(spread, edge);
   const Eigen::Index count = garment.mesh.vertices.rows();
   const RayScene scene(spread);
   garment.actor_face.resize(count);
@@ -121,9 +145,7 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
     garment.actor_face[v] = piece.actor_face[at.face];
     garment.barycentric.row(v) = (place / place.sum()).transpose();
   }
-  std::vector<int> attached = attached_vertices(garment.mesh, piece, spread.vertices, skin_at_cut, options.smallest_edge);
-  if (keep_what_hangs(garment, attached); attached.empty())
-    return garment;
+  const std::vector<int> attached = attached_vertices(garment.mesh, piece, spread.vertices, hangs);
   garment.mesh.vertices = at_garment(garment, actor.mesh.faces, actor.mesh.vertices);
   std::vector<Vertices> frames;
   for (const Vertices &frame : captured.frames)
@@ -132,7 +154,7 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
   const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, garment.rest, attached);
   garment.clothness =
       options.band > 0 ? Eigen::VectorXd((way / options.band).cwiseMin(1.0)) : Eigen::VectorXd((way.array() > 0).cast<double>());
-  garment.region = Eigen::VectorXi::Constant(way.size(), region);
+  garment.region = Eigen::VectorXi::Constant(count, region);
   return garment;
 }
 
@@ -202,15 +224,18 @@ public:
         context.say("garment: region " + std::to_string(r) + " is too small or too thin for a mesh; it moves as skin");
         continue;
       }
-      const Garment part =
-          mesh_region(actor, captured, pieces[r], detail::skin_around(actor, sheet, fields[r], pieces[r], options_.closing),
-                      garment.region_count, edge, options_);
-      if (part.clothness.size() == 0) {
-        context.say("garment: region " + std::to_string(r) + " does not touch skin and hangs on nothing; it moves as skin");
+      const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields[r], pieces[r], options_.closing);
+      std::vector<char> hangs = hanging_vertices(pieces[r], skin, options_.smallest_edge);
+      const Piece piece = hanging_part(pieces[r], hangs);
+      if (piece.mesh.faces.rows() < pieces[r].mesh.faces.rows())
+        context.say("garment: region " + std::to_string(r) + ": " +
+                    (piece.mesh.faces.rows() == 0 ? std::string("all of it") : std::string("a part")) +
+                    " touches no skin and hangs on nothing; it moves as skin");
+      if (piece.mesh.faces.rows() == 0)
         continue;
-      }
+      const Garment part = mesh_region(actor, captured, piece, hangs, garment.region_count, edge, options_);
       append(garment, part);
-      for (int f : pieces[r].actor_face)
+      for (int f : piece.actor_face)
         garment.covers[f] = 1;
       ++garment.region_count;
     }

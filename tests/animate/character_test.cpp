@@ -59,8 +59,12 @@ void expect_same(const Character &a, const Character &b) {
   EXPECT_EQ(a.materials[0].d_n, b.materials[0].d_n);
   EXPECT_EQ(a.materials[0].k_friction, b.materials[0].k_friction);
   EXPECT_EQ(a.clothness.fullness, b.clothness.fullness);
+  EXPECT_TRUE(as_float(a.clothness.rest) == b.clothness.rest);
   EXPECT_EQ(a.solver.dt, b.solver.dt);
   EXPECT_EQ(a.solver.cloth.iterations, b.solver.cloth.iterations);
+  EXPECT_EQ(a.solver.cloth.substeps, b.solver.cloth.substeps);
+  EXPECT_EQ(a.solver.cloth.stiffness, b.solver.cloth.stiffness);
+  EXPECT_EQ(a.solver.cloth.rest_curvature, b.solver.cloth.rest_curvature);
   EXPECT_EQ(a.solver.cloth.gravity, b.solver.cloth.gravity);
   EXPECT_TRUE(as_float(a.body.vertices) == b.body.vertices);
   EXPECT_TRUE(as_float(a.body_weights) == b.body_weights);
@@ -79,6 +83,11 @@ TEST(CharacterFile, ComesBackAsItWas) {
   const TempFolder folder;
   Character c = textured_character();
   c.clothness.fullness = Eigen::VectorXd::Constant(c.clothness.clothness.size(), 1.25);
+  c.clothness.rest = 1.1 * c.actor.mesh.vertices;
+  c.solver.cloth.iterations = 6;
+  c.solver.cloth.substeps = 4;
+  c.solver.cloth.stiffness = pbd::Stiffness::Compliance;
+  c.solver.cloth.rest_curvature = 0.25;
   write_character(folder / "character.glb", c);
   const Character once = read_character(folder / "character.glb");
   expect_same(c, once);
@@ -99,6 +108,43 @@ TEST(CharacterFile, WithoutBodyTextureAndHighMesh) {
   EXPECT_EQ(back.body.faces.rows(), 0);
   EXPECT_EQ(back.high.faces.rows(), 0);
   EXPECT_TRUE(back.actor.mesh.faces == c.actor.mesh.faces);
+}
+
+TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
+  const TempFolder folder;
+  Character c = figure_character();
+  c.clothness.rest = 1.1 * c.actor.mesh.vertices;
+  c.solver.cloth.stiffness = pbd::Stiffness::Compliance;
+  c.solver.cloth.rest_curvature = 0.25;
+  write_character(folder / "new.glb", c);
+  std::string text = read_text(folder / "new.glb");
+  for (const char *key : {"\"rest\"", "\"stiffness\"", "\"restCurvature\""}) {
+    ASSERT_NE(text.find(key), std::string::npos) << key;
+    text[text.find(key) + 1] = 'X'; // a key that nobody asks for
+  }
+  write_text(folder / "old.glb", text);
+  const Character old = read_character(folder / "old.glb");
+  EXPECT_EQ(old.clothness.rest.rows(), 0);
+  EXPECT_EQ(old.solver.cloth.stiffness, pbd::Stiffness::Sweeps);
+  EXPECT_EQ(old.solver.cloth.rest_curvature, 1.0);
+}
+
+TEST(CharacterFile, UnknownStiffnessIsNamedWithItsFile) {
+  const TempFolder folder;
+  Character c = figure_character();
+  c.solver.cloth.stiffness = pbd::Stiffness::Compliance;
+  write_character(folder / "good.glb", c);
+  std::string text = read_text(folder / "good.glb");
+  ASSERT_NE(text.find("compliance"), std::string::npos);
+  text[text.find("compliance")] = 'X';
+  write_text(folder / "bent.glb", text);
+  try {
+    read_character(folder / "bent.glb");
+    FAIL();
+  } catch (const Error &error) {
+    EXPECT_NE(std::string(error.what()).find("bent.glb"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("'Xompliance'"), std::string::npos) << error.what();
+  }
 }
 
 TEST(CharacterFile, BrokenFilesAreNamed) {
@@ -138,6 +184,9 @@ TEST(Character, PartsMustFit) {
   EXPECT_THROW(validate_character(c), Error);
   c = figure_character();
   c.body_shown.pop_back();
+  EXPECT_THROW(validate_character(c), Error);
+  c = figure_character();
+  c.clothness.rest = Vertices::Zero(5, 3);
   EXPECT_THROW(validate_character(c), Error);
   c = figure_character();
   c.texture = {1, 2, 3};

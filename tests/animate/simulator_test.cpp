@@ -83,6 +83,58 @@ TEST(CharacterSimulator, StartsFromACapturedSurfaceButPinsFollowTheSkeleton) {
     EXPECT_NEAR((surface.row(v) - rest.skinned.row(v)).norm(), c.clothness.clothness[v] > 0 ? 0.01 * std::sqrt(3.0) : 0.0, 1e-12);
 }
 
+namespace {
+
+/// The figure with a skirt cut 1.2 times as large as the scan shows it.
+Character figure_in_a_larger_skirt() {
+  Character c = figure_character();
+  c.clothness.rest = 1.2 * c.actor.mesh.vertices;
+  return c;
+}
+
+} // namespace
+
+TEST(CharacterSimulator, StartsAtTheRestShapeInThePose) {
+  const Character c = figure_in_a_larger_skirt();
+  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const PosedFrame frame = simulator.pose(marching(c.actor.skeleton, 12, 40).row(11));
+  const Vertices expected = dual_quaternion_skinning(c.clothness.rest, c.actor.weights, frame.world_from_rest),
+                 surface = simulator.surface(simulator.start(frame), frame);
+  EXPECT_GT((expected - frame.skinned).rowwise().norm().maxCoeff(), 0.1);
+  for (Eigen::Index v = 0; v < surface.rows(); ++v) {
+    const bool cloth = c.clothness.clothness[v] > 0;
+    EXPECT_EQ(surface.row(v), cloth ? expected.row(v) : frame.skinned.row(v)) << v; // what it hangs from follows the skeleton
+  }
+  // Where a captured surface is, it starts there.
+  const Vertices captured = frame.skinned.rowwise() + Eigen::RowVector3d(0.01, 0, 0);
+  const Vertices from_captured = simulator.surface(simulator.start(frame, &captured), frame);
+  for (Eigen::Index v = 0; v < surface.rows(); ++v)
+    EXPECT_EQ(from_captured.row(v), c.clothness.clothness[v] > 0 ? captured.row(v) : frame.skinned.row(v)) << v;
+}
+
+TEST(CharacterSimulator, LengthsAndMassesComeFromTheRestShape) {
+  const Character small = figure_character(), large = figure_in_a_larger_skirt();
+  pbd::ClothOptions options = large.solver.cloth;
+  options.gravity.setZero();
+  const CharacterSimulator as_scanned(small.actor, small.clothness, {}, options),
+      simulator(large.actor, large.clothness, {}, options);
+  const Eigen::VectorXd before = as_scanned.regions()[0].model->inverse_masses(),
+                        after = simulator.regions()[0].model->inverse_masses();
+  EXPECT_LT((after * 1.44 - before).cwiseAbs().maxCoeff(), 1e-9 * before.maxCoeff()); // an area
+  const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(large.actor.skeleton.dof_count()));
+  CharacterState state = simulator.start(rest, &rest.skinned);
+  simulator.settle(state, rest, large.materials, large.solver.dt, 40);
+  const Vertices settled = simulator.surface(state, rest);
+  const auto hem = [&](const Vertices &surface) { // the skirt's first ring, its last 17 x 36 vertices
+    const Eigen::Index first = surface.rows() - 17 * 36;
+    double length = 0;
+    for (int k = 0; k < 36; ++k)
+      length += (surface.row(first + k) - surface.row(first + (k + 1) % 36)).norm();
+    return length;
+  };
+  EXPECT_NEAR(hem(settled) / hem(rest.skinned), 1.2, 0.02);
+}
+
 TEST(CharacterSimulator, RefusesWhatDoesNotFit) {
   const Character c = figure_character();
   Clothness wrong = c.clothness;
@@ -91,6 +143,9 @@ TEST(CharacterSimulator, RefusesWhatDoesNotFit) {
   Clothness unnamed = c.clothness;
   unnamed.region_count = 0;
   EXPECT_THROW(CharacterSimulator(c.actor, unnamed, c.proxies), Error);
+  Clothness short_rest = c.clothness;
+  short_rest.rest = Vertices::Zero(10, 3);
+  EXPECT_THROW(CharacterSimulator(c.actor, short_rest, c.proxies), Error);
   std::vector<TaperedCapsule> proxies = c.proxies;
   proxies[0].joint = 99;
   EXPECT_THROW(CharacterSimulator(c.actor, c.clothness, proxies), Error);

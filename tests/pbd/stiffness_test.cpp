@@ -1,0 +1,162 @@
+// What stiffness means: the same cloth in any number of sweeps and substeps, or not.
+
+#include "scenes.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <vector>
+
+namespace doublet::pbd {
+namespace {
+
+using scenes::Sheet;
+
+Material damped(double k_stretch, double k_bend) {
+  Material m;
+  m.d_n = m.d_t = 8;
+  m.k_friction = 0;
+  m.k_stretch = k_stretch;
+  m.k_bend = k_bend;
+  return m;
+}
+
+std::vector<ClothOptions> budgets(Stiffness stiffness) {
+  std::vector<ClothOptions> all(4);
+  const int counts[4][2] = {{24, 1}, {12, 2}, {6, 4}, {3, 8}};
+  for (int i = 0; i < 4; ++i) {
+    all[i].iterations = counts[i][0];
+    all[i].substeps = counts[i][1];
+    all[i].stiffness = stiffness;
+  }
+  return all;
+}
+
+/// The sheet after `frames` frames from rest; its pinned vertices stay where they are.
+Vertices settled(const Sheet &s, const ClothOptions &options, const Material &material, int frames) {
+  const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
+  ClothState state = initial_state(s.rest);
+  StepInputs in;
+  in.targets = &s.rest;
+  for (int f = 0; f < frames; ++f)
+    solver->step(state, in, material);
+  return state.positions;
+}
+
+/// Of a strip of 0.24 m that hangs, m.
+double sag(const ClothOptions &options) {
+  Sheet s = scenes::grid(3, 8, 0.03);
+  s.rest.col(1) = -s.rest.col(2).eval();
+  s.rest.col(2).setZero();
+  s.clothness.head(4).setZero();
+  const Vertices x = settled(s, options, damped(0.9, 0.1), 300);
+  return (s.rest.bottomRows(4) - x.bottomRows(4)).col(1).mean();
+}
+
+/// Of the free end of a strip that is held level at the other; 0.09 m stick out.
+double droop(const ClothOptions &options) {
+  Sheet s = scenes::grid(3, 4, 0.03);
+  s.clothness.head(8).setZero();
+  return -settled(s, options, damped(1, 0.5), 400).bottomRows(4).col(1).mean();
+}
+
+/// How far below their targets blended vertices come to rest: all of a sheet, or those of a strip held level at one end.
+double lag(const ClothOptions &options) {
+  Sheet s = scenes::grid(3, 3, 0.03);
+  s.clothness.setConstant(0.9);
+  return -settled(s, options, damped(1, 0), 400).col(1).mean();
+}
+double lag_of_strip(const ClothOptions &options) {
+  Sheet s = scenes::grid(3, 8, 0.03);
+  s.clothness.setConstant(0.9);
+  s.clothness.head(8).setZero();
+  return -settled(s, options, damped(0.98, 0.5), 400).bottomRows(4).col(1).mean();
+}
+
+/// Largest over smallest answer of the four budgets.
+template <class Measure> double disagreement(Stiffness stiffness, const Measure &measure) {
+  std::vector<double> answers;
+  for (const ClothOptions &options : budgets(stiffness))
+    answers.push_back(measure(options));
+  const auto [least, most] = std::minmax_element(answers.begin(), answers.end());
+  EXPECT_GT(*least, 0);
+  return *most / *least;
+}
+
+} // namespace
+
+TEST(Stiffness, AMaterialMeansTheSameWhateverSweepsAndSubsteps) {
+  EXPECT_LT(disagreement(Stiffness::Compliance, sag), 1.07);   // 1.045
+  EXPECT_LT(disagreement(Stiffness::Compliance, droop), 1.02); // 1.006
+  EXPECT_GT(sag(budgets(Stiffness::Compliance)[0]), 0.02);
+  EXPECT_GT(droop(budgets(Stiffness::Compliance)[0]), 0.05);
+  // The more substeps, the stiffer: what the other meaning is for.
+  EXPECT_GT(disagreement(Stiffness::Sweeps, sag), 20);
+  EXPECT_GT(disagreement(Stiffness::Sweeps, droop), 5);
+}
+
+TEST(Stiffness, ABlendDoesToo) {
+  EXPECT_LT(disagreement(Stiffness::Compliance, lag), 1.015);          // 1.005
+  EXPECT_LT(disagreement(Stiffness::Compliance, lag_of_strip), 1.015); // 1.006
+  EXPECT_GT(disagreement(Stiffness::Sweeps, lag), 5);
+  // One step keeps 0.9 of the way from the target: o = 0.9 (o + g h^2).
+  for (const ClothOptions &options : budgets(Stiffness::Compliance))
+    EXPECT_NEAR(lag(options), 9.81 / 1600 * 9, 0.001) << options.substeps;
+}
+
+/// `share` of the rest mesh's angles is what an unloaded strip keeps: its chord is that of a polygon with these angles.
+TEST(Stiffness, RestCurvatureIsTheShareOfTheAnglesThatIsKept) {
+  constexpr int kRows = 12;
+  constexpr double kLength = 0.03, kAngle = 0.12; // of a row, m; between two, rad
+  Sheet s = scenes::grid(2, kRows, kLength);
+  double y = 0, z = 0;
+  for (int r = 0; r <= kRows; ++r) {
+    for (int c = 0; c < 3; ++c)
+      s.rest.row(3 * r + c).tail<2>() << y, z;
+    y += kLength * std::sin(kAngle * r);
+    z += kLength * std::cos(kAngle * r);
+  }
+  for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance})
+    for (double share : {0.0, 0.5, 1.0}) {
+      ClothOptions options;
+      options.gravity.setZero();
+      options.stiffness = stiffness;
+      options.rest_curvature = share;
+      Material material = damped(1, 0.5);
+      material.k_damping = 0.1;
+      const Vertices x = settled(s, options, material, 1000);
+      const double turn = share * kAngle / 2,
+                   chord = turn > 0 ? kLength * std::sin(kRows * turn) / std::sin(turn) : kRows * kLength;
+      EXPECT_NEAR((x.row(3 * kRows + 1) - x.row(1)).norm(), chord, 0.002) << stiffness_name(stiffness) << " " << share;
+      if (share == 1) {
+        EXPECT_LT((x - s.rest).rowwise().norm().maxCoeff(), 1e-5);
+      }
+      if (share == 0) { // in one plane
+        EXPECT_LT(Vertices(x.rowwise() - x.colwise().mean()).jacobiSvd().singularValues()[2], 0.003);
+      }
+    }
+}
+
+TEST(Stiffness, NamesGoBothWays) {
+  for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance})
+    EXPECT_EQ(stiffness_from_name(stiffness_name(stiffness)), stiffness);
+  EXPECT_STREQ(stiffness_name(Stiffness::Sweeps), "sweeps");
+  EXPECT_STREQ(stiffness_name(Stiffness::Compliance), "compliance");
+  try {
+    stiffness_from_name("xpbd");
+    FAIL();
+  } catch (const std::invalid_argument &error) {
+    EXPECT_STREQ(error.what(), "cloth option stiffness must be 'sweeps' or 'compliance', found 'xpbd'");
+  }
+}
+
+TEST(Stiffness, RestCurvatureOutsideItsRangeIsRefused) {
+  for (double share : {-0.1, 1.1}) {
+    ClothOptions options;
+    options.rest_curvature = share;
+    EXPECT_THROW(options.validate(), std::invalid_argument) << share;
+  }
+}
+
+} // namespace doublet::pbd

@@ -1,0 +1,405 @@
+#include "doublet/segment/garment_mesher.h"
+
+#include "../../libsegment/src/rest_shape.h"
+#include "doublet/core/error.h"
+#include "skirt_person.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+using namespace doublet;
+using skirt_person::Person;
+
+namespace {
+
+GarmentOptions small_garment() {
+  GarmentOptions options;
+  options.vertices = 400;
+  return options;
+}
+
+Garment garment_of(const Person &person, const GarmentOptions &options = small_garment(), const MeshSequence &captured = {}) {
+  return mesh_garment(person.actor, person.clothness, {}, captured, options);
+}
+
+std::vector<char> on_boundary(const Garment &garment) {
+  const EdgeTopology edges = edge_topology(garment.mesh.faces);
+  std::vector<char> result(garment.mesh.vertices.rows(), 0);
+  for (std::size_t e = 0; e < edges.edges.size(); ++e)
+    if (edges.edge_faces[e].minCoeff() < 0)
+      result[edges.edges[e][0]] = result[edges.edges[e][1]] = 1;
+  return result;
+}
+
+std::vector<int> hem_vertices(const Garment &garment) {
+  std::vector<int> hem;
+  const std::vector<char> boundary = on_boundary(garment);
+  for (int v = 0; v < garment.clothness.size(); ++v)
+    if (boundary[v] && garment.clothness[v] > 0)
+      hem.push_back(v);
+  return hem;
+}
+
+/// m, of the boundary that does not hang.
+double hem_length(const Garment &garment, const Vertices &shape) {
+  const EdgeTopology edges = edge_topology(garment.mesh.faces);
+  double length = 0;
+  for (std::size_t e = 0; e < edges.edges.size(); ++e) {
+    const int a = edges.edges[e][0], b = edges.edges[e][1];
+    if (edges.edge_faces[e].minCoeff() < 0 && garment.clothness[a] > 0 && garment.clothness[b] > 0)
+      length += (shape.row(a) - shape.row(b)).norm();
+  }
+  return length;
+}
+
+/// m, mean over the hem of the way to the seam along the edges.
+double way_to_hem(const Garment &garment, const Vertices &shape) {
+  std::vector<int> seam;
+  for (int v = 0; v < garment.clothness.size(); ++v)
+    if (garment.clothness[v] == 0)
+      seam.push_back(v);
+  const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, shape, seam);
+  double sum = 0;
+  for (int v : hem_vertices(garment))
+    sum += way[v];
+  return sum / static_cast<double>(hem_vertices(garment).size());
+}
+
+/// m, the height up to which the garment's lower boundary reaches.
+double top_of_hem(const Garment &garment) {
+  double top = 0;
+  for (int v : hem_vertices(garment))
+    top = std::max(top, garment.mesh.vertices(v, 1));
+  return top;
+}
+
+void expect_loops(const Garment &garment, int loops, int hanging) {
+  const GarmentSummary summary = summarise_garment(garment);
+  EXPECT_EQ(summary.loops, loops);
+  EXPECT_EQ(summary.hanging_loops, hanging);
+}
+
+/// A skirt with a slit of `columns` of unseen faces from the hem up to y = 0.615.
+Person with_slit(int columns) {
+  Person person;
+  for (int ring = 28; ring < 34; ++ring)
+    for (int k = 0; k < columns; ++k)
+      person.set_invalid(ring, k);
+  return person;
+}
+
+/// ... with a hole of 2 x half rings and columns: bare skin, or nothing that was seen.
+Person with_hole(int half, bool skin) {
+  Person person;
+  for (int ring = 40 - half; ring < 40 + half; ++ring)
+    for (int k = -half; k < half; ++k)
+      if (skin)
+        person.clothness.clothness[skirt_person::vertex(ring, k)] = 0;
+      else
+        person.set_invalid(ring, k);
+  return person;
+}
+
+/// Height and radius: a skirt that hangs in eight folds, and the same cloth spread out. Both are 0.5025 m long from waist to hem
+/// (but for the folds).
+Eigen::Vector2d folded(double up, double angle) {
+  const double down = 1 - up;
+  return {1.0 - 0.5 * down, 0.15 + 0.05 * down + 0.02 * down * std::cos(8 * angle)};
+}
+Eigen::Vector2d spread_out(double up, double) {
+  const double down = 1 - up, length = std::hypot(0.5, 0.05), out = 0.15;
+  return {1.0 - std::sqrt(length * length - out * out) * down, 0.15 + out * down};
+}
+MeshSequence folded_and_spread_out(const Person &person) {
+  MeshSequence captured{person.actor.mesh.faces, {}};
+  for (int t = 0; t < 3; ++t) {
+    captured.frames.push_back(skirt_person::surface(folded));
+    captured.frames.push_back(skirt_person::surface(spread_out));
+  }
+  return captured;
+}
+
+} // namespace
+
+TEST(GarmentMesher, ASkirtHangsOnItsSeamAndHasOneHem) {
+  const Person person;
+  const Garment garment = garment_of(person);
+  expect_loops(garment, 2, 1);
+  const MeshReport report = report_mesh(garment.mesh);
+  EXPECT_EQ(report.components, 1);
+  EXPECT_EQ(report.non_manifold_edges + report.degenerate_faces + report.unused_vertices, 0);
+  EXPECT_NO_THROW(validate_garment(garment, person.actor, "garment"));
+  const std::vector<char> boundary = on_boundary(garment);
+  for (Eigen::Index v = 0; v < garment.clothness.size(); ++v) {
+    const double y = garment.mesh.vertices(v, 1);
+    EXPECT_EQ(garment.clothness[v], boundary[v] && y > 0.75 ? 0.0 : 1.0) << v; // a seam, no band
+    EXPECT_TRUE(!boundary[v] || std::abs(y - skirt_person::kHem) < 0.01 || std::abs(y - skirt_person::kWaist) < 0.03) << y;
+  }
+  EXPECT_NEAR(hem_length(garment, garment.mesh.vertices), 2 * skirt_person::pi * skirt_person::kHemRadius, 0.02);
+}
+
+TEST(GarmentMesher, TrianglesAreRegularAndAsManyAsWanted) {
+  for (int wanted : {400, 1400, 2000}) {
+    GarmentOptions options;
+    options.vertices = wanted;
+    const GarmentSummary summary = summarise_garment(garment_of(Person(), options));
+    EXPECT_NEAR(summary.vertices, wanted, 0.15 * wanted);
+    EXPECT_GT(summary.smallest_angle, 30); // 40; of an equilateral triangle 60
+    EXPECT_EQ(summary.regions, 1);
+    EXPECT_GT(summary.faces, 1.7 * summary.vertices);
+    EXPECT_NEAR(summary.mean_edge, std::sqrt(2 * 0.725 / (std::sqrt(3.0) * wanted)), 0.12 * summary.mean_edge);
+  }
+}
+
+TEST(GarmentMesher, VerticesLieOnTheActorWhereTheySay) {
+  const Person person(folded);
+  const Garment garment = garment_of(person, small_garment(), folded_and_spread_out(person));
+  const Vertices places = at_garment(garment, person.actor.mesh.faces, person.actor.mesh.vertices);
+  EXPECT_LT((places - garment.mesh.vertices).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_GT(garment.barycentric.minCoeff(), -1e-6);
+  EXPECT_LT((garment.barycentric.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-9);
+  for (int face : garment.actor_face)
+    EXPECT_TRUE(garment.covers[face]) << face;
+  // Regular where it was spread out, not in the folds.
+  const Vertices spread = at_garment(garment, person.actor.mesh.faces, skirt_person::surface(spread_out));
+  const double mean = mean_edge_length(spread, garment.mesh.faces);
+  for (const Eigen::Vector2i &edge : edge_topology(garment.mesh.faces).edges)
+    EXPECT_NEAR((spread.row(edge[0]) - spread.row(edge[1])).norm(), mean, 0.6 * mean);
+}
+
+TEST(GarmentMesher, CoversTheClothAndNothingElse) {
+  const Person person;
+  const Garment garment = garment_of(person);
+  const int faces_a_ring = 2 * skirt_person::kAround, hem = 28, waist = hem + 26;
+  for (int f = 0; f < person.actor.mesh.faces.rows(); ++f) {
+    const int ring = f / faces_a_ring;
+    if (ring >= hem && ring < waist - 2) { // the cut runs through the last two
+      EXPECT_TRUE(garment.covers[f]) << ring;
+    }
+    if (ring < hem - 1 || ring >= waist) {
+      EXPECT_FALSE(garment.covers[f]) << ring;
+    }
+  }
+}
+
+TEST(GarmentMesher, ASlitNarrowerThanTheClosingIsClosed) {
+  const Person slit = with_slit(3); // 6 cm
+  GarmentOptions options;
+  options.vertices = 1500;
+  options.closing = 0.08;
+  const Garment closed = garment_of(slit, options);
+  expect_loops(closed, 2, 1);
+  EXPECT_LT(top_of_hem(closed), 0.54);
+  options.closing = 0.002;
+  const Garment open = garment_of(slit, options);
+  expect_loops(open, 2, 1);
+  EXPECT_GT(top_of_hem(open), 0.59);
+}
+
+TEST(GarmentMesher, HolesAreFilledIfTheyAreSmall) {
+  for (bool skin : {false, true}) {
+    expect_loops(garment_of(with_hole(3, skin)), 2, 1); // 0.011 m^2
+    const Person holed = with_hole(6, skin);            // 0.044 m^2
+    expect_loops(garment_of(holed), 3, skin ? 2 : 1);
+    GarmentOptions options = small_garment();
+    options.smallest_hole = 0.06;
+    expect_loops(garment_of(holed, options), 2, 1);
+  }
+}
+
+TEST(GarmentMesher, PiecesThatAreTooSmallMoveAsSkinAndAreNamed) {
+  const auto with_belt = [](double top) { // region 0 around the chest, the skirt is region 1
+    Person person;
+    for (int ring = 28; ring < 54; ++ring)
+      person.set_cloth(ring, 1);
+    for (int ring = skirt_person::first_ring(1.1); ring < skirt_person::first_ring(top); ++ring)
+      person.set_cloth(ring, 0);
+    return person;
+  };
+  std::string said;
+  Context context;
+  context.log = [&](const std::string &line) { said += line; };
+  const Person narrow = with_belt(1.15), wide = with_belt(1.3); // 0.05 and 0.19 m^2
+  const Garment one = mesh_garment(narrow.actor, narrow.clothness, {}, {}, small_garment(), context);
+  EXPECT_NE(said.find("region 0 is too small"), std::string::npos) << said;
+  EXPECT_EQ(one.region_count, 1);
+  EXPECT_EQ(one.region.maxCoeff(), 0); // the skirt moves up
+  expect_loops(one, 2, 1);
+  for (int k = 0; k < skirt_person::kAround; ++k)
+    EXPECT_FALSE(one.covers[skirt_person::face(skirt_person::first_ring(1.1), k)]);
+  said.clear();
+  const Garment two = mesh_garment(wide.actor, wide.clothness, {}, {}, small_garment(), context);
+  EXPECT_EQ(said, "");
+  EXPECT_EQ(two.region_count, 2);
+  expect_loops(two, 4, 3);
+  for (Eigen::Index v = 0; v < two.region.size(); ++v)
+    EXPECT_EQ(two.region[v], two.mesh.vertices(v, 1) > 1.05 ? 0 : 1);
+  EXPECT_NEAR(two.mesh.vertices.rows(), 400, 100); // of both together; small pieces have more boundary
+}
+
+TEST(GarmentMesher, AGarmentThatHangsOnNothingMovesAsSkin) {
+  Person person;
+  person.clothness.clothness.setOnes();
+  person.clothness.region.setZero();
+  std::fill(person.actor.face_valid.begin(), person.actor.face_valid.end(), 1);
+  std::string said;
+  Context context;
+  context.log = [&](const std::string &line) { said += line; };
+  const MeshSequence captured{person.actor.mesh.faces, {person.actor.mesh.vertices}};
+  const Garment none = mesh_garment(person.actor, person.clothness, {}, captured, small_garment(), context);
+  EXPECT_NE(said.find("region 0 does not touch skin"), std::string::npos) << said;
+  EXPECT_EQ(none.region_count, 0);
+  EXPECT_EQ(none.mesh.vertices.rows(), 0);
+  EXPECT_EQ(*std::max_element(none.covers.begin(), none.covers.end()), 0);
+}
+
+TEST(GarmentMesher, TheSheetBelowAHemIsNoSkinEvenWhereItCountsAsValid) {
+  Person person;
+  for (int k = 0; k < skirt_person::kAround; ++k)
+    for (int f : {0, 1})
+      person.actor.face_valid[skirt_person::face(27, k) + f] = 1;
+  expect_loops(garment_of(person), 2, 1);
+}
+
+TEST(GarmentMesher, AGapInTheSkinAboveTheSeamIsNoHem) {
+  Person person;
+  for (int ring = 53; ring < 60; ++ring)
+    for (int k = 0; k < 9; ++k) // 9 cm
+      person.set_invalid(ring, k);
+  const auto free_at_waist = [&](double smallest_edge) {
+    GarmentOptions options = small_garment();
+    options.vertices = 1500;
+    options.smallest_edge = smallest_edge;
+    const Garment garment = garment_of(person, options);
+    const std::vector<int> hem = hem_vertices(garment);
+    return std::count_if(hem.begin(), hem.end(), [&](int v) { return garment.mesh.vertices(v, 1) > 0.9; });
+  };
+  EXPECT_EQ(free_at_waist(0.15), 0);
+  EXPECT_GT(free_at_waist(0.02), 0);
+}
+
+TEST(GarmentMesher, SkinBeyondTheHemThatCountsAsClothIsLeftOut) {
+  Person person;
+  for (int ring = 2; ring <= 20; ++ring) // the leg, up to the sheet
+    person.set_cloth(ring, 0);
+  expect_loops(garment_of(person), 4, 2);
+  const Garment skirt = mesh_garment(person.actor, person.clothness, person.body, {}, small_garment());
+  expect_loops(skirt, 2, 1);
+  EXPECT_GT(skirt.mesh.vertices.col(1).minCoeff(), 0.49);
+  EXPECT_GT(skirt.mesh.vertices.col(1).maxCoeff(), 0.98); // the waistband lies on the body, too
+}
+
+TEST(GarmentMesher, RestIsAsWideAsTheFramesAndAsLongAsTheScan) {
+  const Person person(folded);
+  const Garment garment = garment_of(person, small_garment(), folded_and_spread_out(person));
+  expect_loops(garment, 2, 1);
+  const double wide = 2 * skirt_person::pi * 0.3, length = way_to_hem(garment, garment.mesh.vertices);
+  EXPECT_LT(hem_length(garment, garment.mesh.vertices), 0.8 * wide); // the scan bridges what it does not see
+  EXPECT_NEAR(hem_length(garment, garment.rest), wide, 0.03 * wide); // 0.7 %
+  EXPECT_NEAR(way_to_hem(garment, garment.rest), length, 0.02 * length);
+  EXPECT_GT(summarise_garment(garment).smallest_angle, 30);
+  for (Eigen::Index v = 0; v < garment.clothness.size(); ++v)
+    if (garment.clothness[v] == 0) {
+      EXPECT_LT((garment.rest.row(v) - garment.mesh.vertices.row(v)).norm(), 0.02); // hung on the same seam
+    }
+}
+
+TEST(GarmentMesher, AFewWideFramesDoNotCount) {
+  const Person person(folded);
+  MeshSequence captured{person.actor.mesh.faces, {}};
+  for (int t = 0; t < 12; ++t)
+    captured.frames.push_back(t == 5 ? skirt_person::surface(spread_out) : person.actor.mesh.vertices);
+  const Garment garment = garment_of(person, small_garment(), captured);
+  EXPECT_LT(hem_length(garment, garment.rest), 1.15 * hem_length(garment, garment.mesh.vertices));
+}
+
+TEST(GarmentMesher, WithoutFramesRestIsTheScan) {
+  const Garment garment = garment_of(Person(folded));
+  EXPECT_EQ(garment.rest, garment.mesh.vertices);
+}
+
+TEST(GarmentMesher, ABandRisesWithTheWayFromTheSeam) {
+  GarmentOptions options = small_garment();
+  options.band = 0.1;
+  const Garment garment = garment_of(Person(), options);
+  for (Eigen::Index v = 0; v < garment.clothness.size(); ++v) {
+    const double down = (garment.mesh.vertices.row(v) - Eigen::RowVector3d(0, 1, 0)).y() * -std::hypot(0.5, 0.15) / 0.5;
+    EXPECT_NEAR(garment.clothness[v], std::clamp(down / 0.1, 0.0, 1.0), 0.3) << down; // along edges, from a cut a ring lower
+  }
+  EXPECT_GT((garment.clothness.array() > 0 && garment.clothness.array() < 1).count(), 10);
+}
+
+TEST(GarmentMesher, NoClothOrNoMeshOfItsOwnIsAnEmptyGarment) {
+  Person person;
+  GarmentOptions options = small_garment();
+  options.own_mesh = false;
+  Person bare;
+  bare.clothness.clothness.setZero();
+  bare.clothness.region.setConstant(-1);
+  bare.clothness.region_count = 0;
+  for (const Garment &garment : {garment_of(person, options), garment_of(bare)}) {
+    EXPECT_EQ(garment.region_count, 0);
+    EXPECT_EQ(garment.mesh.vertices.rows(), 0);
+    EXPECT_EQ(garment.covers, std::vector<std::uint8_t>(person.actor.mesh.faces.rows(), 0));
+    EXPECT_EQ(summarise_garment(garment).loops, 0);
+    EXPECT_EQ(dress(person.actor, person.clothness, garment).actor.mesh.vertices, person.actor.mesh.vertices);
+  }
+}
+
+TEST(GarmentMesher, IsTheSameFromRunToRun) {
+  const Person person(folded);
+  const MeshSequence captured = folded_and_spread_out(person);
+  Context one;
+  one.threads = 1;
+  const Garment first = mesh_garment(person.actor, person.clothness, person.body, captured, small_garment(), one),
+                second = mesh_garment(person.actor, person.clothness, person.body, captured, small_garment());
+  EXPECT_EQ(first.mesh.vertices, second.mesh.vertices);
+  EXPECT_EQ(first.mesh.faces, second.mesh.faces);
+  EXPECT_EQ(first.rest, second.rest);
+  EXPECT_EQ(first.barycentric, second.barycentric);
+  EXPECT_EQ(first.clothness, second.clothness);
+}
+
+TEST(GarmentMesher, RefusesWhatDoesNotFit) {
+  const Person good;
+  const auto refused = [](const Person &person, const MeshSequence &captured = {}) {
+    EXPECT_THROW(garment_of(person, small_garment(), captured), std::invalid_argument);
+  };
+  Person bad = good;
+  bad.actor.face_valid.pop_back();
+  refused(bad);
+  bad = good;
+  bad.clothness.clothness.conservativeResize(7);
+  refused(bad);
+  bad = good;
+  bad.clothness.region.conservativeResize(7);
+  refused(bad);
+  refused(good, {good.actor.mesh.faces, {Vertices::Zero(5, 3)}});
+  bad = good;
+  bad.actor.mesh.vertices(0, 0) = std::nan("");
+  EXPECT_THROW(garment_of(bad), Error);
+}
+
+TEST(GarmentMesher, OptionsOutsideTheirRangesAreNamed) {
+  const auto said = [](auto GarmentOptions::*option, double value) {
+    GarmentOptions options;
+    options.*option = static_cast<std::remove_reference_t<decltype(options.*option)>>(value);
+    try {
+      GarmentMesher::create(options);
+    } catch (const std::invalid_argument &error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(said(&GarmentOptions::vertices, 10), "GarmentOptions: expected vertices in [50, 200000], found 10.000000");
+  EXPECT_EQ(said(&GarmentOptions::closing, -1), "GarmentOptions: expected closing in [0, 1] m, found -1.000000");
+  EXPECT_NE(said(&GarmentOptions::smallest_hole, -1).find("smallest_hole"), std::string::npos);
+  EXPECT_NE(said(&GarmentOptions::smallest_piece, 11).find("smallest_piece"), std::string::npos);
+  EXPECT_NE(said(&GarmentOptions::smallest_edge, -1).find("smallest_edge"), std::string::npos);
+  EXPECT_NE(said(&GarmentOptions::spread, 0).find("spread"), std::string::npos);
+  EXPECT_NE(said(&GarmentOptions::band, 2).find("band"), std::string::npos);
+  EXPECT_EQ(said(&GarmentOptions::vertices, 50), "accepted");
+}

@@ -1,0 +1,99 @@
+#include "../../libsegment/src/isotropic.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/surface_distance.h"
+#include "support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace doublet;
+
+namespace {
+
+/// Share of the edges that are between 0.5 and 1.6 times as long as wanted.
+double share_of_good_edges(const Mesh &mesh, double length) {
+  const std::vector<Eigen::Vector2i> edges = edge_topology(mesh.faces).edges;
+  const auto good = std::count_if(edges.begin(), edges.end(), [&](const Eigen::Vector2i &e) {
+    const double found = (mesh.vertices.row(e[0]) - mesh.vertices.row(e[1])).norm();
+    return found > 0.5 * length && found < 1.6 * length;
+  });
+  return static_cast<double>(good) / static_cast<double>(edges.size());
+}
+
+/// m, the largest distance between two surfaces, seen from the vertices of both.
+double distance_between(const Mesh &a, const Mesh &b) {
+  return std::max(distances_to_surface(a.vertices, b).maxCoeff(), distances_to_surface(b.vertices, a).maxCoeff());
+}
+
+void expect_manifold(const Mesh &mesh) {
+  const MeshReport report = report_mesh(mesh);
+  EXPECT_EQ(report.non_manifold_edges + report.degenerate_faces + report.unused_vertices, 0) << report.to_string();
+  EXPECT_EQ(report.components, 1);
+}
+
+/// V - E + F.
+Eigen::Index euler_characteristic(const Mesh &mesh) {
+  return mesh.vertices.rows() - static_cast<Eigen::Index>(edge_topology(mesh.faces).edges.size()) + mesh.faces.rows();
+}
+
+} // namespace
+
+TEST(Isotropic, ASphereStaysAClosedSphere) {
+  const Mesh fine = doublet::testing::sphere(0.5, {0, 1, 0}, 40, 80); // slivers at the poles
+  for (double length : {0.05, 0.1}) {
+    const Mesh mesh = detail::remesh_isotropic(fine, length);
+    expect_manifold(mesh);
+    EXPECT_TRUE(report_mesh(mesh).closed());
+    EXPECT_EQ(euler_characteristic(mesh), 2);
+    EXPECT_GT(share_of_good_edges(mesh, length), 0.98);
+    EXPECT_LT(distances_to_surface(mesh.vertices, fine).maxCoeff(), 0.001); // vertices are on it,
+    EXPECT_LT(distance_between(mesh, fine), 0.5 * length * length / 0.5);   // edges are chords
+    EXPECT_GT(
+        face_normals(mesh.vertices, mesh.faces).row(0).dot(mesh.vertices.row(mesh.faces(0, 0)) - Eigen::RowVector3d(0, 1, 0)), 0);
+  }
+}
+
+TEST(Isotropic, ACylinderKeepsItsEnds) {
+  const Mesh fine = doublet::testing::tube(
+      {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 50, 64);
+  for (double length : {0.04, 0.08}) {
+    const Mesh mesh = detail::remesh_isotropic(fine, length);
+    expect_manifold(mesh);
+    EXPECT_EQ(euler_characteristic(mesh), 0); // with two loops
+    EXPECT_GT(share_of_good_edges(mesh, length), 0.98);
+    EXPECT_LT(distance_between(mesh, fine), 0.5 * length * length / 0.2);
+    const EdgeTopology edges = edge_topology(mesh.faces);
+    double around = 0;
+    int count = 0;
+    for (std::size_t e = 0; e < edges.edges.size(); ++e)
+      if (edges.edge_faces[e].minCoeff() < 0) {
+        for (int v : edges.edges[e]) {
+          const double y = mesh.vertices(v, 1);
+          EXPECT_LT(std::min(std::abs(y), std::abs(y - 1)), 1e-9);
+        }
+        around += (mesh.vertices.row(edges.edges[e][0]) - mesh.vertices.row(edges.edges[e][1])).norm();
+        ++count;
+      }
+    EXPECT_NEAR(around, 2 * 2 * doublet::testing::pi * 0.2, 0.03);
+    EXPECT_NEAR(around / count, length, 0.3 * length);
+  }
+}
+
+TEST(Isotropic, CoarseMeshesGetFiner) {
+  const Mesh coarse = doublet::testing::tube(
+      {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 2, 12);
+  const Mesh mesh = detail::remesh_isotropic(coarse, 0.05);
+  expect_manifold(mesh);
+  EXPECT_GT(share_of_good_edges(mesh, 0.05), 0.98);
+  EXPECT_LT(distances_to_surface(mesh.vertices, coarse).maxCoeff(), 0.005);
+}
+
+TEST(Isotropic, NonManifoldMeshesAreRefused) {
+  Mesh fan =
+      doublet::testing::make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}}, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}});
+  EXPECT_THROW(detail::remesh_isotropic(fan, 0.1), Error);
+  EXPECT_THROW(detail::remesh_isotropic(Mesh{}, 0.1), Error);
+}
