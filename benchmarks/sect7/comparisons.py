@@ -20,6 +20,7 @@ from reconstructions import (
     rms_cm,
     run,
     simulate,
+    stiff_centre,
     table_1,
 )
 
@@ -94,7 +95,7 @@ def rivals(out: Path, session, truth_folder: Path, every: int):
     `doublet evaluate` measures it, on the reference motion and, if ground_truth/novel is there, on one that was not used."""
     made, truth = study.reconstruction(plain_job(out, session)), evaluate.Truth(truth_folder)
     recon, own, context = evaluate.Reconstruction(out), estimate(out), Console().context()
-    others = {"centre of the box": box_centre(), **table_1()}
+    others = {"centre of the box": box_centre(), "centre, k_stretch 1": stiff_centre(), **table_1()}
     samples = {"estimate": own, **{name: [m] * len(own) for name, m in others.items()}}
     found = {}
     surfaces = {name: simulate(made, materials) for name, materials in samples.items()}
@@ -118,10 +119,10 @@ def cross(outs: list[Path], sessions: list, truths: list, work: Path, workers: i
     own = [estimate(out) for out in outs]
     if len(own[0]) != len(own[1]):
         raise ValueError(f"{outs[0]} has {len(own[0])} cloth regions and {outs[1]} {len(own[1])}: expected one garment in both")
-    samples = [*own, [box_centre()] * len(own[0])]
+    samples = [*own, [stiff_centre()] * len(own[0])]
     jobs = [energy_job(plain_job(out, session), samples) for out, session in zip(outs, sessions)]
     costs = np.array(run(energies, jobs, work, workers)).sum(axis=2)
-    header = [f"of {outs[0].name}", f"of {outs[1].name}", "centre of the box"]
+    header = [f"of {outs[0].name}", f"of {outs[1].name}", "centre, k_stretch 1"]
     print(markdown(["E_fit, px^2, on", *header], [[out.name, *map(float, row)] for out, row in zip(outs, costs)]))
     if truths:
         rows, context = [], Console().context()

@@ -34,6 +34,13 @@ def box_centre() -> d.Material:
     return d.ParameterSpace().material(np.full(len(NAMES), 0.5))
 
 
+def stiff_centre() -> d.Material:
+    """The box's centre, but for k_stretch: half of it is rubber, which no garment is."""
+    centre = box_centre()
+    centre.k_stretch = 1.0
+    return centre
+
+
 def nudged(of: d.Material) -> d.Material:
     """`of` moved by CLOSE along d_n: how far two runs come apart that should be one, because the motion is chaotic."""
     space = d.ParameterSpace(fixed=of)

@@ -158,6 +158,17 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
   return garment;
 }
 
+/// Does the cut run through this face between garment and skin? Such faces stay, under the garment's edge, or there would be a
+/// gap.
+bool is_waistband(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &field, int f) {
+  bool skin = false;
+  for (int k = 0; k < 3; ++k) {
+    const int v = actor.mesh.faces(f, k);
+    skin |= field[v] <= detail::kCut && clothness.clothness[v] < 0.5;
+  }
+  return skin && actor.face_valid[f];
+}
+
 void append(Garment &all, const Garment &part) {
   const Eigen::Index before = all.mesh.vertices.rows(), count = part.mesh.vertices.rows(), faces = all.mesh.faces.rows();
   const auto grow = [&](auto &to, const auto &from) {
@@ -236,7 +247,7 @@ public:
       const Garment part = mesh_region(actor, captured, piece, hangs, garment.region_count, edge, options_);
       append(garment, part);
       for (int f : piece.actor_face)
-        garment.covers[f] = 1;
+        garment.covers[f] = !is_waistband(actor, clothness, fields[r], f);
       ++garment.region_count;
     }
     context.report("garment", 1.0);
