@@ -332,15 +332,40 @@ int wide_frame(const RiggedMesh &actor, const Piece &piece, const MeshSequence &
   return by_area.empty() ? -1 : by_area[static_cast<std::size_t>(kTooWide * static_cast<double>(by_area.size()))].second;
 }
 
-/// Which vertices of the new mesh's boundary hang: as the nearest vertex of the cut.
-std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const Vertices &piece_vertices,
-                                   const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
-  std::vector<std::pair<int, char>> cut; // boundary vertex of the piece, does it hang
+/// The boundary vertices of the piece: does each hang?
+std::vector<std::pair<int, char>> kinds_of_cut(const Piece &piece, const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
+  std::vector<std::pair<int, char>> cut;
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces)) {
     const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, smallest_edge);
     for (std::size_t i = 0; i < loop.size(); ++i)
       cut.emplace_back(loop[i], kinds[i]);
   }
+  return cut;
+}
+
+/// The connected parts of the piece that hang on skin; the others would fall.
+Piece hung_part(const Piece &piece, const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
+  const Eigen::VectorXi part = vertex_components(piece.mesh.faces, static_cast<int>(piece.mesh.vertices.rows()));
+  std::set<int> hung;
+  for (const auto &[v, hangs] : kinds_of_cut(piece, skin_at_cut, smallest_edge))
+    if (hangs)
+      hung.insert(part[v]);
+  Piece result;
+  std::vector<int> chosen;
+  for (int f = 0; f < piece.mesh.faces.rows(); ++f)
+    if (hung.count(part[piece.mesh.faces(f, 0)])) {
+      chosen.push_back(f);
+      result.actor_face.push_back(piece.actor_face[f]);
+      result.corners.push_back(piece.corners[f]);
+    }
+  result.mesh = submesh(piece.mesh, chosen);
+  return result;
+}
+
+/// Which vertices of the new mesh's boundary hang: as the nearest vertex of the cut.
+std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const Vertices &piece_vertices,
+                                   const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
+  const std::vector<std::pair<int, char>> cut = kinds_of_cut(piece, skin_at_cut, smallest_edge);
   std::vector<int> attached;
   for (const std::vector<int> &loop : boundary_loops(mesh.faces))
     for (int v : loop) {
@@ -453,7 +478,9 @@ public:
     double area = 0;
     for (int r = 0; r < clothness.region_count; ++r) {
       fields.push_back(garment_field(actor, excluded, clothness, r));
-      pieces.push_back(cut_out(actor.mesh, fields.back()));
+      const Piece whole = cut_out(actor.mesh, fields.back());
+      pieces.push_back(hung_part(whole, skin_around(actor, sheet, fields.back(), whole), options_.smallest_edge));
+      say_what_falls(whole, pieces.back(), r, context);
       const int wide = wide_frame(actor, pieces.back(), captured);
       const Vertices &vertices = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
       area += face_areas(placed(pieces.back(), actor.mesh.faces, vertices), pieces.back().mesh.faces).sum();
@@ -462,10 +489,8 @@ public:
         std::sqrt(2 * area / (std::sqrt(3.0) * options_.vertices)); // area of an equilateral triangle, two a vertex
     for (int r = 0; r < clothness.region_count; ++r) {
       context.report("garment", static_cast<double>(r) / clothness.region_count);
-      if (pieces[r].mesh.faces.rows() == 0) {
-        context.say("garment: region " + std::to_string(r) + " is too small or too thin for a mesh; it moves as skin");
+      if (pieces[r].mesh.faces.rows() == 0)
         continue;
-      }
       const Garment part = mesh_region(actor, captured, pieces[r], skin_around(actor, sheet, fields[r], pieces[r]),
                                        garment.region_count, edge, options_);
       if (!(part.clothness.array() == 0).any()) {
@@ -482,6 +507,19 @@ public:
   }
 
 private:
+  static void say_what_falls(const Piece &whole, const Piece &hung, int region, const Context &context) {
+    const std::string name = "garment: region " + std::to_string(region);
+    if (whole.mesh.faces.rows() == 0)
+      context.say(name + " is too small or too thin for a mesh; it moves as skin");
+    else if (hung.mesh.faces.rows() == 0)
+      context.say(name + " does not touch skin and hangs on nothing; it moves as skin");
+    else if (hung.mesh.faces.rows() < whole.mesh.faces.rows())
+      context.say(name + ": " +
+                  std::to_string(face_areas(whole.mesh.vertices, whole.mesh.faces).sum() -
+                                 face_areas(hung.mesh.vertices, hung.mesh.faces).sum()) +
+                  " m^2 of it hang on nothing and move as skin");
+  }
+
   /// (V) what is garment, above and below kCut.
   Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness,
                                 int region) const {
