@@ -98,8 +98,12 @@ ReferencePerformance dress(const ReferencePerformance &performance, const Rigged
   dressed.surface.unposed.clear();
   const Faces cloth = garment.mesh.faces.array() + static_cast<int>(actor.mesh.vertices.rows());
   dressed.surface.faces = stacked(actor.mesh.faces, cloth);
-  for (Vertices &frame : dressed.surface.frames)
+  for (Vertices &frame : dressed.surface.frames) {
+    if (frame.rows() != actor.mesh.vertices.rows())
+      throw std::invalid_argument("dress: a captured frame: expected " + std::to_string(actor.mesh.vertices.rows()) +
+                                  " vertices, found " + std::to_string(frame.rows()));
     frame = stacked<Vertices>(frame, at_garment(garment, actor.mesh.faces, frame));
+  }
   return dressed;
 }
 

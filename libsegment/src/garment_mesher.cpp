@@ -199,6 +199,17 @@ void check_inputs(const RiggedMesh &actor, const Clothness &clothness, const Mes
     expect("a captured frame", frame.rows(), actor.mesh.vertices.rows());
 }
 
+void say_what_falls(const Piece &whole, const Piece &hung, int region, const Context &context) {
+  const std::string name = "garment: region " + std::to_string(region);
+  const auto area = [](const Piece &piece) { return face_areas(piece.mesh.vertices, piece.mesh.faces).sum(); };
+  if (whole.mesh.faces.rows() == 0)
+    context.say(name + " is too small or too thin for a mesh; it moves as skin");
+  else if (hung.mesh.faces.rows() == 0)
+    context.say(name + " does not touch skin and hangs on nothing; it moves as skin");
+  else if (hung.mesh.faces.rows() < whole.mesh.faces.rows())
+    context.say(name + ": " + std::to_string(area(whole) - area(hung)) + " m^2 of it hang on nothing and move as skin");
+}
+
 class IsotropicMesher : public GarmentMesher {
 public:
   explicit IsotropicMesher(const GarmentOptions &options) : options_(options) { options_.validate(); }
@@ -219,10 +230,15 @@ public:
       excluded[f] |= sheet[f];
     std::vector<Eigen::VectorXd> fields;
     std::vector<Piece> pieces;
+    std::vector<std::vector<char>> hangs; // [R][N]
     double area = 0;
     for (int r = 0; r < clothness.region_count; ++r) {
       fields.push_back(detail::garment_field(actor, excluded, clothness, r, options_));
-      pieces.push_back(detail::cut_out(actor.mesh, fields.back()));
+      const Piece whole = detail::cut_out(actor.mesh, fields.back());
+      const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing);
+      hangs.push_back(hanging_vertices(whole, skin, options_.smallest_edge));
+      pieces.push_back(hanging_part(whole, hangs.back()));
+      say_what_falls(whole, pieces.back(), r, context);
       const int wide = wide_frame(actor, pieces.back(), captured);
       const Vertices &vertices = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
       area += face_areas(placed(pieces.back(), actor.mesh.faces, vertices), pieces.back().mesh.faces).sum();
@@ -231,22 +247,11 @@ public:
         std::sqrt(2 * area / (std::sqrt(3.0) * options_.vertices)); // area of an equilateral triangle, two a vertex
     for (int r = 0; r < clothness.region_count; ++r) {
       context.report("garment", static_cast<double>(r) / clothness.region_count);
-      if (pieces[r].mesh.faces.rows() == 0) {
-        context.say("garment: region " + std::to_string(r) + " is too small or too thin for a mesh; it moves as skin");
+      if (pieces[r].mesh.faces.rows() == 0)
         continue;
-      }
-      const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields[r], pieces[r], options_.closing);
-      std::vector<char> hangs = hanging_vertices(pieces[r], skin, options_.smallest_edge);
-      const Piece piece = hanging_part(pieces[r], hangs);
-      if (piece.mesh.faces.rows() < pieces[r].mesh.faces.rows())
-        context.say("garment: region " + std::to_string(r) + ": " +
-                    (piece.mesh.faces.rows() == 0 ? std::string("all of it") : std::string("a part")) +
-                    " touches no skin and hangs on nothing; it moves as skin");
-      if (piece.mesh.faces.rows() == 0)
-        continue;
-      const Garment part = mesh_region(actor, captured, piece, hangs, garment.region_count, edge, options_);
+      const Garment part = mesh_region(actor, captured, pieces[r], hangs[r], garment.region_count, edge, options_);
       append(garment, part);
-      for (int f : piece.actor_face)
+      for (int f : pieces[r].actor_face)
         garment.covers[f] = !is_waistband(actor, clothness, fields[r], f);
       ++garment.region_count;
     }

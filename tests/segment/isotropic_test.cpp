@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 using namespace doublet;
 
@@ -26,6 +27,25 @@ double share_of_good_edges(const Mesh &mesh, double length) {
 /// m, the largest distance between two surfaces, seen from the vertices of both.
 double distance_between(const Mesh &a, const Mesh &b) {
   return std::max(distances_to_surface(a.vertices, b).maxCoeff(), distances_to_surface(b.vertices, a).maxCoeff());
+}
+
+/// Share of the vertices inside with five, six or seven neighbours.
+double share_of_regular_vertices(const Mesh &mesh) {
+  const EdgeTopology edges = edge_topology(mesh.faces);
+  std::vector<int> valence(mesh.vertices.rows(), 0);
+  std::vector<char> boundary(mesh.vertices.rows(), 0);
+  for (std::size_t e = 0; e < edges.edges.size(); ++e)
+    for (int v : edges.edges[e]) {
+      ++valence[v];
+      boundary[v] |= edges.edge_faces[e].minCoeff() < 0;
+    }
+  int inside = 0, regular = 0;
+  for (std::size_t v = 0; v < valence.size(); ++v)
+    if (!boundary[v]) {
+      ++inside;
+      regular += valence[v] >= 5 && valence[v] <= 7;
+    }
+  return static_cast<double>(regular) / inside;
 }
 
 void expect_manifold(const Mesh &mesh) {
@@ -49,6 +69,7 @@ TEST(Isotropic, ASphereStaysAClosedSphere) {
     EXPECT_TRUE(report_mesh(mesh).closed());
     EXPECT_EQ(euler_characteristic(mesh), 2);
     EXPECT_GT(share_of_good_edges(mesh, length), 0.98);
+    EXPECT_GT(share_of_regular_vertices(mesh), 0.98);
     EXPECT_LT(distances_to_surface(mesh.vertices, fine).maxCoeff(), 0.001); // vertices are on it,
     EXPECT_LT(distance_between(mesh, fine), 0.5 * length * length / 0.5);   // edges are chords
     EXPECT_GT(
@@ -64,6 +85,7 @@ TEST(Isotropic, ACylinderKeepsItsEnds) {
     expect_manifold(mesh);
     EXPECT_EQ(euler_characteristic(mesh), 0); // with two loops
     EXPECT_GT(share_of_good_edges(mesh, length), 0.98);
+    EXPECT_GT(share_of_regular_vertices(mesh), 0.98);
     EXPECT_LT(distance_between(mesh, fine), 0.5 * length * length / 0.2);
     const EdgeTopology edges = edge_topology(mesh.faces);
     double around = 0;
