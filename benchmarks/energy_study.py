@@ -13,10 +13,10 @@ import numpy as np
 from doublet import evaluate, pipeline
 from doublet.console import Console
 
-#: Of the energy: the paper's form, in which a miss is free; the default; the default with features weighted less.
+#: Of the energy: the paper's form, in which a miss is free; nothing free; the same with features weighted less, the default.
 ENERGIES = {
-    "the paper's": {"gamma": 0.0, "same_comparisons": False, "fast_features": False},
-    "nothing free": {},
+    "the paper's": {"beta": 10.0, "gamma": 0.0, "same_comparisons": False, "fast_features": False},
+    "nothing free": {"beta": 10.0},
     "nothing free, beta 3": {"beta": 3.0},
 }
 

@@ -40,7 +40,11 @@ OPTION_GROUPS = {
 }
 #: A frame is 24 sweeps, as in the paper, but in 4 substeps of 6, and a material means the same whatever they are: at equal sweeps
 #: cloth stretches far less. Cut flat; as far from the proxies as these are slimmer than the body (docs/cloth.md).
-DEFAULTS = {"cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012}}
+#: Features weigh 3 instead of the paper's 10: E_fit then tells the distance to a true garment better (docs/results.md, Rivals).
+DEFAULTS = {
+    "cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012},
+    "energy": {"beta": 3.0},
+}
 #: Set by the session, by --seed or by another option, not by an option of their own.
 DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("space", "iterations")}
 
