@@ -165,6 +165,13 @@ TEST(Dress, APerformanceCarriesTheGarmentOnItsSurface) {
   EXPECT_EQ(d.frames, performance.frames);
 }
 
+TEST(Dress, RefusesACapturedFrameOfAnotherMesh) {
+  const Scene s;
+  ReferencePerformance performance;
+  performance.surface = {s.actor.mesh.faces, {s.actor.mesh.vertices, s.actor.mesh.vertices.topRows(5)}, {}};
+  EXPECT_THROW(dress(performance, s.actor, s.garment), std::invalid_argument);
+}
+
 TEST(Dress, RefusesWhatDoesNotFit) {
   Scene s;
   s.clothness.clothness.conservativeResize(5);
