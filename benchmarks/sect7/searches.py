@@ -19,7 +19,7 @@ FACTORS = (1, 2, 4)
 #: What the search offers beyond the paper: name -> groups of options.
 VARIANTS = {
     "as the paper": {},
-    "search in k' (per sweep)": {"space": {"per_iteration_stiffness": True}},
+    "search in the box itself": {"space": {"even_steps": False}},
     "windows of 40 frames": {"energy": {"window": 40}},
     "penalty omega 256": {"fit": {"penalty": 256}},
     "population 16": {"fit": {"population": 16}},

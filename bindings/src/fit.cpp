@@ -215,8 +215,8 @@ void bind_energy(py::module_ &m) {
   OptionsClass<ParameterSpace>(m, "ParameterSpace", "Which material parameters are searched.")
       .field("names", &ParameterSpace::names, "of Material")
       .field("fixed", &ParameterSpace::fixed, "gives the parameters that are not searched")
-      .field("per_iteration_stiffness", &ParameterSpace::per_iteration_stiffness, "search k' = 1 - (1 - k)^(1 / iterations)")
-      .field("iterations", &ParameterSpace::iterations, "of the solver; only for the above")
+      .field("even_steps", &ParameterSpace::even_steps,
+             "search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4")
       .get()
       .def("material", &ParameterSpace::material, py::arg("unit"))
       .def("unit", &ParameterSpace::unit, py::arg("material"));

@@ -249,7 +249,7 @@ std::string hash_problem(const CharacterSimulator &simulator, const ReferencePer
   print.add({o.dt, o.alpha, o.beta, o.gamma, o.same_comparisons ? 1.0 : 0.0, o.fast_features ? 1.0 : 0.0,
              static_cast<double>(o.settle_frames), o.rim_cap, o.feature_cap, static_cast<double>(o.outline_size),
              static_cast<double>(o.field_size), static_cast<double>(o.window), static_cast<double>(o.window_lead), o.stop_margin,
-             space.per_iteration_stiffness ? 1.0 : 0.0, static_cast<double>(space.iterations)});
+             space.even_steps ? 1.0 : 0.0});
   for (const std::string &name : space.names)
     print.add(name);
   for (const pbd::MaterialParameter &parameter : pbd::material_parameters())

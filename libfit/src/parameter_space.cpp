@@ -17,8 +17,18 @@ const pbd::MaterialParameter *find(const std::string &name) {
   return nullptr;
 }
 
-bool is_stiffness(const std::string &name) {
-  return name == "k_bend" || name == "k_stretch";
+constexpr double kStretchPower = 4; // see ParameterSpace::even_steps
+
+/// The share of a parameter's range at u, and back; both increase from 0 to 1.
+double spread(const std::string &name, double u) {
+  if (name == "d_n" || name == "d_t")
+    return u * u;
+  return name == "k_stretch" ? 1 - std::pow(1 - u, kStretchPower) : u;
+}
+double gathered(const std::string &name, double share) {
+  if (name == "d_n" || name == "d_t")
+    return std::sqrt(share);
+  return name == "k_stretch" ? 1 - std::pow(1 - share, 1 / kStretchPower) : share;
 }
 
 std::string known_names() {
@@ -36,7 +46,6 @@ void ParameterSpace::validate() const {
     require(find(names[i]) != nullptr, "ParameterSpace: names: expected some of " + known_names() + ", found '" + names[i] + "'");
     require(std::count(names.begin(), names.end(), names[i]) == 1, "ParameterSpace: names: '" + names[i] + "' is there twice");
   }
-  require(iterations >= 1, "ParameterSpace: iterations: expected at least 1, found " + std::to_string(iterations));
   pbd::validate(fixed);
 }
 
@@ -47,8 +56,8 @@ pbd::Material ParameterSpace::material(const Eigen::VectorXd &unit) const {
   for (int i = 0; i < size(); ++i) {
     const pbd::MaterialParameter &parameter = *find(names[i]);
     double u = std::clamp(unit[i], 0.0, 1.0);
-    if (per_iteration_stiffness && is_stiffness(names[i]))
-      u = 1 - std::pow(1 - u, iterations);
+    if (even_steps)
+      u = spread(names[i], u);
     result.*parameter.value = parameter.lower + u * (parameter.upper - parameter.lower);
   }
   result.k_stretch = std::max(result.k_stretch, kLeastStretch);
@@ -60,8 +69,8 @@ Eigen::VectorXd ParameterSpace::unit(const pbd::Material &material) const {
   for (int i = 0; i < size(); ++i) {
     const pbd::MaterialParameter &parameter = *find(names[i]);
     double u = (material.*parameter.value - parameter.lower) / (parameter.upper - parameter.lower);
-    if (per_iteration_stiffness && is_stiffness(names[i]))
-      u = 1 - std::pow(1 - u, 1.0 / iterations);
+    if (even_steps)
+      u = gathered(names[i], u);
     result[i] = u;
   }
   return result;

@@ -54,8 +54,7 @@ LaneGroup *make_group_16(const LaneModel &model);
 /// 64-byte aligned.
 void *lane_allocate(unsigned long bytes);
 void lane_free(void *block);
-/// Mueller et al. 2007, Sect. 3.5: velocities move by k towards the rigid motion with the same momentum and angular momentum. x
-/// and v point at the first coordinate of the lane.
-void damp_lane(const LaneModel &model, const float *x, float *v, int vertex_stride, int lanes, float k);
+/// Angular velocity (3), 1/s, of a body with this inertia (xx, xy, xz, yy, yz, zz) and angular momentum (3) about its centre.
+void lane_spin(const float *inertia, const float *momentum, float *spin);
 
 } // namespace doublet::pbd

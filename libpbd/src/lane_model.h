@@ -46,6 +46,7 @@ struct LaneModel {
   int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, node_count;
   const Triangle *faces;
   const float *weights; ///< [vertex] inverse masses
+  float mass;           ///< of all vertices that move
   const StretchConstraint *stretches;
   const BendBlock *blocks;
   const BlendConstraint *blends;

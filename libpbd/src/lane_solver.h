@@ -109,11 +109,53 @@ private:
       }
   }
 
+  /// Mueller et al. 2007, Sect. 3.5: velocities move by k_damping towards the rigid motion with the same momentum and angular
+  /// momentum.
   void damp() {
-    const float *k = reinterpret_cast<const float *>(&s_.k_damping);
-    for (int l = 0; l < kLanes; ++l)
-      if (k[l] > 0)
-        damp_lane(m_, positions() + l, velocities() + l, vertex_stride(), kLanes, k[l]);
+    const auto damped = s_.k_damping > T(0);
+    if (!any(damped) || m_.mass == 0)
+      return;
+    const T per_mass(1 / m_.mass);
+    Vec3<T> centre{T(0), T(0), T(0)}, velocity = centre, momentum = centre;
+    for (int i = 0; i < m_.vertex_count; ++i)
+      if (m_.weights[i] > 0) {
+        const T mass(1 / m_.weights[i]);
+        centre = mul_add(mass, x(i), centre);
+        velocity = mul_add(mass, v_[i], velocity);
+      }
+    centre = per_mass * centre;
+    velocity = per_mass * velocity;
+    T xx(0), xy(0), xz(0), yy(0), yz(0), zz(0); // second moments
+    for (int i = 0; i < m_.vertex_count; ++i)
+      if (m_.weights[i] > 0) {
+        const T mass(1 / m_.weights[i]);
+        const Vec3<T> r = x(i) - centre, moved = mass * r;
+        momentum += cross(moved, v_[i]);
+        xx = mul_add(moved.x, r.x, xx), xy = mul_add(moved.x, r.y, xy), xz = mul_add(moved.x, r.z, xz);
+        yy = mul_add(moved.y, r.y, yy), yz = mul_add(moved.y, r.z, yz), zz = mul_add(moved.z, r.z, zz);
+      }
+    const T inertia[6] = {yy + zz, -xy, -xz, xx + zz, -yz, xx + yy};
+    const Vec3<T> spin = spin_of(inertia, momentum);
+    for (int i = 0; i < m_.vertex_count; ++i)
+      if (m_.weights[i] > 0) {
+        const Vec3<T> rigid = velocity + cross(spin, x(i) - centre);
+        v_[i] = select(damped, mul_add(s_.k_damping, rigid - v_[i], v_[i]), v_[i]);
+      }
+  }
+  static Vec3<T> spin_of(const T (&inertia)[6], const Vec3<T> &momentum) {
+    Vec3<T> spin;
+    for (int l = 0; l < kLanes; ++l) {
+      const auto lane = [l](auto *values) { return reinterpret_cast<const float *>(values) + l; };
+      float i[6], m[3], w[3];
+      for (int k = 0; k < 6; ++k)
+        i[k] = *lane(inertia + k);
+      m[0] = *lane(&momentum.x), m[1] = *lane(&momentum.y), m[2] = *lane(&momentum.z);
+      lane_spin(i, m, w);
+      reinterpret_cast<float *>(&spin.x)[l] = w[0];
+      reinterpret_cast<float *>(&spin.y)[l] = w[1];
+      reinterpret_cast<float *>(&spin.z)[l] = w[2];
+    }
+    return spin;
   }
 
   void predict() {

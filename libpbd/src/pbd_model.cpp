@@ -307,6 +307,10 @@ void PbdModel::set_arrays() {
   a.vertex_count = vertex_count();
   a.faces = faces_.data(), a.face_count = size(faces_);
   a.weights = weights_.data();
+  a.mass = 0;
+  for (float weight : weights_)
+    if (weight > 0)
+      a.mass += 1 / weight;
   a.stretches = stretches_.data(), a.stretch_count = size(stretches_);
   a.blocks = blocks_.data(), a.block_count = size(blocks_);
   a.blends = blends_.data(), a.blend_count = size(blends_);

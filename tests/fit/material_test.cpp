@@ -456,12 +456,18 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
   ParameterSpace space;
   EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Constant(5, 0.5)).d_n, 16);
   EXPECT_GT(space.material(Eigen::VectorXd::Zero(5)).k_stretch, 0);
-  for (bool per_iteration : {false, true}) {
-    space.per_iteration_stiffness = per_iteration;
+  for (bool even : {false, true}) {
+    space.even_steps = even;
     const Eigen::VectorXd unit = space.unit(cotton());
     EXPECT_NEAR((space.unit(space.material(unit)) - unit).norm(), 0, 1e-12);
+    EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Ones(5)).d_t, 32);
+    EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Ones(5)).k_stretch, 1);
   }
-  EXPECT_NEAR(space.unit(cotton())[3], 1 - std::pow(0.001, 1.0 / 24), 1e-12); // k' of one sweep
+  const pbd::Material middle = space.material(Eigen::VectorXd::Constant(5, 0.5));
+  EXPECT_DOUBLE_EQ(middle.d_n, 8);
+  EXPECT_DOUBLE_EQ(middle.k_bend, 0.5);
+  EXPECT_DOUBLE_EQ(middle.k_stretch, 1 - 0.0625);
+  space.even_steps = false;
   space.names = {"k_damping", "d_n"};
   space.fixed = cotton();
   const pbd::Material material = space.material(Eigen::Vector2d(0.25, 0.5));

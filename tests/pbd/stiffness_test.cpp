@@ -129,8 +129,9 @@ TEST(Stiffness, RestCurvatureIsTheShareOfTheAnglesThatIsKept) {
       const double turn = share * kAngle / 2,
                    chord = turn > 0 ? kLength * std::sin(kRows * turn) / std::sin(turn) : kRows * kLength;
       EXPECT_NEAR((x.row(3 * kRows + 1) - x.row(1)).norm(), chord, 0.002) << stiffness_name(stiffness) << " " << share;
-      if (share == 1) {
-        EXPECT_LT((x - s.rest).rowwise().norm().maxCoeff(), 1e-5);
+      if (share == 1) { // its shape, wherever rounding has let it drift
+        for (Eigen::Index i = 0; i < x.rows(); ++i)
+          EXPECT_NEAR((x.row(i) - x.row(0)).norm(), (s.rest.row(i) - s.rest.row(0)).norm(), 1e-4) << i;
       }
       if (share == 0) { // in one plane
         EXPECT_LT(Vertices(x.rowwise() - x.colwise().mean()).jacobiSvd().singularValues()[2], 0.003);
