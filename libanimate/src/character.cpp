@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
+#include "garment_part.h"
 
 #include <Eigen/SparseCholesky>
 
@@ -195,6 +196,8 @@ void validate_character(const Character &c) {
   if (c.high.faces.rows() > 0) {
     require_usable(c.high, "high");
     expect("high_valid", c.high_valid.size(), c.high.faces.rows());
+    if (c.garment_subdivisions != -1)
+      detail::garment_part(c); // throws
   }
   if (c.texture.empty() != (c.texcoords.rows() == 0))
     throw Error("character: texture and texcoords must both be there or both be empty");
@@ -204,7 +207,8 @@ void validate_character(const Character &c) {
 
 Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
-                         const SolverSettings &solver, const Mesh &high, const std::vector<std::uint8_t> &high_valid) {
+                         const SolverSettings &solver, const Mesh &high, const std::vector<std::uint8_t> &high_valid,
+                         int garment_subdivisions) {
   Character c;
   c.actor = actor;
   c.clothness = clothness;
@@ -212,6 +216,7 @@ Character make_character(const RiggedMesh &actor, const Clothness &clothness, co
   c.materials = materials;
   c.solver = solver;
   c.high = high;
+  c.garment_subdivisions = garment_subdivisions;
   c.high_valid = high_valid.empty() ? std::vector<std::uint8_t>(high.faces.rows(), 1) : high_valid;
   if (body.body.faces.rows() > 0) {
     c.body = body.body;

@@ -3,8 +3,8 @@
 
 #include "doublet/animate/texture_baker.h"
 
+#include "doublet/animate/display_surface.h"
 #include "doublet/animate/image_file.h"
-#include "doublet/animate/surface_transfer.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 
@@ -291,10 +291,7 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
                          const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
                          const Context &context) {
-  if (character.high.faces.rows() == 0)
-    throw Error("texture_character: expected a character with a display mesh, found none");
-  const SurfaceTransfer transfer(character.actor.mesh, character.actor.face_valid, character.high, character.high_valid);
-  const Mesh posed{transfer.apply(surface), character.high.faces};
+  const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
   BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
   character.texcoords = std::move(baked.texcoords);
   character.texture = encode_jpeg(baked.image);

@@ -1,0 +1,245 @@
+#include "doublet/animate/display_surface.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/ray_scene.h"
+#include "garment_part.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace doublet {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kReach = 0.010;   // m, the scan is looked for so far from the garment: more is another fold
+constexpr double kSameSide = 0.5;  // cosine between the normals of garment and scan
+constexpr int kSmoothing = 2;      // rounds over the heights
+constexpr double kBlend = 0.015;   // m, over which the skin above the seam comes down to it
+constexpr double kSink = 0.0015;   // m, of the skin under the seam ...
+constexpr double kSinkSlope = 0.3; // ... more per way below it ...
+constexpr double kDeepest = 0.010; // m, ... up to this
+
+Vertices rows_of(const Vertices &all, const std::vector<int> &rows) {
+  Vertices part(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    part.row(static_cast<Eigen::Index>(i)) = all.row(rows[i]);
+  return part;
+}
+
+/// (G', 3) unit normals of the subdivided surface, as smooth as that: the coarse ones subdivided.
+Vertices smooth_normals(const Eigen::SparseMatrix<double, Eigen::RowMajor> &subdivide, const Mesh &coarse) {
+  Vertices normals = subdivide * vertex_normals(coarse.vertices, coarse.faces);
+  for (Eigen::Index v = 0; v < normals.rows(); ++v)
+    if (normals.row(v).norm() > 0)
+      normals.row(v).normalize();
+  return normals;
+}
+
+/// m along the normal to the nearest of the scan's faces that looks the same way; NaN if there is none within reach.
+double height_of_scan(const RayScene &scene, const Vertices &scan_normals, const Vector3d &p, const Vector3d &normal) {
+  double best = std::numeric_limits<double>::quiet_NaN();
+  for (const double side : {1.0, -1.0}) {
+    const auto hit = scene.cast(p, side * normal, 0, kReach);
+    if (hit && scan_normals.row(hit->face).dot(normal.transpose()) > kSameSide && !(std::abs(best) <= hit->distance))
+      best = side * hit->distance;
+  }
+  return best;
+}
+
+/// NaN become the mean of their neighbours, ring by ring (0 where nothing is known); then all are smoothed.
+void fill_and_smooth(const Faces &faces, Eigen::VectorXd &heights) {
+  const auto neighbours = vertex_neighbours(faces, static_cast<int>(heights.size()));
+  const auto mean_around = [&](const Eigen::VectorXd &from, Eigen::Index v) {
+    double sum = 0;
+    int count = 0;
+    for (int w : neighbours[v])
+      if (!std::isnan(from[w])) {
+        sum += from[w];
+        ++count;
+      }
+    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  };
+  for (bool grew = true; grew;) {
+    grew = false;
+    const Eigen::VectorXd before = heights;
+    for (Eigen::Index v = 0; v < heights.size(); ++v)
+      if (std::isnan(before[v])) {
+        heights[v] = mean_around(before, v);
+        grew |= !std::isnan(heights[v]);
+      }
+  }
+  heights = heights.array().isNaN().select(0.0, heights);
+  for (int round = 0; round < kSmoothing; ++round) {
+    const Eigen::VectorXd before = heights;
+    for (Eigen::Index v = 0; v < heights.size(); ++v)
+      if (!neighbours[v].empty())
+        heights[v] = 0.5 * before[v] + 0.5 * mean_around(before, v);
+  }
+}
+
+/// The garment as it is drawn: subdivided, and out to the scan.
+Mesh displaced(const Mesh &garment, const detail::Subdivision &fine, const Mesh &scan) {
+  const Vertices smooth = fine.weights * garment.vertices, normals = smooth_normals(fine.weights, garment);
+  const RayScene scene(scan);
+  const Vertices scan_normals = face_normals(scan.vertices, scan.faces);
+  Eigen::VectorXd heights(smooth.rows());
+  for (Eigen::Index v = 0; v < smooth.rows(); ++v)
+    heights[v] = height_of_scan(scene, scan_normals, smooth.row(v), normals.row(v));
+  fill_and_smooth(fine.faces, heights);
+  return {smooth + heights.asDiagonal() * normals, fine.faces};
+}
+
+/// How often to halve the garment's edges to come nearest to the scan's.
+int levels_for(const detail::Worn &garment, const Clothness &clothness, const Mesh &high) {
+  const double coarse = mean_edge_length(rows_of(clothness.rest, garment.vertices), garment.mesh.faces);
+  const double levels = std::log2(coarse / mean_edge_length(high.vertices, high.faces));
+  return std::clamp(static_cast<int>(std::lround(levels)), 0, detail::kMostSubdivisions);
+}
+
+Vector3d closest_on_segment(const Vector3d &p, const Vector3d &a, const Vector3d &b) {
+  const Vector3d ab = b - a;
+  return a + std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-18), 0.0, 1.0) * ab;
+}
+
+/// Sinks what of the skin lies under the garment, along the seam: nothing at `kBlend` above it, deeper the further below.
+class Seam {
+public:
+  Seam(const Mesh &garment)
+      : garment_(garment), normals_(vertex_normals(garment.vertices, garment.faces)), scene_(garment) {
+    const EdgeTopology topology = edge_topology(garment.faces);
+    for (std::size_t e = 0; e < topology.edges.size(); ++e)
+      if (topology.edge_faces[e][1] < 0)
+        edges_.push_back(topology.edges[e]);
+  }
+
+  Vector3d sunk(const Vector3d &p) const {
+    const ClosestPoint at = scene_.closest(p);
+    double from_edge = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector2i &edge : edges_)
+      from_edge = std::min(from_edge, (closest_on_segment(at.point, garment_.vertices.row(edge[0]),
+                                                          garment_.vertices.row(edge[1])) -
+                                       at.point)
+                                          .norm());
+    const bool below = from_edge > 1e-6; // the closest point is inside the garment
+    const double way = below ? from_edge : -at.distance;
+    if (way < -kBlend || (below && at.distance > kReach))
+      return p;
+    Vector3d normal = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      normal += at.barycentric[k] * normals_.row(garment_.faces(at.face, k)).transpose();
+    if (!(normal.norm() > 0))
+      return p;
+    normal.normalize();
+    const double height = (p - at.point).dot(normal), share = std::clamp(1 + way / kBlend, 0.0, 1.0);
+    const double wanted = -std::min(kSink + kSinkSlope * std::max(way, 0.0), kDeepest);
+    return p + share * std::min(wanted - height, 0.0) * normal;
+  }
+
+private:
+  const Mesh &garment_;
+  Vertices normals_;
+  RayScene scene_;
+  std::vector<Eigen::Vector2i> edges_;
+};
+
+Mesh joined(const Mesh &first, const Mesh &second) {
+  Mesh both{Vertices(first.vertices.rows() + second.vertices.rows(), 3), Faces(first.faces.rows() + second.faces.rows(), 3)};
+  both.vertices << first.vertices, second.vertices;
+  both.faces << first.faces, Faces(second.faces.array() + static_cast<int>(first.vertices.rows()));
+  return both;
+}
+
+} // namespace
+
+Display make_display(const RiggedMesh &actor, const Clothness &clothness, const Mesh &high) {
+  require_usable(actor.mesh, "actor");
+  require_usable(high, "high");
+  const detail::Worn garment = detail::worn_garment(actor, clothness);
+  std::vector<std::uint8_t> skip(actor.mesh.faces.rows(), 0);
+  for (int f : garment.faces)
+    skip[f] = 1;
+  const RayScene body(actor.mesh, skip);
+  Display display{high, std::vector<std::uint8_t>(high.faces.rows())};
+  std::vector<int> skin_faces;
+  for (int f = 0; f < high.faces.rows(); ++f) {
+    const Vertices &v = high.vertices;
+    const Vector3d centre = (v.row(high.faces(f, 0)) + v.row(high.faces(f, 1)) + v.row(high.faces(f, 2))) / 3;
+    display.valid[f] = actor.face_valid[body.closest(centre).face];
+    if (display.valid[f])
+      skin_faces.push_back(f);
+  }
+  if (garment.faces.empty())
+    return display;
+  display.garment_subdivisions = levels_for(garment, clothness, high);
+  const detail::Subdivision fine = detail::subdivide(
+      garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
+  const Mesh cloth = displaced(garment.mesh, fine, high);
+  Mesh skin = skin_faces.empty() ? Mesh{Vertices(0, 3), Faces(0, 3)} : submesh(high, skin_faces);
+  const Seam seam(cloth);
+  for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v)
+    skin.vertices.row(v) = seam.sunk(skin.vertices.row(v));
+  display.mesh = joined(skin, cloth);
+  display.valid.assign(display.mesh.faces.rows(), 1);
+  return display;
+}
+
+DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.mesh.vertices.rows()) {
+  if (c.high.faces.rows() == 0)
+    throw Error("DisplaySurface: expected a character with a display mesh, found none");
+  if (c.garment_subdivisions < 0) {
+    skin_.emplace(c.actor.mesh, c.actor.face_valid, c.high, c.high_valid);
+    skin_vertices_ = c.high.vertices.rows();
+    return;
+  }
+  const detail::GarmentPart part = detail::garment_part(c);
+  garment_vertices_ = part.garment.vertices;
+  garment_faces_ = part.garment.mesh.faces;
+  skin_vertices_ = part.skin_vertices;
+  subdivide_ = part.fine.weights;
+  const Vertices smooth = subdivide_ * part.garment.mesh.vertices, normals = smooth_normals(subdivide_, part.garment.mesh);
+  heights_ = (c.high.vertices.bottomRows(smooth.rows()) - smooth).cwiseProduct(normals).rowwise().sum();
+  if (skin_vertices_ == 0)
+    return;
+  std::vector<std::uint8_t> valid = c.actor.face_valid;
+  for (int f : part.garment.faces)
+    valid[f] = 0;
+  skin_.emplace(c.actor.mesh, valid, Mesh{c.high.vertices.topRows(skin_vertices_), c.high.faces.topRows(part.skin_faces)},
+                std::vector<std::uint8_t>{});
+}
+
+Vertices DisplaySurface::apply(const Vertices &surface) const {
+  if (surface.rows() != coarse_vertices_)
+    throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) +
+                                " vertices, expected " + std::to_string(coarse_vertices_));
+  Vertices high(skin_vertices_ + subdivide_.rows(), 3);
+  if (skin_)
+    high.topRows(skin_vertices_) = skin_->apply(surface);
+  if (!garment_vertices_.empty()) {
+    const Mesh garment{rows_of(surface, garment_vertices_), garment_faces_};
+    high.bottomRows(subdivide_.rows()) =
+        subdivide_ * garment.vertices + heights_.asDiagonal() * smooth_normals(subdivide_, garment);
+  }
+  return high;
+}
+
+MatrixRM DisplaySurface::sample(const MatrixRM &values) const {
+  if (values.rows() != coarse_vertices_)
+    throw std::invalid_argument("DisplaySurface::sample: values has " + std::to_string(values.rows()) + " rows, expected " +
+                                std::to_string(coarse_vertices_));
+  MatrixRM result(skin_vertices_ + subdivide_.rows(), values.cols());
+  if (skin_)
+    result.topRows(skin_vertices_) = skin_->sample(values);
+  if (!garment_vertices_.empty()) {
+    MatrixRM garment(garment_vertices_.size(), values.cols());
+    for (std::size_t i = 0; i < garment_vertices_.size(); ++i)
+      garment.row(i) = values.row(garment_vertices_[i]);
+    result.bottomRows(subdivide_.rows()) = subdivide_ * garment;
+  }
+  return result;
+}
+
+} // namespace doublet
