@@ -204,7 +204,8 @@ void bind_texture(py::module_ &m) {
       .field("size", &TextureOptions::size, "pixels, width and height of the atlas")
       .field("facing_power", &TextureOptions::facing_power, "cameras count by cos^k of the angle between normal and ray")
       .field("grazing", &TextureOptions::grazing, "cameras below this cosine do not count")
-      .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden");
+      .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden")
+      .field("edge_margin", &TextureOptions::edge_margin, "m, a point this close to the edge of something in front is hidden");
   m.def(
       "bake_texture",
       [](Character &character, const Vertices &posed_high, const CameraRig &cameras, const std::vector<Image> &images,

@@ -18,10 +18,12 @@ using Eigen::Vector3d;
 constexpr double kReach = 0.010;   // m, the scan is looked for so far from the garment: more is another fold
 constexpr double kSameSide = 0.5;  // cosine between the normals of garment and scan
 constexpr int kSmoothing = 2;      // rounds over the heights
-constexpr double kBlend = 0.015;   // m, over which the skin above the seam comes down to it
-constexpr double kSink = 0.0015;   // m, of the skin under the seam ...
-constexpr double kSinkSlope = 0.3; // ... more per way below it ...
-constexpr double kDeepest = 0.010; // m, ... up to this
+constexpr double kSink = 0.0003;   // m, of the skin just under the seam: it must not show as a step ...
+constexpr double kSinkBend = 10;   // 1/m, ... more with the square of the way below it ...
+constexpr double kDeepest = 0.004; // m, ... up to this
+constexpr double kHidden = 0.06;   // m, skin so far below the seam at most is under the garment; further down it is a limb's
+constexpr double kAtSeam = 0.03;   // m, about a triangle of M, which may count as covered although the seam runs through it
+constexpr double kCrumb = 0.005;   // m^2, skin in smaller pieces is what the mask left of the sheet below a hem
 
 Vertices rows_of(const Vertices &all, const std::vector<int> &rows) {
   Vertices part(static_cast<Eigen::Index>(rows.size()), 3);
@@ -100,51 +102,100 @@ int levels_for(const detail::Worn &garment, const Clothness &clothness, const Me
   return std::clamp(static_cast<int>(std::lround(levels)), 0, detail::kMostSubdivisions);
 }
 
-Vector3d closest_on_segment(const Vector3d &p, const Vector3d &a, const Vector3d &b) {
+double distance_to_segment(const Vector3d &p, const Vector3d &a, const Vector3d &b) {
   const Vector3d ab = b - a;
-  return a + std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-18), 0.0, 1.0) * ab;
+  return (p - a - std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-18), 0.0, 1.0) * ab).norm();
 }
 
-/// Sinks what of the skin lies under the garment, along the seam: nothing at `kBlend` above it, deeper the further below.
+Eigen::VectorXd clothness_of(const std::vector<int> &vertices, const Eigen::SparseMatrix<double, Eigen::RowMajor> &subdivide,
+                             const Clothness &clothness) {
+  Eigen::VectorXd coarse(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    coarse[static_cast<Eigen::Index>(i)] = clothness.clothness[vertices[i]];
+  return subdivide * coarse;
+}
+
+/// The edges along which the garment hangs, and what of the skin lies under it there.
 class Seam {
 public:
-  Seam(const Mesh &garment)
-      : garment_(garment), normals_(vertex_normals(garment.vertices, garment.faces)), scene_(garment) {
-    const EdgeTopology topology = edge_topology(garment.faces);
+  /// `cloth`: the subdivided garment; `clothness` of its vertices, 0 = hangs.
+  Seam(const Mesh &cloth, const Eigen::VectorXd &clothness)
+      : cloth_(cloth), normals_(vertex_normals(cloth.vertices, cloth.faces)), scene_(cloth) {
+    const EdgeTopology topology = edge_topology(cloth.faces);
     for (std::size_t e = 0; e < topology.edges.size(); ++e)
-      if (topology.edge_faces[e][1] < 0)
+      if (topology.edge_faces[e][1] < 0 && clothness[topology.edges[e][0]] + clothness[topology.edges[e][1]] < 1e-9)
         edges_.push_back(topology.edges[e]);
   }
 
-  Vector3d sunk(const Vector3d &p) const {
+  enum class Side { Above, AtSeam, Under, Away };
+  struct Place {
+    Side side = Side::Away;
+    double below = 0, height = 0; ///< m, way from the seam; along `normal`, < 0 = under the garment
+    Vector3d normal = Vector3d::Zero();
+  };
+  /// Where a point of the skin is: above the seam (nothing of the garment is nearer), so but close to it, under the garment just
+  /// below it, or elsewhere.
+  Place place(const Vector3d &p) const {
     const ClosestPoint at = scene_.closest(p);
-    double from_edge = std::numeric_limits<double>::infinity();
+    double below = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector2i &edge : edges_)
-      from_edge = std::min(from_edge, (closest_on_segment(at.point, garment_.vertices.row(edge[0]),
-                                                          garment_.vertices.row(edge[1])) -
-                                       at.point)
-                                          .norm());
-    const bool below = from_edge > 1e-6; // the closest point is inside the garment
-    const double way = below ? from_edge : -at.distance;
-    if (way < -kBlend || (below && at.distance > kReach))
-      return p;
+      below = std::min(below, distance_to_segment(at.point, cloth_.vertices.row(edge[0]), cloth_.vertices.row(edge[1])));
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < 3; ++k)
-      normal += at.barycentric[k] * normals_.row(garment_.faces(at.face, k)).transpose();
-    if (!(normal.norm() > 0))
+      normal += at.barycentric[k] * normals_.row(cloth_.faces(at.face, k)).transpose();
+    if (below < 1e-6)
+      return {at.distance < kAtSeam ? Side::AtSeam : Side::Above};
+    if (at.distance > kReach || below > kHidden || !(normal.norm() > 0))
+      return {Side::Away};
+    return {Side::Under, below, (p - at.point).dot(normal.normalized()), normal.normalized()};
+  }
+
+  Vector3d sunk(const Vector3d &p) const {
+    const Place at = place(p);
+    if (at.side != Side::Under)
       return p;
-    normal.normalize();
-    const double height = (p - at.point).dot(normal), share = std::clamp(1 + way / kBlend, 0.0, 1.0);
-    const double wanted = -std::min(kSink + kSinkSlope * std::max(way, 0.0), kDeepest);
-    return p + share * std::min(wanted - height, 0.0) * normal;
+    const double wanted = -std::min(kSink + kSinkBend * at.below * at.below, kDeepest);
+    return p + std::min(wanted - at.height, 0.0) * at.normal;
+  }
+
+  /// The faces of M_high that show beside the garment or lie across the seam. `valid`: where M is valid, and not covered.
+  std::vector<int> skin(const Mesh &high, const std::vector<std::uint8_t> &valid) const {
+    std::vector<Side> sides(high.vertices.rows());
+    for (Eigen::Index v = 0; v < high.vertices.rows(); ++v)
+      sides[v] = place(high.vertices.row(v)).side;
+    std::vector<int> shown;
+    for (int f = 0; f < high.faces.rows(); ++f) {
+      const auto any = [&](Side side) {
+        return sides[high.faces(f, 0)] == side || sides[high.faces(f, 1)] == side || sides[high.faces(f, 2)] == side;
+      };
+      if (any(Side::AtSeam) || (valid[f] && !any(Side::Under)))
+        shown.push_back(f);
+    }
+    return shown;
   }
 
 private:
-  const Mesh &garment_;
+  const Mesh &cloth_;
   Vertices normals_;
   RayScene scene_;
   std::vector<Eigen::Vector2i> edges_;
 };
+
+/// Of the faces, those in connected pieces of some size.
+std::vector<int> without_crumbs(const Mesh &mesh, const std::vector<int> &faces) {
+  const Mesh part = submesh(mesh, faces);
+  int count = 0;
+  const Eigen::VectorXi piece = vertex_components(part.faces, static_cast<int>(part.vertices.rows()), &count);
+  const Eigen::VectorXd areas = face_areas(part.vertices, part.faces);
+  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index f = 0; f < areas.size(); ++f)
+    sizes[piece[part.faces(f, 0)]] += areas[f];
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (sizes[piece[part.faces(static_cast<Eigen::Index>(i), 0)]] >= kCrumb)
+      kept.push_back(faces[i]);
+  return kept;
+}
 
 Mesh joined(const Mesh &first, const Mesh &second) {
   Mesh both{Vertices(first.vertices.rows() + second.vertices.rows(), 3), Faces(first.faces.rows() + second.faces.rows(), 3)};
@@ -164,13 +215,10 @@ Display make_display(const RiggedMesh &actor, const Clothness &clothness, const 
     skip[f] = 1;
   const RayScene body(actor.mesh, skip);
   Display display{high, std::vector<std::uint8_t>(high.faces.rows())};
-  std::vector<int> skin_faces;
   for (int f = 0; f < high.faces.rows(); ++f) {
     const Vertices &v = high.vertices;
     const Vector3d centre = (v.row(high.faces(f, 0)) + v.row(high.faces(f, 1)) + v.row(high.faces(f, 2))) / 3;
     display.valid[f] = actor.face_valid[body.closest(centre).face];
-    if (display.valid[f])
-      skin_faces.push_back(f);
   }
   if (garment.faces.empty())
     return display;
@@ -178,8 +226,8 @@ Display make_display(const RiggedMesh &actor, const Clothness &clothness, const 
   const detail::Subdivision fine = detail::subdivide(
       garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
   const Mesh cloth = displaced(garment.mesh, fine, high);
-  Mesh skin = skin_faces.empty() ? Mesh{Vertices(0, 3), Faces(0, 3)} : submesh(high, skin_faces);
-  const Seam seam(cloth);
+  const Seam seam(cloth, clothness_of(garment.vertices, fine.weights, clothness));
+  Mesh skin = submesh(high, without_crumbs(high, seam.skin(high, display.valid)));
   for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v)
     skin.vertices.row(v) = seam.sunk(skin.vertices.row(v));
   display.mesh = joined(skin, cloth);
@@ -207,8 +255,22 @@ DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.me
   std::vector<std::uint8_t> valid = c.actor.face_valid;
   for (int f : part.garment.faces)
     valid[f] = 0;
-  skin_.emplace(c.actor.mesh, valid, Mesh{c.high.vertices.topRows(skin_vertices_), c.high.faces.topRows(part.skin_faces)},
-                std::vector<std::uint8_t>{});
+  const Mesh skin{c.high.vertices.topRows(skin_vertices_), c.high.faces.topRows(part.skin_faces)};
+  skin_.emplace(c.actor.mesh, valid, skin, std::vector<std::uint8_t>{});
+  const Mesh cloth{c.high.vertices.bottomRows(smooth.rows()), part.fine.faces};
+  const Seam seam(cloth, clothness_of(garment_vertices_, subdivide_, c.clothness));
+  std::vector<char> under(skin_vertices_);
+  for (Eigen::Index v = 0; v < skin_vertices_; ++v)
+    under[v] = seam.place(skin.vertices.row(v)).side == Seam::Side::Under;
+  std::vector<int> faces;
+  for (int f = 0; f < skin.faces.rows(); ++f)
+    if (under[skin.faces(f, 0)] || under[skin.faces(f, 1)] || under[skin.faces(f, 2)])
+      faces.push_back(f);
+  if (faces.empty())
+    return;
+  under_garment_.emplace(cloth, std::vector<std::uint8_t>{}, submesh(skin, faces, &under_vertices_), std::vector<std::uint8_t>{});
+  for (int &v : under_vertices_)
+    v = under[v] ? v : -1;
 }
 
 Vertices DisplaySurface::apply(const Vertices &surface) const {
@@ -222,6 +284,12 @@ Vertices DisplaySurface::apply(const Vertices &surface) const {
     const Mesh garment{rows_of(surface, garment_vertices_), garment_faces_};
     high.bottomRows(subdivide_.rows()) =
         subdivide_ * garment.vertices + heights_.asDiagonal() * smooth_normals(subdivide_, garment);
+  }
+  if (under_garment_) {
+    const Vertices under = under_garment_->apply(high.bottomRows(subdivide_.rows()));
+    for (std::size_t i = 0; i < under_vertices_.size(); ++i)
+      if (under_vertices_[i] >= 0)
+        high.row(under_vertices_[i]) = under.row(static_cast<Eigen::Index>(i));
   }
   return high;
 }

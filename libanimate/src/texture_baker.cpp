@@ -82,6 +82,20 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
   return true;
 }
 
+/// Is something well in front of `depth` within `around` pixels? Its edge may have been there: surfaces are not exactly known.
+bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double around) {
+  constexpr double kWell = 0.05; // m
+  for (int k = 0; k < 8; ++k) {
+    const double angle = k * M_PI / 4;
+    const int x = static_cast<int>(std::lround(pixel.x() + around * std::cos(angle))),
+              y = static_cast<int>(std::lround(pixel.y() + around * std::sin(angle)));
+    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
+        buffer.depth_at(x, y) < depth - kWell)
+      return true;
+  }
+  return false;
+}
+
 class Baker {
 public:
   Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
@@ -117,7 +131,8 @@ public:
       // Within the pixels looked at, a slanted surface comes nearer by their size on it.
       const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
       const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
-      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel))
+      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel) ||
+          near_an_edge(view.buffer, pixel, depth, options_.edge_margin * view.camera->K(0, 0) / depth))
         continue;
       const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
       colour += weight * sample(*view.image, pixel);
@@ -233,6 +248,7 @@ void TextureOptions::validate() const {
   check(facing_power >= 0 && facing_power <= 64, "facing_power must be in [0, 64], found " + std::to_string(facing_power));
   check(grazing >= 0 && grazing < 1, "grazing must be in [0, 1), found " + std::to_string(grazing));
   check(depth_margin > 0, "depth_margin must be positive, found " + std::to_string(depth_margin));
+  check(edge_margin >= 0 && edge_margin <= 1, "edge_margin must be in [0, 1], found " + std::to_string(edge_margin));
 }
 
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,

@@ -39,6 +39,8 @@ public:
 
 private:
   std::optional<SurfaceTransfer> skin_;                   ///< of the vertices before the garment's; none = no such vertices
+  std::optional<SurfaceTransfer> under_garment_;          ///< the skin below the seam follows the garment as it is drawn
+  std::vector<int> under_vertices_;                       ///< of M_high, for each that it carries; -1 = it stays with the skin
   Eigen::Index skin_vertices_ = 0, coarse_vertices_ = 0;
   std::vector<int> garment_vertices_;                     ///< [G] of M
   Faces garment_faces_;                                   ///< (H, 3) of those
