@@ -157,7 +157,7 @@ void bind_streaming(py::module_ &m) {
       py::arg("context") = interruptible_context(), Release(), "Calls frame(AnimationFrame) in order and keeps nothing.");
   m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release());
   OptionsClass<BakedGlbOptions>(m, "BakedGlbOptions", "Options of write_baked_glb.")
-      .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes of the surface that are stored")
+      .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes that are stored; 0 = every frame")
       .field("most_keys", &BakedGlbOptions::most_keys, "a long clip gets fewer keys a second");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
         py::arg("options") = BakedGlbOptions{}, Release());

@@ -39,7 +39,7 @@ std::vector<int> flatten(const Faces &faces) {
 }
 
 std::vector<int> key_frames(int frames, double fps, const BakedGlbOptions &options) {
-  int stride = std::max(1, static_cast<int>(std::lround(fps / options.keys_per_second)));
+  int stride = options.keys_per_second > 0 ? std::max(1, static_cast<int>(std::lround(fps / options.keys_per_second))) : 1;
   stride = std::max(stride, (frames + options.most_keys - 2) / std::max(options.most_keys - 1, 1));
   std::vector<int> keys;
   for (int t = 0; t < frames; t += stride)
@@ -222,8 +222,8 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
 }
 
 void BakedGlbOptions::validate() const {
-  if (!(keys_per_second > 0) || keys_per_second > 1000)
-    throw std::invalid_argument("BakedGlbOptions.keys_per_second must be in (0, 1000], found " + std::to_string(keys_per_second));
+  if (!(keys_per_second >= 0) || keys_per_second > 1000)
+    throw std::invalid_argument("BakedGlbOptions.keys_per_second must be in [0, 1000], found " + std::to_string(keys_per_second));
   if (most_keys < 2 || most_keys > 5000)
     throw std::invalid_argument("BakedGlbOptions.most_keys must be in [2, 5000], found " + std::to_string(most_keys));
 }

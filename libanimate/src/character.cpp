@@ -17,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kTouching = 0.010; // m, closer than this body and surface are the same skin (fit residual)
 constexpr double kExposed = 0.030;  // m, farther than this the surface says nothing about the body's weights
+constexpr int kOverlap = 2;         // triangles of the body drawn under skin's edge below a hem, which is cut to the sheet
 constexpr double kReach = 0.6;      // m, how far outside a limb its garment may hang
 
 double interpolate(const Eigen::VectorXd &values, const Faces &faces, const ClosestPoint &at) {
@@ -73,6 +74,15 @@ std::vector<std::uint8_t> majority(const std::vector<std::uint8_t> &flags, const
     if (2 * set != neighbours[v].size())
       result[v] = 2 * set > neighbours[v].size();
   }
+  return result;
+}
+
+/// Also the neighbours.
+std::vector<std::uint8_t> grown(const std::vector<std::uint8_t> &flags, const Faces &faces) {
+  std::vector<std::uint8_t> result = flags;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      result[faces(f, k)] |= flags[faces(f, (k + 1) % 3)] | flags[faces(f, (k + 2) % 3)];
   return result;
 }
 
@@ -222,7 +232,9 @@ Character make_character(const RiggedMesh &actor, const Clothness &clothness, co
     c.body = body.body;
     c.body_model = body.model;
     c.body_weights = transfer_weights(actor, clothness, body.body);
-    const std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
+    std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
+    for (int ring = 0; ring < kOverlap && garment_subdivisions >= 0; ++ring)
+      hidden = grown(hidden, body.body.faces);
     c.body_shown.resize(c.body.faces.rows());
     for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f)
       c.body_shown[f] = hidden[c.body.faces(f, 0)] || hidden[c.body.faces(f, 1)] || hidden[c.body.faces(f, 2)];

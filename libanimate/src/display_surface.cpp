@@ -23,7 +23,13 @@ constexpr double kSinkBend = 10;   // 1/m, ... more with the square of the way b
 constexpr double kDeepest = 0.004; // m, ... up to this
 constexpr double kHidden = 0.06;   // m, skin so far below the seam at most is under the garment; further down it is a limb's
 constexpr double kAtSeam = 0.03;   // m, about a triangle of M, which may count as covered although the seam runs through it
+constexpr double kNearHem = 0.15;  // m, about the radius of what closes a hem in the scan ...
+constexpr double kFacesOut = 0.5;  // ... cosine of its normals to the way the garment ends
 constexpr double kCrumb = 0.005;   // m^2, skin in smaller pieces is what the mask left of the sheet below a hem
+
+Vector3d centre_of(const Mesh &mesh, int f) {
+  return (mesh.vertices.row(mesh.faces(f, 0)) + mesh.vertices.row(mesh.faces(f, 1)) + mesh.vertices.row(mesh.faces(f, 2))) / 3;
+}
 
 Vertices rows_of(const Vertices &all, const std::vector<int> &rows) {
   Vertices part(static_cast<Eigen::Index>(rows.size()), 3);
@@ -181,6 +187,61 @@ private:
   std::vector<Eigen::Vector2i> edges_;
 };
 
+/// Where the garment ends free, and which way: along itself, across the edge.
+class Hem {
+public:
+  Hem(const Mesh &garment, const Eigen::VectorXd &clothness) {
+    const EdgeTopology topology = edge_topology(garment.faces);
+    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+      const Eigen::Vector2i &edge = topology.edges[e];
+      if (topology.edge_faces[e][1] >= 0 || clothness[edge[0]] + clothness[edge[1]] < 1e-9)
+        continue;
+      const Vector3d a = garment.vertices.row(edge[0]), b = garment.vertices.row(edge[1]);
+      const Eigen::RowVector3i face = garment.faces.row(topology.edge_faces[e][0]);
+      const Vector3d inner = garment.vertices.row(face.sum() - edge.sum()), along = (b - a).normalized();
+      places_.push_back((a + b) / 2);
+      ways_.push_back((a - inner) - (a - inner).dot(along) * along);
+    }
+  }
+
+  /// Does this lie before the opening, and look out of it?
+  bool closed_by(const Vector3d &centre, const Vector3d &normal) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    Vector3d way = Vector3d::Zero();
+    for (std::size_t e = 0; e < places_.size(); ++e) {
+      const double distance = (places_[e] - centre).norm();
+      nearest = std::min(nearest, distance);
+      way += std::exp(-0.5 * distance * distance / (kNearHem * kNearHem)) * ways_[e];
+    }
+    return nearest < kNearHem && normal.dot(way.normalized()) > kFacesOut;
+  }
+
+private:
+  std::vector<Vector3d> places_, ways_;
+};
+
+/// Takes from the valid faces what the mask left of the sheet that closes the scan below a hem: joined to what is not drawn, and
+/// looking out of the garment.
+void drop_sheet(const Mesh &high, const Hem &hem, std::vector<std::uint8_t> &valid) {
+  const Vertices normals = face_normals(high.vertices, high.faces);
+  std::vector<std::vector<int>> beside(high.faces.rows());
+  for (const Eigen::Vector2i &pair : edge_topology(high.faces).edge_faces)
+    if (pair[1] >= 0) {
+      beside[pair[0]].push_back(pair[1]);
+      beside[pair[1]].push_back(pair[0]);
+    }
+  std::vector<int> front;
+  for (int f = 0; f < high.faces.rows(); ++f)
+    if (!valid[f])
+      front.push_back(f);
+  for (std::size_t i = 0; i < front.size(); ++i)
+    for (int f : beside[front[i]])
+      if (valid[f] && hem.closed_by(centre_of(high, f), normals.row(f))) {
+        valid[f] = 0;
+        front.push_back(f);
+      }
+}
+
 /// Of the faces, those in connected pieces of some size.
 std::vector<int> without_crumbs(const Mesh &mesh, const std::vector<int> &faces) {
   const Mesh part = submesh(mesh, faces);
@@ -215,18 +276,17 @@ Display make_display(const RiggedMesh &actor, const Clothness &clothness, const 
     skip[f] = 1;
   const RayScene body(actor.mesh, skip);
   Display display{high, std::vector<std::uint8_t>(high.faces.rows())};
-  for (int f = 0; f < high.faces.rows(); ++f) {
-    const Vertices &v = high.vertices;
-    const Vector3d centre = (v.row(high.faces(f, 0)) + v.row(high.faces(f, 1)) + v.row(high.faces(f, 2))) / 3;
-    display.valid[f] = actor.face_valid[body.closest(centre).face];
-  }
+  for (int f = 0; f < high.faces.rows(); ++f)
+    display.valid[f] = actor.face_valid[body.closest(centre_of(high, f)).face];
   if (garment.faces.empty())
     return display;
   display.garment_subdivisions = levels_for(garment, clothness, high);
   const detail::Subdivision fine = detail::subdivide(
       garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
   const Mesh cloth = displaced(garment.mesh, fine, high);
-  const Seam seam(cloth, clothness_of(garment.vertices, fine.weights, clothness));
+  const Eigen::VectorXd cloth_clothness = clothness_of(garment.vertices, fine.weights, clothness);
+  drop_sheet(high, Hem(cloth, cloth_clothness), display.valid);
+  const Seam seam(cloth, cloth_clothness);
   Mesh skin = submesh(high, without_crumbs(high, seam.skin(high, display.valid)));
   for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v)
     skin.vertices.row(v) = seam.sunk(skin.vertices.row(v));

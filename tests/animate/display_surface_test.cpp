@@ -110,6 +110,46 @@ TEST(DisplaySurface, HemIsOneSmoothCurve) {
   EXPECT_EQ(edges, 2 * 36);
 }
 
+TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
+  Wearer w = wearer();
+  const auto sheet = [](int rings, int segments) { // looks down; its outer half was invented
+    Mesh mesh = tube(
+        {0, 0, 0}, {0, 1, 0}, [](double s) { return 0.08 + 0.12 * s; }, rings, segments);
+    mesh.vertices.col(1).setConstant(kHem);
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+      if (face_normals(mesh.vertices, mesh.faces.row(f))(0, 1) > 0)
+        std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
+    return mesh;
+  };
+  const auto leg = [](int rings, int segments) {
+    return tube(
+        {0, 0, 0}, {0, kHem, 0}, [](double) { return 0.08; }, rings, segments);
+  };
+  const Mesh more = join({sheet(8, 40), leg(16, 20)});
+  const Eigen::Index before = w.actor.mesh.vertices.rows(), count = more.vertices.rows();
+  w.actor.mesh = join({w.actor.mesh, more});
+  for (Eigen::Index f = 0; f < more.faces.rows(); ++f)
+    w.actor.face_valid.push_back(f >= 8 * 40 * 2 || more.vertices.row(more.faces(f, 0)).norm() < std::hypot(0.14, kHem));
+  w.actor.weights = MatrixRM::Ones(before + count, 1);
+  const auto longer = [&](auto &values, auto value) {
+    values.conservativeResize(before + count);
+    values.tail(count).setConstant(value);
+  };
+  longer(w.clothness.sigma, 0.0);
+  longer(w.clothness.clothness, 0.0);
+  longer(w.clothness.region, -1);
+  w.clothness.rest = w.actor.mesh.vertices;
+  w.high = join({w.high, sheet(14, 60), leg(30, 40)});
+  const Display display = make_display(w.actor, w.clothness, w.high);
+  const Vertices normals = face_normals(display.mesh.vertices, display.mesh.faces);
+  int legs = 0;
+  for (Eigen::Index f = 0; f < normals.rows(); ++f) {
+    EXPECT_GT(normals(f, 1), -0.9);
+    legs += display.mesh.vertices(display.mesh.faces(f, 0), 1) < kHem - 0.001;
+  }
+  EXPECT_EQ(legs, 30 * 40 * 2);
+}
+
 TEST(DisplaySurface, BridgedFoldIsNotFollowed) {
   const Wearer w = wearer(0.08);
   const Character c = character_of(w);

@@ -254,19 +254,22 @@ TEST(BakedFile, GlbHasOneShapeAKey) {
   const TempFolder folder;
   const Character c = figure_character();
   const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 41, 40)});
-  write_baked_glb(folder / "a.glb", c, animation); // 40 1/s, 10 keys a second: frames 0, 4, ..., 40
+  BakedGlbOptions few;
+  few.keys_per_second = 10; // of 40 frames a second: 0, 4, ..., 40
+  write_baked_glb(folder / "a.glb", c, animation, few);
   const std::string json = glb_json(folder / "a.glb");
   EXPECT_EQ(count(json, "\"JOINTS_0\""), 2u); // surface and body follow the bones between the keys, too
   EXPECT_EQ(count(json, "\"path\":\"weights\""), 2u);
   EXPECT_EQ(count(json, "\"doubleSided\":true"), 1u); // the inner side of cloth
   EXPECT_EQ(count(json, "\"path\":\"translation\""), 1u);
   EXPECT_EQ(count(json, "\"NORMAL\""), 22u); // two meshes and ten targets each
-  BakedGlbOptions few;
   few.most_keys = 5;
   write_baked_glb(folder / "b.glb", c, animation, few);
   EXPECT_LE(count(glb_json(folder / "b.glb"), "\"NORMAL\""), 12u);
   EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
-  few.keys_per_second = 0;
+  write_baked_glb(folder / "every.glb", c, animation);
+  EXPECT_EQ(count(glb_json(folder / "every.glb"), "\"NORMAL\""), 82u);
+  few.keys_per_second = -1;
   EXPECT_THROW(write_baked_glb(folder / "c.glb", c, animation, few), std::invalid_argument);
   EXPECT_THROW(write_baked_glb(folder / "c.glb", c, AnimationResult{}), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "c.glb"));
