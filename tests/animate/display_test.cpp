@@ -203,6 +203,31 @@ TEST(TextureBaker, BackdropOutsideTheMaskDoesNotCount) {
   EXPECT_LT(greenest(bake_texture(larger, {}, cameras, images, masks, options)), 5);
 }
 
+TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
+  const Mesh wall = tube({0, 0, 0}, {0, 2, 0}, [](double) { return 0.3; }, 120, 160), ball = sphere(0.12, {0, 1, 0.6});
+  const Mesh truth = join({wall, sphere(0.13, {0, 1, 0.6})}), believed = join({wall, ball}); // the ball was larger
+  const Camera camera = look_at({0, 1, 3}, {0, 1, 0}, 1200, 800, 800);
+  const FaceBuffer seen = rasterize(truth.vertices, truth.faces, camera);
+  Image image(800, 800, 3);
+  for (int y = 0; y < 800; ++y)
+    for (int x = 0; x < 800; ++x)
+      if (seen.face_at(x, y) >= wall.faces.rows())
+        image.at(x, y, 2) = 255; // a red ball before a black wall
+  const auto reddest = [&](double edge_margin) {
+    TextureOptions options;
+    options.size = 2048;
+    options.edge_margin = edge_margin;
+    const BakedTexture baked = bake_texture(believed, {}, {camera}, {image}, {}, options);
+    int most = 0;
+    for (Eigen::Index i = 0; i < 3 * wall.faces.rows(); ++i)
+      most = std::max<int>(most, baked.image.at(static_cast<int>(baked.texcoords(i, 0) * 2048),
+                                                static_cast<int>(baked.texcoords(i, 1) * 2048), 2));
+    return most;
+  };
+  EXPECT_GT(reddest(0), 200);
+  EXPECT_LT(reddest(0.02), 20);
+}
+
 TEST(TextureBaker, SameBitsForAnyNumberOfThreads) {
   const Mesh mesh = figure_surface(0.06);
   const CameraRig cameras = camera_ring(4, 200);
