@@ -110,7 +110,8 @@ int add_morphing_mesh(glb::Writer &writer, const std::string &name, glb::Display
       const Eigen::Affine3d back = blends[v].inverse();
       shape.row(v) = (back * Vector3d(shape.row(v))).transpose();
       normals.row(v) = (back.linear() * normals.row(v).transpose()).transpose();
-      normals.row(v) = normals.row(v).norm() > 1e-6 ? Eigen::RowVector3d(normals.row(v).normalized()) : Eigen::RowVector3d(0, 1, 0);
+      normals.row(v) =
+          normals.row(v).norm() > 1e-6 ? Eigen::RowVector3d(normals.row(v).normalized()) : Eigen::RowVector3d(0, 1, 0);
     }
     if (key == 0) {
       shown.mesh.vertices = first = shape;
@@ -244,7 +245,8 @@ void write_baked_glb(const std::filesystem::path &path, const Character &charact
   const RiggedMesh &actor = character.actor;
   const glb::DisplayMesh shown = glb::display_mesh(actor.mesh, actor.face_valid, {});
   const int material = glb::add_material(writer, "surface", Vector3d::Ones(), -1, true);
-  const int surface = add_morphing_mesh(writer, "surface", shown, actor.weights, at_keys(animation.surface, keys), poses, material);
+  const int surface =
+      add_morphing_mesh(writer, "surface", shown, actor.weights, at_keys(animation.surface, keys), poses, material);
   writer.model.meshes[surface].primitives[0].attributes["COLOR_0"] =
       writer.vectors(gather(surface_colours(character), shown.vertex_from_shown), glb::Use::Vertices);
   morphing.push_back(glb::add_mesh_node(writer, "surface", surface, skin));

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kTouching = 0.010; // m, closer than this body and surface are the same skin (fit residual)
 constexpr double kExposed = 0.030;  // m, farther than this the surface says nothing about the body's weights
-constexpr int kOverlap = 2;         // triangles of the body drawn under skin's edge below a hem, which is cut to the sheet
+constexpr int kOverlap = 3;         // triangles of the body beside what cloth hides, of which nothing else may be drawn
 constexpr double kReach = 0.6;      // m, how far outside a limb its garment may hang
 
 double interpolate(const Eigen::VectorXd &values, const Faces &faces, const ClosestPoint &at) {
@@ -77,13 +77,19 @@ std::vector<std::uint8_t> majority(const std::vector<std::uint8_t> &flags, const
   return result;
 }
 
-/// Also the neighbours.
-std::vector<std::uint8_t> grown(const std::vector<std::uint8_t> &flags, const Faces &faces) {
-  std::vector<std::uint8_t> result = flags;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      result[faces(f, k)] |= flags[faces(f, (k + 1) % 3)] | flags[faces(f, (k + 2) % 3)];
-  return result;
+/// Also what M_high does not show beside them: it is cut off below a hem, where the scan's closing sheet begins.
+void add_uncovered(const Character &c, std::vector<std::uint8_t> &hidden) {
+  std::vector<std::uint8_t> skip;
+  for (std::uint8_t valid : c.high_valid)
+    skip.push_back(valid ? 0 : 1);
+  const RayScene drawn(c.high, skip);
+  const auto neighbours = vertex_neighbours(c.body.faces, static_cast<int>(hidden.size()));
+  for (int ring = 0; ring < kOverlap; ++ring) {
+    const std::vector<std::uint8_t> before = hidden;
+    for (std::size_t v = 0; v < hidden.size(); ++v)
+      if (!before[v] && drawn.closest(c.body.vertices.row(static_cast<Eigen::Index>(v))).distance > kTouching)
+        hidden[v] = std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](int w) { return before[w] != 0; });
+  }
 }
 
 void expect(const std::string &what, std::size_t found, std::size_t expected) {
@@ -233,8 +239,8 @@ Character make_character(const RiggedMesh &actor, const Clothness &clothness, co
     c.body_model = body.model;
     c.body_weights = transfer_weights(actor, clothness, body.body);
     std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
-    for (int ring = 0; ring < kOverlap && garment_subdivisions >= 0; ++ring)
-      hidden = grown(hidden, body.body.faces);
+    if (garment_subdivisions >= 0)
+      add_uncovered(c, hidden);
     c.body_shown.resize(c.body.faces.rows());
     for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f)
       c.body_shown[f] = hidden[c.body.faces(f, 0)] || hidden[c.body.faces(f, 1)] || hidden[c.body.faces(f, 2)];

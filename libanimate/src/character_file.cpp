@@ -282,8 +282,7 @@ void add_display(glb::Writer &writer, const Character &c, int texture_image) {
   const int material = glb::add_material(writer, "surface", Eigen::Vector3d(0.8, 0.8, 0.8), texture_image, true);
   const glb::DisplayMesh shown =
       high ? glb::display_mesh(c.high, c.high_valid, c.texcoords) : glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
-  const MatrixRM weights =
-      high ? DisplaySurface(c).sample(c.actor.weights) : c.actor.weights;
+  const MatrixRM weights = high ? DisplaySurface(c).sample(c.actor.weights) : c.actor.weights;
   glb::add_mesh_node(writer, "surface", glb::add_mesh(writer, "surface", shown, material, &weights), skin);
   const glb::DisplayMesh body = glb::display_mesh(c.body, c.body_shown, {});
   if (body.mesh.faces.rows() > 0) {

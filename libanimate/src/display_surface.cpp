@@ -281,8 +281,8 @@ Display make_display(const RiggedMesh &actor, const Clothness &clothness, const 
   if (garment.faces.empty())
     return display;
   display.garment_subdivisions = levels_for(garment, clothness, high);
-  const detail::Subdivision fine = detail::subdivide(
-      garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
+  const detail::Subdivision fine =
+      detail::subdivide(garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
   const Mesh cloth = displaced(garment.mesh, fine, high);
   const Eigen::VectorXd cloth_clothness = clothness_of(garment.vertices, fine.weights, clothness);
   drop_sheet(high, Hem(cloth, cloth_clothness), display.valid);
@@ -335,8 +335,8 @@ DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.me
 
 Vertices DisplaySurface::apply(const Vertices &surface) const {
   if (surface.rows() != coarse_vertices_)
-    throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) +
-                                " vertices, expected " + std::to_string(coarse_vertices_));
+    throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) + " vertices, expected " +
+                                std::to_string(coarse_vertices_));
   Vertices high(skin_vertices_ + subdivide_.rows(), 3);
   if (skin_)
     high.topRows(skin_vertices_) = skin_->apply(surface);

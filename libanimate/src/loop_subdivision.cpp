@@ -21,9 +21,7 @@ int middle_of(const std::vector<Eigen::Vector2i> &edges, int vertices, int a, in
   if (a == b)
     return a;
   const Eigen::Vector2i wanted(std::min(a, b), std::max(a, b));
-  const auto before = [](const Eigen::Vector2i &p, const Eigen::Vector2i &q) {
-    return p[0] != q[0] ? p[0] < q[0] : p[1] < q[1];
-  };
+  const auto before = [](const Eigen::Vector2i &p, const Eigen::Vector2i &q) { return p[0] != q[0] ? p[0] < q[0] : p[1] < q[1]; };
   return vertices + static_cast<int>(std::lower_bound(edges.begin(), edges.end(), wanted, before) - edges.begin());
 }
 

@@ -10,7 +10,7 @@ namespace doublet::detail {
 constexpr int kMostSubdivisions = 4;
 
 struct Subdivision {
-  Faces faces;                                           ///< (4^n F, 3)
+  Faces faces;                                          ///< (4^n F, 3)
   Eigen::SparseMatrix<double, Eigen::RowMajor> weights; ///< (V', V) fine vertices from coarse ones; rows sum to one
 };
 

@@ -85,10 +85,17 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
 /// Is something well in front of `depth` within `around` pixels? Its edge may have been there: surfaces are not exactly known.
 bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double around) {
   constexpr double kWell = 0.05, kDiagonal = 0.70710678; // m
-  constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0}, {kDiagonal, kDiagonal}, {0, 1}, {-kDiagonal, kDiagonal},
-                                                          {-1, 0}, {-kDiagonal, -kDiagonal}, {0, -1}, {kDiagonal, -kDiagonal}}};
+  constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0},
+                                                          {kDiagonal, kDiagonal},
+                                                          {0, 1},
+                                                          {-kDiagonal, kDiagonal},
+                                                          {-1, 0},
+                                                          {-kDiagonal, -kDiagonal},
+                                                          {0, -1},
+                                                          {kDiagonal, -kDiagonal}}};
   for (const auto &[dx, dy] : kCircle) {
-    const int x = static_cast<int>(std::lround(pixel.x() + around * dx)), y = static_cast<int>(std::lround(pixel.y() + around * dy));
+    const int x = static_cast<int>(std::lround(pixel.x() + around * dx)),
+              y = static_cast<int>(std::lround(pixel.y() + around * dy));
     if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
         buffer.depth_at(x, y) < depth - kWell)
       return true;

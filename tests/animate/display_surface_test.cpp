@@ -83,7 +83,6 @@ std::pair<Eigen::Index, Eigen::Index> split(const Wearer &w, const Display &disp
   return {all - garment * (1 << (2 * display.garment_subdivisions)), all};
 }
 
-
 std::vector<int> range(Eigen::Index first, Eigen::Index end) {
   std::vector<int> numbers(end - first);
   std::iota(numbers.begin(), numbers.end(), static_cast<int>(first));

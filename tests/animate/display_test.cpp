@@ -204,7 +204,9 @@ TEST(TextureBaker, BackdropOutsideTheMaskDoesNotCount) {
 }
 
 TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
-  const Mesh wall = tube({0, 0, 0}, {0, 2, 0}, [](double) { return 0.3; }, 120, 160), ball = sphere(0.12, {0, 1, 0.6});
+  const Mesh wall = tube(
+                 {0, 0, 0}, {0, 2, 0}, [](double) { return 0.3; }, 120, 160),
+             ball = sphere(0.12, {0, 1, 0.6});
   const Mesh truth = join({wall, sphere(0.13, {0, 1, 0.6})}), believed = join({wall, ball}); // the ball was larger
   const Camera camera = look_at({0, 1, 3}, {0, 1, 0}, 1200, 800, 800);
   const FaceBuffer seen = rasterize(truth.vertices, truth.faces, camera);

@@ -38,14 +38,14 @@ public:
   MatrixRM sample(const MatrixRM &values) const;
 
 private:
-  std::optional<SurfaceTransfer> skin_;                   ///< of the vertices before the garment's; none = no such vertices
-  std::optional<SurfaceTransfer> under_garment_;          ///< the skin below the seam follows the garment as it is drawn
-  std::vector<int> under_vertices_;                       ///< of M_high, for each that it carries; -1 = it stays with the skin
+  std::optional<SurfaceTransfer> skin_;          ///< of the vertices before the garment's; none = no such vertices
+  std::optional<SurfaceTransfer> under_garment_; ///< the skin below the seam follows the garment as it is drawn
+  std::vector<int> under_vertices_;              ///< of M_high, for each that it carries; -1 = it stays with the skin
   Eigen::Index skin_vertices_ = 0, coarse_vertices_ = 0;
-  std::vector<int> garment_vertices_;                     ///< [G] of M
-  Faces garment_faces_;                                   ///< (H, 3) of those
+  std::vector<int> garment_vertices_;                      ///< [G] of M
+  Faces garment_faces_;                                    ///< (H, 3) of those
   Eigen::SparseMatrix<double, Eigen::RowMajor> subdivide_; ///< (G', G)
-  Eigen::VectorXd heights_;                               ///< (G') m over the subdivided garment
+  Eigen::VectorXd heights_;                                ///< (G') m over the subdivided garment
 };
 
 } // namespace doublet
