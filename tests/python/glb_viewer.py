@@ -74,5 +74,6 @@ class Viewer:
         skin, world = self.gltf["skins"][at["skin"]], self.joints(time)
         inverse_bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
         matrices = np.array([world[joint] @ bind for joint, bind in zip(skin["joints"], inverse_bind)])
-        blends = np.einsum("vk,vkij->vij", self.array(attributes["WEIGHTS_0"]), matrices[self.array(attributes["JOINTS_0"]).astype(int)])
+        weights, joints = (self.array(attributes[name]) for name in ("WEIGHTS_0", "JOINTS_0"))
+        blends = np.einsum("vk,vkij->vij", weights, matrices[joints.astype(int)])
         return np.einsum("vij,vj->vi", blends[:, :3, :3], vertices) + blends[:, :3, 3]
