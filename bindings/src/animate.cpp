@@ -3,6 +3,7 @@
 #include "doublet/animate/animator.h"
 #include "doublet/animate/baked_file.h"
 #include "doublet/animate/character_file.h"
+#include "doublet/animate/display_surface.h"
 #include "doublet/animate/image_file.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/retarget.h"
@@ -62,13 +63,14 @@ void bind_character(py::module_ &m) {
       .def_readwrite("body_colour", &Character::body_colour, "linear RGB in [0, 1]")
       .def_readwrite("high", &Character::high)
       .def_readwrite("high_valid", &Character::high_valid)
+      .def_readwrite("garment_subdivisions", &Character::garment_subdivisions, "of the garment in `high`; -1 = none is")
       .def_readwrite("texcoords", &Character::texcoords, "(3 FH, 2) per corner of `high`")
       .def_property_readonly("texture", [](const Character &character) {
         return py::bytes(reinterpret_cast<const char *>(character.texture.data()), character.texture.size());
       });
   m.def("make_character", &make_character, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("proxies"),
         py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{}, py::arg("high_valid") = std::vector<std::uint8_t>{},
-        Release());
+        py::arg("garment_subdivisions") = -1, Release());
 }
 
 void bind_motion(py::module_ &m) {
@@ -155,7 +157,7 @@ void bind_streaming(py::module_ &m) {
       py::arg("context") = interruptible_context(), Release(), "Calls frame(AnimationFrame) in order and keeps nothing.");
   m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release());
   OptionsClass<BakedGlbOptions>(m, "BakedGlbOptions", "Options of write_baked_glb.")
-      .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes of the surface that are stored")
+      .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes that are stored; 0 = every frame")
       .field("most_keys", &BakedGlbOptions::most_keys, "a long clip gets fewer keys a second");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
         py::arg("options") = BakedGlbOptions{}, Release());
@@ -202,7 +204,8 @@ void bind_texture(py::module_ &m) {
       .field("size", &TextureOptions::size, "pixels, width and height of the atlas")
       .field("facing_power", &TextureOptions::facing_power, "cameras count by cos^k of the angle between normal and ray")
       .field("grazing", &TextureOptions::grazing, "cameras below this cosine do not count")
-      .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden");
+      .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden")
+      .field("edge_margin", &TextureOptions::edge_margin, "m, a point this close to the edge of something in front is hidden");
   m.def(
       "bake_texture",
       [](Character &character, const Vertices &posed_high, const CameraRig &cameras, const std::vector<Image> &images,
@@ -216,6 +219,16 @@ void bind_texture(py::module_ &m) {
       py::arg("character"), py::arg("posed_high"), py::arg("cameras"), py::arg("images"), py::arg("masks") = std::vector<Image>{},
       py::arg("options") = TextureOptions{}, py::arg("context") = interruptible_context(), Release(),
       "Gives the character a texture from the images of one frame; returns the share of its surface that a camera saw.");
+  py::class_<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
+      .def_readonly("mesh", &Display::mesh)
+      .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")
+      .def_readonly("garment_subdivisions", &Display::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
+  m.def("make_display", &make_display, py::arg("actor"), py::arg("clothness"), py::arg("high"), Release(),
+        "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
+  py::class_<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
+      .def(py::init<const Character &>(), py::arg("character"), Release())
+      .def("apply", &DisplaySurface::apply, py::arg("surface"), Release(), "(VH, 3) for the vertices (V, 3) of M")
+      .def("sample", &DisplaySurface::sample, py::arg("values"), Release(), "(VH, C) values of M's vertices (V, C)");
   py::class_<SurfaceTransfer>(m, "SurfaceTransfer", "A fine mesh that follows a coarse one.")
       .def(py::init<const Mesh &, const std::vector<std::uint8_t> &, const Mesh &, const std::vector<std::uint8_t> &>(),
            py::arg("coarse"), py::arg("coarse_valid"), py::arg("fine"), py::arg("fine_valid"), Release())

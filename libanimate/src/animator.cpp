@@ -1,6 +1,6 @@
 #include "doublet/animate/animator.h"
 
-#include "doublet/animate/surface_transfer.h"
+#include "doublet/animate/display_surface.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
@@ -70,9 +70,9 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
                                 std::to_string(motion.fps) + " 1/s");
   const Motion poses = at_character_rate(character, motion);
   const CharacterSimulator simulator(character.actor, character.clothness, character.proxies, character.solver.cloth);
-  std::optional<SurfaceTransfer> transfer;
+  std::optional<DisplaySurface> display;
   if (options.high && character.high.faces.rows() > 0)
-    transfer.emplace(character.actor.mesh, character.actor.face_valid, character.high, character.high_valid);
+    display.emplace(character);
   const bool body = options.body && character.body.faces.rows() > 0;
 
   const double dt = character.solver.dt;
@@ -93,8 +93,8 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
     out.surface = simulator.surface(state, posed);
     require_finite(out.surface, t);
     out.joints = joint_positions(character.actor.skeleton, posed.world_from_rest);
-    if (transfer)
-      out.high = transfer->apply(out.surface);
+    if (display)
+      out.high = display->apply(out.surface);
     if (body)
       out.body = dual_quaternion_skinning(character.body.vertices, character.body_weights, posed.world_from_rest);
     if (body && options.tuck_body)

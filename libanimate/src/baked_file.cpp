@@ -39,7 +39,7 @@ std::vector<int> flatten(const Faces &faces) {
 }
 
 std::vector<int> key_frames(int frames, double fps, const BakedGlbOptions &options) {
-  int stride = std::max(1, static_cast<int>(std::lround(fps / options.keys_per_second)));
+  int stride = options.keys_per_second > 0 ? std::max(1, static_cast<int>(std::lround(fps / options.keys_per_second))) : 1;
   stride = std::max(stride, (frames + options.most_keys - 2) / std::max(options.most_keys - 1, 1));
   std::vector<int> keys;
   for (int t = 0; t < frames; t += stride)
@@ -79,35 +79,60 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
   return part;
 }
 
-/// The surface at key 0, and what the others differ from it.
-int add_morphing_surface(glb::Writer &writer, const Character &c, const AnimationResult &animation,
-                         const std::vector<int> &keys) {
-  glb::DisplayMesh shown = glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
-  const auto at_key = [&](int frame) { return gather(animation.surface[frame], shown.vertex_from_shown); };
-  const auto normals_of = [&](const Vertices &vertices) {
-    Vertices normals = vertex_normals(vertices, shown.mesh.faces);
-    for (Eigen::Index v = 0; v < normals.rows(); ++v)
-      if (normals.row(v).squaredNorm() < 0.5)
-        normals.row(v) = Eigen::RowVector3d::UnitY();
-    return normals;
-  };
-  const Vertices first = at_key(keys[0]), first_normals = normals_of(first);
-  shown.mesh.vertices = first;
-  shown.normals = first_normals;
-  const int material = glb::add_material(writer, "surface", Vector3d::Ones(), -1, true);
-  const int index = glb::add_mesh(writer, "surface", shown, material, nullptr);
-  tinygltf::Mesh &mesh = writer.model.meshes[index];
-  mesh.primitives[0].attributes["COLOR_0"] =
-      writer.vectors(gather(surface_colours(c), shown.vertex_from_shown), glb::Use::Vertices);
-  for (std::size_t k = 1; k < keys.size(); ++k) {
-    const Vertices vertices = at_key(keys[k]);
-    std::map<std::string, int> target;
-    target["POSITION"] = writer.vectors(vertices - first, glb::Use::Vertices, true);
-    target["NORMAL"] = writer.vectors(normals_of(vertices) - first_normals, glb::Use::Vertices);
-    mesh.primitives[0].targets.push_back(target);
+/// Weights with which every blend of bones can be undone at all poses: where bones turn against each other by almost half a turn,
+/// the strongest bone alone.
+MatrixRM undoable_weights(const glb::DisplayMesh &shown, MatrixRM weights, const std::vector<Transforms> &poses) {
+  constexpr double kLeastVolume = 0.05; // what the blend leaves of a unit cube
+  for (const Transforms &pose : poses) {
+    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(shown, weights, pose);
+    for (std::size_t i = 0; i < blends.size(); ++i)
+      if (!(blends[i].linear().determinant() > kLeastVolume)) {
+        Eigen::Index strongest = 0;
+        weights.row(shown.vertex_from_shown[i]).maxCoeff(&strongest);
+        weights.row(shown.vertex_from_shown[i]).setZero();
+        weights(shown.vertex_from_shown[i], strongest) = 1;
+      }
   }
-  mesh.weights.assign(keys.size() - 1, 0.0);
-  return glb::add_mesh_node(writer, "surface", index, -1);
+  return weights;
+}
+
+/// A skinned mesh with one shape a key (a morph target, relative to that of key 0). Shapes are what the bones have to carry to
+/// have the vertices where they are: between keys the mesh goes on following the bones. `positions`, `poses`: at the keys.
+int add_morphing_mesh(glb::Writer &writer, const std::string &name, glb::DisplayMesh shown, const MatrixRM &weights,
+                      const std::vector<const Vertices *> &positions, const std::vector<Transforms> &poses, int material) {
+  const MatrixRM bound = undoable_weights(shown, weights, poses);
+  Vertices first, first_normals;
+  int index = -1;
+  for (std::size_t key = 0; key < positions.size(); ++key) {
+    Vertices shape = gather(*positions[key], shown.vertex_from_shown), normals = vertex_normals(shape, shown.mesh.faces);
+    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(shown, bound, poses[key]);
+    for (Eigen::Index v = 0; v < shape.rows(); ++v) {
+      const Eigen::Affine3d back = blends[v].inverse();
+      shape.row(v) = (back * Vector3d(shape.row(v))).transpose();
+      normals.row(v) = (back.linear() * normals.row(v).transpose()).transpose();
+      normals.row(v) =
+          normals.row(v).norm() > 1e-6 ? Eigen::RowVector3d(normals.row(v).normalized()) : Eigen::RowVector3d(0, 1, 0);
+    }
+    if (key == 0) {
+      shown.mesh.vertices = first = shape;
+      shown.normals = first_normals = normals;
+      index = glb::add_mesh(writer, name, shown, material, &bound);
+      continue;
+    }
+    std::map<std::string, int> target;
+    target["POSITION"] = writer.vectors(shape - first, glb::Use::Vertices, true);
+    target["NORMAL"] = writer.vectors(normals - first_normals, glb::Use::Vertices);
+    writer.model.meshes[index].primitives[0].targets.push_back(target);
+  }
+  writer.model.meshes[index].weights.assign(positions.size() - 1, 0.0);
+  return index;
+}
+
+std::vector<const Vertices *> at_keys(const std::vector<Vertices> &frames, const std::vector<int> &keys) {
+  std::vector<const Vertices *> result;
+  for (int key : keys)
+    result.push_back(&frames[key]);
+  return result;
 }
 
 void add_channel(tinygltf::Animation &animation, int node, const std::string &path, int input, int output) {
@@ -198,8 +223,8 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
 }
 
 void BakedGlbOptions::validate() const {
-  if (!(keys_per_second > 0) || keys_per_second > 1000)
-    throw std::invalid_argument("BakedGlbOptions.keys_per_second must be in (0, 1000], found " + std::to_string(keys_per_second));
+  if (!(keys_per_second >= 0) || keys_per_second > 1000)
+    throw std::invalid_argument("BakedGlbOptions.keys_per_second must be in [0, 1000], found " + std::to_string(keys_per_second));
   if (most_keys < 2 || most_keys > 5000)
     throw std::invalid_argument("BakedGlbOptions.most_keys must be in [2, 5000], found " + std::to_string(most_keys));
 }
@@ -210,20 +235,34 @@ void write_baked_glb(const std::filesystem::path &path, const Character &charact
   require_animation(character, animation);
   const int frames = static_cast<int>(animation.surface.size());
   const std::vector<int> keys = key_frames(frames, animation.fps, options);
+  std::vector<Transforms> poses;
+  for (int key : keys)
+    poses.push_back(forward_kinematics(character.actor.skeleton, animation.dofs.row(key)));
   glb::Writer writer;
   glb::add_joint_nodes(writer, character.actor.skeleton);
-  const int surface = add_morphing_surface(writer, character, animation, keys);
+  const int skin = glb::add_skin(writer, character.actor.skeleton);
+  std::vector<int> morphing;
+  const RiggedMesh &actor = character.actor;
+  const glb::DisplayMesh shown = glb::display_mesh(actor.mesh, actor.face_valid, {});
+  const int material = glb::add_material(writer, "surface", Vector3d::Ones(), -1, true);
+  const int surface =
+      add_morphing_mesh(writer, "surface", shown, actor.weights, at_keys(animation.surface, keys), poses, material);
+  writer.model.meshes[surface].primitives[0].attributes["COLOR_0"] =
+      writer.vectors(gather(surface_colours(character), shown.vertex_from_shown), glb::Use::Vertices);
+  morphing.push_back(glb::add_mesh_node(writer, "surface", surface, skin));
   const glb::DisplayMesh body = glb::display_mesh(character.body, character.body_shown, {});
-  if (body.mesh.faces.rows() > 0) {
-    const int skin = glb::add_skin(writer, character.actor.skeleton);
-    const int material = glb::add_material(writer, "body", character.body_colour, -1, false);
-    glb::add_mesh_node(writer, "body", glb::add_mesh(writer, "body", body, material, &character.body_weights), skin);
+  if (body.mesh.faces.rows() > 0 && !animation.body.empty()) {
+    const int colour = glb::add_material(writer, "body", character.body_colour, -1, false);
+    const int mesh =
+        add_morphing_mesh(writer, "body", body, character.body_weights, at_keys(animation.body, keys), poses, colour);
+    morphing.push_back(glb::add_mesh_node(writer, "body", mesh, skin));
   }
   tinygltf::Animation out;
   out.name = "animation";
   add_joint_channels(writer, out, character.actor.skeleton, animation);
-  if (keys.size() > 1)
-    add_morph_channel(writer, out, surface, keys, animation.fps);
+  for (int node : morphing)
+    if (keys.size() > 1)
+      add_morph_channel(writer, out, node, keys, animation.fps);
   writer.model.animations.push_back(out);
   writer.save(path);
 }

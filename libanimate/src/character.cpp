@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
+#include "garment_part.h"
 
 #include <Eigen/SparseCholesky>
 
@@ -16,6 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kTouching = 0.010; // m, closer than this body and surface are the same skin (fit residual)
 constexpr double kExposed = 0.030;  // m, farther than this the surface says nothing about the body's weights
+constexpr int kOverlap = 3;         // triangles of the body beside what cloth hides, of which nothing else may be drawn
 constexpr double kReach = 0.6;      // m, how far outside a limb its garment may hang
 
 double interpolate(const Eigen::VectorXd &values, const Faces &faces, const ClosestPoint &at) {
@@ -73,6 +75,21 @@ std::vector<std::uint8_t> majority(const std::vector<std::uint8_t> &flags, const
       result[v] = 2 * set > neighbours[v].size();
   }
   return result;
+}
+
+/// Also what M_high does not show beside them: it is cut off below a hem, where the scan's closing sheet begins.
+void add_uncovered(const Character &c, std::vector<std::uint8_t> &hidden) {
+  std::vector<std::uint8_t> skip;
+  for (std::uint8_t valid : c.high_valid)
+    skip.push_back(valid ? 0 : 1);
+  const RayScene drawn(c.high, skip);
+  const auto neighbours = vertex_neighbours(c.body.faces, static_cast<int>(hidden.size()));
+  for (int ring = 0; ring < kOverlap; ++ring) {
+    const std::vector<std::uint8_t> before = hidden;
+    for (std::size_t v = 0; v < hidden.size(); ++v)
+      if (!before[v] && drawn.closest(c.body.vertices.row(static_cast<Eigen::Index>(v))).distance > kTouching)
+        hidden[v] = std::any_of(neighbours[v].begin(), neighbours[v].end(), [&](int w) { return before[w] != 0; });
+  }
 }
 
 void expect(const std::string &what, std::size_t found, std::size_t expected) {
@@ -195,6 +212,8 @@ void validate_character(const Character &c) {
   if (c.high.faces.rows() > 0) {
     require_usable(c.high, "high");
     expect("high_valid", c.high_valid.size(), c.high.faces.rows());
+    if (c.garment_subdivisions != -1)
+      detail::garment_part(c); // throws
   }
   if (c.texture.empty() != (c.texcoords.rows() == 0))
     throw Error("character: texture and texcoords must both be there or both be empty");
@@ -204,7 +223,8 @@ void validate_character(const Character &c) {
 
 Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
-                         const SolverSettings &solver, const Mesh &high, const std::vector<std::uint8_t> &high_valid) {
+                         const SolverSettings &solver, const Mesh &high, const std::vector<std::uint8_t> &high_valid,
+                         int garment_subdivisions) {
   Character c;
   c.actor = actor;
   c.clothness = clothness;
@@ -212,12 +232,15 @@ Character make_character(const RiggedMesh &actor, const Clothness &clothness, co
   c.materials = materials;
   c.solver = solver;
   c.high = high;
+  c.garment_subdivisions = garment_subdivisions;
   c.high_valid = high_valid.empty() ? std::vector<std::uint8_t>(high.faces.rows(), 1) : high_valid;
   if (body.body.faces.rows() > 0) {
     c.body = body.body;
     c.body_model = body.model;
     c.body_weights = transfer_weights(actor, clothness, body.body);
-    const std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
+    std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
+    if (garment_subdivisions >= 0)
+      add_uncovered(c, hidden);
     c.body_shown.resize(c.body.faces.rows());
     for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f)
       c.body_shown[f] = hidden[c.body.faces(f, 0)] || hidden[c.body.faces(f, 1)] || hidden[c.body.faces(f, 2)];

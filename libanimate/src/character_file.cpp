@@ -1,6 +1,6 @@
 #include "doublet/animate/character_file.h"
 
-#include "doublet/animate/surface_transfer.h"
+#include "doublet/animate/display_surface.h"
 #include "doublet/core/error.h"
 #include "glb_parts.h"
 
@@ -217,6 +217,8 @@ json extension_json(glb::Writer &writer, const Character &c, int texture_image) 
   if (c.high.faces.rows() > 0) {
     out["high"] = mesh_json(writer, c.high);
     out["high"]["faceValid"] = writer.bytes(c.high_valid);
+    if (c.garment_subdivisions >= 0)
+      out["high"]["garmentSubdivisions"] = c.garment_subdivisions;
     if (texture_image >= 0) {
       out["high"]["texcoords"] = writer.matrix(c.texcoords);
       out["high"]["texture"] = texture_image;
@@ -248,6 +250,7 @@ void parse_extension(const glb::Reader &reader, const json &j, Character &c) {
     const json &high = j.at("high");
     c.high = json_mesh(reader, high);
     c.high_valid = reader.bytes(high.at("faceValid").get<int>());
+    c.garment_subdivisions = high.value("garmentSubdivisions", -1); // not in characters without a garment, or of before
     if (high.contains("texcoords")) {
       c.texcoords = reader.matrix(high.at("texcoords").get<int>(), 2);
       c.texture = reader.image(high.at("texture").get<int>());
@@ -279,8 +282,7 @@ void add_display(glb::Writer &writer, const Character &c, int texture_image) {
   const int material = glb::add_material(writer, "surface", Eigen::Vector3d(0.8, 0.8, 0.8), texture_image, true);
   const glb::DisplayMesh shown =
       high ? glb::display_mesh(c.high, c.high_valid, c.texcoords) : glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
-  const MatrixRM weights =
-      high ? SurfaceTransfer(c.actor.mesh, c.actor.face_valid, c.high, c.high_valid).sample(c.actor.weights) : c.actor.weights;
+  const MatrixRM weights = high ? DisplaySurface(c).sample(c.actor.weights) : c.actor.weights;
   glb::add_mesh_node(writer, "surface", glb::add_mesh(writer, "surface", shown, material, &weights), skin);
   const glb::DisplayMesh body = glb::display_mesh(c.body, c.body_shown, {});
   if (body.mesh.faces.rows() > 0) {

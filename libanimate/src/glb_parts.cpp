@@ -161,6 +161,17 @@ int add_mesh(Writer &writer, const std::string &name, const DisplayMesh &shown, 
   return static_cast<int>(writer.model.meshes.size()) - 1;
 }
 
+std::vector<Eigen::Affine3d> viewer_blends(const DisplayMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest) {
+  std::vector<Eigen::Affine3d> blends;
+  for (int v : shown.vertex_from_shown) {
+    Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+    for (const Influence &influence : strongest(weights.row(v)))
+      sum += influence.weight * world_from_rest[influence.joint].matrix();
+    blends.emplace_back(sum);
+  }
+  return blends;
+}
+
 int add_mesh_node(Writer &writer, const std::string &name, int mesh, int skin) {
   tinygltf::Node node;
   node.name = name;

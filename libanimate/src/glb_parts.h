@@ -23,6 +23,8 @@ int add_skin(Writer &writer, const Skeleton &skeleton);
 int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d &colour, int texture_image, bool double_sided);
 /// A mesh with POSITION, NORMAL, TEXCOORD_0 and, if weights are given (original vertices, J), JOINTS_0 and WEIGHTS_0.
 int add_mesh(Writer &writer, const std::string &name, const DisplayMesh &shown, int material, const MatrixRM *weights);
+/// [shown vertices] the blends of the bones with which a viewer skins what add_mesh() writes (linear, four joints a vertex).
+std::vector<Eigen::Affine3d> viewer_blends(const DisplayMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest);
 /// A node of the scene that shows the mesh, skinned if skin >= 0.
 int add_mesh_node(Writer &writer, const std::string &name, int mesh, int skin);
 

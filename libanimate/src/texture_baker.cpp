@@ -3,8 +3,8 @@
 
 #include "doublet/animate/texture_baker.h"
 
+#include "doublet/animate/display_surface.h"
 #include "doublet/animate/image_file.h"
-#include "doublet/animate/surface_transfer.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 
@@ -82,6 +82,27 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
   return true;
 }
 
+/// Is something well in front of `depth` within `around` pixels? Its edge may have been there: surfaces are not exactly known.
+bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double around) {
+  constexpr double kWell = 0.05, kDiagonal = 0.70710678; // m
+  constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0},
+                                                          {kDiagonal, kDiagonal},
+                                                          {0, 1},
+                                                          {-kDiagonal, kDiagonal},
+                                                          {-1, 0},
+                                                          {-kDiagonal, -kDiagonal},
+                                                          {0, -1},
+                                                          {kDiagonal, -kDiagonal}}};
+  for (const auto &[dx, dy] : kCircle) {
+    const int x = static_cast<int>(std::lround(pixel.x() + around * dx)),
+              y = static_cast<int>(std::lround(pixel.y() + around * dy));
+    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
+        buffer.depth_at(x, y) < depth - kWell)
+      return true;
+  }
+  return false;
+}
+
 class Baker {
 public:
   Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
@@ -117,7 +138,8 @@ public:
       // Within the pixels looked at, a slanted surface comes nearer by their size on it.
       const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
       const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
-      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel))
+      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel) ||
+          near_an_edge(view.buffer, pixel, depth, options_.edge_margin * view.camera->K(0, 0) / depth))
         continue;
       const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
       colour += weight * sample(*view.image, pixel);
@@ -233,6 +255,7 @@ void TextureOptions::validate() const {
   check(facing_power >= 0 && facing_power <= 64, "facing_power must be in [0, 64], found " + std::to_string(facing_power));
   check(grazing >= 0 && grazing < 1, "grazing must be in [0, 1), found " + std::to_string(grazing));
   check(depth_margin > 0, "depth_margin must be positive, found " + std::to_string(depth_margin));
+  check(edge_margin >= 0 && edge_margin <= 1, "edge_margin must be in [0, 1], found " + std::to_string(edge_margin));
 }
 
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
@@ -291,10 +314,7 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
                          const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
                          const Context &context) {
-  if (character.high.faces.rows() == 0)
-    throw Error("texture_character: expected a character with a display mesh, found none");
-  const SurfaceTransfer transfer(character.actor.mesh, character.actor.face_valid, character.high, character.high_valid);
-  const Mesh posed{transfer.apply(surface), character.high.faces};
+  const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
   BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
   character.texcoords = std::move(baked.texcoords);
   character.texture = encode_jpeg(baked.image);

@@ -203,6 +203,33 @@ TEST(TextureBaker, BackdropOutsideTheMaskDoesNotCount) {
   EXPECT_LT(greenest(bake_texture(larger, {}, cameras, images, masks, options)), 5);
 }
 
+TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
+  const Mesh wall = tube(
+                 {0, 0, 0}, {0, 2, 0}, [](double) { return 0.3; }, 120, 160),
+             ball = sphere(0.12, {0, 1, 0.6});
+  const Mesh truth = join({wall, sphere(0.13, {0, 1, 0.6})}), believed = join({wall, ball}); // the ball was larger
+  const Camera camera = look_at({0, 1, 3}, {0, 1, 0}, 1200, 800, 800);
+  const FaceBuffer seen = rasterize(truth.vertices, truth.faces, camera);
+  Image image(800, 800, 3);
+  for (int y = 0; y < 800; ++y)
+    for (int x = 0; x < 800; ++x)
+      if (seen.face_at(x, y) >= wall.faces.rows())
+        image.at(x, y, 2) = 255; // a red ball before a black wall
+  const auto reddest = [&](double edge_margin) {
+    TextureOptions options;
+    options.size = 2048;
+    options.edge_margin = edge_margin;
+    const BakedTexture baked = bake_texture(believed, {}, {camera}, {image}, {}, options);
+    int most = 0;
+    for (Eigen::Index i = 0; i < 3 * wall.faces.rows(); ++i)
+      most = std::max<int>(most, baked.image.at(static_cast<int>(baked.texcoords(i, 0) * 2048),
+                                                static_cast<int>(baked.texcoords(i, 1) * 2048), 2));
+    return most;
+  };
+  EXPECT_GT(reddest(0), 200);
+  EXPECT_LT(reddest(0.02), 20);
+}
+
 TEST(TextureBaker, SameBitsForAnyNumberOfThreads) {
   const Mesh mesh = figure_surface(0.06);
   const CameraRig cameras = camera_ring(4, 200);
@@ -254,18 +281,22 @@ TEST(BakedFile, GlbHasOneShapeAKey) {
   const TempFolder folder;
   const Character c = figure_character();
   const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 41, 40)});
-  write_baked_glb(folder / "a.glb", c, animation); // 40 1/s, 10 keys a second: frames 0, 4, ..., 40
-  const std::string json = glb_json(folder / "a.glb");
-  EXPECT_EQ(count(json, "\"JOINTS_0\""), 1u);
-  EXPECT_EQ(count(json, "\"path\":\"weights\""), 1u);
-  EXPECT_EQ(count(json, "\"path\":\"translation\""), 1u);
-  EXPECT_EQ(count(json, "\"NORMAL\""), 12u); // two meshes and ten targets
   BakedGlbOptions few;
+  few.keys_per_second = 10; // of 40 frames a second: 0, 4, ..., 40
+  write_baked_glb(folder / "a.glb", c, animation, few);
+  const std::string json = glb_json(folder / "a.glb");
+  EXPECT_EQ(count(json, "\"JOINTS_0\""), 2u); // surface and body follow the bones between the keys, too
+  EXPECT_EQ(count(json, "\"path\":\"weights\""), 2u);
+  EXPECT_EQ(count(json, "\"doubleSided\":true"), 1u); // the inner side of cloth
+  EXPECT_EQ(count(json, "\"path\":\"translation\""), 1u);
+  EXPECT_EQ(count(json, "\"NORMAL\""), 22u); // two meshes and ten targets each
   few.most_keys = 5;
   write_baked_glb(folder / "b.glb", c, animation, few);
-  EXPECT_LE(count(glb_json(folder / "b.glb"), "\"NORMAL\""), 6u);
+  EXPECT_LE(count(glb_json(folder / "b.glb"), "\"NORMAL\""), 12u);
   EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
-  few.keys_per_second = 0;
+  write_baked_glb(folder / "every.glb", c, animation);
+  EXPECT_EQ(count(glb_json(folder / "every.glb"), "\"NORMAL\""), 82u);
+  few.keys_per_second = -1;
   EXPECT_THROW(write_baked_glb(folder / "c.glb", c, animation, few), std::invalid_argument);
   EXPECT_THROW(write_baked_glb(folder / "c.glb", c, AnimationResult{}), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "c.glb"));

@@ -14,16 +14,6 @@ from .video import VideoWriter
 FORMATS = (".npz", ".glb", ".mp4")
 
 
-def valid_high_faces(high: d.Mesh, job) -> np.ndarray:
-    """(FH) 1 where the closest face of the dressed actor is valid: the display surface carries no mask of its own. What the
-    garment stands for is not asked."""
-    actor = job.dressed.actor
-    covered = np.zeros(len(actor.mesh.faces), np.uint8)
-    covered[: len(job.garment.covers)] = job.garment.covers
-    closest, _, _ = d.RayScene(actor.mesh, covered).closest(high.vertices[high.faces].mean(axis=1))
-    return np.asarray(actor.face_valid, np.uint8)[closest]
-
-
 def build_character(job) -> dict:
     """Re-animates the reference motion (simulated.npz) and writes character.glb."""
     materials = d.read_materials(job.path("material.json"))
@@ -31,8 +21,8 @@ def build_character(job) -> dict:
     simulated = d.simulate_reference(
         job.simulator(), performance, materials, dt, job.options["energy"].settle_frames, job.context
     )
-    high = d.read_mesh(job.path("template_high.ply"))
     dressed = job.dressed
+    display = d.make_display(dressed.actor, dressed.clothness, d.read_mesh(job.path("template_high.ply")))
     character = d.make_character(
         dressed.actor,
         dressed.clothness,
@@ -40,8 +30,9 @@ def build_character(job) -> dict:
         d.read_proxies(job.path("proxies.json"), job.actor.skeleton),
         materials,
         d.SolverSettings(dt, job.options["cloth"]),
-        high,
-        valid_high_faces(high, job),
+        display.mesh,
+        display.valid,
+        display.garment_subdivisions,
     )
     character.name = job.session.name
     seen = bake_first_frame(character, job, performance)
@@ -73,9 +64,7 @@ def bake_first_frame(character: d.Character, job, performance: d.ReferencePerfor
     if not any(image.size for image in images):
         job.console.log(f"character: no camera has an image of frame {frame}: the character has no texture")
         return 0.0
-    actor = character.actor
-    transfer = d.SurfaceTransfer(actor.mesh, actor.face_valid, character.high, character.high_valid)
-    posed = transfer.apply(performance.surface.frames[0])
+    posed = d.DisplaySurface(character).apply(performance.surface.frames[0])
     extractor = trained_extractor(job, source)
     masks = [source.mask(c, frame) for c in range(source.camera_count)]
     masks = [m if m.size or not i.size else extractor.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]

@@ -11,6 +11,7 @@ struct TextureOptions {
   double facing_power = 4;    ///< cameras count by cos^k of the angle between normal and ray
   double grazing = 0.2;       ///< cameras below this cosine do not count: they see the silhouette's mixed pixels
   double depth_margin = 0.01; ///< m, a point this far behind the z-buffer's surface is hidden
+  double edge_margin = 0.02;  ///< m, a point this close to the edge of something in front of it does not count: legs at a hem
   void validate() const;      ///< throws std::invalid_argument naming option, range and value
 };
 

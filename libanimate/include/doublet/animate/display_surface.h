@@ -1,0 +1,51 @@
+#pragma once
+// What is drawn of a character: M_high, which follows M. Of an actor in a garment with a mesh of its own: the skin of M_high, and
+// the garment's mesh as a displaced subdivision surface (Lee, Moreton & Hoppe, SIGGRAPH 2000): hem and seam are smooth curves, no
+// triangle bridges a fold, and the scan's detail is a height along the normal.
+
+#include "doublet/animate/surface_transfer.h"
+#include "doublet/core/stage_values.h"
+
+#include <Eigen/SparseCore>
+
+#include <optional>
+
+namespace doublet {
+
+struct Character;
+
+struct Display {
+  Mesh mesh;                       ///< (VH, 3) m in the scan pose, (FH, 3)
+  std::vector<std::uint8_t> valid; ///< (FH) 0 = not drawn
+  /// n: the last 4^n H faces are the H of the garment, subdivided n times; -1 = `mesh` is one surface, as scanned.
+  int garment_subdivisions = -1;
+};
+
+/// `high`: M_high as scanned, closed. Its faces are drawn where the nearest of M's is valid. Where the actor wears a garment
+/// (`clothness` has a rest shape) that takes their place, as fine as `high`; the skin goes on below the seam, sunk under the
+/// garment, so that it does not open. Throws Error on unusable meshes.
+Display make_display(const RiggedMesh &actor, const Clothness &clothness, const Mesh &high);
+
+/// Immutable after construction; apply() is exact in the scan pose and under rigid motion.
+class DisplaySurface {
+public:
+  /// Throws Error if the character has no M_high, or one that does not fit its garment.
+  explicit DisplaySurface(const Character &character);
+
+  /// (VH, 3) m, M_high for the vertices (V, 3) of M.
+  Vertices apply(const Vertices &surface) const;
+  /// (VH, C) values of M's vertices (V, C) at M_high's, e.g. skin weights.
+  MatrixRM sample(const MatrixRM &values) const;
+
+private:
+  std::optional<SurfaceTransfer> skin_;          ///< of the vertices before the garment's; none = no such vertices
+  std::optional<SurfaceTransfer> under_garment_; ///< the skin below the seam follows the garment as it is drawn
+  std::vector<int> under_vertices_;              ///< of M_high, for each that it carries; -1 = it stays with the skin
+  Eigen::Index skin_vertices_ = 0, coarse_vertices_ = 0;
+  std::vector<int> garment_vertices_;                      ///< [G] of M
+  Faces garment_faces_;                                    ///< (H, 3) of those
+  Eigen::SparseMatrix<double, Eigen::RowMajor> subdivide_; ///< (G', G)
+  Eigen::VectorXd heights_;                                ///< (G') m over the subdivided garment
+};
+
+} // namespace doublet

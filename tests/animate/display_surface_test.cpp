@@ -1,0 +1,282 @@
+#include "doublet/animate/character_file.h"
+#include "doublet/animate/display_surface.h"
+#include "doublet/animate/renderer.h"
+#include "doublet/core/error.h"
+#include "doublet/core/rasterizer.h"
+#include "doublet/core/ray_scene.h"
+#include "doublet/core/surface_distance.h"
+#include "support/figure.h"
+#include "support/temp_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+using namespace doublet;
+using namespace doublet::testing;
+
+namespace {
+
+constexpr double kRadius = 0.2, kHem = 0.5, kSeam = 0.985, kTop = 1.5;
+
+/// A tube about the Y axis, dented by a fold of this depth (m) at angle 0.
+Mesh folded_tube(double bottom, double top, int rings, int segments, double fold = 0) {
+  Mesh mesh = tube(
+      {0, bottom, 0}, {0, top, 0}, [](double) { return kRadius; }, rings, segments);
+  for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+    const double angle = std::atan2(mesh.vertices(v, 2), mesh.vertices(v, 0));
+    const double factor = 1 - fold / kRadius * std::exp(-angle * angle / 0.04);
+    mesh.vertices(v, 0) *= factor;
+    mesh.vertices(v, 2) *= factor;
+  }
+  return mesh;
+}
+
+struct Wearer {
+  RiggedMesh actor;
+  Clothness clothness;
+  Mesh high;
+};
+
+/// A trunk whose lower half is a garment with a mesh of its own; the faces at the seam stay under it. The scan bridges the fold.
+Wearer wearer(double fold = 0) {
+  const Mesh trunk = folded_tube(kHem, kTop, 30, 48), garment = folded_tube(kHem, kSeam, 14, 36, fold);
+  Wearer result;
+  RiggedMesh &actor = result.actor;
+  actor.mesh = join({trunk, garment});
+  actor.skeleton = make_skeleton({{"pelvis", "", {0, 1, 0}, {}}});
+  actor.weights = MatrixRM::Ones(actor.mesh.vertices.rows(), 1);
+  const Eigen::Index n = actor.mesh.vertices.rows(), bare = trunk.vertices.rows();
+  for (Eigen::Index f = 0; f < actor.mesh.faces.rows(); ++f) {
+    double top = 0;
+    for (int k = 0; k < 3; ++k)
+      top = std::max(top, actor.mesh.vertices(actor.mesh.faces(f, k), 1));
+    actor.face_valid.push_back(f >= trunk.faces.rows() || top > kSeam + 0.02);
+  }
+  Clothness &cloth = result.clothness;
+  cloth.region_count = 1;
+  cloth.sigma = cloth.clothness = Eigen::VectorXd::Zero(n);
+  cloth.region = Eigen::VectorXi::Constant(n, -1);
+  cloth.region.tail(n - bare).setZero();
+  for (Eigen::Index v = bare; v < n; ++v)
+    cloth.clothness[v] = actor.mesh.vertices(v, 1) < kSeam - 1e-6;
+  cloth.rest = actor.mesh.vertices;
+  result.high = folded_tube(kHem, kTop, 59, 101); // its triangles and M's have nothing in common
+  return result;
+}
+
+Character character_of(const Wearer &w) {
+  const Display display = make_display(w.actor, w.clothness, w.high);
+  return make_character(w.actor, w.clothness, {}, {}, {pbd::Material{}}, {}, display.mesh, display.valid,
+                        display.garment_subdivisions);
+}
+
+/// The faces [first, end) alone, with the vertices at `vertices`.
+Mesh part_of(const Vertices &vertices, const Faces &faces, Eigen::Index first, Eigen::Index end) {
+  return {vertices, faces.middleRows(first, end - first)};
+}
+
+/// (faces of the skin, faces of all) of a display mesh
+std::pair<Eigen::Index, Eigen::Index> split(const Wearer &w, const Display &display) {
+  const Eigen::Index garment = 14 * 36 * 2, all = display.mesh.faces.rows();
+  EXPECT_GE(w.actor.mesh.faces.rows(), garment);
+  return {all - garment * (1 << (2 * display.garment_subdivisions)), all};
+}
+
+std::vector<int> range(Eigen::Index first, Eigen::Index end) {
+  std::vector<int> numbers(end - first);
+  std::iota(numbers.begin(), numbers.end(), static_cast<int>(first));
+  return numbers;
+}
+
+} // namespace
+
+TEST(DisplaySurface, HemIsOneSmoothCurve) {
+  const Wearer w = wearer();
+  const Display display = make_display(w.actor, w.clothness, w.high);
+  ASSERT_EQ(display.garment_subdivisions, 1); // edges of 35 mm and 13 mm
+  EXPECT_TRUE(std::all_of(display.valid.begin(), display.valid.end(), [](int v) { return v == 1; }));
+  const EdgeTopology topology = edge_topology(display.mesh.faces);
+  int edges = 0;
+  for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+    const Eigen::RowVector3d p = display.mesh.vertices.row(topology.edges[e][0]);
+    if (topology.edge_faces[e][1] >= 0 || p.y() > 0.7)
+      continue;
+    ++edges;
+    EXPECT_NEAR(p.y(), kHem, 1e-9);
+    EXPECT_NEAR(std::hypot(p.x(), p.z()), kRadius, 0.001);
+  }
+  EXPECT_EQ(edges, 2 * 36);
+}
+
+TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
+  Wearer w = wearer();
+  const auto sheet = [](int rings, int segments) { // looks down; its outer half was invented
+    Mesh mesh = tube(
+        {0, 0, 0}, {0, 1, 0}, [](double s) { return 0.08 + 0.12 * s; }, rings, segments);
+    mesh.vertices.col(1).setConstant(kHem);
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+      if (face_normals(mesh.vertices, mesh.faces.row(f))(0, 1) > 0)
+        std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
+    return mesh;
+  };
+  const auto leg = [](int rings, int segments) {
+    return tube(
+        {0, 0, 0}, {0, kHem, 0}, [](double) { return 0.08; }, rings, segments);
+  };
+  const Mesh more = join({sheet(8, 40), leg(16, 20)});
+  const Eigen::Index before = w.actor.mesh.vertices.rows(), count = more.vertices.rows();
+  w.actor.mesh = join({w.actor.mesh, more});
+  for (Eigen::Index f = 0; f < more.faces.rows(); ++f)
+    w.actor.face_valid.push_back(f >= 8 * 40 * 2 || more.vertices.row(more.faces(f, 0)).norm() < std::hypot(0.14, kHem));
+  w.actor.weights = MatrixRM::Ones(before + count, 1);
+  const auto longer = [&](auto &values, auto value) {
+    values.conservativeResize(before + count);
+    values.tail(count).setConstant(value);
+  };
+  longer(w.clothness.sigma, 0.0);
+  longer(w.clothness.clothness, 0.0);
+  longer(w.clothness.region, -1);
+  w.clothness.rest = w.actor.mesh.vertices;
+  w.high = join({w.high, sheet(14, 60), leg(30, 40)});
+  const Display display = make_display(w.actor, w.clothness, w.high);
+  const Vertices normals = face_normals(display.mesh.vertices, display.mesh.faces);
+  int legs = 0;
+  for (Eigen::Index f = 0; f < normals.rows(); ++f) {
+    EXPECT_GT(normals(f, 1), -0.9);
+    legs += display.mesh.vertices(display.mesh.faces(f, 0), 1) < kHem - 0.001;
+  }
+  EXPECT_EQ(legs, 30 * 40 * 2);
+}
+
+TEST(DisplaySurface, BridgedFoldIsNotFollowed) {
+  const Wearer w = wearer(0.08);
+  const Character c = character_of(w);
+  const auto [skin, all] = split(w, make_display(w.actor, w.clothness, w.high));
+  const Mesh garment = part_of(w.actor.mesh.vertices, w.actor.mesh.faces, 30 * 48 * 2, w.actor.mesh.faces.rows());
+  const Mesh cloth = submesh(c.high, range(skin, all));
+  EXPECT_LT(distances_to_surface(cloth.vertices, garment).maxCoeff(), 0.012); // the scan is 80 mm away in the fold
+  // The fold opens: what is drawn opens with it.
+  Vertices opened = w.actor.mesh.vertices;
+  const Mesh open = folded_tube(kHem, kSeam, 14, 36);
+  opened.bottomRows(open.vertices.rows()) = open.vertices;
+  const Vertices high = DisplaySurface(c).apply(opened);
+  const double longest = mean_edge_length(open.vertices, open.faces);
+  for (Eigen::Index f = skin; f < all; ++f)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_LT((high.row(c.high.faces(f, k)) - high.row(c.high.faces(f, (k + 1) % 3))).norm(), longest);
+}
+
+TEST(DisplaySurface, SkinGoesOnUnderTheSeam) {
+  const Wearer w = wearer();
+  const Character c = character_of(w);
+  const auto [skin, all] = split(w, make_display(w.actor, w.clothness, w.high));
+  double lowest = kTop;
+  for (Eigen::Index f = 0; f < skin; ++f)
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::RowVector3d p = c.high.vertices.row(c.high.faces(f, k));
+      const double radius = std::hypot(p.x(), p.z());
+      lowest = std::min(lowest, p.y());
+      if (p.y() > kSeam) {
+        EXPECT_NEAR(radius, kRadius, 1e-9);
+      } else {
+        EXPECT_LT(radius, kRadius - 0.0005);
+      }
+    }
+  EXPECT_LT(lowest, kSeam - 0.005);
+  EXPECT_GT(lowest, kSeam - 0.025);
+  // In motion it stays there; above, it does not care what the cloth does.
+  Vertices swung = w.actor.mesh.vertices;
+  for (Eigen::Index v = 0; v < swung.rows(); ++v)
+    if (w.clothness.clothness[v] > 0)
+      swung(v, 0) += 0.1;
+  const DisplaySurface surface(c);
+  const Vertices before = surface.apply(w.actor.mesh.vertices), after = surface.apply(swung);
+  const Mesh swung_cloth = submesh({after, c.high.faces}, range(skin, all));
+  const RayScene scene(swung_cloth);
+  const Vertices normals = face_normals(swung_cloth.vertices, swung_cloth.faces);
+  const auto above = [&](const Eigen::Vector3d &p) { // m over the cloth
+    const ClosestPoint at = scene.closest(p);
+    return (p - at.point).dot(normals.row(at.face));
+  };
+  double moved = 0;
+  for (Eigen::Index f = 0; f < all; ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int v = c.high.faces(f, k);
+      if (f < skin && before(v, 1) > kSeam) {
+        EXPECT_EQ(after.row(v), before.row(v));
+      } else if (f < skin) {
+        EXPECT_LT(above(after.row(v)), 0);
+      } else {
+        moved = std::max(moved, after(v, 0) - before(v, 0));
+      }
+    }
+  EXPECT_NEAR(moved, 0.1, 1e-3);
+}
+
+TEST(DisplaySurface, ExactInTheScanPoseAndUnderRigidMotion) {
+  const Character c = character_of(wearer(0.05));
+  const DisplaySurface surface(c);
+  EXPECT_LT((surface.apply(c.actor.mesh.vertices) - c.high.vertices).cwiseAbs().maxCoeff(), 1e-6);
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Eigen::RowVector3d shift(0.3, -1, 2);
+  const auto moved = [&](const Vertices &v) { return Vertices((v * turn.transpose()).rowwise() + shift); };
+  EXPECT_LT((surface.apply(moved(c.actor.mesh.vertices)) - moved(c.high.vertices)).cwiseAbs().maxCoeff(), 1e-6);
+  const MatrixRM weights = surface.sample(c.actor.weights);
+  EXPECT_EQ(weights.rows(), c.high.vertices.rows());
+  EXPECT_LT((weights.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-6);
+}
+
+TEST(DisplaySurface, WithoutAGarmentOfItsOwnTheScanIsDrawnWhereMIsValid) {
+  Wearer w = wearer();
+  w.clothness.rest.resize(0, 3);
+  const Display display = make_display(w.actor, w.clothness, w.high);
+  EXPECT_EQ(display.garment_subdivisions, -1);
+  EXPECT_TRUE(display.mesh.vertices == w.high.vertices && display.mesh.faces == w.high.faces);
+}
+
+TEST(DisplaySurface, FileHoldsTheSubdivision) {
+  const TempFolder folder;
+  const Character c = character_of(wearer());
+  write_character(folder / "c.glb", c);
+  const Character back = read_character(folder / "c.glb");
+  EXPECT_EQ(back.garment_subdivisions, 1);
+  write_character(folder / "again.glb", back);
+  EXPECT_LT((DisplaySurface(back).apply(c.actor.mesh.vertices) - c.high.vertices).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(DisplaySurface, RefusesWhatDoesNotFit) {
+  Character c = character_of(wearer());
+  EXPECT_THROW(DisplaySurface(c).apply(Vertices(3, 3)), std::invalid_argument);
+  EXPECT_THROW(DisplaySurface(c).sample(MatrixRM(3, 3)), std::invalid_argument);
+  for (const int levels : {-2, 0, 2, 99}) {
+    c.garment_subdivisions = levels;
+    EXPECT_THROW(validate_character(c), Error) << levels;
+  }
+  EXPECT_THROW(DisplaySurface(Character{}), Error);
+}
+
+TEST(DisplaySurface, InnerSideIsDrawn) {
+  const Character c = character_of(wearer());
+  const CharacterRenderer renderer(c);
+  RenderOptions options;
+  options.floor = false;
+  const Camera below = orbit_camera({0, 1, 0}, 0.6, 0, -1.2, 100, 100);
+  const FaceBuffer buffer = rasterize(c.high.vertices, c.high.faces, below);
+  const Image image = renderer.render(c.actor.mesh.vertices, c.high.vertices, {}, below, options);
+  const auto background = static_cast<int>(options.background.z() * 255 + 0.5);
+  int inside = 0;
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) {
+      const int f = buffer.face_at(x, y);
+      if (f < 0)
+        continue;
+      const Eigen::Vector3d a = c.high.vertices.row(c.high.faces(f, 0)), b = c.high.vertices.row(c.high.faces(f, 1)),
+                            d = c.high.vertices.row(c.high.faces(f, 2));
+      if ((b - a).cross(d - a).dot(below.centre() - a) < 0) {
+        ++inside;
+        EXPECT_NE(image.at(x, y, 0), background);
+      }
+    }
+  EXPECT_GT(inside, 200);
+}

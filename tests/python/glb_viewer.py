@@ -1,0 +1,79 @@
+"""What a glTF 2.0 viewer makes of a baked animation: nodes, skins and morph targets at a time, in NumPy."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
+TYPE = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+
+
+class Viewer:
+    def __init__(self, path: Path):
+        data = path.read_bytes()
+        length = int.from_bytes(data[12:16], "little")
+        self.gltf, self.bytes = json.loads(data[20 : 20 + length]), data[28 + length :]
+        self.node = {node["name"]: i for i, node in enumerate(self.gltf["nodes"])}
+        self.channels = {
+            (c["target"]["node"], c["target"]["path"]): self.gltf["animations"][0]["samplers"][c["sampler"]]
+            for c in self.gltf["animations"][0]["channels"]
+        }
+
+    def array(self, accessor: int) -> np.ndarray:
+        at = self.gltf["accessors"][accessor]
+        view = self.gltf["bufferViews"][at["bufferView"]]
+        first, width = view.get("byteOffset", 0) + at.get("byteOffset", 0), WIDTH[at["type"]]
+        kind = np.dtype(TYPE[at["componentType"]])
+        return np.frombuffer(self.bytes, kind, at["count"] * width, first).reshape(-1, width).astype(float)
+
+    def value(self, node: int, path: str, time: float, default):
+        """Linear; rotations are normalised, which is near enough to a slerp between frames of 1/40 s."""
+        if (node, path) not in self.channels:
+            return np.asarray(default, float)
+        sampler = self.channels[node, path]
+        times, values = self.array(sampler["input"])[:, 0], self.array(sampler["output"])
+        values = values.reshape(len(times), -1)
+        found = np.array([np.interp(time, times, column) for column in values.T])
+        return found / np.linalg.norm(found) if path == "rotation" else found
+
+    def joints(self, time: float) -> dict[int, np.ndarray]:
+        """(4, 4) world transform of every node."""
+        world = {}
+
+        def visit(node: int, parent: np.ndarray) -> None:
+            at, local = self.gltf["nodes"][node], np.eye(4)
+            x, y, z, w = self.value(node, "rotation", time, at.get("rotation", [0, 0, 0, 1]))
+            local[:3, :3] = [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+            local[:3, 3] = self.value(node, "translation", time, at.get("translation", [0, 0, 0]))
+            world[node] = parent @ local
+            for child in at.get("children", []):
+                visit(child, world[node])
+
+        for root in self.gltf["scenes"][0]["nodes"]:
+            visit(root, np.eye(4))
+        return world
+
+    def mesh(self, name: str, time: float) -> np.ndarray:
+        """(V, 3) m: morphed, then skinned."""
+        node = self.node[name]
+        at = self.gltf["nodes"][node]
+        primitive = self.gltf["meshes"][at["mesh"]]["primitives"][0]
+        attributes = primitive["attributes"]
+        vertices = self.array(attributes["POSITION"])
+        targets = primitive.get("targets", [])
+        for weight, target in zip(self.value(node, "weights", time, np.zeros(len(targets))), targets):
+            if weight:
+                vertices = vertices + weight * self.array(target["POSITION"])
+        if "skin" not in at:
+            return vertices
+        skin, world = self.gltf["skins"][at["skin"]], self.joints(time)
+        inverse_bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
+        matrices = np.array([world[joint] @ bind for joint, bind in zip(skin["joints"], inverse_bind)])
+        weights, joints = (self.array(attributes[name]) for name in ("WEIGHTS_0", "JOINTS_0"))
+        blends = np.einsum("vk,vkij->vij", weights, matrices[joints.astype(int)])
+        return np.einsum("vij,vj->vi", blends[:, :3, :3], vertices) + blends[:, :3, 3]
