@@ -41,8 +41,8 @@ OPTION_GROUPS = {
 #: A frame is 24 sweeps, as in the paper, but in 4 substeps of 6, and a material means the same whatever they are: at equal sweeps
 #: cloth stretches far less. Cut flat; as far from the proxies as these are slimmer than the body (docs/cloth.md).
 #: Features weigh 3 instead of the paper's 10: E_fit then tells the distance to a true garment better (docs/results.md, Rivals).
-#: A little damping, not estimated: without any, cloth never comes to rest (docs/cloth.md). The search goes in even steps, and gives up
-#: on materials that fall behind (docs/material-estimation.md).
+#: A little damping, not estimated: without any, cloth never comes to rest (docs/cloth.md).
+#: The search goes in even steps, and gives up on materials that fall behind (docs/material-estimation.md).
 DEFAULTS = {
     "cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012},
     "energy": {"beta": 3.0, "stop_margin": 0.1},
