@@ -200,25 +200,17 @@ void bind_pictures(py::module_ &m) {
 }
 
 void bind_texture(py::module_ &m) {
-  OptionsClass<TextureOptions>(m, "TextureOptions", "Options of bake_texture.")
+  OptionsClass<TextureOptions>(m, "TextureOptions", "Options of texture_character.")
       .field("size", &TextureOptions::size, "pixels, width and height of the atlas")
       .field("facing_power", &TextureOptions::facing_power, "cameras count by cos^k of the angle between normal and ray")
       .field("grazing", &TextureOptions::grazing, "cameras below this cosine do not count")
       .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden")
       .field("edge_margin", &TextureOptions::edge_margin, "m, a point this close to the edge of something in front is hidden");
-  m.def(
-      "bake_texture",
-      [](Character &character, const Vertices &posed_high, const CameraRig &cameras, const std::vector<Image> &images,
-         const std::vector<Image> &masks, const TextureOptions &options, const Context &context) {
-        const BakedTexture baked =
-            bake_texture({posed_high, character.high.faces}, character.high_valid, cameras, images, masks, options, context);
-        character.texcoords = baked.texcoords;
-        character.texture = encode_jpeg(baked.image);
-        return baked.seen_fraction;
-      },
-      py::arg("character"), py::arg("posed_high"), py::arg("cameras"), py::arg("images"), py::arg("masks") = std::vector<Image>{},
-      py::arg("options") = TextureOptions{}, py::arg("context") = interruptible_context(), Release(),
-      "Gives the character a texture from the images of one frame; returns the share of its surface that a camera saw.");
+  m.def("texture_character", &texture_character, py::arg("character"), py::arg("surface"), py::arg("cameras"), py::arg("images"),
+        py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
+        py::arg("context") = interruptible_context(), Release(),
+        "Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the "
+        "colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.");
   py::class_<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
       .def_readonly("mesh", &Display::mesh)
       .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")

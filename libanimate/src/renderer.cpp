@@ -308,7 +308,7 @@ CharacterRenderer::CharacterRenderer(const Character &character) {
   body_.vertices = character.body.vertices;
   body_.faces = character.body.faces;
   body_.skip_face = inverted(character.body_shown);
-  body_.colour = character.body_colour;
+  body_.colour = character.body_colour.array().pow(1 / 2.2); // the pictures are sRGB
 }
 
 std::vector<RenderMesh> CharacterRenderer::meshes(const Vertices &surface, const Vertices &high, const Vertices &body) const {

@@ -7,10 +7,12 @@
 #include "doublet/animate/image_file.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
+#include "garment_part.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace doublet {
 namespace {
@@ -244,6 +246,57 @@ void require_inputs(const Mesh &mesh, const std::vector<std::uint8_t> &valid, co
                                   std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
 }
 
+/// Corners of the edges along which a garment ends free, or hangs.
+struct GarmentEdges {
+  std::vector<Vector3d> free, fixed;
+  GarmentEdges(const detail::Worn &garment, const Clothness &clothness) {
+    const auto is_fixed = [&](int v) { return clothness.clothness[garment.vertices[v]] == 0; };
+    const EdgeTopology topology = edge_topology(garment.mesh.faces);
+    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+      const Eigen::Vector2i &edge = topology.edges[e];
+      if (topology.edge_faces[e][1] < 0)
+        (is_fixed(edge[0]) && is_fixed(edge[1]) ? fixed : free).push_back(garment.mesh.vertices.row(edge[0]));
+    }
+  }
+};
+double distance_to(const std::vector<Vector3d> &points, const Vector3d &from) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vector3d &point : points)
+    nearest = std::min(nearest, (point - from).norm());
+  return nearest;
+}
+
+/// Linear R G B that the hidden part of the body has in all likelihood: the median of the skin beyond the garment's free edges,
+/// of legs below a hem. As it was where there is no such skin.
+Vector3d hidden_colour(const Character &c, const BakedTexture &baked) {
+  constexpr double kReach = 0.20; // m
+  constexpr std::size_t kFewest = 20;
+  if (c.garment_subdivisions < 0)
+    return c.body_colour;
+  const detail::GarmentPart part = detail::garment_part(c);
+  const GarmentEdges edges(part.garment, c.clothness);
+  std::array<std::vector<int>, 3> found; // B G R
+  for (int f = 0; f < part.skin_faces; ++f) {
+    Vector3d centre = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      centre += c.high.vertices.row(c.high.faces(f, k)).transpose() / 3;
+    const double away = distance_to(edges.free, centre);
+    if (!c.high_valid[f] || away > kReach || distance_to(edges.fixed, centre) < away)
+      continue;
+    const Vector2d at = baked.texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * baked.image.width;
+    for (int k = 0; k < 3; ++k)
+      found[k].push_back(baked.image.at(static_cast<int>(at.x()), static_cast<int>(at.y()), k));
+  }
+  if (found[0].size() < kFewest)
+    return c.body_colour;
+  Vector3d colour;
+  for (int k = 0; k < 3; ++k) {
+    std::nth_element(found[k].begin(), found[k].begin() + found[k].size() / 2, found[k].end());
+    colour[2 - k] = std::pow(found[k][found[k].size() / 2] / 255.0, 2.2); // the image is sRGB
+  }
+  return colour;
+}
+
 } // namespace
 
 void TextureOptions::validate() const {
@@ -316,6 +369,7 @@ double texture_character(Character &character, const Vertices &surface, const Ca
                          const Context &context) {
   const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
   BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
+  character.body_colour = hidden_colour(character, baked);
   character.texcoords = std::move(baked.texcoords);
   character.texture = encode_jpeg(baked.image);
   return baked.seen_fraction;

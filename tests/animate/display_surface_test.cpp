@@ -1,6 +1,7 @@
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/renderer.h"
+#include "doublet/animate/texture_baker.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/ray_scene.h"
@@ -38,9 +39,15 @@ struct Wearer {
   Mesh high;
 };
 
+Mesh leg() {
+  return tube(
+      {0, 0.1, 0}, {0, kHem - 0.02, 0}, [](double) { return 0.1; }, 20, 24);
+}
+
 /// A trunk whose lower half is a garment with a mesh of its own; the faces at the seam stay under it. The scan bridges the fold.
-Wearer wearer(double fold = 0) {
-  const Mesh trunk = folded_tube(kHem, kTop, 30, 48), garment = folded_tube(kHem, kSeam, 14, 36, fold);
+Wearer wearer(double fold = 0, bool with_leg = false) {
+  const Mesh upper = folded_tube(kHem, kTop, 30, 48), trunk = with_leg ? join({upper, leg()}) : upper,
+             garment = folded_tube(kHem, kSeam, 14, 36, fold);
   Wearer result;
   RiggedMesh &actor = result.actor;
   actor.mesh = join({trunk, garment});
@@ -51,7 +58,7 @@ Wearer wearer(double fold = 0) {
     double top = 0;
     for (int k = 0; k < 3; ++k)
       top = std::max(top, actor.mesh.vertices(actor.mesh.faces(f, k), 1));
-    actor.face_valid.push_back(f >= trunk.faces.rows() || top > kSeam + 0.02);
+    actor.face_valid.push_back(f >= upper.faces.rows() || top > kSeam + 0.02);
   }
   Clothness &cloth = result.clothness;
   cloth.region_count = 1;
@@ -62,6 +69,8 @@ Wearer wearer(double fold = 0) {
     cloth.clothness[v] = actor.mesh.vertices(v, 1) < kSeam - 1e-6;
   cloth.rest = actor.mesh.vertices;
   result.high = folded_tube(kHem, kTop, 59, 101); // its triangles and M's have nothing in common
+  if (with_leg)
+    result.high = join({result.high, leg()});
   return result;
 }
 
@@ -225,6 +234,32 @@ TEST(DisplaySurface, ExactInTheScanPoseAndUnderRigidMotion) {
   const MatrixRM weights = surface.sample(c.actor.weights);
   EXPECT_EQ(weights.rows(), c.high.vertices.rows());
   EXPECT_LT((weights.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-6);
+}
+
+TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
+  const Wearer w = wearer(0, true);
+  Character c = character_of(w);
+  CameraRig cameras;
+  std::vector<Image> images;
+  for (int k = 0; k < 4; ++k) {
+    cameras.push_back(orbit_camera({0, 0.7, 0}, 1.0, k * 1.57, 0, 300, 300));
+    Image image(300, 300, 3, 30); // B G R: a dark garment and trunk, and a leg
+    const double hem = cameras.back().project({0, kHem, 0}).y();
+    for (int y = static_cast<int>(hem); y < 300; ++y)
+      for (int x = 0; x < 300; ++x) {
+        image.at(x, y, 0) = 60;
+        image.at(x, y, 1) = 90;
+        image.at(x, y, 2) = 180;
+      }
+    images.push_back(image);
+  }
+  const Eigen::Vector3d before = c.body_colour;
+  texture_character(c, c.actor.mesh.vertices, cameras, images);
+  const Eigen::Vector3d leg_colour = Eigen::Vector3d(180, 90, 60) / 255;
+  EXPECT_LT((c.body_colour - Eigen::Vector3d(leg_colour.array().pow(2.2))).norm(), 0.01) << c.body_colour.transpose();
+  Character legless = character_of(wearer());
+  texture_character(legless, legless.actor.mesh.vertices, cameras, images);
+  EXPECT_EQ(legless.body_colour, before);
 }
 
 TEST(DisplaySurface, WithoutAGarmentOfItsOwnTheScanIsDrawnWhereMIsValid) {

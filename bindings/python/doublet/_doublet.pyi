@@ -3297,7 +3297,7 @@ class CharacterRenderer:
         """
 class TextureOptions:
     """
-    Options of bake_texture.
+    Options of texture_character.
     """
     @staticmethod
     def fields() -> list[str]:
@@ -3826,6 +3826,14 @@ class ParameterSpace:
     def unit(self, material: Material) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         ...
     @property
+    def even_steps(self) -> bool:
+        """
+        search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4
+        """
+    @even_steps.setter
+    def even_steps(self, arg0: bool) -> None:
+        ...
+    @property
     def fixed(self) -> Material:
         """
         gives the parameters that are not searched
@@ -3834,28 +3842,12 @@ class ParameterSpace:
     def fixed(self, arg0: Material) -> None:
         ...
     @property
-    def iterations(self) -> int:
-        """
-        of the solver; only for the above
-        """
-    @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
     def names(self) -> list[str]:
         """
         of Material
         """
     @names.setter
     def names(self, arg0: collections.abc.Sequence[str]) -> None:
-        ...
-    @property
-    def per_iteration_stiffness(self) -> bool:
-        """
-        search k' = 1 - (1 - k)^(1 / iterations)
-        """
-    @per_iteration_stiffness.setter
-    def per_iteration_stiffness(self, arg0: bool) -> None:
         ...
 class MaterialObjective(Objective):
     """
@@ -4060,10 +4052,6 @@ def animate_each(character: Character, motion: Motion, frame: collections.abc.Ca
     """
     Calls frame(AnimationFrame) in order and keeps nothing.
     """
-def bake_texture(character: Character, posed_high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
-    """
-    Gives the character a texture from the images of one frame; returns the share of its surface that a camera saw.
-    """
 def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> list[BodyRegion]:
     ...
 def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context = ...) -> Template:
@@ -4178,6 +4166,10 @@ def summarise_garment(garment: Garment) -> GarmentSummary:
     ...
 def summarise_template(surface: Template, scan: Mesh, context: Context = ...) -> TemplateSummary:
     ...
+def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
+    """
+    Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.
+    """
 def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: typing.SupportsInt | typing.SupportsIndex = 2) -> Outline:
     """
     Boundary of a mask (H, W).

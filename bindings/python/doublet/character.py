@@ -64,11 +64,11 @@ def bake_first_frame(character: d.Character, job, performance: d.ReferencePerfor
     if not any(image.size for image in images):
         job.console.log(f"character: no camera has an image of frame {frame}: the character has no texture")
         return 0.0
-    posed = d.DisplaySurface(character).apply(performance.surface.frames[0])
     extractor = trained_extractor(job, source)
     masks = [source.mask(c, frame) for c in range(source.camera_count)]
     masks = [m if m.size or not i.size else extractor.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]
-    return d.bake_texture(character, posed, job.session.rig, images, masks, d.TextureOptions(), job.context)
+    surface = performance.surface.frames[0]
+    return d.texture_character(character, surface, job.session.rig, images, masks, d.TextureOptions(), job.context)
 
 
 def animate(character_file: Path, motion_file: Path, out: Path, console: Console, retargeting: d.RetargetOptions) -> int:

@@ -30,7 +30,7 @@ struct Character {
   std::string body_model;                        ///< name and hash of the statistical model
   MatrixRM body_weights;                         ///< (B, J)
   std::vector<std::uint8_t> body_shown;          ///< (FB) 1 = hidden under cloth in the scan, must be drawn
-  Eigen::Vector3d body_colour{0.80, 0.62, 0.53}; ///< linear RGB in [0, 1]
+  Eigen::Vector3d body_colour{0.61, 0.35, 0.25}; ///< linear RGB in [0, 1] of the hidden body
 
   Mesh high;                            ///< M_high for display, scan pose; may be empty: then M is displayed
   std::vector<std::uint8_t> high_valid; ///< (FH)
