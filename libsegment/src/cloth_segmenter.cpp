@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -72,14 +73,30 @@ template <typename Predicate> std::vector<char> choose(const Surface &surface, P
   return chosen;
 }
 
-/// Small rigid patches that border on cloth become cloth. The largest rigid patch is never a hole.
+/// m, the length of the border between the rigid patches `of` (V, -1 = cloth) and cloth, halfway between their vertices.
+std::vector<double> borders_on_cloth(const Surface &surface, const std::vector<int> &of, std::size_t count) {
+  std::vector<double> length(count, 0);
+  for (int f = 0; f < surface.faces.rows(); ++f)
+    for (int c = 0; c < 3; ++c) { // the corner that is alone on its side
+      const int alone = surface.faces(f, c), a = surface.faces(f, (c + 1) % 3), b = surface.faces(f, (c + 2) % 3);
+      if ((of[a] < 0) == (of[b] < 0) && (of[alone] < 0) != (of[a] < 0))
+        length[std::max(of[alone], of[a])] += 0.5 * (surface.vertices.row(a) - surface.vertices.row(b)).norm();
+    }
+  return length;
+}
+
+/// Small rigid patches that border on cloth become cloth. The largest rigid patch is never a hole, nor is one that bulges: with
+/// more than kBulge times the area of a disc with its border it is the end of a limb that sticks out of the garment.
 void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  constexpr double kBulge = 2;
   const auto patches = connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; }));
-  auto borders_on_cloth = [&](int i) {
-    return std::any_of(surface.neighbours[i].begin(), surface.neighbours[i].end(), [&](int j) { return delta[j] > 0.5; });
-  };
+  std::vector<int> of(surface.size(), -1);
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    for (int i : patches[p].members)
+      of[i] = static_cast<int>(p);
+  const std::vector<double> border = borders_on_cloth(surface, of, patches.size());
   for (std::size_t p = 1; p < patches.size(); ++p)
-    if (patches[p].area < smallest && std::any_of(patches[p].members.begin(), patches[p].members.end(), borders_on_cloth))
+    if (patches[p].area < std::min(smallest, kBulge * border[p] * border[p] / (4 * std::numbers::pi)))
       for (int i : patches[p].members)
         delta[i] = 1;
 }

@@ -194,6 +194,8 @@ def run_performance(job: Job) -> dict:
         "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
         "lost_limbs": len(summary.lost_limbs),
         "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
+        "frames_inferred": {sight.joint: sight.inferred for sight in summary.joints if sight.inferred},
+        "frames_lost": {sight.joint: sight.lost for sight in summary.joints if sight.lost},
         "seconds_per_frame": summary.seconds_per_frame,
     }
 
