@@ -1,5 +1,7 @@
 #include "tracked_actor.h"
 
+#include "doublet/core/sheets.h"
+
 namespace doublet {
 namespace {
 
@@ -44,46 +46,11 @@ TrackedActor let_ends_turn(const RiggedMesh &actor, double most) {
   return freed;
 }
 
-/// (F) triangles that face along the bone that moves them, towards its end.
-std::vector<char> shelves(const RiggedMesh &actor) {
-  constexpr double kAlong = 0.7; // cosine
-  const std::vector<int> ends = limb_bones(actor.skeleton);
-  const Vertices normals = face_normals(actor.mesh.vertices, actor.mesh.faces);
-  std::vector<char> shelf(actor.mesh.faces.rows(), 0);
-  for (int f = 0; f < actor.mesh.faces.rows(); ++f) {
-    const Eigen::RowVector3i corners = actor.mesh.faces.row(f);
-    Eigen::Index owner;
-    (actor.weights.row(corners[0]) + actor.weights.row(corners[1]) + actor.weights.row(corners[2])).maxCoeff(&owner);
-    if (ends[owner] < 0)
-      continue;
-    const Eigen::Vector3d bone = actor.skeleton.joints[ends[owner]].rest - actor.skeleton.joints[owner].rest;
-    shelf[f] = normals.row(f).dot(bone.normalized()) > kAlong;
-  }
-  return shelf;
-}
-
-void extend_sheets(RiggedMesh &actor) {
-  const std::vector<char> shelf = shelves(actor);
-  std::vector<char> touched(actor.mesh.vertices.rows(), 0);
-  for (bool grown = true; grown;) {
-    grown = false;
-    for (int f = 0; f < actor.mesh.faces.rows(); ++f) {
-      const Eigen::RowVector3i corners = actor.mesh.faces.row(f);
-      if (actor.face_valid[f] && shelf[f] && (touched[corners[0]] || touched[corners[1]] || touched[corners[2]]))
-        actor.face_valid[f] = 0;
-      for (int c = 0; !actor.face_valid[f] && c < 3; ++c)
-        grown = grown || !touched[corners[c]];
-      for (int c = 0; !actor.face_valid[f] && c < 3; ++c)
-        touched[corners[c]] = 1;
-    }
-  }
-}
-
 } // namespace
 
 TrackedActor track_actor(const RiggedMesh &actor, double most_turn) {
   TrackedActor tracked = let_ends_turn(actor, most_turn);
-  extend_sheets(tracked.actor);
+  tracked.actor.face_valid = extend_sheets(actor.mesh, actor.face_valid);
   return tracked;
 }
 

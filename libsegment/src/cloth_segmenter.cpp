@@ -1,10 +1,12 @@
 #include "doublet/segment/cloth_segmenter.h"
 
+#include "doublet/core/sheets.h"
 #include "doublet/segment/diffusion.h"
 #include "valid_faces.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -101,6 +103,35 @@ void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta)
         delta[i] = 1;
 }
 
+/// Cloth hangs from something. A core that lies wholly above what borders on it stands: a head. One under a seam, with its seams
+/// higher than its own middle and than the rigid surface beside it, is what comes out of a garment: a shank below a hem, a hand
+/// below a cuff. Both are ends of limbs that were tracked badly.
+bool hangs(const Surface &surface, const Patch &core, const Eigen::VectorXd &delta) {
+  double middle = 0, seams = 0, rigid = 0, highest = -std::numeric_limits<double>::infinity();
+  int seam_count = 0, rigid_count = 0;
+  for (int i : core.members) {
+    middle += surface.areas[i] * surface.vertices(i, 1) / core.area;
+    for (int j : surface.neighbours[i]) {
+      const double height = surface.vertices(j, 1);
+      if (surface.seam[j]) {
+        seams += height;
+        ++seam_count;
+      } else if (delta[j] <= 0.5) {
+        rigid += height;
+        ++rigid_count;
+      } else {
+        continue;
+      }
+      highest = std::max(highest, height);
+    }
+  }
+  if (seam_count + rigid_count == 0)
+    return true;
+  const bool comes_out =
+      seam_count > 0 && seams > middle * seam_count && (!rigid_count || seams * rigid_count > rigid * seam_count);
+  return highest > middle && !comes_out;
+}
+
 /// Cloth stays where its core (delta > 0.5) is large enough, with its transition zone: every other vertex goes with the core
 /// nearest along the surface, and is rigid beyond kTransition of any (bending joints and tracking leave faint clothness there).
 /// Seams do not connect cores: where the invented surface was marked a little too small, what is left of it joins a hem to the
@@ -109,12 +140,15 @@ void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delt
   std::vector<char> kept(surface.size(), 0);
   std::vector<double> distance(surface.size(), kTransition);
   std::set<std::pair<double, int>> front; // Dijkstra's algorithm from all cores at once
-  for (const Patch &core : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; })))
+  for (const Patch &core :
+       connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; }))) {
+    const bool keep = core.area >= smallest && hangs(surface, core, delta);
     for (int i : core.members) {
-      kept[i] = core.area >= smallest;
+      kept[i] = keep;
       distance[i] = 0;
       front.emplace(0.0, i);
     }
+  }
   while (!front.empty()) {
     const auto [reached, i] = *front.begin();
     front.erase(front.begin());
@@ -203,9 +237,10 @@ Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint
   if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
     throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
                                 std::to_string(face_valid.size()));
-  const Faces faces = valid_faces(pose.faces, face_valid);
+  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
+  const Faces faces = valid_faces(pose.faces, scanned);
   const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
-                        seam_vertices(pose.faces, face_valid, n)};
+                        seam_vertices(pose.faces, scanned, n)};
 
   Clothness result;
   result.sigma = sigma;
