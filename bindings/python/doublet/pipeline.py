@@ -230,7 +230,7 @@ def run_segment(job: Job) -> dict:
 
 
 def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> list[str]:
-    """Joints at the ends of limbs (toes, hands, top of the head) with more cloth (V) than skin around the bone that ends there."""
+    """Joints at the ends of limbs (toes, hands, top of the head) with more cloth (V) than skin on the bone that ends there."""
     names, parents = actor.skeleton.joint_names, actor.skeleton.joint_parents
     share, doubtful = np.asarray(actor.weights), []
     for j in sorted(set(range(len(names))) - {int(p) for p in parents}):
