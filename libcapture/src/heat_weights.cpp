@@ -2,7 +2,6 @@
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 #include "face_mask.h"
-#include "scanned_laplacian.h"
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
@@ -14,6 +13,8 @@ namespace {
 
 constexpr double kAlike = 1.1;    // bones up to this much farther than the nearest visible one share a vertex's heat
 constexpr double kNearest = 1e-3; // m; closer bones would make H infinite
+constexpr double kInvalidFlow =
+    1e-3; // conductance of invented triangles: a sheet under a hem must not join the legs with the garment
 
 /// A segment and the joint that carries it.
 struct Bone {
@@ -86,6 +87,24 @@ std::vector<Source> heat_sources(const Mesh &mesh, const Skeleton &skeleton, con
   return sources;
 }
 
+/// Cotangent Laplacian (positive semi-definite) in which invented triangles hardly conduct.
+std::vector<Eigen::Triplet<double>> conduction(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int valid = 0; valid < 2; ++valid) {
+    std::vector<int> chosen;
+    for (int f = 0; f < mesh.faces.rows(); ++f)
+      if ((face_valid.empty() || face_valid[f] != 0) == (valid == 1))
+        chosen.push_back(f);
+    Faces faces(static_cast<Eigen::Index>(chosen.size()), 3);
+    for (std::size_t i = 0; i < chosen.size(); ++i)
+      faces.row(static_cast<Eigen::Index>(i)) = mesh.faces.row(chosen[i]);
+    if (faces.rows() > 0)
+      for (const Triplet &t : cotangent_laplacian(mesh.vertices, faces))
+        entries.emplace_back(t.row, t.col, t.value * (valid ? 1.0 : kInvalidFlow));
+  }
+  return entries;
+}
+
 void check_arguments(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const Skeleton &skeleton,
                      const HeatWeightOptions &options) {
   require_usable(mesh, "mesh");
@@ -108,9 +127,7 @@ MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_va
   context.report("template: weights", 0.5);
   const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
   const Eigen::Index count = mesh.vertices.rows();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (const Triplet &t : scanned_laplacian(mesh, face_valid))
-    entries.emplace_back(t.row, t.col, t.value);
+  auto entries = conduction(mesh, face_valid);
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count, skeleton.joint_count());
   for (Eigen::Index v = 0; v < count; ++v) {
     const Source &source = sources[v];

@@ -1,7 +1,5 @@
 #include "doublet/capture/surface_refiner.h"
 
-#include "scanned_laplacian.h"
-
 #include "doublet/core/error.h"
 
 #include <Eigen/SparseCholesky>
@@ -16,13 +14,12 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// bending * |D^-1 L u|^2 + stretching * u^T L u / mean(D), L = the cotangent Laplacian of the rest pose, D its diagonal. What a
-/// garment does must not pull at the legs through the sheet that closes its hem.
-Sparse stiffness_matrix(const RiggedMesh &actor, double bending, double stretching) {
-  const int n = static_cast<int>(actor.mesh.vertices.rows());
+/// bending * |D^-1 L u|^2 + stretching * u^T L u / mean(D), L = the cotangent Laplacian of the rest pose, D its diagonal.
+Sparse stiffness_matrix(const Mesh &mesh, double bending, double stretching) {
+  const int n = static_cast<int>(mesh.vertices.rows());
   Sparse laplacian(n, n);
   std::vector<Eigen::Triplet<double>> entries;
-  for (const Triplet &t : scanned_laplacian(actor.mesh, actor.face_valid))
+  for (const Triplet &t : cotangent_laplacian(mesh.vertices, mesh.faces))
     entries.emplace_back(t.row, t.col, t.value);
   laplacian.setFromTriplets(entries.begin(), entries.end());
   const Eigen::VectorXd diagonal = laplacian.diagonal();
@@ -151,7 +148,7 @@ private:
       return;
     actor_ = problem.actor;
     skip_ = actor_->skip_invalid();
-    system_.set_stiffness(stiffness_matrix(*actor_, options_.bending, options_.stretching));
+    system_.set_stiffness(stiffness_matrix(actor_->mesh, options_.bending, options_.stretching));
   }
 
   std::vector<Pull> find_pulls(const SurfaceProblem &problem, const SurfaceEstimate &estimate, const Vertices &displacement,
