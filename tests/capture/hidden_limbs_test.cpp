@@ -95,8 +95,9 @@ TEST(HiddenLimbs, KneesUnderASkirtFollowFromTheShanks) {
   EXPECT_LT(joint_error(result, actor, joints, "l_knee"), 0.010);
   for (const JointSight &sight : result.summary.joints) {
     EXPECT_EQ(sight.seen + sight.inferred + sight.lost, dofs.rows()) << sight.joint;
-    if (sight.joint != "r_hip")                                                           // whose half of the skirt hangs still
-      EXPECT_EQ(sight.inferred, sight.joint == "l_hip" ? dofs.rows() : 0) << sight.joint; // what moves the thigh
+    if (sight.joint != "r_hip") { // whose half of the skirt hangs still
+      EXPECT_EQ(sight.inferred, sight.joint == "l_hip" ? dofs.rows() : 0) << sight.joint;
+    }
   }
 }
 
