@@ -4,6 +4,8 @@
 #include "doublet/capture/smoothing.h"
 #include "feature_map.h"
 #include "first_pose.h"
+#include "packed_mask.h"
+#include "tracked_actor.h"
 #include "view_measurement.h"
 
 #include "doublet/core/error.h"
@@ -38,13 +40,27 @@ private:
 class Looseness {
 public:
   explicit Looseness(const RiggedMesh &actor, double loose)
-      : edges_(undirected_edges(actor.mesh.faces)), loose_(loose),
-        all_(Eigen::VectorXd::Constant(actor.mesh.vertices.rows(), kExpected)), recent_(all_) {}
+      : edges_(scanned_edges(actor)), loose_(loose), all_(expected_deviation(actor).cwiseAbs2()), recent_(all_) {}
 
   void learn(const Vertices &refined, const Vertices &skinned) {
     const Eigen::VectorXd squared = (refined - skinned).rowwise().squaredNorm();
     all_ += (squared - all_) / ++frames_;
     recent_ += 0.1 * (squared - recent_);
+  }
+
+  /// Starts again from what all frames together say: the median, so that a limb that was lost for a while does not pass for
+  /// cloth.
+  void settle(const std::vector<Vertices> &offsets) {
+    const size_t middle = offsets.size() / 2;
+    std::vector<double> squared(offsets.size());
+    for (int i = 0; i < all_.size(); ++i) {
+      for (size_t t = 0; t < offsets.size(); ++t)
+        squared[t] = offsets[t].row(i).squaredNorm();
+      std::nth_element(squared.begin(), squared.begin() + middle, squared.end());
+      all_[i] = squared[middle];
+    }
+    recent_ = all_;
+    frames_ = static_cast<int>(offsets.size());
   }
 
   /// (V) in (0, 1]: 1 / (1 + (d / loose)^2).
@@ -56,13 +72,32 @@ public:
   }
 
 private:
-  static constexpr double kExpected = 0.005 * 0.005; // m^2; what skinning leaves on a body, before anything is known
+  /// (V) m, before anything is known: what skinning leaves on a body, and more where the surface is farther from the bone of a
+  /// limb than flesh reaches. That is clothing, and what a wide garment does must not be taken for the limb's motion.
+  static Eigen::VectorXd expected_deviation(const RiggedMesh &actor) {
+    constexpr double kSkin = 0.005, kFlesh = 0.2, kSwing = 1.0; // m; of the bone's length; of what lies beyond it
+    Eigen::VectorXd expected = Eigen::VectorXd::Constant(actor.mesh.vertices.rows(), kSkin);
+    const std::vector<Joint> &joints = actor.skeleton.joints;
+    const std::vector<int> ends = limb_bones(actor.skeleton);
+    for (int i = 0; i < expected.size(); ++i) {
+      Eigen::Index owner;
+      actor.weights.row(i).maxCoeff(&owner);
+      if (ends[owner] < 0)
+        continue;
+      const Eigen::Vector3d x = actor.mesh.vertices.row(i).transpose() - joints[owner].rest;
+      const Eigen::Vector3d bone = joints[ends[owner]].rest - joints[owner].rest;
+      const double along = std::clamp(x.dot(bone) / bone.squaredNorm(), 0.0, 1.0);
+      expected[i] += kSwing * std::max(0.0, (x - along * bone).norm() - kFlesh * bone.norm());
+    }
+    return expected;
+  }
 
-  static std::vector<std::pair<int, int>> undirected_edges(const Faces &faces) {
+  /// Of the valid faces: what a garment does says nothing about the legs below its hem.
+  static std::vector<std::pair<int, int>> scanned_edges(const RiggedMesh &actor) {
     std::vector<std::pair<int, int>> edges;
-    for (int f = 0; f < faces.rows(); ++f)
-      for (int c = 0; c < 3; ++c)
-        edges.emplace_back(std::minmax(faces(f, c), faces(f, (c + 1) % 3)));
+    for (int f = 0; f < actor.mesh.faces.rows(); ++f)
+      for (int c = 0; actor.face_valid[f] && c < 3; ++c)
+        edges.emplace_back(std::minmax(actor.mesh.faces(f, c), actor.mesh.faces(f, (c + 1) % 3)));
     std::sort(edges.begin(), edges.end());
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     return edges;
@@ -101,7 +136,11 @@ public:
       : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), context_(context),
         looseness_(actor, options.loose), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)),
         limbs_(find_limbs(actor.skeleton)), misses_(limbs_.size(), 0), next_search_(limbs_.size(), 0),
-        steady_since_(actor.skeleton.dof_count(), 0) {}
+        steady_since_(actor.skeleton.dof_count(), 0) {
+    for (const Joint &joint : actor.skeleton.joints)
+      if (joint.dof_count > 0)
+        result_.summary.joints.push_back({joint.name});
+  }
 
   CaptureResult run(int first, int count) {
     const double start = now();
@@ -110,12 +149,24 @@ public:
     result_.performance.surface.faces = actor_.mesh.faces;
     result_.performance.dofs.resize(count, actor_.skeleton.dof_count());
     result_.observations.cameras = rig_;
-    for (int t = 0; t < count; ++t) {
-      context_.report("capture", static_cast<double>(t) / count);
-      track(first + t, t);
-      if (t % 20 == 0 || t + 1 == count)
-        log(t, now() - start);
+    const int passes = options_.second_pass ? 2 : 1;
+    for (int pass = 0; pass < passes; ++pass) {
+      if (pass > 0)
+        start_again();
+      for (int t = 0; t < count; ++t) {
+        context_.report("capture", (static_cast<double>(t) / count + pass) / passes);
+        if (pass == 0)
+          measure(first + t, t);
+        else
+          recall(t);
+        track(t);
+        if (pass + 1 == passes)
+          watch_joints(t);
+        if (t % 20 == 0 || t + 1 == count)
+          log(t, (now() - start) / (pass * count + t + 1));
+      }
     }
+    say_what_was_hidden();
     smooth();
     result_.summary.seconds_per_frame = (now() - start) / count;
     context_.report("capture", 1);
@@ -123,8 +174,7 @@ public:
   }
 
 private:
-  void track(int frame, int t) {
-    measure(frame, t);
+  void track(int t) {
     const Eigen::VectorXd dofs = find_pose(t);
     result_.performance.dofs.row(t) = dofs;
     refine(dofs, t);
@@ -162,6 +212,30 @@ private:
     result_.performance.frames.push_back(frame);
     result_.observations.frames.push_back(frame);
     result_.observations.views.push_back(std::move(observed));
+    kept_.push_back({outlines_, pack(masks_), {}});
+  }
+
+  /// Everything is tracked a second time, from the first frame on and with the measurements at hand, knowing what is loose: until
+  /// a garment has been seen to swing it passes for skin, and drags the limbs under it along.
+  void start_again() {
+    context_.say("capture: again, knowing what is loose");
+    again_ = true;
+    looseness_.settle(offsets_);
+    offsets_.clear();
+    offset_.setZero();
+    std::fill(misses_.begin(), misses_.end(), 0);
+    std::fill(next_search_.begin(), next_search_.end(), 0);
+    std::fill(steady_since_.begin(), steady_since_.end(), 0);
+    result_.summary.rim_px.clear();
+    result_.summary.sift_px.clear();
+    result_.summary.silhouette_iou.clear();
+    result_.summary.lost_limbs.clear();
+  }
+
+  /// What was measured at a frame.
+  void recall(int t) {
+    outlines_ = kept_[t].outlines;
+    masks_ = unpack(kept_[t].masks);
   }
 
   /// Features seen at t-1, lifted onto the refined surface there.
@@ -180,16 +254,19 @@ private:
   }
 
   /// The lifted tracks, and the mapped features around where `dofs` would put them.
-  std::vector<SurfaceTrack> find_tracks(const Eigen::VectorXd &dofs, double reach) {
+  std::vector<SurfaceTrack> find_tracks(const Eigen::VectorXd &dofs, int t) {
     const Stopwatch watch(result_.summary.map_seconds);
     std::vector<SurfaceTrack> all = lifted_;
-    if (map_.size() == 0)
+    if (again_)
+      all.insert(all.end(), kept_[t].mapped.begin(), kept_[t].mapped.end());
+    if (again_ || map_.size() == 0)
       return all;
     const PosedSurface expected = pose_surface(actor_, dofs, offset_);
     const int views = static_cast<int>(rig_.size());
     std::vector<std::vector<SurfaceTrack>> found(views);
     parallel_for(context_, views, [&](int v) {
-      found[v] = map_.find(last_[v].features, *parts_.features, actor_, expected, v, rig_[v], reach * last_[v].height);
+      found[v] =
+          map_.find(last_[v].features, *parts_.features, actor_, expected, v, rig_[v], options_.map_reach * last_[v].height);
     });
     for (const auto &part : found)
       all.insert(all.end(), part.begin(), part.end());
@@ -204,11 +281,11 @@ private:
 
     problem.offset = offset_;
     problem.reliability = looseness_.reliability();
-    problem.first = t == 0;
-    problem.predicted = t == 0 ? first_pose(actor_, rig_, masks_, context_) : predict(t);
+    problem.first = t == 0 && !again_;
+    problem.predicted = problem.first ? first_pose(actor_, rig_, masks_, context_) : predict(t);
     problem.start = problem.predicted;
     lifted_ = lift_tracks(t);
-    problem.tracks = find_tracks(problem.predicted, options_.map_reach);
+    problem.tracks = find_tracks(problem.predicted, t);
     PoseEstimate estimate;
     {
       const Stopwatch watch(result_.summary.pose_seconds);
@@ -252,7 +329,7 @@ private:
       require_pose(again.start, "limb search", t);
       for (const Limb &limb : sought)
         again.predicted(limb.dofs) = again.start(limb.dofs);
-      again.tracks = find_tracks(again.start, options_.map_reach);
+      again.tracks = find_tracks(again.start, t);
       const PoseEstimate found = optimize(again, t);
       if (overlap_energy(limbs, found.dofs, options_.limbs, context_) <
           overlap_energy(limbs, estimate.dofs, options_.limbs, context_)) {
@@ -286,7 +363,7 @@ private:
   /// From the last three frames: damped velocity and a share of its change; both only since the limb was last found again.
   Eigen::VectorXd predict(int t) const {
     const MatrixRM &x = result_.performance.dofs;
-    Eigen::VectorXd prediction = x.row(t - 1);
+    Eigen::VectorXd prediction = x.row(std::max(t - 1, 0));
     for (int d = 0; d < prediction.size(); ++d) {
       if (t - 2 >= steady_since_[d])
         prediction[d] += options_.velocity_damping * (x(t - 1, d) - x(t - 2, d));
@@ -303,7 +380,9 @@ private:
     problem.actor = &actor_;
     problem.rig = &rig_;
     problem.outlines = &outlines_;
-    problem.tracks = tracks_ = find_tracks(dofs, options_.map_reach);
+    problem.tracks = tracks_ = find_tracks(dofs, t);
+    if (!again_)
+      kept_[t].mapped.assign(tracks_.begin() + static_cast<long>(lifted_.size()), tracks_.end());
     const Stopwatch watch(result_.summary.surface_seconds);
     problem.base = expected.vertices;
     problem.skinned = skinned.vertices;
@@ -318,7 +397,7 @@ private:
     const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
     offset_ = options_.offset_decay * (loose.asDiagonal() * offsets_.back());
     look();
-    if (t == 0 && options_.use_sift && options_.use_feature_map)
+    if (t == 0 && !again_ && options_.use_sift && options_.use_feature_map)
       for (size_t v = 0; v < rig_.size(); ++v)
         map_.add(last_[v].features, actor_, {skinned.blend, last_surface_}, rig_[v], visible_[v]);
   }
@@ -367,13 +446,57 @@ private:
     }
   }
 
-  void log(int t, double seconds) const {
+  /// Which joints the frame shows: see JointSight.
+  void watch_joints(int t) {
+    constexpr double kSeen = 0.08;    // m^2 for each m^2 of the bone's length: a fifth of a bare shank
+    constexpr double kReliable = 0.5; // moves with the skeleton
+    const Skeleton &skeleton = actor_.skeleton;
+    std::vector<char> shown(actor_.mesh.faces.rows(), 0);
+    for (const FaceBuffer &view : visible_)
+      for (const int face : view.face)
+        if (face >= 0)
+          shown[face] = actor_.face_valid[face];
+    const Eigen::VectorXd reliability = looseness_.reliability(), areas = face_areas(actor_.mesh.vertices, actor_.mesh.faces);
+    Eigen::VectorXd seen = Eigen::VectorXd::Zero(skeleton.joint_count());
+    for (int f = 0; f < actor_.mesh.faces.rows(); ++f)
+      for (int c = 0; shown[f] && c < 3; ++c)
+        if (const int i = actor_.mesh.faces(f, c); reliability[i] >= kReliable)
+          seen += areas[f] / 3 * actor_.weights.row(i).transpose();
+    std::vector<char> lost(skeleton.joint_count(), 0);
+    for (const LostLimb &limb : result_.summary.lost_limbs)
+      for (size_t l = 0; limb.frame == result_.performance.frames[t] && !limb.recovered && l < limbs_.size(); ++l)
+        for (int j : limbs_[l].joints)
+          lost[j] = lost[j] || limbs_[l].name == limb.limb;
+    for (JointSight &sight : result_.summary.joints) {
+      const int j = skeleton.find(sight.joint);
+      const double length = bone_length(j);
+      ++(lost[j] ? sight.lost : seen[j] >= kSeen * length * length ? sight.seen : sight.inferred);
+    }
+  }
+
+  /// m; to the farthest joint that hangs on this one directly.
+  double bone_length(int joint) const {
+    double length = 0;
+    for (const Joint &child : actor_.skeleton.joints)
+      if (child.parent == joint)
+        length = std::max(length, (child.rest - actor_.skeleton.joints[joint].rest).norm());
+    return length;
+  }
+
+  void say_what_was_hidden() const {
+    for (const JointSight &sight : result_.summary.joints)
+      if (sight.inferred + sight.lost > 0)
+        context_.say("capture: joint '" + sight.joint + "': seen in " + std::to_string(sight.seen) + " frames, inferred in " +
+                     std::to_string(sight.inferred) + ", lost in " + std::to_string(sight.lost));
+  }
+
+  void log(int t, double seconds_per_frame) const {
     char line[200];
     const CaptureSummary &s = result_.summary;
     std::snprintf(line, sizeof line,
                   "capture: frame %d, %d cameras, outline %.2f px, features %.2f px (%zu), overlap %.3f, %.2f s a frame",
                   result_.performance.frames[t], s.views[t], s.rim_px[t], s.sift_px[t], tracks_.size(), s.silhouette_iou[t],
-                  seconds / (t + 1));
+                  seconds_per_frame);
     context_.say(line);
   }
 
@@ -392,6 +515,13 @@ private:
   std::vector<Outline> outlines_;
   std::vector<Image> masks_;
   FeatureMap map_;
+  struct Measured {
+    std::vector<Outline> outlines;
+    std::vector<PackedMask> masks;
+    std::vector<SurfaceTrack> mapped; ///< features that the map has found
+  };
+  std::vector<Measured> kept_; // by frame index
+  bool again_ = false;         // in the second pass
   std::vector<SurfaceTrack> lifted_, tracks_;
   std::vector<Limb> limbs_;
   std::vector<int> misses_, next_search_; // by limb: searches in a row that failed, frame index of the next one
@@ -433,8 +563,11 @@ public:
                                   std::to_string(options_.first_frame + count - 1) + " were asked for, there are " +
                                   std::to_string(frames.frame_count()));
     const CameraChoice chosen(options_.cameras, rig, frames, extractor);
-    return Tracking(options_, parts_, actor, chosen.rig(), chosen.frames(), chosen.extractor(), context)
-        .run(options_.first_frame, count);
+    const TrackedActor tracked = track_actor(actor, options_.ends_turn);
+    CaptureResult result = Tracking(options_, parts_, tracked.actor, chosen.rig(), chosen.frames(), chosen.extractor(), context)
+                               .run(options_.first_frame, count);
+    result.performance.dofs = MatrixRM(result.performance.dofs(Eigen::all, tracked.kept));
+    return result;
   }
 
 private:

@@ -1,10 +1,13 @@
 #include "doublet/segment/cloth_segmenter.h"
 
+#include "doublet/core/sheets.h"
 #include "doublet/segment/diffusion.h"
 #include "valid_faces.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -72,16 +75,61 @@ template <typename Predicate> std::vector<char> choose(const Surface &surface, P
   return chosen;
 }
 
-/// Small rigid patches that border on cloth become cloth. The largest rigid patch is never a hole.
+/// m, the length of the border between the rigid patches `of` (V, -1 = cloth) and cloth, halfway between their vertices.
+std::vector<double> borders_on_cloth(const Surface &surface, const std::vector<int> &of, std::size_t count) {
+  std::vector<double> length(count, 0);
+  for (int f = 0; f < surface.faces.rows(); ++f)
+    for (int c = 0; c < 3; ++c) { // the corner that is alone on its side
+      const int alone = surface.faces(f, c), a = surface.faces(f, (c + 1) % 3), b = surface.faces(f, (c + 2) % 3);
+      if ((of[a] < 0) == (of[b] < 0) && (of[alone] < 0) != (of[a] < 0))
+        length[std::max(of[alone], of[a])] += 0.5 * (surface.vertices.row(a) - surface.vertices.row(b)).norm();
+    }
+  return length;
+}
+
+/// Small rigid patches that border on cloth become cloth. The largest rigid patch is never a hole, nor is one that bulges: with
+/// more than kBulge times the area of a disc with its border it is the end of a limb that sticks out of the garment.
 void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  constexpr double kBulge = 2;
   const auto patches = connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; }));
-  auto borders_on_cloth = [&](int i) {
-    return std::any_of(surface.neighbours[i].begin(), surface.neighbours[i].end(), [&](int j) { return delta[j] > 0.5; });
-  };
+  std::vector<int> of(surface.size(), -1);
+  for (std::size_t p = 0; p < patches.size(); ++p)
+    for (int i : patches[p].members)
+      of[i] = static_cast<int>(p);
+  const std::vector<double> border = borders_on_cloth(surface, of, patches.size());
   for (std::size_t p = 1; p < patches.size(); ++p)
-    if (patches[p].area < smallest && std::any_of(patches[p].members.begin(), patches[p].members.end(), borders_on_cloth))
+    if (patches[p].area < std::min(smallest, kBulge * border[p] * border[p] / (4 * std::numbers::pi)))
       for (int i : patches[p].members)
         delta[i] = 1;
+}
+
+/// Cloth hangs from something. A core that lies wholly above what borders on it stands: a head. One under a seam, with its seams
+/// higher than its own middle and than the rigid surface beside it, is what comes out of a garment: a shank below a hem, a hand
+/// below a cuff. Both are ends of limbs that were tracked badly.
+bool hangs(const Surface &surface, const Patch &core, const Eigen::VectorXd &delta) {
+  double middle = 0, seams = 0, rigid = 0, highest = -std::numeric_limits<double>::infinity();
+  int seam_count = 0, rigid_count = 0;
+  for (int i : core.members) {
+    middle += surface.areas[i] * surface.vertices(i, 1) / core.area;
+    for (int j : surface.neighbours[i]) {
+      const double height = surface.vertices(j, 1);
+      if (surface.seam[j]) {
+        seams += height;
+        ++seam_count;
+      } else if (delta[j] <= 0.5) {
+        rigid += height;
+        ++rigid_count;
+      } else {
+        continue;
+      }
+      highest = std::max(highest, height);
+    }
+  }
+  if (seam_count + rigid_count == 0)
+    return true;
+  const bool comes_out =
+      seam_count > 0 && seams > middle * seam_count && (!rigid_count || seams * rigid_count > rigid * seam_count);
+  return highest > middle && !comes_out;
 }
 
 /// Cloth stays where its core (delta > 0.5) is large enough, with its transition zone: every other vertex goes with the core
@@ -92,12 +140,15 @@ void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delt
   std::vector<char> kept(surface.size(), 0);
   std::vector<double> distance(surface.size(), kTransition);
   std::set<std::pair<double, int>> front; // Dijkstra's algorithm from all cores at once
-  for (const Patch &core : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; })))
+  for (const Patch &core :
+       connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; }))) {
+    const bool keep = core.area >= smallest && hangs(surface, core, delta);
     for (int i : core.members) {
-      kept[i] = core.area >= smallest;
+      kept[i] = keep;
       distance[i] = 0;
       front.emplace(0.0, i);
     }
+  }
   while (!front.empty()) {
     const auto [reached, i] = *front.begin();
     front.erase(front.begin());
@@ -186,9 +237,10 @@ Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint
   if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
     throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
                                 std::to_string(face_valid.size()));
-  const Faces faces = valid_faces(pose.faces, face_valid);
+  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
+  const Faces faces = valid_faces(pose.faces, scanned);
   const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
-                        seam_vertices(pose.faces, face_valid, n)};
+                        seam_vertices(pose.faces, scanned, n)};
 
   Clothness result;
   result.sigma = sigma;

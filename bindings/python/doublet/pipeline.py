@@ -197,6 +197,8 @@ def run_performance(job: Job) -> dict:
         "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
         "lost_limbs": len(summary.lost_limbs),
         "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
+        "frames_inferred": {sight.joint: sight.inferred for sight in summary.joints if sight.inferred},
+        "frames_lost": {sight.joint: sight.lost for sight in summary.joints if sight.lost},
         "seconds_per_frame": summary.seconds_per_frame,
     }
 
@@ -219,11 +221,26 @@ def run_segment(job: Job) -> dict:
     d.write_clothness(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
+    doubtful = cloth_ends(job.actor, cloth, areas)
+    for joint in doubtful:
+        job.console.say(f"segment: the cloth includes what ends at {joint}: no garment has a sole, a hand or a head; look at it")
     return {
         "regions": result.region_count,
+        "doubtful_ends": doubtful,
         "cloth_area_m2": float(areas[cloth].sum()),
         "fullness": float(np.average(result.fullness[cloth], weights=areas[cloth])) if cloth.any() else 1.0,
     }
+
+
+def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> list[str]:
+    """Joints at the ends of limbs (toes, hands, top of the head) with more cloth (V) than skin on the bone that ends there."""
+    names, parents = actor.skeleton.joint_names, actor.skeleton.joint_parents
+    share, doubtful = np.asarray(actor.weights), []
+    for j in sorted(set(range(len(names))) - {int(p) for p in parents}):
+        area = areas * share[:, parents[j]]
+        if area[cloth].sum() > 0.5 * area.sum() > 0:
+            doubtful.append(names[j])
+    return doubtful
 
 
 def run_body(job: Job) -> dict:

@@ -25,6 +25,8 @@ struct CaptureOptions {
   LimbSearchOptions limbs;
   SurfaceOptions surface;
   bool find_lost_limbs = true;   ///< seek limbs globally that the local optimisation has lost
+  double ends_turn = 0.8;        ///< rad; what a limb ends with (a foot) may turn about the bone before it, each way; 0 = not
+  bool second_pass = true;       ///< track everything again, once it is known what is loose
   bool use_feature_map = true;   ///< find the first frame's features again in every frame; without it, tracks drift
   double map_reach = 0.05;       ///< of the silhouette's height; how far from its expected place a mapped feature is sought
   double velocity_damping = 0.8; ///< of the constant-velocity prediction; 0 = stay, 1 = go on as before
@@ -44,12 +46,21 @@ struct LostLimb {
   bool recovered = false; ///< after <= LimbSearchOptions::lost
 };
 
+/// In how many frames the bone that a joint moves was
+struct JointSight {
+  std::string joint; ///< one with degrees of freedom
+  int seen = 0;      ///< covered by enough visible surface that moves with the skeleton,
+  int inferred = 0;  ///< hidden, by a garment or by its limb's place: it follows from the joints before and after it,
+  int lost = 0;      ///< in a limb that was lost and not found again.
+};
+
 struct CaptureSummary {
   std::vector<double> rim_px, sift_px;        ///< (T) mean residual per frame, pixels
   std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
   std::vector<int> views;                     ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
+  std::vector<JointSight> joints;             ///< in the order of the skeleton
   /// Whole run: images to outlines, features and their matches; features lifted to the surface and found by the map; poses; the
   /// check of limbs and the search for lost ones; surfaces.
   double measure_seconds = 0, map_seconds = 0, pose_seconds = 0, limb_seconds = 0, surface_seconds = 0;
