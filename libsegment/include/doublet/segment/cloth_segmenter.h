@@ -11,10 +11,10 @@ namespace doublet {
 
 struct SegmentOptions {
   /// t_rigid, m: what markerless tracking leaves on the skin of trunk and limbs (its true sigma is 1 to 4 mm).
-  double rigid_threshold = 0.002;
-  /// t_cloth, m: half way, at 5 mm, most skin stays below and the upper part of a skirt, which lies on the hips, above; loose
+  double rigid_threshold = 0.003;
+  /// t_cloth, m: half way, at 6 mm, most skin stays below and the upper part of a skirt, which lies on the hips, above; loose
   /// cloth has 20 mm and more.
-  double cloth_threshold = 0.008;
+  double cloth_threshold = 0.009;
   double diffusion = 0.03; ///< m, length scale of the implicit diffusion
   /// m^2 (28 x 28 cm, about a short sleeve): smaller islands of cloth are dropped and smaller holes filled.
   double smallest_region = 0.08;
