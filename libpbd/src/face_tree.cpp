@@ -71,8 +71,8 @@ std::vector<TreeNode> build_tree(const std::vector<Vec3f> &points, const std::ve
 std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
                                              const std::vector<TreeNode> &nodes, float distance) {
   const int count = static_cast<int>(nodes.size());
-  Boxes<float> boxes;
-  boxes.refit(nodes.data(), count, [&](int f) {
+  std::vector<Box<float>> boxes(nodes.size());
+  refit(nodes.data(), count, boxes.data(), [&](int f) {
     Box<float> box{points[faces[f].v[0]], points[faces[f].v[0]]};
     for (int v : faces[f].v)
       box = united(box, {points[v], points[v]});
@@ -81,7 +81,7 @@ std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, c
   std::vector<std::uint64_t> close;
   const Vec3f reach{distance, distance, distance};
   for (int q = 0; q < static_cast<int>(points.size()); ++q)
-    boxes.for_each_overlap(nodes.data(), count, {points[q] - reach, points[q] + reach}, [&](int f, bool) {
+    for_each_overlap(nodes.data(), count, boxes.data(), Box<float>{points[q] - reach, points[q] + reach}, [&](int f, bool) {
       const auto [a, b, c] = faces[f].v;
       if (q != a && q != b && q != c && triangle_distance(points[q], points[a], points[b], points[c]) < distance)
         close.push_back(static_cast<std::uint64_t>(q) << 32 | static_cast<std::uint32_t>(f));

@@ -46,59 +46,25 @@ template <class T> inline T height(const Vec3<T> &q, const Vec3<T> &a, const Vec
   return dot(q - a, n) / lane_max(lane_sqrt(dot(n, n)), T(1e-12f));
 }
 
-/// Box around the boxes of all lanes.
-template <class T> inline Box<float> around_lanes(const Box<T> &box) {
-  constexpr int lanes = sizeof(T) / sizeof(float);
-  float lo[3], hi[3];
-  for (int k = 0; k < 3; ++k) {
-    const float *const low = reinterpret_cast<const float *>(&box) + k * lanes, *const high = low + 3 * lanes;
-    lo[k] = low[0], hi[k] = high[0];
-    for (int l = 1; l < lanes; ++l)
-      lo[k] = lane_min(lo[k], low[l]), hi[k] = lane_max(hi[k], high[l]);
-  }
-  return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+/// Sets box[node] of the whole tree; leaf(face): the face's box.
+template <class T, class Leaf> inline void refit(const TreeNode *nodes, int count, Box<T> *box, Leaf &&leaf) {
+  for (int i = count - 1; i >= 0; --i)
+    box[i] = nodes[i].face >= 0 ? leaf(nodes[i].face) : united(box[i + 1], box[nodes[i + 1].skip]);
 }
-
-/// The boxes of a tree, in every lane, and around all lanes: those hang near each other, and a walk through the tree waits for
-/// memory, of which one box takes a cache line where sixteen take six.
-template <class T> class Boxes {
-public:
-  /// Sets them all; leaf(face): the face's box.
-  template <class Leaf> void refit(const TreeNode *nodes, int count, Leaf &&leaf) {
-    box_.resize(count);
-    around_.resize(kSeveral ? count : 0);
-    for (int i = count - 1; i >= 0; --i) {
-      const bool is_leaf = nodes[i].face >= 0;
-      const int left = i + 1, right = is_leaf ? left : nodes[left].skip;
-      box_[i] = is_leaf ? leaf(nodes[i].face) : united(box_[left], box_[right]);
-      if constexpr (kSeveral)
-        around_[i] = is_leaf ? around_lanes(box_[i]) : united(around_[left], around_[right]);
+/// Calls found(face, lanes) for every leaf whose box overlaps `query` in some of the lanes, in the order of the tree.
+template <class T, class Found>
+inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box, const Box<T> &query, Found &&found) {
+  for (int i = 0; i < count;) {
+    const auto lanes = overlap(query, box[i]);
+    if (!any(lanes)) {
+      i = nodes[i].skip;
+      continue;
     }
+    if (nodes[i].face >= 0)
+      found(nodes[i].face, lanes);
+    ++i;
   }
-  /// Calls found(face, lanes) for every leaf whose box overlaps `query` in some of the lanes, in the order of the tree.
-  template <class Found> void for_each_overlap(const TreeNode *nodes, int count, const Box<T> &query, Found &&found) const {
-    const Box<float> around = around_lanes(query);
-    for (int i = 0; i < count;) {
-      if (kSeveral && !overlap(around, around_[i])) {
-        i = nodes[i].skip;
-        continue;
-      }
-      const auto lanes = overlap(query, box_[i]);
-      if (!any(lanes)) {
-        i = nodes[i].skip;
-        continue;
-      }
-      if (nodes[i].face >= 0)
-        found(nodes[i].face, lanes);
-      ++i;
-    }
-  }
-
-private:
-  static constexpr bool kSeveral = sizeof(T) > sizeof(float);
-  Array<Box<T>> box_;
-  Array<Box<float>> around_;
-};
+}
 
 inline bool rests_together(const LaneModel &m, int vertex, int face) {
   const std::uint64_t key = static_cast<std::uint64_t>(vertex) << 32 | static_cast<std::uint32_t>(face);
@@ -133,14 +99,15 @@ public:
     };
 
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
-    boxes_.refit(m.nodes, m.node_count, [&](int f) {
+    boxes_.resize(m.node_count);
+    refit<T>(m.nodes, m.node_count, boxes_.data(), [&](int f) {
       const int *v = m.faces[f].v;
       const Box<T> box = united(united(path(v[0]), path(v[1])), path(v[2]));
       const Vec3<T> grow{margin, margin, margin};
       return bounded(Box<T>{box.lo - grow, box.hi + grow}, largest);
     });
     for (int q = 0; q < m.vertex_count; ++q)
-      boxes_.for_each_overlap(m.nodes, m.node_count, bounded(path(q), largest), [&](int f, auto lanes) {
+      for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), bounded(path(q), largest), [&](int f, auto lanes) {
         const int *v = m.faces[f].v;
         if (v[0] != q && v[1] != q && v[2] != q)
           add_contact(m, x, p, q, f, opening, lanes, contacts);
@@ -188,7 +155,7 @@ private:
     contacts.push_back(contact);
   }
 
-  Boxes<T> boxes_; ///< of each node
+  Array<Box<T>> boxes_; ///< of each node
 };
 
 } // namespace DOUBLET_PBD_ISA
