@@ -572,6 +572,11 @@ class SessionCamera:
     @video.setter
     def video(self, arg0: os.PathLike | str | bytes) -> None:
         ...
+    @property
+    def video_fps(self) -> float:
+        """
+        what the video's container says; 0 = nothing
+        """
 class Session:
     """
     A capture session on disk, checked as a whole.
@@ -1821,37 +1826,6 @@ class CaptureOptions:
     @velocity_damping.setter
     def velocity_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
-class JointSight:
-    """
-    In how many frames a joint's bone was seen, inferred, lost.
-    """
-    joint: str
-    def __init__(self) -> None:
-        ...
-    @property
-    def inferred(self) -> int:
-        """
-        hidden; it follows from the joints before and after it
-        """
-    @inferred.setter
-    def inferred(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def lost(self) -> int:
-        """
-        its limb was lost and not found again
-        """
-    @lost.setter
-    def lost(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def seen(self) -> int:
-        """
-        enough of it visible that moves with the skeleton
-        """
-    @seen.setter
-    def seen(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
 class LostLimb:
     """
     A limb that the local optimisation had lost.
@@ -1890,6 +1864,37 @@ class LostLimb:
         """
     @limb.setter
     def limb(self, arg0: str) -> None:
+        ...
+class JointSight:
+    """
+    In how many frames a joint's bone was seen, inferred, lost.
+    """
+    joint: str
+    def __init__(self) -> None:
+        ...
+    @property
+    def inferred(self) -> int:
+        """
+        hidden; it follows from the joints before and after it
+        """
+    @inferred.setter
+    def inferred(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def lost(self) -> int:
+        """
+        its limb was lost and not found again
+        """
+    @lost.setter
+    def lost(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seen(self) -> int:
+        """
+        enough of it visible that moves with the skeleton
+        """
+    @seen.setter
+    def seen(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class CaptureSummary:
     def __init__(self) -> None:
