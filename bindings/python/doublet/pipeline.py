@@ -43,10 +43,12 @@ OPTION_GROUPS = {
 #: cloth stretches far less. Cut flat; as far from the proxies as these are slimmer than the body (docs/cloth.md).
 #: Features weigh 3 instead of the paper's 10: E_fit then tells the distance to a true garment better (docs/results.md, Rivals).
 #: A little damping, not estimated: without any, cloth never comes to rest (docs/cloth.md).
-#: The search goes in even steps, and gives up on materials that fall behind (docs/material-estimation.md).
+#: The search goes in even steps, gives up on materials that fall behind, stops when what it still gains is less than what chaos
+#: adds, and answers the best of its last means (docs/material-estimation.md).
 DEFAULTS = {
     "cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012},
     "energy": {"beta": 3.0, "stop_margin": 0.1},
+    "fit": {"smallest_deviation": 0.1, "answer_generations": 14},
     "space": {"fixed": d.Material(k_damping=0.05), "even_steps": True},
 }
 #: Set by the session, by --seed or by another option, not by an option of their own.
