@@ -12,7 +12,7 @@ import doublet as d
 import numpy as np
 from doublet import evaluate, pipeline
 from doublet.console import Console
-from energy_study import random_materials
+from sect7.reconstructions import random_materials
 
 BANDS = (0.0, 0.02, 0.05, 0.1, 0.2)  #: m, GarmentOptions.band
 
