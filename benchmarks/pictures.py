@@ -87,7 +87,7 @@ def dance(chosen: argparse.Namespace) -> np.ndarray:
                 meshes = [d.RenderMesh(body, truth.body_faces, BODY), d.RenderMesh(garment, truth.cloth_faces, np.array(colour))]
             else:
                 surfaces, faces, clothness = cloth_of[name]
-                cloth = (clothness[faces] > 0.5).all(axis=1)
+                cloth = (clothness[faces] > 0.5).any(axis=1)
                 meshes = [d.RenderMesh(surfaces[frame], faces[m], np.array(c)) for m, c in ((~cloth, BODY), (cloth, colour))]
             column.append(narrowed(picture.shade(meshes, camera), 0.9))
         columns.append(np.vstack(column))
