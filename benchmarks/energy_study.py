@@ -12,6 +12,7 @@ import doublet as d
 import numpy as np
 from doublet import evaluate, pipeline
 from doublet.console import Console
+from sect7.reconstructions import random_materials
 
 #: Of the energy: the paper's form, in which a miss is free; nothing free; the same with features weighted less, the default.
 ENERGIES = {
@@ -19,12 +20,6 @@ ENERGIES = {
     "nothing free": {"beta": 10.0},
     "nothing free, beta 3": {"beta": 3.0},
 }
-
-
-def random_materials(count: int, seed: int) -> list[d.Material]:
-    """Uniform in bending and friction; in drag denser near 0, where cloth is."""
-    draws = np.random.default_rng(seed).random((count, 4))
-    return [d.Material(d_n=32 * n * n, d_t=32 * t * t, k_bend=b, k_stretch=1.0, k_friction=f) for n, t, b, f in draws]
 
 
 def ranks(values: np.ndarray) -> np.ndarray:

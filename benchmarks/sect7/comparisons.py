@@ -10,6 +10,7 @@ from doublet.console import Console
 from filmed import Filming, filmed
 from reconstructions import (
     NAMES,
+    SEARCH,
     box_centre,
     energies,
     energy_job,
@@ -17,6 +18,8 @@ from reconstructions import (
     markdown,
     nudged,
     plain_job,
+    random_materials,
+    recorded_options,
     rms_cm,
     run,
     simulate,
@@ -90,13 +93,28 @@ def novel_surfaces(out: Path, motion_file: Path, fps: float, samples: dict, cont
     yield "skinned, no cloth", [d.pose_surface(character.actor, dofs) for dofs in motion.dofs]
 
 
-def rivals(out: Path, session, truth_folder: Path, every: int):
+def estimates(out: Path, session, seeds: int, work: Path, workers: int) -> dict[str, list[d.Material]]:
+    """What searches from other seeds than the first answer; they stop as that of OUT did."""
+    jobs = study.fit_jobs([out], range(2, seeds + 1), [recorded_options(out, SEARCH)], plain_job(out, session)["fps"])
+    fits = run(study.fit, [{**job, "checkpoints": str(work.resolve())} for job in jobs], work, workers)
+    return {
+        f"estimate, seed {job['seed']}": [d.Material(**region["parameters"]) for region in fit["regions"]]
+        for job, fit in zip(jobs, fits)
+    }
+
+
+def rivals(out: Path, session, truth_folder: Path, every: int, seeds: int, count: int, work: Path, workers: int):
     """Sect. 7, user study: the estimate against other materials, by distance to the true garment instead of 52 people. As
-    `doublet evaluate` measures it, on the reference motion and, if ground_truth/novel is there, on one that was not used."""
+    `doublet evaluate` measures it, on the reference motion and, if ground_truth/novel is there, on one that was not used.
+    Beside Table 1 and the box's centre, at the estimate's damping: estimates from other seeds, and random materials."""
     made, truth = study.reconstruction(plain_job(out, session)), evaluate.Truth(truth_folder)
     recon, own, context = evaluate.Reconstruction(out), estimate(out), Console().context()
     others = {"centre of the box": box_centre(), "centre, k_stretch 1": stiff_centre(), **table_1()}
-    samples = {"estimate": own, **{name: [m] * len(own) for name, m in others.items()}}
+    others.update({f"random {k}": material for k, material in enumerate(random_materials(count, 0))})
+    for material in others.values():
+        material.k_damping = own[0].k_damping
+    samples = {"estimate": own, **estimates(out, session, seeds, work, workers)}
+    samples.update({name: [m] * len(own) for name, m in others.items()})
     found = {}
     surfaces = {name: simulate(made, materials) for name, materials in samples.items()}
     dressed = made.dressed.actor
@@ -110,8 +128,24 @@ def rivals(out: Path, session, truth_folder: Path, every: int):
         for name, moved in novel_surfaces(out, novel / "motion.bvh", made.fps, samples, context):
             moving = evaluate.Animated(dict(enumerate(moved)), faces)
             found[name][1] = evaluate.cloth_rms_cm(moving, there, every, context, name)
-    print(markdown(["material", "resim_cloth_cm", "novel_cloth_cm"], [[name, *row] for name, row in found.items()]))
+    shown = {name: row for name, row in found.items() if not name.startswith("random")}
+    print(markdown(["material", "resim_cloth_cm", "novel_cloth_cm"], [[name, *row] for name, row in shown.items()]))
+    for column, metric in enumerate(("resim_cloth_cm", "novel_cloth_cm")):
+        if found["estimate"][column] != "":
+            print(f"\n{metric}: {standing({name: row[column] for name, row in found.items()})}")
     return found
+
+
+def standing(distances: dict[str, float]) -> str:
+    """Of the estimates among the others, in words."""
+    ours = [value for name, value in distances.items() if name.startswith("estimate")]
+    table = [value for name, value in distances.items() if name.startswith("Table 1")]
+    drawn = [value for name, value in distances.items() if name.startswith("random")]
+    text = f"estimates {min(ours):.2f} to {max(ours):.2f}; nearest of Table 1 {min(table):.2f}, farthest {max(table):.2f}"
+    if not drawn:
+        return text
+    nearer = sum(value < min(ours) for value in drawn)
+    return f"{text}; nearest of {len(drawn)} random {min(drawn):.2f}; {nearer} of them nearer than every estimate"
 
 
 def cross(outs: list[Path], sessions: list, truths: list, work: Path, workers: int):
@@ -119,7 +153,9 @@ def cross(outs: list[Path], sessions: list, truths: list, work: Path, workers: i
     own = [estimate(out) for out in outs]
     if len(own[0]) != len(own[1]):
         raise ValueError(f"{outs[0]} has {len(own[0])} cloth regions and {outs[1]} {len(own[1])}: expected one garment in both")
-    samples = [*own, [stiff_centre()] * len(own[0])]
+    centre = stiff_centre()
+    centre.k_damping = own[0][0].k_damping
+    samples = [*own, [centre] * len(own[0])]
     jobs = [energy_job(plain_job(out, session), samples) for out, session in zip(outs, sessions)]
     costs = np.array(run(energies, jobs, work, workers)).sum(axis=2)
     header = [f"of {outs[0].name}", f"of {outs[1].name}", "centre, k_stretch 1"]

@@ -57,10 +57,9 @@ def seen_in_images(made: pipeline.Job, dofs: np.ndarray) -> d.Observations:
     once = {"second_pass": False, "ends_turn": 0.0}  # the poses are given, one a frame, of the actor as it is
     options = d.CaptureOptions(find_lost_limbs=False, use_feature_map=False, smooth_window=1, **once)
     options.features = made.options["features"]
-    extractor = pipeline.trained_extractor(made, d.FrameSource.open(made.session))
     capture = d.PerformanceCapture.create(options, d.CaptureParts(pose=GivenPose(dofs), surface=ExpectedSurface()))
     frames = d.FrameSource.open(made.session)
-    return capture.capture(made.actor, made.session.rig, frames, extractor, made.context).observations
+    return capture.capture(made.actor, made.session.rig, frames, made.silhouettes, made.context).observations
 
 
 class PerfectViews:

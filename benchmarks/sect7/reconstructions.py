@@ -19,6 +19,8 @@ TABLE_1 = {
     "4": (1.184, 0.621, 0.100, 1.0, 0.228),
     "5": (1.727, 3.587, 0.382, 1.0, 0.558),
 }
+MODEL = ("cloth.", "energy.")  # option groups
+SEARCH = (*MODEL, "fit.")
 CLOSE = 0.001  # of the box: another material for the solver, the same for everybody else
 
 
@@ -49,11 +51,18 @@ def nudged(of: d.Material) -> d.Material:
     return space.material(unit)
 
 
-def recorded_options(out: Path) -> dict:
-    """{"cloth.iterations": 6, ...}: how the cloth of OUT was simulated and compared when its material was estimated."""
+def random_materials(count: int, seed: int) -> list[d.Material]:
+    """Stiff cloth: uniform in bending and friction, in drag denser near 0, where cloth is."""
+    draws = np.random.default_rng(seed).random((count, 4))
+    return [d.Material(d_n=32 * n * n, d_t=32 * t * t, k_bend=b, k_stretch=1.0, k_friction=f) for n, t, b, f in draws]
+
+
+def recorded_options(out: Path, groups: tuple[str, ...] = MODEL) -> dict:
+    """{"cloth.iterations": 6, ...}: how the cloth of OUT was simulated and compared when its material was estimated; with SEARCH
+    also how it was searched for."""
     stages = RunRecord(out).data.get("stages", {})
     options = stages.get("fit", {}).get("options", {})
-    return {name: value for name, value in options.items() if name.startswith(("cloth.", "energy."))}
+    return {name: value for name, value in options.items() if name.startswith(groups)}
 
 
 def plain_job(out: Path, session: Path | None = None, threads: int = 1, **changed) -> dict:

@@ -302,7 +302,9 @@ void bind_fit(py::module_ &m) {
       .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
       .field("relative_penalty", &FitOptions::relative_penalty,
              "omega times the median energy of the first generation; false = omega alone (the paper's)")
-      .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of the final mean")
+      .field("answer_generations", &FitOptions::answer_generations,
+             "answer the best of so many generations' means, the last ones; 1 = the final mean")
+      .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of a mean")
       .field("optimizer", &FitOptions::optimizer, "cma-es or annealing")
       .field("influence", &FitOptions::influence, "measure at the end what the motion tells about each parameter")
       .get()

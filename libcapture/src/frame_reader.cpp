@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -89,6 +90,11 @@ public:
 
   /// What the container says; may be wrong.
   int stated_frames() const { return static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_COUNT)); }
+
+  double stated_fps() const {
+    const double fps = capture_.get(cv::CAP_PROP_FPS);
+    return fps > 0 && std::isfinite(fps) ? fps : 0;
+  }
 
   const cv::Mat &read(int frame) override {
     if (frame == next_ - 1)
@@ -179,9 +185,10 @@ std::vector<Image> read_plates(const fs::path &path) {
   return plates;
 }
 
-cv::Size probe_frames(const fs::path &path, int frame_count) {
+ProbedFrames probe_frames(const fs::path &path, int frame_count) {
   const auto reader = FrameReader::open(path);
-  if (const auto *video = dynamic_cast<const Video *>(reader.get()); video && video->stated_frames() < frame_count)
+  const auto *video = dynamic_cast<const Video *>(reader.get());
+  if (video && video->stated_frames() < frame_count)
     throw Error(path.string() + ": expected " + std::to_string(frame_count) + " frames as session.json says, found " +
                 std::to_string(video->stated_frames()));
   const cv::Size size = reader->read(0).size();
@@ -192,7 +199,7 @@ cv::Size probe_frames(const fs::path &path, int frame_count) {
   if (last.size() != size)
     throw Error(path.string() + ": the last image is " + std::to_string(last.cols) + " x " + std::to_string(last.rows) +
                 ", the first is " + std::to_string(size.width) + " x " + std::to_string(size.height));
-  return size;
+  return {size, video ? video->stated_fps() : 0};
 }
 
 } // namespace doublet::detail

@@ -32,7 +32,11 @@ bool image_series_exists(const std::filesystem::path &pattern);
 /// Images of the empty stage: one file, or all of a series. Throws as FrameReader does.
 std::vector<Image> read_plates(const std::filesystem::path &path);
 /// Checks that frames 0 .. frame_count-1 can be read (the last one is decoded, which finds truncated files within a second) and
-/// returns their size. Throws FileNotFound or Error naming the file.
-cv::Size probe_frames(const std::filesystem::path &path, int frame_count);
+/// returns what they are like. Throws FileNotFound or Error naming the file.
+struct ProbedFrames {
+  cv::Size size;
+  double fps = 0; ///< what a video's container says; 0 = nothing
+};
+ProbedFrames probe_frames(const std::filesystem::path &path, int frame_count);
 
 } // namespace doublet::detail

@@ -236,14 +236,16 @@ void read_joints(const fs::path &path, Session &session) {
     session.landmarks[name] = point(landmarks, name, path.string() + ": landmarks");
 }
 
-void check_frames(const fs::path &path, const Session &session, const Camera &camera) try {
+/// Returns the frame rate that the file states; 0 = none.
+double check_frames(const fs::path &path, const Session &session, const Camera &camera) try {
   if (path.empty())
-    return;
-  const cv::Size size = detail::probe_frames(path, session.frame_count);
+    return 0;
+  const auto [size, fps] = detail::probe_frames(path, session.frame_count);
   if (size.width != camera.width || size.height != camera.height)
     throw Error(path.string() + ": expected " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
                 " pixels as the calibration of camera '" + camera.name + "' says, found " + std::to_string(size.width) + " x " +
                 std::to_string(size.height));
+  return fps;
 } catch (const cv::Exception &e) {
   throw Error(path.string() + ": cannot be read (" + e.err + ")");
 }
@@ -287,7 +289,7 @@ Session read_session(const fs::path &folder) {
   read_joints(existing(session.folder, value<std::string>(json, "markers", where, "a file name"), "file of joints", source),
               session);
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-    check_frames(session.cameras[c].video, session, session.rig[c]);
+    session.cameras[c].video_fps = check_frames(session.cameras[c].video, session, session.rig[c]);
     check_frames(session.cameras[c].masks, session, session.rig[c]);
     check_plates(session.cameras[c].background, session.rig[c]);
   }

@@ -177,49 +177,96 @@ bool has_matches(const Observations &observations) {
   return false;
 }
 
-/// E_fit of the centre, every search's answer and every search's best sample, for all regions at once: (1 + 2 searches, R).
-MatrixRM final_energies(const MaterialObjective &objective, const Searches &searches, const MinimiseResult &found,
-                        const Context &context) {
-  const ParameterSpace &space = objective.space();
-  const int count = searches.count(), regions = searches.regions();
-  std::vector<std::vector<pbd::Material>> materials(1 + 2 * count);
-  materials[0].assign(regions, space.material(Eigen::VectorXd::Constant(space.size(), 0.5)));
-  for (int k = 0; k < count; ++k)
-    for (int r = 0; r < regions; ++r) {
-      materials[1 + k].push_back(space.material(found.parts[searches.part(k, r)].answer));
-      materials[1 + count + k].push_back(space.material(found.parts[searches.part(k, r)].best));
-    }
-  return objective.energies(materials, context);
+/// [count] (n) means of the last generations of a part, the last one first; the oldest again where the search was shorter.
+std::vector<Eigen::VectorXd> last_means(const MinimiseResult &found, int part, int count) {
+  std::vector<Eigen::VectorXd> means;
+  for (auto row = found.log.rbegin(); row != found.log.rend() && static_cast<int>(means.size()) < count; ++row)
+    if (row->part == part)
+      means.push_back(row->mean);
+  if (!means.empty())
+    means.resize(static_cast<std::size_t>(count), means.back());
+  return means;
 }
 
-/// (K, n) what the searches answer about region r, box units.
-MatrixRM answers_of(const MinimiseResult &found, const Searches &searches, int r, bool best) {
-  MatrixRM result(searches.count(), searches.parameter_count());
-  for (int k = 0; k < searches.count(); ++k) {
-    const OptimizerResult &part = found.parts[searches.part(k, r)];
-    result.row(k) = in_box(best ? part.best : part.answer);
+/// What one of the searches may answer about a region: candidates (K, n), box units, and their E_fit.
+struct Answers {
+  MatrixRM candidates;
+  Eigen::VectorXd energies;
+  int chosen() const { return lowest({energies.begin(), energies.end()}); }
+  Eigen::VectorXd answer() const { return candidates.row(chosen()).transpose(); }
+  double energy() const { return energies[chosen()]; }
+};
+
+/// What is known about a region once the searches are over.
+struct Finals {
+  double centre = 0;                 ///< E_fit of the box's centre
+  std::vector<Answers> means, bests; ///< [searches]
+};
+
+/// [regions], all energies in one go.
+std::vector<Finals> final_energies(const MaterialObjective &objective, const Searches &searches, const MinimiseResult &found,
+                                   int generations, const Context &context) {
+  const ParameterSpace &space = objective.space();
+  const int count = searches.count(), regions = searches.regions();
+  std::vector<Finals> result(regions);
+  std::vector<std::vector<pbd::Material>> materials(1 + count * (generations + 1));
+  for (int r = 0; r < regions; ++r) {
+    int next = 0;
+    materials[next++].push_back(space.material(Eigen::VectorXd::Constant(space.size(), 0.5)));
+    for (int k = 0; k < count; ++k) {
+      const int part = searches.part(k, r);
+      Answers means{MatrixRM(generations, space.size()), {}}, best{MatrixRM(1, space.size()), {}};
+      const std::vector<Eigen::VectorXd> last = last_means(found, part, generations);
+      for (int g = 0; g < generations; ++g)
+        means.candidates.row(g) = in_box(last[g]);
+      best.candidates.row(0) = in_box(found.parts[part].best);
+      for (const Answers *answers : {&means, &best})
+        for (const auto &candidate : answers->candidates.rowwise())
+          materials[next++].push_back(space.material(candidate.transpose()));
+      result[r].means.push_back(std::move(means));
+      result[r].bests.push_back(std::move(best));
+    }
+  }
+  const MatrixRM energies = objective.energies(materials, context);
+  for (int r = 0; r < regions; ++r) {
+    Eigen::Index next = 0;
+    result[r].centre = energies(next++, r);
+    for (int k = 0; k < count; ++k)
+      for (Answers *answers : {&result[r].means[k], &result[r].bests[k]}) {
+        answers->energies = energies.col(r).segment(next, answers->candidates.rows());
+        next += answers->candidates.rows();
+      }
   }
   return result;
 }
 
-/// The answer of the search of lowest energy; energies: (1 + 2 searches) of the region, see final_energies(). chosen: which.
-RegionFit final_region(const MinimiseResult &found, const Searches &searches, int r, const Eigen::VectorXd &energies,
+/// Index of the search of the lowest energy.
+int lowest_of(const std::vector<Answers> &searches) {
+  std::vector<double> energies;
+  for (const Answers &answers : searches)
+    energies.push_back(answers.energy());
+  return lowest(energies);
+}
+
+/// The answer of the search of lowest energy. chosen: which.
+RegionFit final_region(const MinimiseResult &found, const Searches &searches, int r, const Finals &finals,
                        const FitOptions &options, int &chosen) {
-  const int count = searches.count();
-  const std::vector<double> answered(energies.data() + 1, energies.data() + 1 + count),
-      sampled(energies.data() + 1 + count, energies.data() + 1 + 2 * count);
-  chosen = lowest(options.answer_best ? sampled : answered);
-  const MatrixRM answers = answers_of(found, searches, r, options.answer_best);
+  const std::vector<Answers> &answers = options.answer_best ? finals.bests : finals.means;
+  chosen = lowest_of(answers);
   RegionFit region = region_fit(found, searches, chosen, r, options.space);
-  region.answer = answers.row(chosen).transpose();
+  region.answer = answers[chosen].answer();
   region.material = options.space.material(region.answer);
-  region.energy = options.answer_best ? sampled[chosen] : answered[chosen];
-  region.energy_at_centre = energies[0];
-  const int best = lowest(sampled);
-  region.best = options.space.material(found.parts[searches.part(best, r)].best);
-  region.best_energy = sampled[best];
-  if (count > 1)
-    region.spread = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
+  region.energy = answers[chosen].energy();
+  region.energy_at_centre = finals.centre;
+  const Answers &best = finals.bests[lowest_of(finals.bests)];
+  region.best = options.space.material(best.answer());
+  region.best_energy = best.energy();
+  if (answers.size() > 1) {
+    MatrixRM all(answers.size(), options.space.size());
+    for (std::size_t k = 0; k < answers.size(); ++k)
+      all.row(static_cast<Eigen::Index>(k)) = answers[k].answer().transpose();
+    region.spread = (all.colwise().maxCoeff() - all.colwise().minCoeff()).transpose() / 2;
+  }
   return region;
 }
 
@@ -285,6 +332,8 @@ void FitOptions::validate() const {
           "FitOptions: optimizer: expected 'cma-es' or 'annealing', found '" + optimizer + "'");
   cma_options(*this, seed).validate();
   require(seeds >= 1, "FitOptions: seeds: expected at least 1, found " + std::to_string(seeds));
+  require(answer_generations >= 1,
+          "FitOptions: answer_generations: expected at least 1, found " + std::to_string(answer_generations));
   require(penalty >= 0 && std::isfinite(penalty), "FitOptions: penalty: expected at least 0, found " + std::to_string(penalty));
   space.validate();
   energy.validate();
@@ -319,12 +368,12 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
   Searches searches(objective, options);
   const FitResult frame = result; // what every interrupted result has
   const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, frame), context);
-  const MatrixRM energies = final_energies(objective, searches, found, context);
+  const std::vector<Finals> finals = final_energies(objective, searches, found, options.answer_generations, context);
   result.seconds = found.seconds;
   std::vector<int> chosen(objective.part_count());
   MatrixRM answers(objective.part_count(), objective.parameter_count());
   for (int r = 0; r < objective.part_count(); ++r) {
-    result.regions.push_back(final_region(found, searches, r, energies.col(r), options, chosen[r]));
+    result.regions.push_back(final_region(found, searches, r, finals[r], options, chosen[r]));
     const RegionFit &region = result.regions.back();
     answers.row(r) = region.answer;
     if (region.energy > region.best_energy)

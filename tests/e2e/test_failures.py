@@ -1,6 +1,7 @@
 """A broken session fails within seconds, with one sentence that names what is wrong."""
 
 import json
+import re
 import time
 
 import pytest
@@ -48,6 +49,49 @@ def test_unknown_joint(broken_session, tmp_path):
     marked["joints"]["l_knee"]["parent"] = "l_hipp"
     path.write_text(json.dumps(marked))
     assert "l_hipp" in refused(broken_session, tmp_path / "out")
+
+
+def test_calibration_in_millimetres_stops_before_the_work(broken_session, tmp_path):
+    calibration = broken_session / "calibration.yml"
+    storage = cv_matrices(calibration.read_text(), "_t", 1000)
+    calibration.write_text(storage)
+    message = refused(broken_session, tmp_path / "out")
+    assert "calibration" in message and "millimetres" in message
+    assert (tmp_path / "out" / "check.png").exists() and not (tmp_path / "out" / "template.ply").exists()
+    done = doublet("check", broken_session, "-o", tmp_path / "out", "--keep-going")
+    assert done.returncode == 3 and "impossible" in done.stderr and "up to date" in done.stderr
+
+
+def cv_matrices(text, suffix, factor):
+    """OpenCV's YAML with the numbers of every matrix whose name ends in `suffix` multiplied."""
+    block = re.compile(rf"(cam\d+{suffix}: !!opencv-matrix.*?data: \[)(.*?)(\])", re.S)
+    found = block.subn(lambda m: m[1] + ", ".join(str(factor * float(x)) for x in m[2].split(",")) + m[3], text)
+    assert found[1] == 8
+    return found[0]
+
+
+def test_doubts_have_an_exit_status_of_their_own(broken_session, tmp_path):
+    path = broken_session / "session.json"
+    session = json.loads(path.read_text())
+    session["fps"] = 30
+    path.write_text(json.dumps(session))
+    done = doublet("check", broken_session, "-o", tmp_path / "out")
+    assert done.returncode == 3 and "expected the videos' frame rate 40, found 30" in done.stderr
+
+
+def test_results_of_another_session_are_not_recomputed_over(broken_session, shipped, tmp_path):
+    out = tmp_path / "out"
+    assert doublet("check", shipped, "-o", out).returncode == 0
+    before = (out / "check.png").read_bytes()
+    path = broken_session / "joints.json"
+    marks = path.read_text()
+    path.write_text(json.dumps({**json.loads(marks), "note": "another session"}))
+    message = refused(broken_session, out)
+    assert str(out) in message and str(shipped) in message
+    assert (out / "check.png").read_bytes() == before
+    path.write_text(marks)
+    moved = doublet("check", broken_session, "-o", out)  # the same files elsewhere
+    assert moved.returncode == 0 and "check: up to date" in moved.stderr
 
 
 def test_no_session_there(tmp_path):

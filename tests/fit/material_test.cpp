@@ -637,6 +637,43 @@ RegionFit three_parameters() {
 }
 const std::vector<std::string> kThree = {"d_n", "d_t", "k_bend"};
 
+TEST(EstimateMaterial, AnswersTheBestOfItsLastMeans) {
+  const auto s = make_scene({cotton(), with_drag(24)}, {12, 2, 160});
+  FitOptions options = quick();
+  options.influence = false;
+  options.max_evaluations = 30; // five generations
+  const auto run = [&](int seeds, int generations) {
+    options.seeds = seeds, options.answer_generations = generations;
+    return estimate_material(*s->simulator, s->performance, s->observations, options);
+  };
+  const FitResult last = run(1, 1), three = run(1, 3), all = run(1, 50); // more than there are
+  bool moved = false;
+  for (int r : {0, 1}) {
+    std::vector<Eigen::VectorXd> means; // of the region's generations
+    for (const GenerationRow &row : last.log)
+      if (row.part == r)
+        means.push_back(row.mean.cwiseMax(0.0).cwiseMin(1.0));
+    ASSERT_EQ(means.size(), 5u);
+    EXPECT_EQ(last.regions[r].answer, means.back());
+    EXPECT_EQ(std::count(means.end() - 3, means.end(), three.regions[r].answer), 1);
+    EXPECT_EQ(std::count(means.begin(), means.end(), all.regions[r].answer), 1);
+    EXPECT_LE(three.regions[r].energy, last.regions[r].energy);
+    EXPECT_LE(all.regions[r].energy, three.regions[r].energy);
+    EXPECT_EQ(three.regions[r].best_energy, last.regions[r].best_energy);
+    moved |= all.regions[r].answer != last.regions[r].answer;
+  }
+  EXPECT_TRUE(moved); // or the test tells nothing
+  std::vector<pbd::Material> answers = all.materials();
+  const std::vector<double> energies = material_energy(*s->simulator, s->performance, s->observations, answers, options.energy);
+  for (int r : {0, 1})
+    EXPECT_EQ(all.regions[r].energy, energies[r]) << r;
+  const FitResult both = run(2, 3); // of two searches each has its own means
+  for (int r : {0, 1})
+    EXPECT_LE(both.regions[r].energy, three.regions[r].energy);
+  options.answer_generations = 0;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
+}
+
 TEST(RegionFit, RemarksNameWhatIsDoubtful) {
   RegionFit fit = three_parameters();
   EXPECT_EQ(fit.remarks(kThree),

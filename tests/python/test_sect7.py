@@ -138,7 +138,7 @@ def write_truth(folder, faces, surfaces, cloth):
     np.savez(folder / "frames_0000.npz", start=0, body=surfaces, cloth=surfaces[:, cloth])
 
 
-def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch):
+def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch, capsys):
     """The truth is the estimate's own cloth: no error to it, and some to every other material, on both motions."""
     import comparisons
     from reconstructions import estimate, plain_job, simulate
@@ -153,8 +153,17 @@ def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch):
     (novel / "motion.bvh").touch()
     own, _ = comparisons.novel_surfaces(either, novel / "motion.bvh", FPS, {"estimate": estimate(either)}, d.Context())
     write_truth(novel, faces, np.asarray(own[1]), cloth)
-    found = comparisons.rivals(either, None, tmp_path, 4)
+    record = json.loads((either / "run.json").read_text())
+    record["stages"]["fit"]["options"]["fit.max_evaluations"] = 8
+    (either / "run.json").write_text(json.dumps(record))
+    found = comparisons.rivals(either, None, tmp_path, 4, 2, 3, tmp_path / "work", 1)
+    assert [name for name in found if "random" in name] == ["random 0", "random 1", "random 2"]
     assert max(found.pop("estimate")) < 1e-4 and min(min(row) for row in found.values()) > 0.02
+    assert "estimate, seed 2" in found
+    said = capsys.readouterr().out
+    assert (
+        "resim_cloth_cm: estimates 0.00 to" in said and "0 of them nearer than every estimate" in said and "| random" not in said
+    )
 
 
 def test_an_estimate_costs_least_on_its_own_motion(out, tmp_path):

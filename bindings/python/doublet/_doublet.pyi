@@ -593,6 +593,11 @@ class SessionCamera:
     @video.setter
     def video(self, arg0: os.PathLike | str | bytes) -> None:
         ...
+    @property
+    def video_fps(self) -> float:
+        """
+        what the video's container says; 0 = nothing
+        """
 class Session:
     """
     A capture session on disk, checked as a whole.

@@ -61,16 +61,13 @@ def write_simulated(job, simulated: np.ndarray) -> None:
 
 def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:
     """Texture from the images of the first captured frame; 0 for a session without images."""
-    from .pipeline import trained_extractor
-
     source, frame = d.FrameSource.open(job.session), performance.frames[0]
     images = [source.image(c, frame) for c in range(source.camera_count)]
     if not any(image.size for image in images):
         job.console.log(f"character: no camera has an image of frame {frame}: the character has no texture")
         return 0.0
-    extractor = trained_extractor(job, source)
     masks = [source.mask(c, frame) for c in range(source.camera_count)]
-    masks = [m if m.size or not i.size else extractor.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]
+    masks = [m if m.size or not i.size else job.silhouettes.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]
     surface = performance.surface.frames[0]
     return d.texture_character(character, surface, job.session.rig, images, masks, d.TextureOptions(), job.context)
 

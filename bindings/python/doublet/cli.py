@@ -15,6 +15,7 @@ import numpy as np
 from . import __version__, body_model_path, pipeline
 from . import _doublet as d
 from .console import Console
+from .plausible import DOUBTFUL
 
 STOPPING = (signal.SIGINT, signal.SIGTERM)
 
@@ -93,22 +94,29 @@ def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
         seed=arguments.seed,
         body_model=getattr(arguments, "body_model", None) or body_model_path(),
         console=make_console(arguments),
+        keep_going=arguments.keep_going,
     )
 
 
-def run_reconstruct(arguments) -> None:
+def exit_status(job: pipeline.Job) -> int:
+    return DOUBTFUL if job.doubts else 0
+
+
+def run_reconstruct(arguments) -> int:
     job = make_job(arguments, arguments.session)
     pipeline.reconstruct(job, arguments.force)
     print(job.path("report.html"))
+    return exit_status(job)
 
 
-def run_stages(arguments) -> None:
+def run_stages(arguments) -> int:
     session = arguments.session or pipeline.recorded_session(arguments.out)
     job = make_job(arguments, session)
     pipeline.start_record(job)
     for stage in pipeline.STAGES:
         if stage.name in arguments.stages:
             pipeline.run_stage(job, stage, arguments.force)
+    return exit_status(job)
 
 
 def run_animate(arguments) -> None:
@@ -216,8 +224,9 @@ def common_flags(parser: argparse.ArgumentParser) -> None:
 
 #: Command -> (stages it runs, what it does).
 STAGE_COMMANDS = {
+    "check": (("check",), "whether a session can be true: scan, joints, calibration, silhouettes; with a picture"),
     "template": (("template", "rig"), "scan and marked joints -> rigged template"),
-    "capture": (("template", "rig", "performance"), "scan and videos -> rigged template and reference performance"),
+    "capture": (("check", "template", "rig", "performance"), "scan and videos -> rigged template and reference performance"),
     "segment": (("segment",), "reference performance -> clothness of every vertex"),
     "body": (("body",), "dressed template -> body underneath and collision proxies"),
     "garment": (("garment",), "clothness and reference performance -> the garment's own mesh"),
@@ -242,7 +251,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     for name, (stages, text) in STAGE_COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
-        if name in ("template", "capture"):
+        if name in ("check", "template", "capture"):
             command.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
             command.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results")
         else:
@@ -264,6 +273,7 @@ def build_parser() -> argparse.ArgumentParser:
 
 def add_stage_flags(parser, groups, with_body_model: bool) -> None:
     parser.add_argument("--force", action="store_true", help="run even if up to date, and overwrite files made elsewhere")
+    parser.add_argument("--keep-going", action="store_true", help="go on with a result that cannot be true")
     if with_body_model:
         parser.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(parser)
@@ -356,7 +366,7 @@ def main(arguments=None) -> int:
     parsed = build_parser().parse_args(arguments)
     try:
         with stopped_by_signals():
-            parsed.run(parsed)
+            return parsed.run(parsed) or 0
     except KeyboardInterrupt as stop:
         print("doublet: stopped; what is complete stays, the same command goes on from there", file=sys.stderr)
         return getattr(stop, "status", 128 + signal.SIGINT)
@@ -371,7 +381,6 @@ def main(arguments=None) -> int:
         text = str(error) if expected else f"internal error: {type(error).__name__}: {error} (--debug shows where)"
         print(f"doublet: {' '.join(text.split())}", file=sys.stderr)
         return 1
-    return 0
 
 
 if __name__ == "__main__":

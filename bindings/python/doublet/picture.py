@@ -33,7 +33,12 @@ def around(vertices, azimuth: float, size: int = 480) -> d.Camera:
 
 def outline(vertices, faces, camera) -> np.ndarray:
     """(H, W) bool: the two pixels on either side of the silhouette."""
-    inside = np.pad(d.rasterize(vertices, faces, camera)[0] >= 0, 1)
+    return rim(d.rasterize(vertices, faces, camera)[0] >= 0)
+
+
+def rim(mask: np.ndarray) -> np.ndarray:
+    """(H, W) bool: the pixels of a mask (H, W) bool and of what is around it that meet."""
+    inside = np.pad(mask, 1)
     around_it = (inside[:-2, 1:-1], inside[2:, 1:-1], inside[1:-1, :-2], inside[1:-1, 2:])
     return np.any([other != inside[1:-1, 1:-1] for other in around_it], axis=0)
 

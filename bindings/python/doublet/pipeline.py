@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from . import _doublet as d
-from . import body_model_path, template_mask
+from . import body_model_path, session_check, template_mask
 from .console import Console
 from .files import write_json
+from .plausible import Finding, Implausible, findings
 from .run_record import RunRecord
 
 #: Option groups: name on the command line (`--segment-diffusion`) -> class.
@@ -42,10 +43,12 @@ OPTION_GROUPS = {
 #: cloth stretches far less. Cut flat; as far from the proxies as these are slimmer than the body (docs/cloth.md).
 #: Features weigh 3 instead of the paper's 10: E_fit then tells the distance to a true garment better (docs/results.md, Rivals).
 #: A little damping, not estimated: without any, cloth never comes to rest (docs/cloth.md).
-#: The search goes in even steps, and gives up on materials that fall behind (docs/material-estimation.md).
+#: The search goes in even steps, gives up on materials that fall behind, stops when what it still gains is less than what chaos
+#: adds, and answers the best of its last means (docs/material-estimation.md).
 DEFAULTS = {
     "cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012},
     "energy": {"beta": 3.0, "stop_margin": 0.1},
+    "fit": {"smallest_deviation": 0.1, "answer_generations": 14},
     "space": {"fixed": d.Material(k_damping=0.05), "even_steps": True},
 }
 #: Set by the session, by --seed or by another option, not by an option of their own.
@@ -67,6 +70,8 @@ class Job:
     body_model: Path = field(default_factory=body_model_path)
     console: Console = field(default_factory=Console)
     fps: float | None = None  # of the videos; None = as the session says
+    keep_going: bool = False  # past a result that cannot be true
+    doubts: list[Finding] = field(default_factory=list)  # what the stages that were asked for found doubtful
 
     def __post_init__(self):
         self.session_folder, self.out = Path(self.session_folder), Path(self.out)
@@ -80,6 +85,13 @@ class Job:
     @cached_property
     def record(self) -> RunRecord:
         return RunRecord(self.out)
+
+    @cached_property
+    def silhouettes(self) -> d.SilhouetteExtractor | None:
+        """Trained, for the cameras without ready masks; None if all have some."""
+        options = d.SilhouetteOptions(**self.options["silhouette"].to_dict())
+        options.key, options.background = self.options["key"], self.options["background"]
+        return d.session_silhouettes(self.session, d.FrameSource.open(self.session), options, self.context)
 
     @property
     def context(self) -> d.Context:
@@ -138,6 +150,13 @@ class Stage:
 CHECKPOINT = "fit_checkpoint.txt"
 
 
+def run_check(job: Job) -> dict:
+    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
+    found = session_check.check_session(evidence)
+    session_check.write_picture(job.path("check.png"), session_check.draw(evidence))
+    return {"findings": [asdict(finding) for finding in found]}
+
+
 def run_template(job: Job) -> dict:
     scan = d.read_mesh(job.session.scan)
     surface = d.build_template(scan, job.options["template"], job.context)
@@ -188,9 +207,8 @@ def run_performance(job: Job) -> dict:
         setattr(options, group, job.options[group])
     options.limbs.annealing = job.options["annealing"]
     options.limbs.annealing.seed = job.seed
-    extractor = trained_extractor(job, d.FrameSource.open(job.session))
-    frames = d.FrameSource.open(job.session)  # afresh: reading on is cheap, jumping back is not
-    result = d.PerformanceCapture.create(options).capture(job.actor, job.session.rig, frames, extractor, job.context)
+    frames, capture = d.FrameSource.open(job.session), d.PerformanceCapture.create(options)
+    result = capture.capture(job.actor, job.session.rig, frames, job.silhouettes, job.context)
     d.write_observations(job.path("observations.npz"), result.observations)
     d.write_performance(job.path("performance.npz"), result.performance)
     summary = result.summary
@@ -207,13 +225,6 @@ def run_performance(job: Job) -> dict:
     }
 
 
-def trained_extractor(job: Job, frames: d.FrameSource) -> d.SilhouetteExtractor | None:
-    """For the cameras without ready masks; None if all have some."""
-    options = d.SilhouetteOptions(**job.options["silhouette"].to_dict())
-    options.key, options.background = job.options["key"], job.options["background"]
-    return d.session_silhouettes(job.session, frames, options, job.context)
-
-
 def run_segment(job: Job) -> dict:
     stage = d.ClothSegmenter.create(job.options["segment"])
     performance = job.performance()
@@ -226,9 +237,9 @@ def run_segment(job: Job) -> dict:
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.actor, cloth, areas)
-    for joint in doubtful:
-        job.console.say(f"segment: the cloth includes what ends at {joint}: no garment has a sole, a hand or a head; look at it")
+    text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
+        "findings": [asdict(Finding(False, text.format(joint))) for joint in doubtful],
         "regions": result.region_count,
         "doubtful_ends": doubtful,
         "cloth_area_m2": float(areas[cloth].sum()),
@@ -337,6 +348,10 @@ def run_character(job: Job) -> dict:
 
 STAGES = (
     Stage(
+        "check", (), ("check.png",), ("silhouette", "key", "background"), run_check,
+        lambda s: [s.folder / "session.json", s.scan, markers_file(s), calibration_file(s), *image_files(s)],
+    ),
+    Stage(
         "template", (), ("template.ply", "template_high.ply", template_mask.SUGGESTED), ("template",), run_template,
         lambda s: [s.scan],
     ),
@@ -440,7 +455,18 @@ def stage_inputs(job: Job, stage: Stage) -> dict[str, str]:
 
 
 def run_stage(job: Job, stage: Stage, force: bool = False) -> bool:
-    """Runs a stage unless it is up to date; returns whether it ran."""
+    """Runs a stage unless it is up to date; returns whether it ran. Throws Implausible if its result, old or new, cannot be true
+    (what it wrote stays); says what is doubtful in it, and notes that in job.doubts."""
+    ran = run_if_needed(job, stage, force)
+    for finding in findings(stage.name, job.record.data["stages"].get(stage.name, {}).get("summary", {})):
+        if finding.impossible and not job.keep_going:
+            raise Implausible(f"{stage.name}: {finding.text} (--keep-going goes on with it)")
+        job.console.say(f"{stage.name}: {finding.level}: {finding.text}")
+        job.doubts.append(finding)
+    return ran
+
+
+def run_if_needed(job: Job, stage: Stage, force: bool) -> bool:
     inputs, options = stage_inputs(job, stage), stage_options(job, stage)
     say = job.console.say
     if not force:
@@ -472,10 +498,25 @@ def plain_summary(summary: dict) -> dict:
     return {k: float(f"{v:.6g}") if isinstance(v, float) else plain(v) for k, v in summary.items()}
 
 
+def refuse_other_session(job: Job) -> None:
+    """A folder of results is of one session, which may have been moved but is the same in every file that was read."""
+    before = job.record.data.get("session")
+    if not before or Path(before) == job.session.folder:
+        return
+    read = {name: known for stage in job.record.data["stages"].values() for name, known in stage.get("inputs", {}).items()}
+    for name, known in read.items():
+        if not name.startswith("session/"):
+            continue
+        path = job.session.folder / name.removeprefix("session/")
+        if not path.exists() or job.record.hash(path) != known:
+            raise d.Error(f"{job.out} holds results of {before}, which is not {job.session.folder}; choose another folder")
+
+
 def start_record(job: Job) -> None:
-    """Writes what the whole run was asked to do."""
+    """Writes what the whole run was asked to do. Throws Error if the folder has the results of another session."""
     if job.out.exists() and not job.out.is_dir():
         raise RuntimeError(f"{job.out}: expected a folder for the results, found a file")
+    refuse_other_session(job)
     job.out.mkdir(parents=True, exist_ok=True)
     job.console.log_file = job.path("log.txt")
     job.record.data["session"] = str(job.session.folder)

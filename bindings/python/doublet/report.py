@@ -11,6 +11,7 @@ from . import __version__, fit_page, picture
 from . import _doublet as d
 from .files import arrays_of, write_text
 from .page import STYLE, table
+from .plausible import LIMITS, findings
 
 
 def figure(image: np.ndarray, caption: str) -> str:
@@ -186,7 +187,30 @@ def timings(shown: Shown) -> str:
     return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
 
 
+def verdict(shown: Shown) -> str:
+    """In words: what is good, what is doubtful, and what to do about it."""
+    stages = shown.job.record.data["stages"]
+    doubts = [(name, finding.text) for name, entry in stages.items() for finding in findings(name, entry.get("summary", {}))]
+    lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
+    doubts += [("performance", f"{joint} was lost in {count} frames; look at them in the video") for joint, count in lost.items()]
+    fitted = shown.job.path("material.json")
+    regions = json.loads(fitted.read_text(encoding="utf-8"))["regions"] if fitted.exists() else []
+    doubts += [("fit", remark) for region in regions for remark in region.get("remarks", [])]
+    good = [
+        f"{limit.meaning}: {stages[name]['summary'][limit.name]:.3g}"
+        for name, limits in LIMITS.items()
+        for limit in limits
+        if limit.name in stages.get(name, {}).get("summary", {}) and not limit.finding(stages[name]["summary"][limit.name])
+    ]
+    text = f"<p>As it should be: {html.escape('; '.join(good))}.</p>" if good else ""
+    if not doubts:
+        return text + "<p>Nothing doubtful was found.</p>"
+    listed = "".join(f"<li><b>{html.escape(name)}</b>: {html.escape(words)}</li>" for name, words in doubts)
+    return f"{text}<p>Doubtful:</p><ul>{listed}</ul>"
+
+
 SECTIONS = (
+    ("Verdict", verdict),
     ("Template", template),
     ("Reference performance", overlays),
     ("Cloth", segmentation),

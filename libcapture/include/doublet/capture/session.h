@@ -18,6 +18,7 @@ struct SessionCamera {
   std::filesystem::path video; ///< absolute; an mp4, or a printf pattern such as cam0/%04d.png; empty if there are only masks
   std::filesystem::path masks; ///< absolute; the same kinds; empty = key the video
   std::filesystem::path background; ///< absolute; an image of the empty stage or a pattern of several; empty = none
+  double video_fps = 0;             ///< what the video's container says, which may be wrong; 0 = nothing, as images do
 };
 
 struct Session {

@@ -22,7 +22,10 @@ struct FitOptions {
   double stagnation = 0.02;          ///< stop when the energies change by less, see CmaEsOptions; 0 = never
   double penalty = 16.0;             ///< omega, see MinimiseOptions
   bool relative_penalty = true;      ///< times the median energy of the first generation; false = as it is (the paper's)
-  bool answer_best = false;          ///< answer the best sample seen instead of the final mean (the paper's)
+  /// The answer is, of the means of so many last generations, the one of the lowest energy; 1 = the final mean (the paper's). In
+  /// a chaotic energy the mean wanders among answers that are equally good, or less so.
+  int answer_generations = 1;
+  bool answer_best = false; ///< answer the best sample seen instead of a mean
   /// "cma-es", or "annealing" (the paper's comparison; chains = population, 4 if 0; steps from initial_sigma down to
   /// smallest_deviation).
   std::string optimizer = "cma-es";

@@ -1,0 +1,113 @@
+"""A character on many clips, a row each: what an artist would stumble over (docs/animation.md).
+
+python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
+
+skin: pixels of the garment's outer side where the body is in front of it; stretch: the most that an edge of the drawn garment is
+longer than in the first frame, where the garment hangs at rest (2 mm if it is shorter there), and the frame; floor: the lowest
+point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest point along the floor while
+it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose, held, 95 % of vertices;
+crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold ends.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from display_hem import Drawn
+from doublet.console import Console
+
+ON_FLOOR, SHORTEST = 0.01, 0.002  # m
+
+
+def held(motion: d.Motion, seconds: float) -> d.Motion:
+    """The motion, and its last pose for some seconds."""
+    last = np.repeat(motion.dofs[-1:], round(seconds * motion.fps), axis=0)
+    return d.Motion(motion.fps, np.vstack([motion.dofs, last]))
+
+
+class Watcher:
+    """Measures the frames of one animation as they come."""
+
+    def __init__(self, character: d.Character, drawn: Drawn, motion_frames: int, every: int):
+        self.drawn, self.motion_frames, self.every, self.fps = drawn, motion_frames, every, 1 / character.solver.dt
+        actor = character.actor
+        clothness, region = np.asarray(character.clothness.clothness), np.asarray(character.clothness.region)
+        self.free = clothness > 0.5
+        self.worn = actor.mesh.faces[(region[actor.mesh.faces] >= 0).all(axis=1)]
+        faces = drawn.faces[drawn.cloth]
+        self.edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+        self.hanging = None
+        names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
+        self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
+        self.pixels, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = np.zeros(2), [], [], [], [], []
+        self.before = None
+
+    def length(self, vertices: np.ndarray) -> np.ndarray:
+        return np.linalg.norm(vertices[self.edges[:, 0]] - vertices[self.edges[:, 1]], axis=1)
+
+    def __call__(self, frame: d.AnimationFrame) -> None:
+        surface, moving = np.array(frame.surface), frame.index < self.motion_frames
+        if moving:
+            lengths = np.maximum(self.length(frame.high), SHORTEST)
+            self.hanging = lengths if self.hanging is None else self.hanging
+            self.stretch.append(float((lengths / self.hanging).max()))
+            self.watch_feet(surface)
+            if frame.index % self.every == 0:
+                self.pixels += self.drawn.pixels(frame)
+        elif self.before is not None:
+            self.speeds.append(np.linalg.norm((surface - self.before)[self.free], axis=1) * self.fps)
+        if frame.index == self.motion_frames - 1:
+            self.crossing.append(self.count_crossing(surface))
+        self.last = self.before = surface
+
+    def count_crossing(self, surface: np.ndarray) -> int:
+        return int(np.sum(d.self_intersecting_faces(d.Mesh(surface, self.worn))))
+
+    def watch_feet(self, surface: np.ndarray) -> None:
+        self.lowest.append(min(surface[foot, 1].min() for foot in self.feet))
+        if self.before is None:
+            return
+        for foot in self.feet:
+            low = foot[surface[foot, 1].argmin()]
+            if surface[low, 1] < ON_FLOOR:
+                self.slides.append(np.linalg.norm((surface[low] - self.before[low])[[0, 2]]) * self.fps)
+
+    def row(self) -> list:
+        at, half = int(np.argmax(self.stretch)), int(self.fps / 2)
+        rest = np.percentile(np.concatenate(self.speeds[-half:]), 95)
+        self.crossing.append(self.count_crossing(self.last))
+        return [
+            f"{self.pixels[1] / max(self.pixels[0], 1):.2%}",
+            f"{self.stretch[at]:.1f} ({at})",
+            f"{100 * min(self.lowest):.1f}, {100 * max(self.lowest):.1f}",
+            f"{100 * np.percentile(self.slides, 95):.0f}" if self.slides else "-",
+            f"{1000 * rest:.1f}",
+            f"{self.crossing[0]}, {self.crossing[-1]}",
+        ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("character", type=Path, metavar="CHARACTER.glb")
+    parser.add_argument("clips", type=Path, nargs="+", metavar="CLIP")
+    parser.add_argument("--hold", type=float, default=3, metavar="S", help="the last pose is held so long (default: 3)")
+    parser.add_argument("--every", type=int, default=8, metavar="N", help="frames between two whose pixels are counted")
+    chosen = parser.parse_args()
+    character, console = d.Character.read(chosen.character), Console()
+    drawn = Drawn(character)
+    print("| clip | frames | skin | stretch (frame) | floor, cm | slide, cm/s | rest, mm/s | crossing |")
+    print("| --- " * 8 + "|")
+    for clip in chosen.clips:
+        retargeting = d.RetargetOptions(fps=1 / character.solver.dt)
+        motion = d.retarget(d.SourceMotion.read(clip), character.actor.skeleton, retargeting)
+        watcher = Watcher(character, drawn, len(motion), chosen.every)
+        d.animate_each(character, held(motion, chosen.hold), watcher, d.AnimateOptions(), console.context())
+        console.finish()
+        print(f"| {clip.name} | {len(motion)} | " + " | ".join(watcher.row()) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
