@@ -176,6 +176,17 @@ private:
     return false;
   }
 
+  /// The log of a part ends where its optimiser stands.
+  void require_whole_log(int r) const {
+    int logged = 0;
+    for (const GenerationRow &row : log_)
+      if (row.part == r)
+        logged = row.evaluations;
+    if (logged != now(r).evaluations)
+      throw Error("the log ends at evaluation " + std::to_string(logged) + ", the optimiser stands at " +
+                  std::to_string(now(r).evaluations));
+  }
+
   void resume(const Context &context) try {
     if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint))
       return;
@@ -194,6 +205,8 @@ private:
       for (const state::Json &entry : json.at("log"))
         log_.push_back({state::count(entry.at(0)), state::count(entry.at(1)), state::count(entry.at(2)), entry.at(3), entry.at(4),
                         state::vector(entry.at(5), n_), state::vector(entry.at(6), n_), entry.at(7)});
+      for (int r = 0; r < parts_; ++r)
+        require_whole_log(r);
       penalties_ = json.at("penalties").get<std::vector<double>>();
       seconds_before_ = json.at("seconds");
       context.say("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");

@@ -222,8 +222,10 @@ TEST(Minimise, ADamagedCheckpointIsNamedAndNotQuoted) {
     text.replace(text.find(from), from.size(), to);
     return text;
   };
+  const std::size_t rows = whole.find("\"log\":["), end = whole.find("]]", rows);
+  const std::string without_log = whole.substr(0, rows) + "\"log\":[" + whole.substr(end + 1);
   for (const std::string &text :
-       {whole.substr(0, whole.size() / 2), std::string("{}"), std::string(), "[" + whole + "]",
+       {without_log, whole.substr(0, whole.size() / 2), std::string("{}"), std::string(), "[" + whole + "]",
         replaced("\"log\":[[", "\"log\":[[99,"), replaced("\"log\":[[0,1,", "\"log\":[[]],\"x\":[[0,1,"),
         replaced("\"optimizers\":[\"", "\"optimizers\":[\"x"), replaced("evaluations", "valuations"),
         replaced("\\\"evaluations\\\":", "\\\"evaluations\\\":-")}) {
