@@ -4179,10 +4179,18 @@ class FitOptions:
     @property
     def answer_best(self) -> bool:
         """
-        answer the best sample instead of the final mean
+        answer the best sample instead of a mean
         """
     @answer_best.setter
     def answer_best(self, arg0: bool) -> None:
+        ...
+    @property
+    def answer_generations(self) -> int:
+        """
+        answer the best of so many generations' means, the last ones; 1 = the final mean
+        """
+    @answer_generations.setter
+    def answer_generations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
     def checkpoint(self) -> pathlib.Path:
