@@ -11,8 +11,7 @@ echo "Building doublet (some minutes) ..."
 
 session=examples/data/session
 out=out/quickstart
-# Half of the paper's evaluations: enough for a first material. Leave the option out for the full estimate.
-.venv/bin/doublet reconstruct "$session" -o "$out" --fit-max-evaluations 256
+.venv/bin/doublet reconstruct "$session" -o "$out"
 .venv/bin/doublet animate "$out/character.glb" "$session/motion.bvh" -o "$out/new_motion.mp4"
 .venv/bin/doublet evaluate "$out" --truth "$session/ground_truth"
 

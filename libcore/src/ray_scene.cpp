@@ -2,6 +2,7 @@
 
 #include "doublet/core/ray_scene.h"
 
+#include "doublet/core/closest_on_triangle.h"
 #include "doublet/core/error.h"
 
 #include <embree3/rtcore.h>
@@ -14,34 +15,6 @@
 namespace doublet {
 
 namespace {
-
-/// Barycentric coordinates (Ericson 2004, sect. 5.1.5) of the point of triangle a b c that is closest to p.
-Eigen::Vector3d closest_on_triangle(const Eigen::Vector3d &p, const Eigen::Vector3d &a, const Eigen::Vector3d &b,
-                                    const Eigen::Vector3d &c) {
-  const Eigen::Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0)
-    return {1, 0, 0};
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3)
-    return {0, 1, 0};
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0)
-    return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6)
-    return {0, 0, 1};
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0)
-    return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - w, w};
-  }
-  const double sum = va + vb + vc;
-  return {va / sum, vb / sum, vc / sum};
-}
 
 /// A ray in doubles, with the best hit so far. Embree walks its tree with the same ray in floats and knows only this base.
 struct ExactRay {
@@ -218,7 +191,8 @@ private:
     Query &q = *static_cast<Query *>(args->userPtr);
     const int face = q.impl->face_of[args->primID];
     const Eigen::Vector3d a = q.impl->corner(face, 0), b = q.impl->corner(face, 1), c = q.impl->corner(face, 2);
-    const Eigen::Vector3d bary = closest_on_triangle(q.point, a, b, c);
+    const Eigen::Vector3d ab = b - a, ac = c - a, ap = q.point - a, bp = q.point - b, cp = q.point - c;
+    const Eigen::Vector3d bary = closest_on_triangle(ab.dot(ap), ac.dot(ap), ab.dot(bp), ac.dot(bp), ab.dot(cp), ac.dot(cp));
     const Eigen::Vector3d at = bary[0] * a + bary[1] * b + bary[2] * c;
     const double distance = (at - q.point).norm();
     // The lowest face wins a tie, so that the answer does not depend on the order of the tree.

@@ -1,5 +1,6 @@
 #include "doublet/segment/garment_mesher.h"
 
+#include "doublet/core/closest_on_triangle.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 #include "garment_field.h"
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -111,50 +114,157 @@ std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const V
   return attached;
 }
 
-/// Regular triangles with edges of about `edge` (m), and as many as such edges would make: the remesher's come out up to a tenth
-/// shorter, by how much depends on the mesh that it is given.
-Mesh remeshed(const Mesh &mesh, double edge) {
-  const double wanted = 2 * face_areas(mesh.vertices, mesh.faces).sum() / (std::sqrt(3.0) * edge * edge);
+/// About `vertices` of them in regular triangles, two each: the remesher's edges come out up to a tenth shorter than they are
+/// asked for, by how much depends on the mesh that it is given.
+Mesh remeshed(const Mesh &mesh, double vertices) {
+  double edge = std::sqrt(2 * face_areas(mesh.vertices, mesh.faces).sum() / (std::sqrt(3.0) * vertices));
   Mesh result;
   double ratio = 1;
   for (int i = 0; i < 3 && (i == 0 || std::abs(ratio - 1) > kOffCount); ++i) {
     edge *= std::sqrt(ratio);
     result = detail::remesh_isotropic(mesh, edge);
-    ratio = static_cast<double>(result.vertices.rows()) / wanted;
+    ratio = static_cast<double>(result.vertices.rows()) / vertices;
   }
   return result;
 }
 
-/// One region's part of a garment, before it is one of several.
-Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const std::vector<char> &hangs,
-                    int region, double edge, const GarmentOptions &options) {
+/// The piece in the frame in which it is spread out.
+struct SpreadOut {
+  int frame = -1; ///< row of the captured frames; -1 = the scan pose, there are none
+  Mesh mesh;
+};
+
+SpreadOut spread_out(const RiggedMesh &actor, const Piece &piece, const MeshSequence &captured) {
   const int wide = wide_frame(actor, piece, captured);
-  const Vertices &spread_out = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
-  const Mesh spread{placed(piece, actor.mesh.faces, spread_out), piece.mesh.faces};
+  const Vertices &vertices = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
+  return {wide, {placed(piece, actor.mesh.faces, vertices), piece.mesh.faces}};
+}
+
+/// Some rows of so many frames, all over the motion, and `wide`.
+std::vector<int> spread_rows(std::size_t frames, int wide) {
+  constexpr int kRows = 8;
+  std::set<int> rows{wide};
+  for (int k = 0; k < kRows; ++k)
+    rows.insert(static_cast<int>(k * (frames - 1) / (kRows - 1)));
+  return {rows.begin(), rows.end()};
+}
+
+/// Where a vertex lies on the piece.
+struct Place {
+  int face = 0;
+  Eigen::Vector3d barycentric;
+};
+
+/// Of points (N, 3) on the surface of `mesh`, which has the piece's faces.
+std::vector<Place> places_on(const Mesh &mesh, const Vertices &points) {
+  const RayScene scene(mesh);
+  std::vector<Place> places;
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const ClosestPoint at = scene.closest(points.row(i).transpose());
+    places.push_back({at.face, at.barycentric});
+  }
+  return places;
+}
+
+/// The part of a garment that has these faces and whose vertices have these places.
+Garment placed_garment(const RiggedMesh &actor, const Piece &piece, const Faces &faces, const std::vector<Place> &places) {
   Garment garment;
-  garment.mesh = remeshed(spread, edge);
-  const Eigen::Index count = garment.mesh.vertices.rows();
-  const RayScene scene(spread);
-  garment.actor_face.resize(count);
-  garment.barycentric.resize(count, 3);
-  for (Eigen::Index v = 0; v < count; ++v) {
-    const ClosestPoint at = scene.closest(garment.mesh.vertices.row(v).transpose());
+  garment.mesh.faces = faces;
+  garment.barycentric.resize(static_cast<Eigen::Index>(places.size()), 3);
+  garment.actor_face.resize(static_cast<Eigen::Index>(places.size()));
+  for (std::size_t v = 0; v < places.size(); ++v) {
     Eigen::Vector3d place = Eigen::Vector3d::Zero();
     for (int k = 0; k < 3; ++k)
-      place += at.barycentric[k] * piece.corners[at.face][k];
-    garment.actor_face[v] = piece.actor_face[at.face];
-    garment.barycentric.row(v) = (place / place.sum()).transpose();
+      place += places[v].barycentric[k] * piece.corners[places[v].face][k];
+    garment.actor_face[static_cast<Eigen::Index>(v)] = piece.actor_face[places[v].face];
+    garment.barycentric.row(static_cast<Eigen::Index>(v)) = (place / place.sum()).transpose();
   }
-  const std::vector<int> attached = attached_vertices(garment.mesh, piece, spread.vertices, hangs);
   garment.mesh.vertices = at_garment(garment, actor.mesh.faces, actor.mesh.vertices);
+  return garment;
+}
+
+/// What its lengths come from, and what hangs. `there` (N, 3): its vertices where the piece is spread out.
+void give_rest_shape(Garment &garment, const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece,
+                     const SpreadOut &spread, const Vertices &there, const std::vector<char> &hangs,
+                     const GarmentOptions &options) {
+  const std::vector<int> attached = attached_vertices({there, garment.mesh.faces}, piece, spread.mesh.vertices, hangs);
   std::vector<Vertices> frames;
   for (const Vertices &frame : captured.frames)
     frames.push_back(at_garment(garment, actor.mesh.faces, frame));
-  garment.rest = detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, wide, attached, options.spread);
+  garment.rest = detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, spread.frame, attached, options.spread);
   const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, garment.rest, attached);
   garment.clothness =
       options.band > 0 ? Eigen::VectorXd((way / options.band).cwiseMin(1.0)) : Eigen::VectorXd((way.array() > 0).cast<double>());
-  garment.region = Eigen::VectorXi::Constant(count, region);
+}
+
+/// (N, 3 K) of N vertices in K shapes.
+MatrixRM side_by_side(const std::vector<Vertices> &shapes) {
+  MatrixRM all(shapes[0].rows(), 3 * static_cast<Eigen::Index>(shapes.size()));
+  for (std::size_t k = 0; k < shapes.size(); ++k)
+    all.middleCols(3 * static_cast<Eigen::Index>(k), 3) = shapes[k];
+  return all;
+}
+
+/// The point of the faces nearest to the origin, their corners (N, n) in any number of dimensions.
+Place nearest_place(const Faces &faces, const MatrixRM &corners) {
+  const Eigen::VectorXd squared = corners.rowwise().squaredNorm();
+  double nearest = std::numeric_limits<double>::infinity();
+  Place best;
+  for (int f = 0; f < faces.rows(); ++f) {
+    const int a = faces(f, 0), b = faces(f, 1), c = faces(f, 2);
+    const double aa = squared[a], bb = squared[b], cc = squared[c], ab = corners.row(a).dot(corners.row(b)),
+                 ac = corners.row(a).dot(corners.row(c)), bc = corners.row(b).dot(corners.row(c));
+    // The way from a corner to the origin is the corner's negative.
+    const Eigen::Vector3d w = closest_on_triangle(aa - ab, aa - ac, ab - bb, ab - bc, ac - bc, ac - cc);
+    const double distance =
+        w[0] * w[0] * aa + w[1] * w[1] * bb + w[2] * w[2] * cc + 2 * (w[0] * w[1] * ab + w[0] * w[2] * ac + w[1] * w[2] * bc);
+    if (distance < nearest) {
+      nearest = distance;
+      best = {f, w};
+    }
+  }
+  return best;
+}
+
+/// The places of vertices that are given on another mesh of the garment, `from`: nearest over several frames at once, since in
+/// any single one layers of cloth touch and folds are squeezed. `captured` in the rows `rows`, and the scan pose.
+std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &captured, const std::vector<int> &rows,
+                                  const Piece &piece, const Garment &from, const std::vector<Place> &on_from) {
+  std::vector<Vertices> of_piece{piece.mesh.vertices}, of_from{from.mesh.vertices};
+  for (int row : rows) {
+    of_piece.push_back(placed(piece, actor.mesh.faces, captured.frames[row]));
+    of_from.push_back(at_garment(from, actor.mesh.faces, captured.frames[row]));
+  }
+  const MatrixRM corners = side_by_side(of_piece), from_points = side_by_side(of_from);
+  MatrixRM points = MatrixRM::Zero(static_cast<Eigen::Index>(on_from.size()), corners.cols());
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    for (int k = 0; k < 3; ++k)
+      points.row(i) += on_from[i].barycentric[k] * from_points.row(from.mesh.faces(on_from[i].face, k));
+  std::vector<Place> result;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    result.push_back(nearest_place(piece.mesh.faces, corners.rowwise() - points.row(i)));
+  return result;
+}
+
+/// One region's part of a garment, before it is one of several. Its triangles are regular in the rest shape: what is folded even
+/// in the frame in which the piece is spread out would be left with a few long ones. So the piece is meshed there first, which
+/// gives a rest shape, and that is meshed again.
+Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const std::vector<char> &hangs,
+                    int region, double vertices, const GarmentOptions &options) {
+  const SpreadOut spread = spread_out(actor, piece, captured);
+  const Mesh first = remeshed(spread.mesh, vertices);
+  Garment garment = placed_garment(actor, piece, first.faces, places_on(spread.mesh, first.vertices));
+  give_rest_shape(garment, actor, captured, piece, spread, first.vertices, hangs, options);
+  if (spread.frame >= 0) {
+    const Mesh rest{garment.rest, garment.mesh.faces};
+    const Mesh second = remeshed(rest, vertices);
+    const std::vector<Place> on_first = places_on(rest, second.vertices);
+    const std::vector<int> rows = spread_rows(captured.frames.size(), spread.frame);
+    garment = placed_garment(actor, piece, second.faces, carried_places(actor, captured, rows, piece, garment, on_first));
+    const Vertices there = at_garment(garment, actor.mesh.faces, captured.frames[spread.frame]);
+    give_rest_shape(garment, actor, captured, piece, spread, there, hangs, options);
+  }
+  garment.region = Eigen::VectorXi::Constant(garment.mesh.vertices.rows(), region);
   return garment;
 }
 
@@ -225,7 +335,7 @@ public:
     std::vector<Eigen::VectorXd> fields;
     std::vector<Piece> pieces;
     std::vector<std::vector<char>> hangs; // [R][N]
-    double area = 0;
+    std::vector<double> areas;            // [R] m^2, spread out
     for (int r = 0; r < clothness.region_count; ++r) {
       fields.push_back(detail::garment_field(actor, excluded, clothness, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
@@ -233,17 +343,16 @@ public:
       hangs.push_back(hanging_vertices(whole, skin, options_.smallest_edge));
       pieces.push_back(hanging_part(whole, hangs.back()));
       say_what_falls(whole, pieces.back(), r, context);
-      const int wide = wide_frame(actor, pieces.back(), captured);
-      const Vertices &vertices = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
-      area += face_areas(placed(pieces.back(), actor.mesh.faces, vertices), pieces.back().mesh.faces).sum();
+      const Mesh spread = spread_out(actor, pieces.back(), captured).mesh;
+      areas.push_back(face_areas(spread.vertices, spread.faces).sum());
     }
-    const double edge =
-        std::sqrt(2 * area / (std::sqrt(3.0) * options_.vertices)); // area of an equilateral triangle, two a vertex
+    const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
     for (int r = 0; r < clothness.region_count; ++r) {
       context.report("garment", static_cast<double>(r) / clothness.region_count);
       if (pieces[r].mesh.faces.rows() == 0)
         continue;
-      const Garment part = mesh_region(actor, captured, pieces[r], hangs[r], garment.region_count, edge, options_);
+      const Garment part =
+          mesh_region(actor, captured, pieces[r], hangs[r], garment.region_count, options_.vertices * areas[r] / area, options_);
       append(garment, part);
       for (int f : pieces[r].actor_face)
         garment.covers[f] = !is_waistband(actor, clothness, fields[r], f);

@@ -1,5 +1,7 @@
 #include "doublet/core/ray_scene.h"
 
+#include "doublet/core/closest_on_triangle.h"
+
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
 #include "support/figure.h"
@@ -143,6 +145,24 @@ TEST(RayScene, ManyThreadsGiveTheSameAnswers) {
   context.threads = 4;
   parallel_for(context, 500, [&](int i) { four[i] = query(i); });
   EXPECT_EQ(one, four);
+}
+
+TEST(ClosestOnTriangle, IsTheNearestPointInAnyNumberOfDimensions) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto draw = [&](int n) -> Eigen::VectorXd { return Eigen::VectorXd::NullaryExpr(n, [&] { return normal(random); }); };
+  for (int n : {2, 3, 9})
+    for (int trial = 0; trial < 200; ++trial) {
+      const Eigen::VectorXd p = 1.5 * draw(n), a = draw(n), b = draw(n), c = draw(n), ab = b - a, ac = c - a;
+      const Eigen::Vector3d w =
+          closest_on_triangle(ab.dot(p - a), ac.dot(p - a), ab.dot(p - b), ac.dot(p - b), ab.dot(p - c), ac.dot(p - c));
+      EXPECT_GE(w.minCoeff(), 0);
+      EXPECT_NEAR(w.sum(), 1, 1e-12);
+      const double found = (w[0] * a + w[1] * b + w[2] * c - p).norm();
+      for (int i = 0; i <= 12; ++i) // no other point of the triangle is nearer
+        for (int j = 0; i + j <= 12; ++j)
+          EXPECT_LE(found, ((12 - i - j) * a + i * b + j * c - 12 * p).norm() / 12 + 1e-12);
+    }
 }
 
 TEST(RayScene, RefusesUnusableMeshesAndSurvivesDegenerateOnes) {

@@ -336,6 +336,31 @@ TEST(GarmentMesher, RestIsAsWideAsTheFramesAndAsLongAsTheScan) {
     }
 }
 
+/// In the widest frame the cloth of the front is squeezed to a fifth of its width; in the others it is even.
+TEST(GarmentMesher, TrianglesAreRegularInTheRestShapeWhereverTheWidestFrameSqueezesThem) {
+  const Person person(spread_out);
+  MeshSequence captured{person.actor.mesh.faces, {}};
+  for (int t = 0; t < 12; ++t)
+    captured.frames.push_back(person.actor.mesh.vertices);
+  for (Eigen::Index v = 0; v < captured.frames[5].rows(); ++v) {
+    auto x = captured.frames[5].row(v);
+    if (x[1] < 0.95 && x[1] > 0.3) {
+      const double angle = std::atan2(x[2], x[0]), squeezed = angle + 0.8 * std::sin(angle),
+                   radius = 1.05 * std::hypot(x[0], x[2]);
+      x << radius * std::cos(squeezed), x[1], radius * std::sin(squeezed);
+    }
+  }
+  const Garment garment = garment_of(person, small_garment(), captured);
+  expect_loops(garment, 2, 1);
+  std::vector<double> lengths;
+  for (const Eigen::Vector2i &edge : edge_topology(garment.mesh.faces).edges)
+    lengths.push_back((garment.rest.row(edge[0]) - garment.rest.row(edge[1])).norm());
+  std::sort(lengths.begin(), lengths.end());
+  const double middle = lengths[lengths.size() / 2];
+  EXPECT_LT(lengths.back(), 2.7 * middle); // 2.4; meshed in the widest frame alone 3.4
+  EXPECT_GT(lengths[lengths.size() / 50], 0.5 * middle);
+}
+
 TEST(GarmentMesher, AFewWideFramesDoNotCount) {
   const Person person(folded);
   MeshSequence captured{person.actor.mesh.faces, {}};

@@ -1,0 +1,119 @@
+"""The pictures of README and results.
+
+python benchmarks/pictures.py overview OUT MOTION -o docs/pictures/overview.jpg [--frame 72] [--camera 0] [--new 95 130]
+python benchmarks/pictures.py dance OUT --truth SESSION/ground_truth -o docs/pictures/dance.jpg [--frames 0 30 ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from doublet import evaluate, picture, pipeline
+from doublet.console import Console
+from PIL import Image
+
+HEIGHT = 720  # px, of a panel
+BODY = np.array((0.55, 0.57, 0.62))
+ROWS = (("true", (0.85, 0.36, 0.22)), ("simulated", (0.20, 0.42, 0.80)), ("captured", (0.30, 0.62, 0.32)))
+
+
+def scaled(image: np.ndarray, height: int) -> np.ndarray:
+    size = round(image.shape[1] * height / image.shape[0]), height
+    return np.asarray(Image.fromarray(np.ascontiguousarray(image)).resize(size, Image.Resampling.LANCZOS))
+
+
+def narrowed(image: np.ndarray, share: float = 0.62) -> np.ndarray:
+    """The middle columns."""
+    cut = round((1 - share) / 2 * image.shape[1])
+    return image[:, cut : image.shape[1] - cut]
+
+
+def frames_of(character: d.Character, motion: d.Motion, wanted: list[int]) -> dict[int, tuple]:
+    """frame -> (surface, high, body, joints)"""
+    kept = {}
+
+    def keep(frame: d.AnimationFrame) -> None:
+        if frame.index in wanted:
+            kept[frame.index] = tuple(np.array(a) for a in (frame.surface, frame.high, frame.body, frame.joints))
+
+    d.animate_each(character, motion, keep, d.AnimateOptions(), Console(quiet=True).context())
+    return kept
+
+
+def overview(chosen: argparse.Namespace) -> np.ndarray:
+    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
+    character = d.Character.read(job.path("character.glb"))
+    performance, camera, row = job.performance(), job.session.rig[chosen.camera], chosen.frame
+    captured = performance.surface.frames[row]
+    faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
+    box = picture.crop_box(captured, camera, margin=25)
+
+    photo = d.FrameSource.open(job.session).image(chosen.camera, performance.frames[row])[..., ::-1]
+    filmed = picture.draw_outline(photo, picture.outline(captured, faces, camera))
+    colours = picture.cloth_colours(job.clothness().clothness)
+    tracked = picture.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
+    renderer, white = d.CharacterRenderer(character), d.RenderOptions(background=[1, 1, 1], floor=False)
+    again = frames_of(character, d.Motion(job.session.fps, performance.dofs), [row])[row]
+    panels = [view[box] for view in (filmed, tracked, renderer.render(*again[:3], camera, white)[..., ::-1])]
+
+    retargeting = d.RetargetOptions(fps=1 / character.solver.dt)
+    motion = d.retarget(d.SourceMotion.read(chosen.motion), character.actor.skeleton, retargeting)
+    floor = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()))
+    for surface, high, body, joints in frames_of(character, motion, chosen.new).values():
+        middle = (joints.min(axis=0) + joints.max(axis=0)) / 2
+        beside = d.orbit_camera(middle, 1.0, 0.3, 0.12, HEIGHT, HEIGHT)
+        panels.append(narrowed(renderer.render(surface, high, body, beside, floor)[..., ::-1]))
+    return np.hstack([scaled(panel, HEIGHT) for panel in panels])
+
+
+def dance(chosen: argparse.Namespace) -> np.ndarray:
+    """Columns: frames. Rows: the true garment on the true body, the simulated and the captured one on the captured body."""
+    made, truth = evaluate.Reconstruction(chosen.out), evaluate.Truth(chosen.truth)
+    moving, columns = made.reanimated, []
+    captured = dict(zip(made.performance.frames, made.performance.surface.frames))
+    cloth_of = {
+        "simulated": (moving.surfaces, moving.faces, moving.clothness),
+        "captured": (captured, made.faces, made.clothness),
+    }
+    for frame in chosen.frames:
+        body, garment = truth.frame(frame)
+        middle = garment.mean(axis=0)
+        camera, column = d.orbit_camera(middle, 0.62, 0.2, 0.1, 320, 320), []
+        for name, colour in ROWS:
+            if name == "true":
+                meshes = [d.RenderMesh(body, truth.body_faces, BODY), d.RenderMesh(garment, truth.cloth_faces, np.array(colour))]
+            else:
+                surfaces, faces, clothness = cloth_of[name]
+                cloth = (clothness[faces] > 0.5).all(axis=1)
+                meshes = [d.RenderMesh(surfaces[frame], faces[m], np.array(c)) for m, c in ((~cloth, BODY), (cloth, colour))]
+            column.append(narrowed(picture.shade(meshes, camera), 0.9))
+        columns.append(np.vstack(column))
+    return np.hstack(columns)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    commands = parser.add_subparsers(required=True)
+    for name, make in (("overview", overview), ("dance", dance)):
+        command = commands.add_parser(name)
+        command.add_argument("out", type=Path, metavar="OUT")
+        command.add_argument("-o", "--picture", type=Path, required=True, metavar="FILE.jpg")
+        command.set_defaults(make=make)
+        if name == "overview":
+            command.add_argument("motion", type=Path, metavar="MOTION")
+            command.add_argument("--frame", type=int, default=72, metavar="N", help="row of the performance (default: 72)")
+            command.add_argument("--camera", type=int, default=0, metavar="N", help="of the session (default: 0)")
+            command.add_argument("--new", type=int, nargs="+", default=[104, 128], metavar="N", help="frames of the new motion")
+        else:
+            command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
+            default = [0, 30, 60, 90, 108, 120, 150, 170]
+            command.add_argument("--frames", type=int, nargs="+", default=default, metavar="N", help="video frames")
+    chosen = parser.parse_args()
+    Image.fromarray(chosen.make(chosen)).save(chosen.picture, quality=88)
+
+
+if __name__ == "__main__":
+    main()
