@@ -10,8 +10,64 @@
 #include "doublet/animate/surface_transfer.h"
 #include "doublet/animate/texture_baker.h"
 
+#include <algorithm>
+
 namespace doublet::python {
 namespace {
+
+/// (T, V, 3), stacked at the first access and kept with the result: the display mesh of a clip is hundreds of megabytes.
+py::object stacked_once(const py::object &self, const char *key, const std::vector<Vertices> &frames) {
+  if (!py::hasattr(self, key))
+    py::setattr(self, key, stack(frames));
+  return self.attr(key);
+}
+
+/// What a caller gave as a list of objects; None is no object.
+template <class T> std::vector<T *> require_objects(const std::vector<T *> &objects, const char *what) {
+  if (std::find(objects.begin(), objects.end(), nullptr) != objects.end())
+    throw py::type_error(std::string(what) + ": expected objects, found None");
+  return objects;
+}
+
+SourceMotion source_motion(const std::vector<std::string> &names, const std::vector<int> &parents, const Vertices &offsets,
+                           const py::array_t<double, py::array::c_style | py::array::forcecast> &positions,
+                           const py::array_t<double, py::array::c_style | py::array::forcecast> &rotations, double fps,
+                           const std::string &source) {
+  const std::size_t joints = names.size();
+  if (parents.size() != joints || offsets.rows() != static_cast<Eigen::Index>(joints))
+    throw std::invalid_argument("SourceMotion: expected a parent and an offset for each of " + std::to_string(joints) +
+                                " joints, found " + std::to_string(parents.size()) + " and " + std::to_string(offsets.rows()));
+  if (rotations.ndim() != 3 || rotations.shape(1) != static_cast<py::ssize_t>(joints) || rotations.shape(2) != 4)
+    throw std::invalid_argument("SourceMotion: rotations must have the shape (frames, " + std::to_string(joints) + ", 4)");
+  SourceMotion motion;
+  motion.source = source;
+  motion.fps = fps;
+  for (std::size_t j = 0; j < joints; ++j)
+    motion.joints.push_back({names[j], parents[j], offsets.row(static_cast<Eigen::Index>(j))});
+  motion.positions = unstack(positions, "positions");
+  const auto wxyz = rotations.unchecked<3>();
+  for (py::ssize_t t = 0; t < rotations.shape(0); ++t) {
+    motion.rotations.emplace_back();
+    for (py::ssize_t j = 0; j < rotations.shape(1); ++j)
+      motion.rotations.back().emplace_back(wxyz(t, j, 0), wxyz(t, j, 1), wxyz(t, j, 2), wxyz(t, j, 3));
+  }
+  validate(motion);
+  return motion;
+}
+
+py::array_t<double> as_quaternions(const SourceMotion &motion) {
+  py::array_t<double> result({py::ssize_t(motion.frame_count()), py::ssize_t(motion.joints.size()), py::ssize_t(4)});
+  auto out = result.mutable_unchecked<3>();
+  for (py::ssize_t t = 0; t < out.shape(0); ++t)
+    for (py::ssize_t j = 0; j < out.shape(1); ++j) {
+      const Eigen::Quaterniond &q = motion.rotations[t][j];
+      out(t, j, 0) = q.w();
+      out(t, j, 1) = q.x();
+      out(t, j, 2) = q.y();
+      out(t, j, 3) = q.z();
+    }
+  return result;
+}
 
 void bind_simulator(py::module_ &m) {
   py::class_<PosedFrame>(m, "PosedFrame", "A pose worked out once: skinned surface and proxies.")
@@ -19,23 +75,41 @@ void bind_simulator(py::module_ &m) {
       .def_readonly("capsules", &PosedFrame::capsules);
   py::class_<CharacterState>(m, "CharacterState", "Simulated state of all cloth regions; copy() saves it.")
       .def_readwrite("regions", &CharacterState::regions)
-      .def("copy", [](const CharacterState &state) { return state; });
+      .def(
+          "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
   py::class_<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
       .def(py::init<const RiggedMesh &, const Clothness &, const std::vector<TaperedCapsule> &, const pbd::ClothOptions &>(),
            py::arg("actor"), py::arg("clothness"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{}, Release())
       .def_property_readonly("region_count", [](const CharacterSimulator &s) { return s.regions().size(); })
       .def_property_readonly("actor", &CharacterSimulator::actor)
-      .def("pose", &CharacterSimulator::pose, py::arg("dofs"), Release())
+      .def("pose", &CharacterSimulator::pose, py::arg("dofs"), Release(), "The PosedFrame of a pose (D).")
       .def(
           "start",
           [](const CharacterSimulator &simulator, const PosedFrame &frame, const std::optional<Vertices> &surface) {
             return simulator.start(frame, surface ? &*surface : nullptr);
           },
-          py::arg("frame"), py::arg("surface") = std::nullopt, Release())
+          py::arg("frame"), py::arg("surface") = std::nullopt, Release(),
+          "Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.")
       .def("settle", &CharacterSimulator::settle, py::arg("state"), py::arg("frame"), py::arg("materials"), py::arg("dt"),
-           py::arg("frames"), Release())
+           py::arg("frames"), Release(),
+           "Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.")
       .def("step", &CharacterSimulator::step, py::arg("state"), py::arg("previous"), py::arg("current"), py::arg("materials"),
-           py::arg("dt"), Release())
+           py::arg("dt"), Release(), "Advances every cloth region from one posed frame to the next; materials: one a region.")
+      .def(
+          "step_each",
+          [](const CharacterSimulator &simulator, const std::vector<CharacterState *> &states, const PosedFrame &previous,
+             const PosedFrame &current, const std::vector<std::vector<pbd::Material>> &materials, double dt) {
+            std::vector<const std::vector<pbd::Material> *> lists;
+            for (const std::vector<pbd::Material> &list : materials)
+              lists.push_back(&list);
+            std::vector<std::pair<int, int>> failed;
+            for (const FailedRegion &one : simulator.step_each(require_objects(states, "states"), previous, current, lists, dt))
+              failed.emplace_back(one.character, one.region);
+            return failed;
+          },
+          py::arg("states"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
+          "step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region "
+          "of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.")
       .def("surface", &CharacterSimulator::surface, py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");
 }
 
@@ -48,10 +122,11 @@ void bind_character(py::module_ &m) {
       .def_readwrite("dt", &SolverSettings::dt, "s, one frame")
       .def_readwrite("cloth", &SolverSettings::cloth);
   py::class_<Character>(m, "Character", "The animatable character: everything that a new animation needs (character.glb).")
-      .def_static("read", &read_character, py::arg("path"), Release())
+      .def_static("read", &read_character, py::arg("path"), Release(),
+                  "character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.")
       .def(
           "write", [](const Character &character, const std::filesystem::path &path) { write_character(path, character); },
-          py::arg("path"), Release())
+          py::arg("path"), Release(), "character.glb, complete or not at all.")
       .def_readwrite("name", &Character::name)
       .def_readwrite("actor", &Character::actor)
       .def_readwrite("clothness", &Character::clothness)
@@ -70,7 +145,8 @@ void bind_character(py::module_ &m) {
       });
   m.def("make_character", &make_character, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("proxies"),
         py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{}, py::arg("high_valid") = std::vector<std::uint8_t>{},
-        py::arg("garment_subdivisions") = -1, Release());
+        py::arg("garment_subdivisions") = -1, Release(),
+        "Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.");
 }
 
 void bind_motion(py::module_ &m) {
@@ -89,6 +165,12 @@ void bind_motion(py::module_ &m) {
             return read_motion_file(path, skeleton.value_or(std::filesystem::path()));
           },
           py::arg("path"), py::arg("skeleton") = std::nullopt, Release(), ".bvh or .amc; skeleton: the .asf of an .amc")
+      .def(py::init(&source_motion), py::arg("joint_names"), py::arg("joint_parents"), py::arg("offsets"), py::arg("positions"),
+           py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays",
+           "From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, "
+           "3) "
+           "in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
+           "length.")
       .def_readonly("source", &SourceMotion::source)
       .def_readonly("fps", &SourceMotion::fps)
       .def_property_readonly("frame_count", &SourceMotion::frame_count)
@@ -99,6 +181,23 @@ void bind_motion(py::module_ &m) {
                                  names.push_back(joint.name);
                                return names;
                              })
+      .def_property_readonly("joint_parents",
+                             [](const SourceMotion &motion) {
+                               std::vector<int> parents;
+                               for (const SourceJoint &joint : motion.joints)
+                                 parents.push_back(joint.parent);
+                               return parents;
+                             })
+      .def_property_readonly(
+          "offsets",
+          [](const SourceMotion &motion) {
+            Vertices offsets(motion.joints.size(), 3);
+            for (std::size_t j = 0; j < motion.joints.size(); ++j)
+              offsets.row(static_cast<Eigen::Index>(j)) = motion.joints[j].offset;
+            return offsets;
+          },
+          "(J, 3) from the parent in the zero pose, file units")
+      .def_property_readonly("rotations", &as_quaternions, "(T, J, 4) world, relative to the zero pose, w x y z; a copy")
       .def_property_readonly(
           "positions", [](const SourceMotion &motion) { return stack(motion.positions); }, "(T, J, 3) world, file units; a copy");
   OptionsClass<RetargetOptions>(m, "RetargetOptions", "Options of retarget.")
@@ -113,7 +212,8 @@ void bind_motion(py::module_ &m) {
       .get()
       .def_readwrite("joint_names", &RetargetOptions::joint_names, "our joint -> joint of the file");
   m.def("retarget", &retarget, py::arg("clip"), py::arg("skeleton"), py::arg("options") = RetargetOptions{},
-        py::arg("context") = interruptible_context(), Release());
+        py::arg("context") = interruptible_context(), Release(),
+        "A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.");
 }
 
 void bind_animator(py::module_ &m) {
@@ -121,24 +221,33 @@ void bind_animator(py::module_ &m) {
       .field("settle_seconds", &AnimateOptions::settle_seconds, "s, the cloth falls into place before the animation starts")
       .field("high", &AnimateOptions::high, "also the display mesh")
       .field("body", &AnimateOptions::body, "also the body under the clothes");
-  py::class_<AnimationResult>(m, "AnimationResult", "An animation in memory; arrays are copies.")
+  py::class_<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
+                              "An animation in memory; an array is put together at its first access, and kept.")
       .def_readonly("fps", &AnimationResult::fps)
       .def_readonly("dofs", &AnimationResult::dofs, "(T, D)")
       .def_property_readonly(
-          "surface", [](const AnimationResult &r) { return stack(r.surface); }, "(T, V, 3) m")
+          "surface",
+          [](const py::object &self) { return stacked_once(self, "_surface", self.cast<const AnimationResult &>().surface); },
+          "(T, V, 3) m")
       .def_property_readonly(
-          "joints", [](const AnimationResult &r) { return stack(r.joints); }, "(T, J, 3) m")
+          "joints",
+          [](const py::object &self) { return stacked_once(self, "_joints", self.cast<const AnimationResult &>().joints); },
+          "(T, J, 3) m")
       .def_property_readonly(
-          "high", [](const AnimationResult &r) { return stack(r.high); }, "(T, VH, 3) m")
+          "high", [](const py::object &self) { return stacked_once(self, "_high", self.cast<const AnimationResult &>().high); },
+          "(T, VH, 3) m")
       .def_property_readonly(
-          "body", [](const AnimationResult &r) { return stack(r.body); }, "(T, B, 3) m");
+          "body", [](const py::object &self) { return stacked_once(self, "_body", self.cast<const AnimationResult &>().body); },
+          "(T, B, 3) m");
   m.def(
       "animate",
       [](const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context) {
         return animate(character, motion, options, context);
       },
       py::arg("character"), py::arg("motion"), py::arg("options") = AnimateOptions{},
-      py::arg("context") = interruptible_context(), Release());
+      py::arg("context") = interruptible_context(), Release(),
+      "The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the "
+      "simulation leaves the finite numbers.");
 }
 
 void bind_streaming(py::module_ &m) {
@@ -155,12 +264,14 @@ void bind_streaming(py::module_ &m) {
          const AnimateOptions &options, const Context &context) { return animate(character, motion, options, frame, context); },
       py::arg("character"), py::arg("motion"), py::arg("frame"), py::arg("options") = AnimateOptions{},
       py::arg("context") = interruptible_context(), Release(), "Calls frame(AnimationFrame) in order and keeps nothing.");
-  m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release());
+  m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release(),
+        "An animation as arrays (docs/formats.md), complete or not at all.");
   OptionsClass<BakedGlbOptions>(m, "BakedGlbOptions", "Options of write_baked_glb.")
       .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes that are stored; 0 = every frame")
       .field("most_keys", &BakedGlbOptions::most_keys, "a long clip gets fewer keys a second");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
-        py::arg("options") = BakedGlbOptions{}, Release());
+        py::arg("options") = BakedGlbOptions{}, Release(),
+        "An animation as glTF 2.0 that any viewer plays: bones and a shape for every key. Complete or not at all.");
 }
 
 void bind_pictures(py::module_ &m) {
@@ -194,7 +305,8 @@ void bind_pictures(py::module_ &m) {
         py::arg("width"), py::arg("height"), "Looks at target from azimuth (rad, 0 = from +Z) and elevation.");
   py::class_<CharacterRenderer>(m, "CharacterRenderer", "Pictures of one character in many frames; safe from many threads.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
-      .def("meshes", &CharacterRenderer::meshes, py::arg("surface"), py::arg("high"), py::arg("body"), Release())
+      .def("meshes", &CharacterRenderer::meshes, py::arg("surface"), py::arg("high"), py::arg("body"), Release(),
+           "The RenderMesh objects of a frame.")
       .def("render", &CharacterRenderer::render, py::arg("surface"), py::arg("high"), py::arg("body"), py::arg("camera"),
            py::arg("options") = RenderOptions{}, Release(), "(H, W, 3) uint8, BGR");
 }

@@ -29,7 +29,8 @@ void bind_regions(py::module_ &m) {
       .def_readonly("exposed", &BodyRegion::exposed, "share of it whose nearest surface is skin")
       .def_readonly("residual", &BodyRegion::residual, "m, mean distance of that skin to the body")
       .def_readonly("deviation", &BodyRegion::deviation, "m, expected RMS error");
-  m.def("body_regions", &body_regions, py::arg("fit"), py::arg("actor"), py::arg("clothness"), Release());
+  m.def("body_regions", &body_regions, py::arg("fit"), py::arg("actor"), py::arg("clothness"), Release(),
+        "One BodyRegion a bone: how far the fit can be trusted there.");
 }
 
 void bind_proxy_statistics(py::module_ &m) {
@@ -41,7 +42,7 @@ void bind_proxy_statistics(py::module_ &m) {
       .def_readonly("largest_bulge", &ProxyStatistics::largest_bulge)
       .def_readonly("cloth_clearance", &ProxyStatistics::cloth_clearance);
   m.def("proxy_statistics", &proxy_statistics, py::arg("capsules"), py::arg("fit"), py::arg("actor"), py::arg("clothness"),
-        Release());
+        Release(), "How far capsules and body are apart under the cloth.");
 }
 
 void bind_training(py::module_ &m) {
@@ -53,14 +54,15 @@ void bind_training(py::module_ &m) {
       .get()
       .def_readwrite("individuals", &TrainOptions::individuals, "train on these only (empty = all)")
       .def_readwrite("command", &TrainOptions::command, "recorded in the file");
-  py::class_<TrainSummary>(m, "TrainSummary")
+  py::class_<TrainSummary>(m, "TrainSummary", "What a training kept.")
       .def_readonly("meshes", &TrainSummary::meshes)
       .def_readonly("vertices", &TrainSummary::vertices)
       .def_readonly("components", &TrainSummary::components)
       .def_readonly("variance_kept", &TrainSummary::variance_kept, "fraction")
       .def_readonly("reconstruction_mm", &TrainSummary::reconstruction_mm, "mean vertex error of the training set");
   m.def("train_body_model", &train_body_model, py::arg("population"), py::arg("out"), py::arg("options") = TrainOptions{},
-        py::arg("context") = interruptible_context(), Release());
+        py::arg("context") = interruptible_context(), Release(),
+        "Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).");
 }
 
 } // namespace
@@ -69,7 +71,8 @@ void bind_bodymodel(py::module_ &m) {
   py::class_<BodyModel, std::shared_ptr<BodyModel>>(m, "BodyModel", "vertices = mean + components s, s ~ N(0, I).")
       .def_static(
           "read", [](const std::filesystem::path &path) { return std::const_pointer_cast<BodyModel>(BodyModel::read(path)); },
-          py::arg("path"), Release())
+          py::arg("path"), Release(),
+          "A model in this library's format or SMPL's (.npz). Raises FileNotFoundError, or Error naming file and array.")
       .def_property_readonly("vertex_count", &BodyModel::vertex_count)
       .def_property_readonly("component_count", &BodyModel::component_count)
       .def_property_readonly("shape_count", &BodyModel::shape_count, "the first coefficients; the others are the pose")
@@ -104,13 +107,13 @@ void bind_bodymodel(py::module_ &m) {
       .def_readonly("landmarks", &DressedScan::landmarks, "name -> point on the surface, m");
   py::class_<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
       .def(py::init<>())
-      .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{})
+      .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{}, "The built-in fitter.")
       .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("clothness"), py::arg("model"), py::arg("landmarks"),
-           py::arg("context") = interruptible_context(), Release())
+           py::arg("context") = interruptible_context(), Release(), "The body under the clothes. landmarks: name -> point, m.")
       .def("fit_together", &BodyFitter::fit_together, py::arg("scans"), py::arg("model"),
            py::arg("context") = interruptible_context(), Release(), "One shape, a pose a scan; a list of BodyFit.");
   m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("clothness"), py::arg("options") = ProxyOptions{},
-        Release());
+        Release(), "Tapered capsules along the bones, inside the body: what cloth collides with.");
   bind_regions(m);
   bind_proxy_statistics(m);
   bind_training(m);

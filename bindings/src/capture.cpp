@@ -38,7 +38,7 @@ public:
 };
 
 void bind_session(py::module_ &m) {
-  py::class_<SessionCamera>(m, "SessionCamera")
+  py::class_<SessionCamera>(m, "SessionCamera", "One camera of a session and its files.")
       .def(py::init<>())
       .def_readwrite("name", &SessionCamera::name)
       .def_readwrite("video", &SessionCamera::video, "mp4 or printf pattern of images; empty if there are only masks")
@@ -59,7 +59,8 @@ void bind_session(py::module_ &m) {
       .def_readonly("new_motion", &Session::new_motion);
   py::class_<FrameSource, PyFrameSource>(m, "FrameSource", "Swap point: where the images and masks come from.")
       .def(py::init<>())
-      .def_static("open", &FrameSource::open, py::arg("session"), Release())
+      .def_static("open", &FrameSource::open, py::arg("session"), Release(),
+                  "Images and masks of a session, read as they are asked for.")
       .def_property_readonly("frame_count", &FrameSource::frame_count)
       .def_property_readonly("camera_count", &FrameSource::camera_count)
       .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
@@ -84,8 +85,9 @@ void bind_session(py::module_ &m) {
                   py::arg("options") = ChromaKeyOptions{}, "By a key colour.")
       .def_static("create", py::overload_cast<const BackgroundOptions &>(&SilhouetteExtractor::create), py::arg("options"),
                   "By the difference to a background.")
-      .def("train", &SilhouetteExtractor::train, py::arg("camera"), py::arg("images"), Release())
-      .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release());
+      .def("train", &SilhouetteExtractor::train, py::arg("camera"), py::arg("images"), Release(),
+           "Looks at images of one camera before the first mask is made.")
+      .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release(), "Mask (H, W), 255 = actor.");
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
         "A trained extractor for the cameras without ready masks; None if all have some.");
@@ -120,19 +122,25 @@ void bind_template(py::module_ &m) {
       .def_readonly("scan_max", &SurfaceQuality::scan_max, "m, the largest of them")
       .def_readonly("mean_to_scan", &SurfaceQuality::mean_to_scan, "m, distance of the valid surface to the scan")
       .def_readonly("max_to_scan", &SurfaceQuality::max_to_scan, "m, the largest of them");
-  py::class_<TemplateSummary>(m, "TemplateSummary")
+  py::class_<TemplateSummary>(m, "TemplateSummary", "Quality of both surfaces of a template.")
       .def_readonly("mesh", &TemplateSummary::mesh)
       .def_readonly("high", &TemplateSummary::high);
   m.def("build_template", &build_template, py::arg("scan"), py::arg("options") = TemplateOptions{},
-        py::arg("context") = interruptible_context(), Release());
+        py::arg("context") = interruptible_context(), Release(),
+        "The closed surface of a scan, its two decimations and the faces that were invented over holes.");
   m.def("summarise_template", &summarise_template, py::arg("surface"), py::arg("scan"),
-        py::arg("context") = interruptible_context(), Release());
+        py::arg("context") = interruptible_context(), Release(),
+        "Quality of both surfaces of a template, and their distances to the scan.");
   m.def("heat_weights", &heat_weights, py::arg("mesh"), py::arg("face_valid"), py::arg("skeleton"),
-        py::arg("options") = HeatWeightOptions{}, py::arg("context") = interruptible_context(), Release());
+        py::arg("options") = HeatWeightOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "(V, J) skin weights by heat equilibrium; rows sum to one.");
   m.def("rig_template", &rig_template, py::arg("surface"), py::arg("joints"), py::arg("context") = interruptible_context(),
-        Release());
-  m.def("read_mesh", &read_mesh, py::arg("path"), Release());
-  m.def("write_mesh", &write_mesh, py::arg("path"), py::arg("mesh"), Release());
+        Release(), "Skeleton from the marked joints and skin weights -> RiggedMesh.");
+  m.def("read_mesh", &read_mesh, py::arg("path"), Release(),
+        ".ply, .obj, .stl or .off: vertices and faces; polygons become fans of triangles. Raises FileNotFoundError, or Error "
+        "naming the file.");
+  m.def("write_mesh", &write_mesh, py::arg("path"), py::arg("mesh"), Release(),
+        ".ply, .obj, .stl or .off by the extension, complete or not at all.");
 }
 
 void bind_performance(py::module_ &m) {
@@ -170,7 +178,7 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("seen", &JointSight::seen, "enough of it visible that moves with the skeleton")
       .def_readwrite("inferred", &JointSight::inferred, "hidden; it follows from the joints before and after it")
       .def_readwrite("lost", &JointSight::lost, "its limb was lost and not found again");
-  py::class_<CaptureSummary>(m, "CaptureSummary")
+  py::class_<CaptureSummary>(m, "CaptureSummary", "What can disappoint about a capture.")
       .def(py::init<>())
       .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
       .def_readwrite("sift_px", &CaptureSummary::sift_px, "(T) mean residual of the features, pixels")
@@ -186,7 +194,7 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("limb_seconds", &CaptureSummary::limb_seconds)
       .def_readwrite("surface_seconds", &CaptureSummary::surface_seconds)
       .def_readwrite("seconds_per_frame", &CaptureSummary::seconds_per_frame);
-  py::class_<CaptureResult>(m, "CaptureResult")
+  py::class_<CaptureResult>(m, "CaptureResult", "Performance, observations and summary of a capture.")
       .def(py::init<>())
       .def_readwrite("performance", &CaptureResult::performance)
       .def_readwrite("observations", &CaptureResult::observations)
@@ -196,9 +204,11 @@ void bind_performance(py::module_ &m) {
       .def_static(
           "create",
           [](const CaptureOptions &options, const CaptureParts &parts) { return PerformanceCapture::create(options, parts); },
-          py::arg("options") = CaptureOptions{}, py::arg("parts") = CaptureParts{})
+          py::arg("options") = CaptureOptions{}, py::arg("parts") = CaptureParts{},
+          "The built-in capture, with pieces of one's own in `parts`.")
       .def("capture", &PerformanceCapture::capture, py::arg("actor"), py::arg("rig"), py::arg("frames"),
-           py::arg("extractor").none(true), py::arg("context") = interruptible_context(), Release());
+           py::arg("extractor").none(true), py::arg("context") = interruptible_context(), Release(),
+           "Tracks all frames. extractor: None if all cameras have masks.");
 }
 
 } // namespace

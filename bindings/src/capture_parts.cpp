@@ -105,7 +105,7 @@ void bind_features(py::module_ &m) {
       .def_readonly("descriptors", &Features::descriptors, "(N, C); closeness is Euclidean distance");
   py::class_<FeatureTracker, PyFeatureTracker>(m, "FeatureTracker", "Swap point: image -> features, features -> matches.")
       .def(py::init<>())
-      .def_static("create", &FeatureTracker::create, py::arg("options") = FeatureTrackerOptions{})
+      .def_static("create", &FeatureTracker::create, py::arg("options") = FeatureTrackerOptions{}, "The built-in tracker (SIFT).")
       .def("detect", &FeatureTracker::detect, py::arg("image"), py::arg("mask"), Release(),
            "Features of an image (H, W, 3) inside its mask (H, W). Called from many threads.")
       .def("match", &FeatureTracker::match, py::arg("previous"), py::arg("current"), py::arg("reach"), Release(),
@@ -164,7 +164,7 @@ void bind_pose(py::module_ &m) {
       .field("prior_angle", &PoseOptions::prior_angle, "rad, expected error of the prediction")
       .field("prior_shift", &PoseOptions::prior_shift, "m, the same for the root")
       .field("limit_weight", &PoseOptions::limit_weight, "of a passed joint limit against a rim");
-  py::class_<PoseEstimate>(m, "PoseEstimate")
+  py::class_<PoseEstimate>(m, "PoseEstimate", "A pose and how well it explains its frame.")
       .def(py::init<>())
       .def_readwrite("dofs", &PoseEstimate::dofs, "(D)")
       .def_readwrite("rim_px", &PoseEstimate::rim_px, "mean residual of the outlines, pixels")
@@ -173,14 +173,16 @@ void bind_pose(py::module_ &m) {
       .def_readwrite("iterations", &PoseEstimate::iterations);
   py::class_<PoseOptimizer, PyPoseOptimizer>(m, "PoseOptimizer", "Swap point: one frame's correspondences -> pose.")
       .def(py::init<>())
-      .def_static("create", &PoseOptimizer::create, py::arg("options") = PoseOptions{})
+      .def_static("create", &PoseOptimizer::create, py::arg("options") = PoseOptions{},
+                  "The built-in optimiser (Gauss-Newton on rims and tracks).")
       .def(
           "optimize",
           [](PoseOptimizer &self, const PoseProblem &problem, const Context &context) {
             pointed(problem.actor);
             return self.optimize(problem, context);
           },
-          py::arg("problem"), py::arg("context") = interruptible_context(), Release());
+          py::arg("problem"), py::arg("context") = interruptible_context(), Release(),
+          "The pose that explains the problem best.");
   m.def(
       "pose_surface",
       [](const RiggedMesh &actor, const Eigen::VectorXd &dofs, const Vertices &offset) {
@@ -224,7 +226,8 @@ void bind_limbs(py::module_ &m) {
       .def_readonly("predicted", &LimbProblem::predicted, "(D)");
   py::class_<LimbSearch, PyLimbSearch>(m, "LimbSearch", "Swap point: a pose with lost limbs -> a better one.")
       .def(py::init<>())
-      .def_static("create", &LimbSearch::create, py::arg("options") = LimbSearchOptions{})
+      .def_static("create", &LimbSearch::create, py::arg("options") = LimbSearchOptions{},
+                  "The built-in search (interacting simulated annealing).")
       .def(
           "search",
           [](LimbSearch &self, const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &lost,
@@ -232,7 +235,8 @@ void bind_limbs(py::module_ &m) {
             pointed(problem.actor);
             return self.search(problem, dofs, lost, context);
           },
-          py::arg("problem"), py::arg("dofs"), py::arg("lost"), py::arg("context") = interruptible_context(), Release());
+          py::arg("problem"), py::arg("dofs"), py::arg("lost"), py::arg("context") = interruptible_context(), Release(),
+          "(D) the pose `dofs` with the lost limbs sought anew.");
 }
 
 void bind_surface(py::module_ &m) {
@@ -252,21 +256,23 @@ void bind_surface(py::module_ &m) {
       .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position")
       .field("loose", &SurfaceOptions::loose,
              "m, a vertex this far from its skinned position is held with a quarter of anchor_rigid");
-  py::class_<SurfaceEstimate>(m, "SurfaceEstimate")
+  py::class_<SurfaceEstimate>(m, "SurfaceEstimate", "A surface and how well it explains its frame.")
       .def(py::init<>())
       .def_readwrite("vertices", &SurfaceEstimate::vertices, "(V, 3) m")
       .def_readwrite("rim_px", &SurfaceEstimate::rim_px, "mean residual of the outlines, pixels")
       .def_readwrite("sift_px", &SurfaceEstimate::sift_px, "mean residual of the features, pixels");
   py::class_<SurfaceRefiner, PySurfaceRefiner>(m, "SurfaceRefiner", "Swap point: posed surface and correspondences -> surface.")
       .def(py::init<>())
-      .def_static("create", &SurfaceRefiner::create, py::arg("options") = SurfaceOptions{})
+      .def_static("create", &SurfaceRefiner::create, py::arg("options") = SurfaceOptions{},
+                  "The built-in refiner (Laplacian deformation).")
       .def(
           "refine",
           [](SurfaceRefiner &self, const SurfaceProblem &problem, const Context &context) {
             pointed(problem.actor);
             return self.refine(problem, context);
           },
-          py::arg("problem"), py::arg("context") = interruptible_context(), Release());
+          py::arg("problem"), py::arg("context") = interruptible_context(), Release(),
+          "The surface that explains the problem best.");
 }
 
 /// One piece as a property that keeps a Python subclass alive.

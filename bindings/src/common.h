@@ -118,12 +118,15 @@ public:
     class_.def("__repr__", [](const py::object &self) {
       return py::str("{}({})").format(py::type::of(self).attr("__name__"), self.attr("to_dict")());
     });
-    class_.def("to_dict", [](const py::object &self) {
-      py::dict values;
-      for (const auto &field : py::type::of(self).attr("fields")())
-        values[field] = py::getattr(self, field);
-      return values;
-    });
+    class_.def(
+        "to_dict",
+        [](const py::object &self) {
+          py::dict values;
+          for (const auto &field : py::type::of(self).attr("fields")())
+            values[field] = py::getattr(self, field);
+          return values;
+        },
+        "Name -> value of every option.");
     class_.def_static(
         "fields", [] { return field_names(); }, "Names of the options, in order.");
   }

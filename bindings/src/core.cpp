@@ -105,12 +105,13 @@ void bind_context(py::module_ &m) {
            py::kw_only(), py::arg("progress") = nullptr, py::arg("log") = nullptr, py::arg("threads") = 0,
            "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.")
       .def_readwrite("threads", &Context::threads)
-      .def("report", &Context::report, py::arg("stage"), py::arg("fraction"), Release())
-      .def("say", &Context::say, py::arg("line"), Release());
+      .def("report", &Context::report, py::arg("stage"), py::arg("fraction"), Release(),
+           "Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.")
+      .def("say", &Context::say, py::arg("line"), Release(), "Hands a line to log.");
 }
 
 void bind_mesh(py::module_ &m) {
-  py::class_<MeshReport>(m, "MeshReport")
+  py::class_<MeshReport>(m, "MeshReport", "What is wrong, or right, with a mesh.")
       .def_readonly("vertices", &MeshReport::vertices)
       .def_readonly("faces", &MeshReport::faces)
       .def_readonly("non_finite_vertices", &MeshReport::non_finite_vertices)
@@ -131,7 +132,7 @@ void bind_mesh(py::module_ &m) {
            py::arg("vertices"), py::arg("faces"))
       .def_readwrite("vertices", &Mesh::vertices)
       .def_readwrite("faces", &Mesh::faces)
-      .def("report", &report_mesh);
+      .def("report", &report_mesh, "What is wrong, or right, with the mesh.");
   py::class_<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
       .def(py::init<>())
       .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
@@ -152,10 +153,13 @@ void bind_mesh(py::module_ &m) {
           },
           "(T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy")
       .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
-  m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release());
-  m.def("vertex_normals", &vertex_normals, py::arg("vertices"), py::arg("faces"), Release());
-  m.def("face_areas", &face_areas, py::arg("vertices"), py::arg("faces"), Release());
-  m.def("vertex_areas", &vertex_areas, py::arg("vertices"), py::arg("faces"), Release());
+  m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release(),
+        "(F, 3) unit; zero for degenerate faces.");
+  m.def("vertex_normals", &vertex_normals, py::arg("vertices"), py::arg("faces"), Release(),
+        "(V, 3) unit, weighted by angle; zero where no face is.");
+  m.def("face_areas", &face_areas, py::arg("vertices"), py::arg("faces"), Release(), "(F) m^2.");
+  m.def("vertex_areas", &vertex_areas, py::arg("vertices"), py::arg("faces"), Release(),
+        "(V) m^2, a third of the faces around each vertex.");
 }
 
 void bind_camera(py::module_ &m) {
@@ -170,7 +174,7 @@ void bind_camera(py::module_ &m) {
       .def_readwrite("height", &Camera::height)
       .def_property_readonly("centre", &Camera::centre)
       .def("project", &Camera::project, py::arg("point"), "Pixel of a world point.")
-      .def("resized", &Camera::resized, py::arg("width"), py::arg("height"));
+      .def("resized", &Camera::resized, py::arg("width"), py::arg("height"), "The same camera for images of another size.");
   m.def(
       "rasterize",
       [](const Vertices &vertices, const Faces &faces, const Camera &camera, const std::vector<std::uint8_t> &skip_face) {
@@ -266,7 +270,7 @@ void bind_skeleton(py::module_ &m) {
       .def_readonly("dof_names", &Skeleton::dof_names)
       .def_readonly("lower", &Skeleton::lower)
       .def_readonly("upper", &Skeleton::upper)
-      .def("find", &Skeleton::find, py::arg("name"))
+      .def("find", &Skeleton::find, py::arg("name"), "Index of a joint; raises Error if there is none of that name.")
       .def(
           "forward_kinematics",
           [](const Skeleton &s, const Eigen::VectorXd &dofs) { return as_matrices(forward_kinematics(s, dofs)); },
@@ -283,12 +287,15 @@ void bind_skeleton(py::module_ &m) {
         const py::gil_scoped_release release;
         return dual_quaternion_skinning(rest, weights, transforms);
       },
-      py::arg("rest"), py::arg("weights"), py::arg("world_from_rest"));
+      py::arg("rest"), py::arg("weights"), py::arg("world_from_rest"),
+      "(V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).");
 }
 
 void bind_observations(py::module_ &m) {
   py::class_<ViewObservation>(m, "ViewObservation", "2D data of one camera at one frame, pixels.")
       .def(py::init([](const Floats2 &contour, const Floats4 &matches) {
+             if (!contour.allFinite() || !matches.allFinite())
+               throw std::invalid_argument("ViewObservation: expected finite pixels, found NaN or infinity");
              ViewObservation view;
              for (Eigen::Index i = 0; i < contour.rows(); ++i)
                view.contour.emplace_back(contour.row(i));
@@ -315,7 +322,7 @@ void bind_observations(py::module_ &m) {
             return points;
           },
           "(N, 4) features at t-1 (x, y) and t (x, y)");
-  py::class_<Observations>(m, "Observations")
+  py::class_<Observations>(m, "Observations", "2D data of the whole sequence (observations.npz).")
       .def(py::init<>())
       .def_readwrite("cameras", &Observations::cameras)
       .def_readwrite("frames", &Observations::frames)
@@ -332,7 +339,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("face_valid", &RiggedMesh::face_valid, "(F) 0 = invented over a large hole")
       .def_readwrite("weights", &RiggedMesh::weights, "(V, J)")
       .def_readwrite("skeleton", &RiggedMesh::skeleton)
-      .def("skip_invalid", &RiggedMesh::skip_invalid);
+      .def("skip_invalid", &RiggedMesh::skip_invalid, "(F) 1 where face_valid is 0: the form that rasterize and RayScene take.");
   py::class_<ReferencePerformance>(m, "ReferencePerformance", "The captured performance (performance.npz).")
       .def(py::init<>())
       .def_readwrite("surface", &ReferencePerformance::surface)
@@ -408,20 +415,31 @@ void bind_stage_values(py::module_ &m) {
 }
 
 void bind_files(py::module_ &m) {
-  m.def("write_garment", &write_garment, py::arg("path"), py::arg("garment"), Release());
-  m.def("read_garment", &read_garment, py::arg("path"), py::arg("actor"), Release());
-  m.def("write_actor", &write_actor, py::arg("path"), py::arg("actor"), Release());
-  m.def("read_actor", &read_actor, py::arg("path"), Release());
-  m.def("write_performance", &write_performance, py::arg("path"), py::arg("performance"), Release());
-  m.def("read_performance", &read_performance, py::arg("path"), py::arg("actor"), Release());
-  m.def("write_clothness", &write_clothness, py::arg("path"), py::arg("clothness"), Release());
-  m.def("read_clothness", &read_clothness, py::arg("path"), Release());
-  m.def("write_body", &write_body, py::arg("path"), py::arg("fit"), Release());
-  m.def("read_body", &read_body, py::arg("path"), Release());
-  m.def("write_proxies", &write_proxies, py::arg("path"), py::arg("capsules"), py::arg("skeleton"), Release());
-  m.def("read_proxies", &read_proxies, py::arg("path"), py::arg("skeleton"), Release());
-  m.def("write_observations", &write_observations, py::arg("path"), py::arg("observations"), Release());
-  m.def("read_observations", &read_observations, py::arg("path"), Release());
+  m.def("write_garment", &write_garment, py::arg("path"), py::arg("garment"), Release(), "garment.npz, complete or not at all.");
+  m.def("read_garment", &read_garment, py::arg("path"), py::arg("actor"), Release(),
+        "garment.npz of this actor. Raises FileNotFoundError, or Error naming file and array.");
+  m.def("write_actor", &write_actor, py::arg("path"), py::arg("actor"), Release(), "actor.npz, complete or not at all.");
+  m.def("read_actor", &read_actor, py::arg("path"), Release(),
+        "actor.npz. Raises FileNotFoundError, or Error naming file and array.");
+  m.def("write_performance", &write_performance, py::arg("path"), py::arg("performance"), Release(),
+        "performance.npz, complete or not at all.");
+  m.def("read_performance", &read_performance, py::arg("path"), py::arg("actor"), Release(),
+        "performance.npz of this actor. Raises FileNotFoundError, or Error naming file and array.");
+  m.def("write_clothness", &write_clothness, py::arg("path"), py::arg("clothness"), Release(),
+        "segmentation.npz, complete or not at all.");
+  m.def("read_clothness", &read_clothness, py::arg("path"), Release(),
+        "segmentation.npz. Raises FileNotFoundError, or Error naming file and array.");
+  m.def("write_body", &write_body, py::arg("path"), py::arg("fit"), Release(), "body.npz, complete or not at all.");
+  m.def("read_body", &read_body, py::arg("path"), Release(),
+        "body.npz. Raises FileNotFoundError, or Error naming file and array.");
+  m.def("write_proxies", &write_proxies, py::arg("path"), py::arg("capsules"), py::arg("skeleton"), Release(),
+        "proxies.json, complete or not at all.");
+  m.def("read_proxies", &read_proxies, py::arg("path"), py::arg("skeleton"), Release(),
+        "proxies.json of this skeleton. Raises FileNotFoundError, or Error naming file and capsule.");
+  m.def("write_observations", &write_observations, py::arg("path"), py::arg("observations"), Release(),
+        "observations.npz, complete or not at all.");
+  m.def("read_observations", &read_observations, py::arg("path"), Release(),
+        "observations.npz. Raises FileNotFoundError, or Error naming file and array.");
 }
 
 } // namespace

@@ -66,7 +66,7 @@ OptimizerFactory factory_from(const py::object &make) {
 }
 
 void bind_optimizers(py::module_ &m) {
-  py::class_<OptimizerResult>(m, "OptimizerResult")
+  py::class_<OptimizerResult>(m, "OptimizerResult", "Where an optimiser stands.")
       .def(py::init<>())
       .def_readwrite("answer", &OptimizerResult::answer)
       .def_readwrite("best", &OptimizerResult::best)
@@ -77,12 +77,14 @@ void bind_optimizers(py::module_ &m) {
       .def_readwrite("stop_reason", &OptimizerResult::stop_reason);
   py::class_<Optimizer, PyOptimizer>(m, "Optimizer", "Swap point: ask() a generation, tell() its energies. Box [0, 1]^n.")
       .def(py::init<>())
-      .def("ask", &Optimizer::ask, Release())
-      .def("tell", &Optimizer::tell, py::arg("samples"), py::arg("energies"), Release())
-      .def("stop", &Optimizer::stop, Release())
-      .def("result", &Optimizer::result, Release())
-      .def("save", &Optimizer::save, Release())
-      .def("restore", &Optimizer::restore, py::arg("state"), Release());
+      .def("ask", &Optimizer::ask, Release(), "(S, n) the next generation.")
+      .def("tell", &Optimizer::tell, py::arg("samples"), py::arg("energies"), Release(),
+           "samples (S, n) as asked, energies (S); lower is better.")
+      .def("stop", &Optimizer::stop, Release(), "Is the search over?")
+      .def("result", &Optimizer::result, Release(), "Where the search stands.")
+      .def("save", &Optimizer::save, Release(), "The exact state as text; empty = cannot be saved.")
+      .def("restore", &Optimizer::restore, py::arg("state"), Release(),
+           "Goes on where the saved optimiser stood, to the same bits.");
   OptionsClass<CmaEsOptions>(m, "CmaEsOptions", "Options of create_cma_es.")
       .field("population", &CmaEsOptions::population, "lambda; 0 = 4 + floor(3 ln n)")
       .field("initial_mean", &CmaEsOptions::initial_mean, "along every axis")
@@ -99,12 +101,14 @@ void bind_optimizers(py::module_ &m) {
       .field("initial_temperature", &AnnealingOptions::initial_temperature, "fraction of the first generation's mean energy")
       .field("final_temperature", &AnnealingOptions::final_temperature, "likewise")
       .field("seed", &AnnealingOptions::seed, "of the random numbers");
-  m.def("create_cma_es", &create_cma_es, py::arg("dimension"), py::arg("options") = CmaEsOptions{});
-  m.def("create_simulated_annealing", &create_simulated_annealing, py::arg("dimension"), py::arg("options") = AnnealingOptions{});
+  m.def("create_cma_es", &create_cma_es, py::arg("dimension"), py::arg("options") = CmaEsOptions{},
+        "Covariance matrix adaptation (Hansen) over [0, 1]^dimension.");
+  m.def("create_simulated_annealing", &create_simulated_annealing, py::arg("dimension"), py::arg("options") = AnnealingOptions{},
+        "Independent Metropolis chains under one geometric cooling schedule, over [0, 1]^dimension.");
 }
 
 void bind_minimise(py::module_ &m) {
-  py::class_<GenerationRow>(m, "GenerationRow")
+  py::class_<GenerationRow>(m, "GenerationRow", "One generation of one part.")
       .def_readonly("part", &GenerationRow::part)
       .def_readonly("generation", &GenerationRow::generation)
       .def_readonly("evaluations", &GenerationRow::evaluations)
@@ -113,15 +117,15 @@ void bind_minimise(py::module_ &m) {
       .def_readonly("mean", &GenerationRow::mean)
       .def_readonly("deviation", &GenerationRow::deviation)
       .def_readonly("seconds", &GenerationRow::seconds);
-  py::class_<MinimiseResult>(m, "MinimiseResult")
+  py::class_<MinimiseResult>(m, "MinimiseResult", "Where all optimisers ended, and the way there.")
       .def_readonly("parts", &MinimiseResult::parts)
       .def_readonly("penalties", &MinimiseResult::penalties, "(parts) added for each unit of squared distance from the box")
       .def_readonly("log", &MinimiseResult::log)
       .def_readonly("seconds", &MinimiseResult::seconds);
   py::class_<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
       .def(py::init<>())
-      .def("parameter_count", &Objective::parameter_count)
-      .def("part_count", &Objective::part_count)
+      .def("parameter_count", &Objective::parameter_count, "n, of one part.")
+      .def("part_count", &Objective::part_count, "Independent parts, each with n parameters and an energy of its own.")
       .def("evaluate", &Objective::evaluate, py::arg("samples"), py::arg("context") = interruptible_context(), Release(),
            "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
   m.def(
@@ -140,7 +144,9 @@ void bind_minimise(py::module_ &m) {
       },
       py::arg("objective"), py::arg("make_optimizer") = py::none(), py::arg("seed") = 1, py::arg("penalty") = 16.0,
       py::arg("relative_penalty") = true, py::arg("checkpoint") = std::nullopt, py::arg("problem") = "",
-      py::arg("context") = interruptible_context());
+      py::arg("context") = interruptible_context(),
+      "Runs one optimiser a part of the objective until all stop. Goes on from `checkpoint` if it is there and belongs to "
+      "`problem`; raises Error if it is damaged.");
 }
 
 void bind_influence(py::module_ &m) {
@@ -218,8 +224,8 @@ void bind_energy(py::module_ &m) {
       .field("even_steps", &ParameterSpace::even_steps,
              "search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4")
       .get()
-      .def("material", &ParameterSpace::material, py::arg("unit"))
-      .def("unit", &ParameterSpace::unit, py::arg("material"));
+      .def("material", &ParameterSpace::material, py::arg("unit"), "The Material at a point (n) of the box.")
+      .def("unit", &ParameterSpace::unit, py::arg("material"), "(n) the point of the box at which a material lies.");
   py::class_<MaterialObjective, Objective>(m, "MaterialObjective", "E_fit of Sect. 6.2 over the box of the parameter space.")
       .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const EnergyOptions &,
                     const ParameterSpace &, const Context &>(),
@@ -311,16 +317,19 @@ void bind_fit(py::module_ &m) {
           "make_optimizer", [](const FitOptions &) { return py::none(); },
           [](FitOptions &options, const py::object &make) { options.make_optimizer = factory_from(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
-  py::class_<FitResult>(m, "FitResult")
+  py::class_<FitResult>(m, "FitResult", "The estimated material of every region.")
       .def_property_readonly("materials", &FitResult::materials, "one a region")
       .def_readonly("log", &FitResult::log)
       .def_readonly("seconds", &FitResult::seconds)
       .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
-      .def("to_dict", &result_dict);
+      .def("to_dict", &result_dict, "Everything as plain values.");
   m.def("estimate_material", &estimate_material, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
-        py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(), Release());
+        py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes "
+        "on from options.checkpoint if that is there.");
   m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
-        py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release());
+        py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "One E_fit a region, pixels^2, of one material a region.");
   m.def(
       "simulate_reference",
       [](const CharacterSimulator &simulator, const ReferencePerformance &performance,
@@ -334,8 +343,10 @@ void bind_fit(py::module_ &m) {
       },
       py::arg("simulator"), py::arg("performance"), py::arg("materials"), py::arg("dt"), py::arg("settle_frames") = 20,
       py::arg("context") = interruptible_context(), "(T, V, 3) the reference motion re-animated");
-  m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release());
-  m.def("read_materials", &read_materials, py::arg("path"), Release());
+  m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(),
+        "material.json, complete or not at all.");
+  m.def("read_materials", &read_materials, py::arg("path"), Release(),
+        "material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter.");
 }
 
 } // namespace doublet::python

@@ -50,7 +50,10 @@ struct OwnedInputs {
 
 class PyClothSolver : public ClothSolver {
 public:
-  explicit PyClothSolver(std::shared_ptr<const ClothModel> model) : model_(std::move(model)) {}
+  explicit PyClothSolver(std::shared_ptr<const ClothModel> model) : model_(std::move(model)) {
+    if (!model_)
+      throw std::invalid_argument("ClothSolver: expected a ClothModel, found None");
+  }
   const ClothModel &model() const override { return *model_; }
   void step(ClothState &state, const StepInputs &inputs, const Material &material) const override {
     const py::gil_scoped_acquire gil;
@@ -63,6 +66,24 @@ public:
 private:
   std::shared_ptr<const ClothModel> model_;
 };
+
+/// States lie one behind the other in C++; Python holds each on its own.
+std::vector<int> step_each(const ClothSolver &solver, const std::vector<ClothState *> &states,
+                           const std::vector<OwnedInputs> &inputs, const std::vector<Material> &materials, int threads) {
+  std::vector<ClothState> stepped;
+  for (const ClothState *state : states) {
+    if (!state)
+      throw py::type_error("states: expected ClothState objects, found None");
+    stepped.push_back(*state);
+  }
+  std::vector<StepInputs> views;
+  for (const OwnedInputs &one : inputs)
+    views.push_back(one.view());
+  const std::vector<int> failed = solver.step_each(stepped, views, materials, threads);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    *states[i] = std::move(stepped[i]);
+  return failed;
+}
 
 void bind_material(py::module_ &m) {
   auto material = py::class_<Material>(m, "Material", "Material of a piece of cloth; see Material.boxes() for units and ranges.");
@@ -85,18 +106,24 @@ void bind_material(py::module_ &m) {
   }));
   for (const auto &parameter : pbd::material_parameters())
     material.def_readwrite(parameter.name, parameter.value);
-  material.def("to_dict", [](const Material &value) {
-    py::dict result;
-    for (const auto &parameter : pbd::material_parameters())
-      result[parameter.name] = value.*parameter.value;
-    return result;
-  });
-  material.def_static("boxes", [] {
-    py::dict result;
-    for (const auto &parameter : pbd::material_parameters())
-      result[parameter.name] = py::make_tuple(parameter.lower, parameter.upper);
-    return result;
-  });
+  material.def(
+      "to_dict",
+      [](const Material &value) {
+        py::dict result;
+        for (const auto &parameter : pbd::material_parameters())
+          result[parameter.name] = value.*parameter.value;
+        return result;
+      },
+      "Name -> value.");
+  material.def_static(
+      "boxes",
+      [] {
+        py::dict result;
+        for (const auto &parameter : pbd::material_parameters())
+          result[parameter.name] = py::make_tuple(parameter.lower, parameter.upper);
+        return result;
+      },
+      "Name -> (lower, upper) of every parameter.");
   material.def("__repr__", [](const py::object &self) { return py::str("Material({})").format(self.attr("to_dict")()); });
 }
 
@@ -119,7 +146,8 @@ void bind_state(py::module_ &m) {
       .def_property(
           "velocities", [](ClothState &state) -> Vertices & { return state.velocities; },
           [](ClothState &state, const Vertices &velocities) { state.velocities = velocities; })
-      .def("copy", [](const ClothState &state) { return state; });
+      .def(
+          "copy", [](const ClothState &state) { return state; }, "A state of its own.");
   py::class_<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,
                        std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind) {
@@ -171,14 +199,19 @@ void bind_pbd(py::module_ &m) {
       .def_static(
           "create",
           [](std::shared_ptr<ClothModel> model) { return std::shared_ptr<ClothSolver>(ClothSolver::create(std::move(model))); },
-          py::arg("model"))
+          py::arg("model"), "The built-in solver.")
       .def_property_readonly("model", &ClothSolver::model)
       .def(
           "step",
           [](const ClothSolver &solver, ClothState &state, const OwnedInputs &inputs, const Material &material) {
             solver.step(state, inputs.view(), material);
           },
-          py::arg("state"), py::arg("inputs"), py::arg("material"), Release());
+          py::arg("state"), py::arg("inputs"), py::arg("material"), Release(), "Advances the state by one frame.")
+      .def(
+          "step_each", &step_each, py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads") = 1, Release(),
+          "step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], "
+          "or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were "
+          "left as they were.");
 }
 
 } // namespace doublet::python

@@ -37,14 +37,16 @@ void bind_segment(py::module_ &m) {
       .field("largest", &FullnessOptions::largest, "more is taken for a mistake of the tracking")
       .field("smoothing", &FullnessOptions::smoothing, "length scale of the diffusion over the surface, m");
   m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("clothness"),
-        py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release());
+        py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
   py::class_<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: mesh sequence -> clothness. Subclass to replace it.")
       .def(py::init<>())
-      .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{})
+      .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")
       .def("segment", &ClothSegmenter::segment, py::arg("sequence"), py::arg("face_valid"),
-           py::arg("context") = interruptible_context(), Release());
+           py::arg("context") = interruptible_context(), Release(), "How loose every vertex of the sequence is. face_valid (F).");
   m.def("segment_cloth", &segment_cloth, py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
-        py::arg("context") = interruptible_context(), Release());
+        py::arg("context") = interruptible_context(), Release(),
+        "ClothSegmenter.create(options).segment(sequence, face_valid, context).");
   OptionsClass<GarmentOptions>(m, "GarmentOptions", "Options of GarmentMesher.")
       .field("own_mesh", &GarmentOptions::own_mesh, "off: the cloth is the loose part of the template")
       .field("vertices", &GarmentOptions::vertices, "about, of all regions together")
@@ -57,11 +59,12 @@ void bind_segment(py::module_ &m) {
   py::class_<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher",
                                              "Stage: clothness -> the garment's mesh. Subclass to replace it.")
       .def(py::init<>())
-      .def_static("create", &GarmentMesher::create, py::arg("options") = GarmentOptions{})
+      .def_static("create", &GarmentMesher::create, py::arg("options") = GarmentOptions{}, "The built-in mesher.")
       .def("mesh", &GarmentMesher::mesh, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("captured"),
-           py::arg("context") = interruptible_context(), Release());
+           py::arg("context") = interruptible_context(), Release(), "All cloth as a mesh of its own.");
   m.def("mesh_garment", &mesh_garment, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("captured"),
-        py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release());
+        py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "All cloth of the actor as a mesh of its own, in one call.");
   py::class_<GarmentSummary>(m, "GarmentSummary", "What the mesher made.")
       .def_readonly("vertices", &GarmentSummary::vertices)
       .def_readonly("faces", &GarmentSummary::faces)
@@ -70,7 +73,7 @@ void bind_segment(py::module_ &m) {
       .def_readonly("hanging_loops", &GarmentSummary::hanging_loops, "that hang on the skeleton, at least in part")
       .def_readonly("mean_edge", &GarmentSummary::mean_edge, "m")
       .def_readonly("smallest_angle", &GarmentSummary::smallest_angle, "degrees, 1 % quantile");
-  m.def("summarise_garment", &summarise_garment, py::arg("garment"), Release());
+  m.def("summarise_garment", &summarise_garment, py::arg("garment"), Release(), "Counts and quality of a garment's mesh.");
 }
 
 } // namespace doublet::python

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <numeric>
 
 namespace doublet {
 namespace {
@@ -105,8 +104,8 @@ MatrixRM read_values(LineReader &reader, Eigen::Index channels, double &fps) {
     reader.fail(frames, "Frames: and a number from 1");
   const TextLine &time = reader.next("Frame Time: and seconds");
   const double seconds = reader.number(time, time.words.size() - 1, "Frame Time: and seconds");
-  if (lower(time.words[0]) != "frame" || seconds <= 0)
-    reader.fail(time, "Frame Time: and seconds above 0");
+  if (lower(time.words[0]) != "frame" || seconds < 1 / kHighestRate || seconds > 1 / kLowestRate)
+    reader.fail(time, "Frame Time: and seconds above 0, at most 10");
   fps = 1 / seconds;
   const std::string expected = std::to_string(channels) + " channel values";
   std::vector<double> values;
@@ -178,16 +177,6 @@ void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, cons
 }
 
 } // namespace
-
-Vertices SourceMotion::zero_positions() const {
-  Vertices result(joints.size(), 3);
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    result.row(j) = joints[j].offset;
-    if (joints[j].parent >= 0)
-      result.row(j) += result.row(joints[j].parent);
-  }
-  return result;
-}
 
 SourceMotion parse_bvh(const std::string &text, const std::string &source) {
   LineReader reader(text, source, false);

@@ -98,14 +98,8 @@ void expect(const std::string &what, std::size_t found, std::size_t expected) {
 }
 
 void require_inputs(const RiggedMesh &actor, const Clothness &clothness) {
-  require_usable(actor.mesh, "actor");
-  expect("actor.face_valid", actor.face_valid.size(), actor.mesh.faces.rows());
-  expect("actor.weights", actor.weights.rows(), actor.mesh.vertices.rows());
-  expect("a row of actor.weights", actor.weights.cols(), actor.skeleton.joint_count());
-  expect("clothness.clothness", clothness.clothness.size(), actor.mesh.vertices.rows());
-  expect("clothness.region", clothness.region.size(), actor.mesh.vertices.rows());
-  if (clothness.rest.rows() > 0)
-    expect("clothness.rest", clothness.rest.rows(), actor.mesh.vertices.rows());
+  require_actor(actor, "character");
+  require_clothness(clothness, actor.mesh.vertices.rows(), "character");
 }
 
 /// (L + A H) w = A H p on the free vertices, w given on the others.
@@ -199,15 +193,14 @@ void validate_character(const Character &c) {
   c.solver.cloth.validate();
   if (!(c.solver.dt > 0) || c.solver.dt > 1)
     throw Error("character: solver.dt must be in (0, 1] s, found " + std::to_string(c.solver.dt));
-  for (const TaperedCapsule &capsule : c.proxies)
-    if (capsule.joint < 0 || capsule.joint >= c.actor.skeleton.joint_count())
-      throw Error("character: a proxy hangs on joint " + std::to_string(capsule.joint) + " of " +
-                  std::to_string(c.actor.skeleton.joint_count()));
+  require_proxies(c.proxies, c.actor.skeleton, "character");
   if (c.body.faces.rows() > 0) {
     require_usable(c.body, "body");
     expect("body_weights", c.body_weights.rows(), c.body.vertices.rows());
     expect("a row of body_weights", c.body_weights.cols(), c.actor.skeleton.joint_count());
     expect("body_shown", c.body_shown.size(), c.body.faces.rows());
+    if (!c.body_weights.allFinite())
+      throw Error("character: body_weights: expected finite numbers, found NaN or infinity");
   }
   if (c.high.faces.rows() > 0) {
     require_usable(c.high, "high");
@@ -219,6 +212,8 @@ void validate_character(const Character &c) {
     throw Error("character: texture and texcoords must both be there or both be empty");
   if (!c.texture.empty())
     expect("texcoords", c.texcoords.rows(), 3 * c.high.faces.rows());
+  if (!c.texcoords.allFinite())
+    throw Error("character: texcoords: expected finite numbers, found NaN or infinity");
 }
 
 Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
@@ -235,6 +230,7 @@ Character make_character(const RiggedMesh &actor, const Clothness &clothness, co
   c.garment_subdivisions = garment_subdivisions;
   c.high_valid = high_valid.empty() ? std::vector<std::uint8_t>(high.faces.rows(), 1) : high_valid;
   if (body.body.faces.rows() > 0) {
+    require_body(body, "character");
     c.body = body.body;
     c.body_model = body.model;
     c.body_weights = transfer_weights(actor, clothness, body.body);

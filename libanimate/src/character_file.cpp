@@ -229,7 +229,11 @@ json extension_json(glb::Writer &writer, const Character &c, int texture_image) 
 
 void parse_extension(const glb::Reader &reader, const json &j, Character &c) {
   c.name = j.at("name").get<std::string>();
-  c.actor.skeleton = json_skeleton(j.at("skeleton"));
+  try {
+    c.actor.skeleton = json_skeleton(j.at("skeleton"));
+  } catch (const Error &error) {
+    reader.fail(error.what());
+  }
   const int joints = c.actor.skeleton.joint_count();
   c.actor.mesh = json_mesh(reader, j.at("mesh"));
   c.actor.face_valid = reader.bytes(j.at("mesh").at("faceValid").get<int>());
@@ -308,7 +312,7 @@ Character read_character(const std::filesystem::path &path) {
   const glb::Reader reader(path);
   Character character;
   try {
-    const json extensions = reader.extensions_json().empty() ? json::object() : json::parse(reader.extensions_json());
+    const json extensions = reader.gltf().value("extensions", json::object());
     if (!extensions.contains(kExtension))
       reader.fail(std::string("expected the glTF extension ") + kExtension + ", found a GLB without it");
     const json &extension = extensions.at(kExtension);

@@ -10,36 +10,6 @@ namespace {
 
 constexpr double kDegenerateArea = 1e-14; // m^2, as in MeshReport
 
-void check_sizes(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies) {
-  require_usable(actor.mesh, "actor");
-  const auto vertices = actor.mesh.vertices.rows();
-  const auto faces = actor.mesh.faces.rows();
-  const auto joints = actor.skeleton.joint_count();
-  const auto expect = [](const std::string &what, Eigen::Index found, Eigen::Index expected) {
-    if (found != expected)
-      throw Error("CharacterSimulator: " + what + " has " + std::to_string(found) + " entries, expected " +
-                  std::to_string(expected));
-  };
-  expect("actor.face_valid", static_cast<Eigen::Index>(actor.face_valid.size()), faces);
-  expect("actor.weights", actor.weights.rows(), vertices);
-  expect("a row of actor.weights", actor.weights.cols(), joints);
-  expect("clothness.clothness", clothness.clothness.size(), vertices);
-  expect("clothness.region", clothness.region.size(), vertices);
-  if (clothness.fullness.size() > 0)
-    expect("clothness.fullness", clothness.fullness.size(), vertices);
-  if (clothness.rest.rows() > 0)
-    expect("clothness.rest", clothness.rest.rows(), vertices);
-  if (!(clothness.clothness.array() >= 0).all() || !(clothness.clothness.array() <= 1).all())
-    throw Error("CharacterSimulator: clothness must lie in [0, 1]");
-  if (vertices > 0 && clothness.region.maxCoeff() >= clothness.region_count)
-    throw Error("CharacterSimulator: clothness.region names region " + std::to_string(clothness.region.maxCoeff()) +
-                ", but region_count is " + std::to_string(clothness.region_count));
-  for (const TaperedCapsule &capsule : proxies)
-    if (capsule.joint < 0 || capsule.joint >= joints)
-      throw Error("CharacterSimulator: a proxy hangs on joint " + std::to_string(capsule.joint) + " of " +
-                  std::to_string(joints));
-}
-
 /// Valid, non-degenerate faces with at least one vertex of the region.
 std::vector<int> region_faces(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region) {
   std::vector<int> chosen;
@@ -110,7 +80,9 @@ struct RegionInputs {
 CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
                                        const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options)
     : actor_(actor), proxies_(proxies), options_(options), rest_(clothness.rest) {
-  check_sizes(actor, clothness, proxies);
+  require_actor(actor, "CharacterSimulator");
+  require_clothness(clothness, actor.mesh.vertices.rows(), "CharacterSimulator");
+  require_proxies(proxies, actor.skeleton, "CharacterSimulator");
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
   for (int r = 0; r < clothness.region_count; ++r)
     regions_.push_back(make_region(actor, clothness, areas, r, options));
@@ -133,6 +105,8 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   if (surface && surface->rows() != actor_.mesh.vertices.rows())
     throw std::invalid_argument("CharacterSimulator::start: surface has " + std::to_string(surface->rows()) +
                                 " vertices, the character has " + std::to_string(actor_.mesh.vertices.rows()));
+  if (surface && !surface->allFinite())
+    throw std::invalid_argument("CharacterSimulator::start: surface: expected finite positions, found NaN or infinity");
   CharacterState state;
   const Vertices spread = rest_.rows() > 0 ? dual_quaternion_skinning(rest_, actor_.weights, frame.world_from_rest) : Vertices();
   const Vertices &from = spread.rows() > 0 && !surface ? spread : surface ? *surface : frame.skinned;
@@ -149,6 +123,8 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
 
 void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials,
                                 double dt, int frames) const {
+  if (frames < 0)
+    throw std::invalid_argument("CharacterSimulator::settle: expected at least 0 frames, found " + std::to_string(frames));
   for (int i = 0; i < frames; ++i)
     step(state, frame, frame, materials, dt);
   for (pbd::ClothState &region : state.regions)
@@ -195,9 +171,17 @@ Vertices CharacterSimulator::surface(const CharacterState &state, const PosedFra
     throw std::invalid_argument("CharacterSimulator::surface: state has " + std::to_string(state.regions.size()) +
                                 " cloth regions, the character " + std::to_string(regions_.size()));
   Vertices result = frame.skinned;
-  for (std::size_t r = 0; r < regions_.size(); ++r)
+  if (result.rows() != actor_.mesh.vertices.rows())
+    throw std::invalid_argument("CharacterSimulator::surface: the frame has " + std::to_string(result.rows()) +
+                                " vertices, the character " + std::to_string(actor_.mesh.vertices.rows()));
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    if (state.regions[r].positions.rows() != static_cast<Eigen::Index>(regions_[r].vertex_from_cloth.size()))
+      throw std::invalid_argument("CharacterSimulator::surface: region " + std::to_string(r) + " of the state has " +
+                                  std::to_string(state.regions[r].positions.rows()) + " vertices, that of the character " +
+                                  std::to_string(regions_[r].vertex_from_cloth.size()));
     for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
       result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(i);
+  }
   return result;
 }
 

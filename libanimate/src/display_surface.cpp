@@ -268,8 +268,9 @@ Mesh joined(const Mesh &first, const Mesh &second) {
 } // namespace
 
 Display make_display(const RiggedMesh &actor, const Clothness &clothness, const Mesh &high) {
-  require_usable(actor.mesh, "actor");
-  require_usable(high, "high");
+  require_actor(actor, "make_display");
+  require_clothness(clothness, actor.mesh.vertices.rows(), "make_display");
+  require_usable(high, "make_display: high");
   const detail::Worn garment = detail::worn_garment(actor, clothness);
   std::vector<std::uint8_t> skip(actor.mesh.faces.rows(), 0);
   for (int f : garment.faces)
@@ -298,6 +299,7 @@ Display make_display(const RiggedMesh &actor, const Clothness &clothness, const 
 DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.mesh.vertices.rows()) {
   if (c.high.faces.rows() == 0)
     throw Error("DisplaySurface: expected a character with a display mesh, found none");
+  validate_character(c);
   if (c.garment_subdivisions < 0) {
     skin_.emplace(c.actor.mesh, c.actor.face_valid, c.high, c.high_valid);
     skin_vertices_ = c.high.vertices.rows();
@@ -337,6 +339,8 @@ Vertices DisplaySurface::apply(const Vertices &surface) const {
   if (surface.rows() != coarse_vertices_)
     throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) + " vertices, expected " +
                                 std::to_string(coarse_vertices_));
+  if (!surface.allFinite())
+    throw std::invalid_argument("DisplaySurface::apply: surface: expected finite positions, found NaN or infinity");
   Vertices high(skin_vertices_ + subdivide_.rows(), 3);
   if (skin_)
     high.topRows(skin_vertices_) = skin_->apply(surface);

@@ -4,23 +4,19 @@
 #include "doublet/core/files.h"
 
 #include <cstring>
-#include <fstream>
 
 namespace doublet::glb {
 namespace {
 
-constexpr int kMaxFileBytes = 1 << 30;
+using nlohmann::json;
+
+constexpr std::size_t kMaxFileBytes = 1 << 30;
+// glTF 2.0, sect. 4.4: magic, version, length; then chunks of length, type, data.
+constexpr std::size_t kHeaderBytes = 12, kChunkBytes = 8;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
 int components(int type) {
   return tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type));
-}
-
-/// Images are kept as the file they are.
-bool keep_image(tinygltf::Image *image, const int, std::string *, std::string *, int, int, const unsigned char *bytes, int size,
-                void *) {
-  image->image.assign(bytes, bytes + size);
-  image->as_is = true;
-  return true;
 }
 
 } // namespace
@@ -109,64 +105,98 @@ int Writer::image(const std::vector<std::uint8_t> &file) {
 }
 
 void Writer::save(const std::filesystem::path &path) {
-  write_atomically(path, [&](const std::filesystem::path &temporary) {
+  write_stream(path, [&](std::ostream &out) {
     tinygltf::TinyGLTF writer;
-    if (!writer.WriteGltfSceneToFile(&model, temporary.string(), true, true, false, true))
+    if (!writer.WriteGltfSceneToStream(&model, out, false, true))
       throw Error(path.string() + ": cannot be written");
   });
 }
 
-Reader::Reader(const std::filesystem::path &path) : source_(path.string()) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file)
-    throw FileNotFound(source_ + ": no such file");
-  const auto size = static_cast<long long>(file.tellg());
-  if (size < 20 || size > kMaxFileBytes)
-    fail("expected a GLB of 20 bytes to 1 GiB, found " + std::to_string(size) + " bytes");
-  std::vector<unsigned char> content(static_cast<std::size_t>(size));
-  file.seekg(0);
-  file.read(reinterpret_cast<char *>(content.data()), size);
-  if (!file || std::memcmp(content.data(), "glTF", 4) != 0)
-    fail("expected a binary glTF 2.0 file");
-  tinygltf::TinyGLTF loader;
-  loader.SetImageLoader(keep_image, nullptr);
-  loader.SetStoreOriginalJSONForExtrasAndExtensions(true);
-  std::string error, warning;
-  bool loaded = false;
+Reader::Reader(const std::filesystem::path &path) : source_(path.string()), content_(read_text(path)) {
+  if (content_.size() < kHeaderBytes + 2 * kChunkBytes || content_.size() > kMaxFileBytes)
+    fail("expected a GLB of " + std::to_string(kHeaderBytes + 2 * kChunkBytes) + " bytes to 1 GiB, found " +
+         std::to_string(content_.size()) + " bytes");
+  if (content_.compare(0, 4, "glTF") != 0 || word(4) != 2)
+    fail("expected a binary glTF 2.0 file, found another one");
+  if (word(8) != content_.size())
+    fail("expected the " + std::to_string(word(8)) + " bytes that it says it has, found " + std::to_string(content_.size()) +
+         " (truncated?)");
+  const std::string_view text = chunk(kHeaderBytes, kJsonChunk, "JSON");
+  binary_ = chunk(kHeaderBytes + kChunkBytes + text.size(), kBinaryChunk, "binary");
+  require_shallow_json(text, source_);
   try {
-    loaded = loader.LoadBinaryFromMemory(&model_, &error, &warning, content.data(), static_cast<unsigned>(size));
-  } catch (const std::exception &problem) {
-    error = problem.what();
+    gltf_ = json::parse(text);
+    refuse_outside("buffers");
+    refuse_outside("images");
+  } catch (const json::exception &problem) {
+    fail(std::string("expected a binary glTF 2.0 file, found: ") + problem.what());
   }
-  if (!loaded)
-    fail("expected a binary glTF 2.0 file, found: " + error.substr(0, error.find('\n')));
 }
 
 void Reader::fail(const std::string &what) const {
   throw Error(source_ + ": " + what);
 }
 
-template <class T> std::vector<T> Reader::read(int accessor, int component) const {
-  const auto in = [](int i, std::size_t n) { return i >= 0 && static_cast<std::size_t>(i) < n; };
-  if (!in(accessor, model_.accessors.size()) || !in(model_.accessors[accessor].bufferView, model_.bufferViews.size()))
-    fail("expected an accessor with data, found index " + std::to_string(accessor));
-  const tinygltf::Accessor &a = model_.accessors[accessor];
-  const tinygltf::BufferView &v = model_.bufferViews[a.bufferView];
-  const int n = components(a.type);
-  if (a.componentType != component || n <= 0 || v.byteStride != 0 || !in(v.buffer, model_.buffers.size()))
-    fail("expected accessor " + std::to_string(accessor) + " to hold tightly packed values of component type " +
-         std::to_string(component) + ", found " + std::to_string(a.componentType));
-  const std::vector<unsigned char> &data = model_.buffers[v.buffer].data;
-  if (a.count > data.size())
-    fail("accessor " + std::to_string(accessor) + " reaches beyond its buffer");
-  const std::size_t bytes = a.count * static_cast<std::size_t>(n) * sizeof(T);
-  if (v.byteOffset > data.size() || v.byteLength > data.size() - v.byteOffset || a.byteOffset > v.byteLength ||
-      bytes > v.byteLength - a.byteOffset)
-    fail("accessor " + std::to_string(accessor) + " reaches beyond its buffer");
-  std::vector<T> values(a.count * n);
-  if (bytes > 0)
-    std::memcpy(values.data(), data.data() + v.byteOffset + a.byteOffset, bytes);
+std::uint32_t Reader::word(std::size_t at) const {
+  std::uint32_t value;
+  std::memcpy(&value, content_.data() + at, sizeof value);
+  return value;
+}
+
+std::string_view Reader::chunk(std::size_t at, std::uint32_t type, const char *name) const {
+  if (content_.size() - at < kChunkBytes || word(at + 4) != type || word(at) > content_.size() - at - kChunkBytes)
+    fail(std::string("expected a ") + name + " chunk at byte " + std::to_string(at) + ", found none that ends inside the file");
+  return std::string_view(content_).substr(at + kChunkBytes, word(at));
+}
+
+void Reader::refuse_outside(const char *list) const {
+  for (const json &entry : gltf_.value(list, json::array()))
+    if (entry.contains("uri"))
+      fail(std::string("expected all data inside the file, found ") + list + " with the URI " +
+           entry.at("uri").dump(-1, ' ', true).substr(0, 60));
+}
+
+const json &Reader::entry(const char *list, const json &index) const {
+  const json &entries = gltf_.at(list);
+  const auto i = index.is_number_integer() ? index.get<std::int64_t>() : -1;
+  if (!entries.is_array() || i < 0 || i >= static_cast<std::int64_t>(entries.size()))
+    fail(std::string("expected one of the ") + std::to_string(entries.size()) + " " + list + ", found number " + index.dump());
+  return entries[static_cast<std::size_t>(i)];
+}
+
+std::size_t Reader::size(const json &object, const char *key) const {
+  const json value = object.value(key, json(std::size_t{0}));
+  if (!value.is_number_unsigned() || value.get<std::size_t>() > content_.size())
+    fail(std::string("expected ") + key + " to be a number of at most " + std::to_string(content_.size()) + ", found " +
+         value.dump().substr(0, 60));
+  return value.get<std::size_t>();
+}
+
+std::string_view Reader::view(const json &index) const {
+  const json &view = entry("bufferViews", index);
+  const std::size_t offset = size(view, "byteOffset"), length = size(view, "byteLength");
+  if (size(view, "buffer") != 0 || view.contains("byteStride") || offset > binary_.size() || length > binary_.size() - offset)
+    fail("buffer view " + index.dump() + " reaches beyond the binary chunk, or is not tightly packed");
+  return binary_.substr(offset, length);
+}
+
+template <class T> std::vector<T> Reader::read(int accessor, int component) const try {
+  const json &a = entry("accessors", accessor);
+  const std::string_view bytes = view(a.at("bufferView"));
+  const std::string type = a.at("type").get<std::string>();
+  const std::size_t n = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+  if (a.at("componentType") != component || n == 0 || a.contains("sparse"))
+    fail("expected accessor " + std::to_string(accessor) + " to hold plain values of component type " +
+         std::to_string(component) + ", found " + a.at("componentType").dump() + " " + type);
+  const std::size_t count = size(a, "count") * n, offset = size(a, "byteOffset");
+  if (offset > bytes.size() || count > (bytes.size() - offset) / sizeof(T))
+    fail("accessor " + std::to_string(accessor) + " reaches beyond its buffer view");
+  std::vector<T> values(count);
+  if (count > 0)
+    std::memcpy(values.data(), bytes.data() + offset, count * sizeof(T));
   return values;
+} catch (const json::exception &problem) {
+  fail("accessor " + std::to_string(accessor) + " is malformed: " + problem.what());
 }
 
 std::vector<float> Reader::floats(int accessor) const {
@@ -211,10 +241,11 @@ Faces Reader::faces(int accessor) const {
   return faces;
 }
 
-std::vector<std::uint8_t> Reader::image(int index) const {
-  if (index < 0 || static_cast<std::size_t>(index) >= model_.images.size())
-    fail("expected an image, found index " + std::to_string(index));
-  return model_.images[index].image;
+std::vector<std::uint8_t> Reader::image(int index) const try {
+  const std::string_view bytes = view(entry("images", index).at("bufferView"));
+  return {bytes.begin(), bytes.end()};
+} catch (const json::exception &problem) {
+  fail("image " + std::to_string(index) + " is malformed: " + problem.what());
 }
 
 } // namespace doublet::glb

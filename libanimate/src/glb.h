@@ -4,11 +4,13 @@
 
 #include "doublet/core/types.h"
 
+#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace doublet::glb {
@@ -38,12 +40,14 @@ private:
   int accessor(int view, int component, int type, std::size_t count);
 };
 
-/// Arrays out of a loaded model. Every access is checked: a broken file throws Error naming it.
+/// Arrays out of a GLB. Of glTF it knows what character files need, and reads nothing else: JSON, accessors and images in the
+/// file's own binary chunk, every one held against the bytes that are there before it is read. A broken file, and one that
+/// names other files, throws Error naming it.
 class Reader {
 public:
   explicit Reader(const std::filesystem::path &path);
-  const tinygltf::Model &model() const { return model_; }
-  const std::string &extensions_json() const { return model_.extensions_json_string; }
+  Reader(const Reader &) = delete; // binary_ points into content_
+  const nlohmann::json &gltf() const { return gltf_; }
   [[noreturn]] void fail(const std::string &what) const;
 
   std::vector<float> floats(int accessor) const;
@@ -55,9 +59,16 @@ public:
   std::vector<std::uint8_t> image(int index) const; ///< the image file's bytes
 
 private:
+  std::uint32_t word(std::size_t at) const;
+  std::string_view chunk(std::size_t at, std::uint32_t type, const char *name) const;
+  void refuse_outside(const char *list) const;
+  const nlohmann::json &entry(const char *list, const nlohmann::json &index) const;
+  std::size_t size(const nlohmann::json &object, const char *key) const;
+  std::string_view view(const nlohmann::json &index) const;
   template <class T> std::vector<T> read(int accessor, int component) const;
-  std::string source_;
-  tinygltf::Model model_;
+  std::string source_, content_;
+  std::string_view binary_; ///< of content_
+  nlohmann::json gltf_;
 };
 
 } // namespace doublet::glb

@@ -7,6 +7,8 @@
 namespace doublet {
 namespace {
 
+constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
+
 void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
   if (!(motion.fps > 0) || !std::isfinite(motion.fps))
     throw std::invalid_argument(who + ": motion.fps must be positive, found " + std::to_string(motion.fps));
@@ -41,6 +43,9 @@ Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {
   if (!(fps > 0) || !std::isfinite(fps))
     throw std::invalid_argument("resample: fps must be positive, found " + std::to_string(fps));
   const Eigen::Index last = motion.dofs.rows() - 1;
+  if (!(last / motion.fps * fps < kMostFrames))
+    throw std::invalid_argument("resample: expected at most " + std::to_string(kMostFrames) + " frames, found " +
+                                std::to_string(last / motion.fps * fps) + " at " + std::to_string(fps) + " 1/s");
   const auto count = static_cast<Eigen::Index>(std::floor(last / motion.fps * fps + 1e-6)) + 1;
   Motion result{fps, MatrixRM(count, motion.dofs.cols())};
   for (Eigen::Index t = 0; t < count; ++t) {

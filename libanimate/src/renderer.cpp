@@ -27,6 +27,7 @@ void require_mesh(const RenderMesh &mesh, std::size_t index) {
         "a face names a vertex that is not there");
   check(mesh.skip_face.empty() || static_cast<Eigen::Index>(mesh.skip_face.size()) == mesh.faces.rows(),
         "skip_face must be one a face");
+  check(mesh.colours.allFinite() && mesh.colour.allFinite(), "the colours must be finite");
   check(mesh.colours.rows() == 0 || mesh.colours.rows() == mesh.vertices.rows(), "colours must be one a vertex");
   check(!mesh.texture ||
             (!mesh.texture->empty() && mesh.texture->channels == 3 && mesh.texcoords.rows() == 3 * mesh.faces.rows()),
@@ -270,6 +271,8 @@ Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const 
 Camera orbit_camera(const Vector3d &target, double radius, double azimuth, double elevation, int width, int height) {
   if (!(radius > 0) || width <= 0 || height <= 0)
     throw std::invalid_argument("orbit_camera: radius, width and height must be positive");
+  if (!target.allFinite() || !std::isfinite(radius) || !std::isfinite(azimuth) || !std::isfinite(elevation))
+    throw std::invalid_argument("orbit_camera: target, radius and angles must be finite");
   const double half_angle = 15 * M_PI / 180, distance = radius / std::sin(half_angle);
   const Vector3d from = target + distance * Vector3d(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                                                      std::cos(azimuth) * std::cos(elevation));

@@ -355,8 +355,6 @@ SourceMotion cut(const SourceMotion &clip, int first, int last) {
 }
 
 SourceMotion chosen_frames(const SourceMotion &clip, const RetargetOptions &options, const Context &context) {
-  if (clip.frame_count() == 0 || !(clip.fps > 0))
-    throw Error(clip.source + ": expected a motion with frames and a rate, found none");
   int first = static_cast<int>(std::lround(options.first_second * clip.fps));
   const int last =
       static_cast<int>(std::min<double>(std::lround(std::min(options.last_second, 1e6) * clip.fps), clip.frame_count() - 1));
@@ -463,6 +461,7 @@ void RetargetOptions::validate() const {
 
 Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options, const Context &context) {
   options.validate();
+  validate(clip);
   const SourceMotion part = chosen_frames(clip, options, context);
   Retargeter retargeter(part, skeleton, options);
   if (options.align_start)

@@ -128,6 +128,8 @@ Vertices SurfaceTransfer::apply(const Vertices &coarse) const {
   if (coarse.rows() != coarse_vertices_)
     throw std::invalid_argument("SurfaceTransfer::apply: coarse has " + std::to_string(coarse.rows()) + " vertices, expected " +
                                 std::to_string(coarse_vertices_));
+  if (!coarse.allFinite())
+    throw std::invalid_argument("SurfaceTransfer::apply: coarse: expected finite positions, found NaN or infinity");
   std::vector<Frame> frames(coarse_faces_.rows());
   for (int f = 0; f < coarse_faces_.rows(); ++f)
     frames[f] = frame_of(coarse, coarse_faces_, f);

@@ -228,6 +228,8 @@ void require_inputs(const Mesh &mesh, const std::vector<std::uint8_t> &valid, co
   if (!valid.empty() && static_cast<Eigen::Index>(valid.size()) != mesh.faces.rows())
     throw std::invalid_argument("bake_texture: face_valid has " + std::to_string(valid.size()) + " entries, expected " +
                                 std::to_string(mesh.faces.rows()));
+  for (const Camera &camera : cameras)
+    validate_camera(camera, "bake_texture");
   if (images.size() != cameras.size())
     throw std::invalid_argument("bake_texture: expected one image a camera, found " + std::to_string(images.size()) + " for " +
                                 std::to_string(cameras.size()));

@@ -201,12 +201,14 @@ struct Scan {
 };
 
 Scan prepare_scan(const RiggedMesh &actor, const Clothness &clothness) {
-  require_usable(actor.mesh, "actor mesh");
+  require_usable(actor.mesh, "actor mesh"); // weights and regions do not matter here
   const Faces &faces = actor.mesh.faces;
   const int v = static_cast<int>(actor.mesh.vertices.rows()), f = static_cast<int>(faces.rows());
   if (clothness.clothness.size() != v)
     throw std::invalid_argument("clothness: expected " + std::to_string(v) + " entries, one a vertex, found " +
                                 std::to_string(clothness.clothness.size()));
+  if (!clothness.clothness.allFinite())
+    throw Error("clothness: expected values in [0, 1], found NaN or infinity");
   if (static_cast<int>(actor.face_valid.size()) != f)
     throw std::invalid_argument("face_valid: expected " + std::to_string(f) + " entries, one a face, found " +
                                 std::to_string(actor.face_valid.size()));
@@ -506,6 +508,7 @@ std::vector<BodyFit> BodyFitter::fit_together(const std::vector<DressedScan> &, 
 
 std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness) {
   const Scan scan = prepare_scan(actor, clothness);
+  require_body(fit, "body_regions");
   const RayScene scene(fit.body);
   const Anatomy anatomy = find_bones(fit.body, vertex_normals(fit.body.vertices, fit.body.faces), scene, actor.skeleton);
   const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);

@@ -405,7 +405,7 @@ void ProxyOptions::validate() const {
 std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
                                         const ProxyOptions &options) {
   options.validate();
-  require_usable(fit.body, "fitted body");
+  require_body(fit, "fit_proxies");
   const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
   const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);
   Target target{fit.body, RayScene(fit.body), vertex_normals(fit.body.vertices, fit.body.faces), {}, {}, {}, {}};
@@ -438,6 +438,8 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
 ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
                                  const Clothness &clothness) {
   ProxyStatistics statistics;
+  require_proxies(capsules, actor.skeleton, "proxy_statistics");
+  require_body(fit, "proxy_statistics");
   statistics.capsules = static_cast<int>(capsules.size());
   if (capsules.empty())
     return statistics;

@@ -65,6 +65,8 @@ public:
   explicit BackgroundDifference(const BackgroundOptions &options) : options_(options) { options.validate(); }
 
   void train(int camera, const std::vector<Image> &images) override {
+    if (camera < 0)
+      throw std::invalid_argument("camera: expected at least 0, found " + std::to_string(camera));
     std::vector<const Image *> plates;
     for (const Image &image : images)
       if (!image.empty()) {

@@ -179,6 +179,8 @@ public:
   explicit ChromaKey(const ChromaKeyOptions &options) : options_(options) { options.validate(); }
 
   void train(int camera, const std::vector<Image> &images) override {
+    if (camera < 0)
+      throw std::invalid_argument("camera: expected at least 0, found " + std::to_string(camera));
     std::vector<Image> usable;
     for (const Image &image : images)
       if (!image.empty()) {

@@ -85,6 +85,8 @@ public:
   }
 
   std::vector<std::pair<int, int>> match(const Features &previous, const Features &current, double reach) const override {
+    if (!(reach >= 0))
+      throw std::invalid_argument("FeatureTracker.match: expected a reach of at least 0 px, found " + std::to_string(reach));
     std::vector<std::pair<int, int>> pairs;
     const std::vector<int> forward = best_matches(previous, current, reach, options_.ratio);
     const std::vector<int> backward = best_matches(current, previous, reach, options_.ratio);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
+#include <string>
 
 namespace doublet {
 namespace {
@@ -51,6 +53,9 @@ void append_loop(const std::vector<cv::Point> &loop, bool hole, const Image &mas
 
 Outline trace_outline(const Image &mask, int margin) {
   Outline outline;
+  if (margin < 0 || (!mask.empty() && mask.channels != 1))
+    throw std::invalid_argument("trace_outline: expected a mask of 1 channel and a margin of at least 0, found " +
+                                std::to_string(mask.channels) + " and " + std::to_string(margin));
   if (mask.empty())
     return outline;
   const cv::Mat view(mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t *>(mask.data.data()));

@@ -260,6 +260,12 @@ std::unique_ptr<PoseOptimizer> PoseOptimizer::create(const PoseOptions &options)
 }
 
 PosedSurface pose_surface(const RiggedMesh &actor, const Eigen::VectorXd &dofs, const Vertices &offset) {
+  const auto vertices = actor.mesh.vertices.rows();
+  if ((offset.rows() > 0 && offset.rows() != vertices) || actor.weights.rows() != vertices)
+    throw std::invalid_argument("pose_surface: expected " + std::to_string(vertices) + " rows of weights and of offset, found " +
+                                std::to_string(actor.weights.rows()) + " and " + std::to_string(offset.rows()));
+  if (!offset.allFinite())
+    throw std::invalid_argument("pose_surface: offset: expected finite numbers, found NaN or infinity");
   PosedSurface surface;
   surface.blend = dual_quaternion_blend(actor.weights, forward_kinematics(actor.skeleton, dofs));
   surface.vertices.resize(actor.mesh.vertices.rows(), 3);

@@ -5,6 +5,7 @@
 #include "frame_reader.h"
 
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <opencv2/core/persistence.hpp>
 #include <set>
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json; // keeps the order of joints in the file
 
 Json read_json(const fs::path &path) {
-  const std::string text = read_text(path);
+  const std::string text = read_json_text(path);
   try {
     return Json::parse(text);
   } catch (const nlohmann::json::exception &e) {
@@ -149,8 +150,12 @@ std::string calibrated_cameras(const cv::FileStorage &storage) {
 
 cv::Mat read_matrix(const cv::FileStorage &storage, const std::string &key, int count, const std::string &where) {
   cv::Mat matrix, numbers;
-  if (storage[key].isMap())
-    storage[key] >> matrix;
+  const cv::FileNode node = storage[key];
+  // OpenCV makes a matrix of the size that the file says, and only then looks whether it has as many numbers.
+  if (node.isMap() && node["rows"].isInt() && node["cols"].isInt() && node["data"].isSeq() &&
+      static_cast<int>(node["data"].size()) == count &&
+      static_cast<std::int64_t>(static_cast<int>(node["rows"])) * static_cast<int>(node["cols"]) == count)
+    node >> matrix;
   if (matrix.empty() || static_cast<int>(matrix.total()) != count || matrix.channels() != 1)
     throw Error(where + ": expected " + key + " to be a matrix of " + std::to_string(count) + " numbers, found " +
                 (matrix.empty() ? std::string("none") : std::to_string(matrix.total())));
@@ -180,7 +185,7 @@ Camera read_calibration(const cv::FileStorage &storage, const std::string &name,
   camera.distortion = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(d.ptr<double>());
   camera.width = read_size(storage, name + "_image_width", where);
   camera.height = read_size(storage, name + "_image_height", where);
-  validate_camera(camera, where + ": camera '" + name + "'");
+  validate_camera(camera, where);
   return camera;
 }
 
@@ -190,8 +195,12 @@ CameraRig read_rig(const std::vector<SessionCamera> &cameras, const fs::path &so
   for (const SessionCamera &camera : cameras)
     rig.push_back(read_calibration(storage, camera.name, source));
   return rig;
-} catch (const cv::Exception &e) {
-  throw Error(source.string() + ": expected an OpenCV calibration file, found an entry that cannot be read (" + e.err + ")");
+} catch (const Error &) {
+  throw;
+} catch (const std::exception &e) { // OpenCV's parser throws what the standard library throws at it, too
+  const auto *problem = dynamic_cast<const cv::Exception *>(&e);
+  throw Error(source.string() + ": expected an OpenCV calibration file, found an entry that cannot be read (" +
+              (problem ? problem->err : std::string(e.what())) + ")");
 }
 
 JointMark read_joint(const std::string &name, const Json &object, const fs::path &source) {

@@ -61,13 +61,12 @@ MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const Matr
 }
 
 DressedActor dress(const RiggedMesh &actor, const Clothness &clothness, const Garment &garment) {
+  require_actor(actor, "dress");
+  require_clothness(clothness, actor.mesh.vertices.rows(), "dress");
   if (garment.region_count == 0)
     return {actor, clothness};
   validate_garment(garment, actor, "garment");
   const Eigen::Index bare = actor.mesh.vertices.rows(), count = garment.mesh.vertices.rows(), faces = actor.mesh.faces.rows();
-  if (clothness.clothness.size() != bare)
-    throw std::invalid_argument("dress: clothness: expected " + std::to_string(bare) + " vertices, found " +
-                                std::to_string(clothness.clothness.size()));
   DressedActor dressed;
   RiggedMesh &mesh = dressed.actor;
   mesh.skeleton = actor.skeleton;
@@ -92,18 +91,17 @@ DressedActor dress(const RiggedMesh &actor, const Clothness &clothness, const Ga
 }
 
 ReferencePerformance dress(const ReferencePerformance &performance, const RiggedMesh &actor, const Garment &garment) {
+  require_actor(actor, "dress");
+  require_frames(performance.surface.frames, actor.mesh.vertices.rows(), "dress: a captured frame");
   if (garment.region_count == 0)
     return performance;
+  validate_garment(garment, actor, "garment");
   ReferencePerformance dressed = performance;
   dressed.surface.unposed.clear();
   const Faces cloth = garment.mesh.faces.array() + static_cast<int>(actor.mesh.vertices.rows());
   dressed.surface.faces = stacked(actor.mesh.faces, cloth);
-  for (Vertices &frame : dressed.surface.frames) {
-    if (frame.rows() != actor.mesh.vertices.rows())
-      throw std::invalid_argument("dress: a captured frame: expected " + std::to_string(actor.mesh.vertices.rows()) +
-                                  " vertices, found " + std::to_string(frame.rows()));
+  for (Vertices &frame : dressed.surface.frames)
     frame = stacked<Vertices>(frame, at_garment(garment, actor.mesh.faces, frame));
-  }
   return dressed;
 }
 

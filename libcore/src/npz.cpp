@@ -234,9 +234,9 @@ std::string zip_message(int code) {
 using Zip = std::unique_ptr<zip_t, decltype(&zip_discard)>;
 using ZipFile = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
 
-Zip open_zip(const std::filesystem::path &path, int flags) {
+Zip open_zip(const std::filesystem::path &path) {
   int code = 0;
-  zip_t *zip = zip_open(path.c_str(), flags, &code);
+  zip_t *zip = zip_open(path.c_str(), ZIP_RDONLY, &code);
   if (!zip)
     throw Error(path.string() + ": expected an .npz archive, found none that can be opened (truncated?): " + zip_message(code));
   return Zip(zip, &zip_discard);
@@ -343,8 +343,13 @@ Bytes npy_member(const NpyArray &array) {
   return out;
 }
 
-void write_zip(const std::filesystem::path &path, const std::map<std::string, Bytes> &members) {
-  Zip zip = open_zip(path, ZIP_CREATE | ZIP_TRUNCATE);
+/// `path`: for messages, `temporary`: where to.
+void write_zip(const std::filesystem::path &temporary, const std::filesystem::path &path,
+               const std::map<std::string, Bytes> &members) {
+  int code = 0;
+  Zip zip(zip_open(temporary.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code), &zip_discard);
+  if (!zip)
+    throw Error(path.string() + ": cannot be written: " + zip_message(code));
   for (const auto &[name, data] : members) {
     zip_source_t *source = zip_source_buffer(zip.get(), data.data(), data.size(), 0);
     const zip_int64_t index = source ? zip_file_add(zip.get(), name.c_str(), source, ZIP_FL_ENC_UTF_8) : -1;
@@ -369,7 +374,7 @@ std::int64_t NpyArray::size() const {
 Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> &wanted) {
   if (!std::filesystem::exists(path))
     throw FileNotFound(path.string() + ": no such file");
-  const Zip zip = open_zip(path, ZIP_RDONLY);
+  const Zip zip = open_zip(path);
   Npz npz;
   npz.source = path.string();
   const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
@@ -391,7 +396,7 @@ void Npz::write(const std::filesystem::path &path) const {
   std::map<std::string, Bytes> members;
   for (const auto &[name, array] : arrays)
     members[name + ".npy"] = npy_member(array);
-  write_atomically(path, [&](const std::filesystem::path &temporary) { write_zip(temporary, members); });
+  write_atomically(path, [&](const std::filesystem::path &temporary) { write_zip(temporary, path, members); });
 }
 
 std::vector<double> Npz::values(const std::string &name) const {

@@ -115,6 +115,7 @@ FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera 
                                 std::to_string(skip_face.size()));
   if (faces.rows() > 0 && (faces.minCoeff() < 0 || faces.maxCoeff() >= vertices.rows()))
     throw std::invalid_argument("rasterize: a face has a corner outside the " + std::to_string(vertices.rows()) + " vertices");
+  validate_camera(camera, "rasterize");
   FaceBuffer buffer;
   buffer.width = camera.width;
   buffer.height = camera.height;

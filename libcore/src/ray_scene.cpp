@@ -82,6 +82,16 @@ void visit_any(const RTCOccludedFunctionNArguments *args) {
     reinterpret_cast<RTCRay *>(args->ray)->tfar = -std::numeric_limits<float>::infinity();
 }
 
+/// m, and of directions. Embree ends the process at rays beyond 1.8e18, and at those of NaN.
+constexpr double kLargestCoordinate = 1e18;
+
+void require_in_reach(const Eigen::Vector3d &vector, const char *what) {
+  if (vector.hasNaN() || !(vector.cwiseAbs().maxCoeff() <= kLargestCoordinate))
+    throw std::invalid_argument(std::string("RayScene: expected ") + what + " of numbers within 1e18, found (" +
+                                std::to_string(vector.x()) + ", " + std::to_string(vector.y()) + ", " +
+                                std::to_string(vector.z()) + ")");
+}
+
 RTCRay float_ray(const ExactRay &ray) {
   RTCRay out{};
   const Eigen::Vector3f o = ray.origin.cast<float>(), d = ray.direction.cast<float>();
@@ -200,6 +210,8 @@ private:
 
 RayScene::RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &skip_face) {
   require_usable(mesh, "RayScene");
+  if (!(mesh.vertices.cwiseAbs().maxCoeff() < kLargestCoordinate))
+    throw Error("RayScene: expected coordinates below 1e18 m, found " + std::to_string(mesh.vertices.cwiseAbs().maxCoeff()));
   if (!skip_face.empty() && static_cast<Eigen::Index>(skip_face.size()) != mesh.faces.rows())
     throw std::invalid_argument("RayScene: expected " + std::to_string(mesh.faces.rows()) + " entries in skip_face, found " +
                                 std::to_string(skip_face.size()));
@@ -210,6 +222,10 @@ RayScene::RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &skip_face)
 
 std::optional<RayHit> RayScene::cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance,
                                      double max_distance) const {
+  require_in_reach(origin, "an origin");
+  require_in_reach(direction, "a direction");
+  if (std::isnan(min_distance) || std::isnan(max_distance))
+    throw std::invalid_argument("RayScene: expected distances, found NaN");
   ExactRay ray{{}, &impl_->mesh, &impl_->face_of, origin, direction, std::max(0.0, min_distance), max_distance, {}};
   rtcInitIntersectContext(&ray.context);
   RTCRayHit walk{};
@@ -221,6 +237,8 @@ std::optional<RayHit> RayScene::cast(const Eigen::Vector3d &origin, const Eigen:
 }
 
 bool RayScene::occluded(const Eigen::Vector3d &from, const Eigen::Vector3d &to, double margin) const {
+  require_in_reach(from, "a start");
+  require_in_reach(to, "an end");
   const Eigen::Vector3d way = to - from;
   const double length = way.norm();
   if (!(length > 2 * margin))
@@ -233,8 +251,7 @@ bool RayScene::occluded(const Eigen::Vector3d &from, const Eigen::Vector3d &to, 
 }
 
 ClosestPoint RayScene::closest(const Eigen::Vector3d &point) const {
-  if (!point.allFinite())
-    throw std::invalid_argument("RayScene::closest: the point is not finite");
+  require_in_reach(point, "a point");
   RTCPointQuery query{};
   query.x = static_cast<float>(point.x());
   query.y = static_cast<float>(point.y());

@@ -19,10 +19,12 @@ Matrix3d about(const Vector3d &axis, double angle) {
   return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
 }
 
-void require_pose(const Skeleton &skeleton, Eigen::Index size, const char *caller) {
-  if (size != skeleton.dof_count())
+void require_pose(const Skeleton &skeleton, const Eigen::VectorXd &dofs, const char *caller) {
+  if (dofs.size() != skeleton.dof_count())
     throw std::invalid_argument(std::string(caller) + ": expected a pose of " + std::to_string(skeleton.dof_count()) +
-                                " degrees of freedom, found " + std::to_string(size));
+                                " degrees of freedom, found " + std::to_string(dofs.size()));
+  if (!dofs.allFinite())
+    throw std::invalid_argument(std::string(caller) + ": expected a pose of finite numbers, found NaN or infinity");
 }
 
 /// The joint's own rotation.
@@ -140,7 +142,7 @@ Vector3d yaw_pitch_roll(const Matrix3d &R) {
 } // namespace
 
 Transforms forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs) {
-  require_pose(skeleton, dofs.size(), "forward_kinematics");
+  require_pose(skeleton, dofs, "forward_kinematics");
   Transforms world_from_rest(skeleton.joint_count());
   for (int j = 0; j < skeleton.joint_count(); ++j)
     world_from_rest[j] = joint_transform(skeleton.joints[j], dofs, parent_transform(skeleton.joints[j], world_from_rest));

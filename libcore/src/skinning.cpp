@@ -69,6 +69,8 @@ Eigen::Vector3d translation_of(const DualQuaternion &q) {
 
 Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest) {
   require_sizes("dual_quaternion_skinning", rest.rows(), weights, world_from_rest);
+  if (!rest.allFinite())
+    throw std::invalid_argument("dual_quaternion_skinning: expected finite rest positions, found NaN or infinity");
   const Blender blender(world_from_rest);
   Vertices out(rest.rows(), 3);
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {

@@ -180,13 +180,8 @@ CameraRig read_cameras(const Npz &npz) {
 
 void write_actor(const Path &path, const RiggedMesh &actor) {
   const Skeleton &skeleton = actor.skeleton;
-  const auto V = actor.mesh.vertices.rows(), F = actor.mesh.faces.rows();
-  require(actor.weights.rows() == V && actor.weights.cols() == skeleton.joint_count(),
-          "write_actor: expected weights (" + std::to_string(V) + ", " + std::to_string(skeleton.joint_count()) + "), found (" +
-              std::to_string(actor.weights.rows()) + ", " + std::to_string(actor.weights.cols()) + ")");
-  require(static_cast<Eigen::Index>(actor.face_valid.size()) == F, "write_actor: expected face_valid for " + std::to_string(F) +
-                                                                       " faces, found " +
-                                                                       std::to_string(actor.face_valid.size()));
+  const auto V = actor.mesh.vertices.rows();
+  require_actor(actor, "write_actor");
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<double> rest;
@@ -226,6 +221,10 @@ void write_performance(const Path &path, const ReferencePerformance &performance
           "write_performance: expected surfaces, poses, joints and frame numbers of the same frames, found " + std::to_string(T) +
               ", " + std::to_string(performance.dofs.rows()) + ", " + std::to_string(performance.joints.size()) + " and " +
               std::to_string(performance.frames.size()));
+  require_frames(performance.surface.frames, performance.surface.frames[0].rows(), "write_performance: a frame");
+  require_frames(performance.joints, performance.joints[0].rows(), "write_performance: a frame of the joints");
+  if (!performance.dofs.allFinite())
+    throw Error("write_performance: dofs: expected finite numbers, found NaN or infinity");
   Npz npz;
   npz.set_f4("vertices", {T, performance.surface.frames[0].rows(), 3}, flat(performance.surface.frames));
   npz.set_f4("dofs", {T, performance.dofs.cols()}, flat(performance.dofs));
@@ -246,21 +245,20 @@ ReferencePerformance read_performance(const Path &path, const RiggedMesh &actor)
   out.dofs = npz.matrix("dofs");
   out.joints = read_frames(npz, "joints", actor.skeleton.joint_count());
   out.frames = npz.integers("frames");
+  require_performance(out, actor, npz.source);
   return out;
 }
 
 void write_clothness(const Path &path, const Clothness &clothness) {
   const auto V = clothness.clothness.size();
-  require(clothness.sigma.size() == V && clothness.region.size() == V,
-          "write_clothness: expected sigma, clothness and region of one length");
+  require_clothness(clothness, V, "write_clothness");
+  require(clothness.sigma.size() == V, "write_clothness: expected sigma of the length of clothness");
   Npz npz;
   npz.set_f4("sigma", {V}, flat(clothness.sigma));
   npz.set_f4("clothness", {V}, flat(clothness.clothness));
   npz.set_i4("region", {V}, {clothness.region.data(), clothness.region.data() + V});
-  if (clothness.fullness.size() > 0) {
-    require(clothness.fullness.size() == V, "write_clothness: expected fullness of the length of clothness, or empty");
+  if (clothness.fullness.size() > 0)
     npz.set_f4("fullness", {V}, flat(clothness.fullness));
-  }
   npz.write(path);
 }
 
@@ -331,6 +329,7 @@ Garment read_garment(const Path &path, const RiggedMesh &actor) {
 }
 
 void write_body(const Path &path, const BodyFit &fit) {
+  require_body(fit, "write_body");
   Npz npz;
   npz.set_f4("vertices", {fit.body.vertices.rows(), 3}, flat(fit.body.vertices));
   set_faces(npz, fit.body.faces);
@@ -352,6 +351,7 @@ BodyFit read_body(const Path &path) {
   fit.residual = read_vector(npz, "residual", 1)[0];
   if (npz.has("deviation"))
     fit.deviation = read_vector(npz, "deviation", fit.body.vertices.rows());
+  require_body(fit, npz.source);
   return fit;
 }
 
@@ -359,6 +359,8 @@ void write_observations(const Path &path, const Observations &observations) {
   require(observations.views.size() == observations.frames.size(),
           "write_observations: expected views of " + std::to_string(observations.frames.size()) + " frames, found " +
               std::to_string(observations.views.size()));
+  for (const Camera &camera : observations.cameras)
+    validate_camera(camera, "write_observations");
   FlatLists contour(2), match(4);
   for (const std::vector<ViewObservation> &frame : observations.views) {
     require(frame.size() == observations.cameras.size(),

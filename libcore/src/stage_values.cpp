@@ -1,5 +1,6 @@
 #include "doublet/core/stage_values.h"
 
+#include "doublet/core/error.h"
 #include "doublet/core/skinning.h"
 
 #include <algorithm>
@@ -8,6 +9,90 @@
 
 namespace doublet {
 
+namespace {
+
+void expect(const std::string &what, Eigen::Index found, Eigen::Index expected) {
+  if (found != expected)
+    throw std::invalid_argument(what + ": expected " + std::to_string(expected) + " entries, found " + std::to_string(found));
+}
+
+/// All, or none.
+void expect_all(const std::string &what, Eigen::Index found, Eigen::Index expected) {
+  if (found != 0)
+    expect(what, found, expected);
+}
+
+template <class Derived> void expect_finite(const std::string &what, const Eigen::DenseBase<Derived> &values) {
+  if (!values.derived().allFinite())
+    throw Error(what + ": expected finite numbers, found NaN or infinity");
+}
+
+} // namespace
+
+void require_actor(const RiggedMesh &actor, const std::string &what) {
+  require_usable(actor.mesh, what + ": actor.mesh");
+  expect(what + ": actor.face_valid", static_cast<Eigen::Index>(actor.face_valid.size()), actor.mesh.faces.rows());
+  expect(what + ": actor.weights", actor.weights.rows(), actor.mesh.vertices.rows());
+  expect(what + ": a row of actor.weights", actor.weights.cols(), actor.skeleton.joint_count());
+  expect_finite(what + ": actor.weights", actor.weights);
+}
+
+void require_frames(const std::vector<Vertices> &frames, Eigen::Index vertices, const std::string &what) {
+  for (const Vertices &frame : frames) {
+    expect(what, frame.rows(), vertices);
+    expect_finite(what, frame);
+  }
+}
+
+void require_performance(const ReferencePerformance &performance, const RiggedMesh &actor, const std::string &what) {
+  const auto count = static_cast<Eigen::Index>(performance.surface.frames.size());
+  if (count == 0)
+    throw Error(what + ": performance: expected at least one frame, found none");
+  require_frames(performance.surface.frames, actor.mesh.vertices.rows(), what + ": a frame of the performance");
+  expect(what + ": performance.dofs", performance.dofs.rows(), count);
+  expect(what + ": a row of performance.dofs", performance.dofs.cols(), actor.skeleton.dof_count());
+  expect_finite(what + ": performance.dofs", performance.dofs);
+  expect_all(what + ": performance.joints", static_cast<Eigen::Index>(performance.joints.size()), count);
+  require_frames(performance.joints, actor.skeleton.joint_count(), what + ": a frame of performance.joints");
+  expect_all(what + ": performance.frames", static_cast<Eigen::Index>(performance.frames.size()), count);
+}
+
+void require_clothness(const Clothness &clothness, Eigen::Index vertices, const std::string &what) {
+  expect(what + ": clothness.clothness", clothness.clothness.size(), vertices);
+  expect(what + ": clothness.region", clothness.region.size(), vertices);
+  expect_all(what + ": clothness.sigma", clothness.sigma.size(), vertices);
+  expect_all(what + ": clothness.fullness", clothness.fullness.size(), vertices);
+  expect_all(what + ": clothness.rest", clothness.rest.rows(), vertices);
+  if (!(clothness.clothness.array() >= 0).all() || !(clothness.clothness.array() <= 1).all())
+    throw Error(what + ": clothness.clothness: expected values in [0, 1], found others");
+  if (vertices > 0 && (clothness.region.minCoeff() < -1 || clothness.region.maxCoeff() >= clothness.region_count))
+    throw Error(what + ": clothness.region: expected numbers from -1 to below region_count " +
+                std::to_string(clothness.region_count) + ", found " + std::to_string(clothness.region.minCoeff()) + " to " +
+                std::to_string(clothness.region.maxCoeff()));
+  expect_finite(what + ": clothness.fullness", clothness.fullness);
+  expect_finite(what + ": clothness.rest", clothness.rest);
+}
+
+void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton &skeleton, const std::string &what) {
+  for (const TaperedCapsule &capsule : proxies) {
+    if (capsule.joint < 0 || capsule.joint >= skeleton.joint_count())
+      throw Error(what + ": a proxy hangs on joint " + std::to_string(capsule.joint) + " of " +
+                  std::to_string(skeleton.joint_count()));
+    if (!capsule.p0.allFinite() || !capsule.p1.allFinite() || !(capsule.r0 > 0) || !(capsule.r1 > 0) ||
+        !std::isfinite(capsule.r0 + capsule.r1))
+      throw Error(what + ": a proxy of joint " + std::to_string(capsule.joint) +
+                  ": expected finite ends and positive radii, found radii " + std::to_string(capsule.r0) + " and " +
+                  std::to_string(capsule.r1));
+  }
+}
+
+void require_body(const BodyFit &fit, const std::string &what) {
+  require_usable(fit.body, what + ": body");
+  expect_all(what + ": body.deviation", fit.deviation.size(), fit.body.vertices.rows());
+  expect_finite(what + ": body.deviation", fit.deviation);
+  expect_finite(what + ": body.coefficients", fit.coefficients);
+}
+
 std::vector<std::uint8_t> RiggedMesh::skip_invalid() const {
   std::vector<std::uint8_t> skip(face_valid.size());
   std::transform(face_valid.begin(), face_valid.end(), skip.begin(), [](std::uint8_t valid) { return valid == 0; });
@@ -15,17 +100,12 @@ std::vector<std::uint8_t> RiggedMesh::skip_invalid() const {
 }
 
 std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
+  expect("unposed_frames: actor.weights", actor.weights.rows(), actor.mesh.vertices.rows());
+  require_performance(performance, actor, "unposed_frames");
   const int frames = static_cast<int>(performance.surface.frames.size()), vertices = static_cast<int>(actor.mesh.vertices.rows());
-  if (performance.dofs.rows() != frames || performance.dofs.cols() != actor.skeleton.dof_count())
-    throw std::invalid_argument("unposed_frames: expected dofs (" + std::to_string(frames) + ", " +
-                                std::to_string(actor.skeleton.dof_count()) + "), found (" +
-                                std::to_string(performance.dofs.rows()) + ", " + std::to_string(performance.dofs.cols()) + ")");
   std::vector<Vertices> unposed(frames, Vertices(vertices, 3));
   parallel_for(context, frames, [&](int t) {
     const Vertices &posed = performance.surface.frames[t];
-    if (posed.rows() != vertices)
-      throw std::invalid_argument("unposed_frames: expected " + std::to_string(vertices) + " vertices in every frame, found " +
-                                  std::to_string(posed.rows()));
     const Transforms blend = dual_quaternion_blend(actor.weights, forward_kinematics(actor.skeleton, performance.dofs.row(t)));
     for (int i = 0; i < vertices; ++i)
       unposed[t].row(i) = (blend[i].inverse() * Eigen::Vector3d(posed.row(i))).transpose();

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 namespace doublet {
 
@@ -41,6 +43,8 @@ Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface
 
 std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras,
                                            double tolerance) {
+  if (!(tolerance >= 0))
+    throw std::invalid_argument("visible_vertices: expected a tolerance of at least 0 m, found " + std::to_string(tolerance));
   std::vector<std::uint8_t> visible(vertices.rows(), 0);
   for (const Camera &camera : cameras) {
     const FaceBuffer buffer = rasterize(vertices, faces, camera);

@@ -126,8 +126,8 @@ public:
       medians_ = json.at("medians").get<std::vector<double>>();
       sigma_ = json.at("sigma");
       best_energy_ = json.at("best_energy");
-      evaluations_ = json.at("evaluations");
-      generation_ = json.at("generation");
+      evaluations_ = state::count(json.at("evaluations"));
+      generation_ = state::count(json.at("generation"));
       random_.restore(json.at("random"));
       decompose();
     });
@@ -228,7 +228,7 @@ void CmaEsOptions::validate() const {
 }
 
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options) {
-  require(dimension >= 1, "create_cma_es: dimension: expected at least 1, found " + std::to_string(dimension));
+  require_dimension(dimension, "create_cma_es");
   options.validate();
   return std::make_unique<CmaEs>(dimension, options);
 }

@@ -149,11 +149,13 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
   result.penalty = options.penalty;
   result.relative_penalty = options.relative_penalty;
   result.expected_evaluations = options.max_evaluations;
+  result.budget = options.max_evaluations;
   result.checkpoint = options.checkpoint;
   result.make_optimizer = optimizer_factory(options);
+  // The budget is no part of it: a search goes on with a larger one. Only annealing's schedule depends on it.
   result.problem = objective.fingerprint() + " seed " + std::to_string(options.seed) + " of " + std::to_string(options.seeds) +
-                   " evaluations " + std::to_string(options.max_evaluations) + " population " +
-                   std::to_string(options.population) + " sigma " + std::to_string(options.initial_sigma) + " " +
+                   (options.optimizer == "annealing" ? " evaluations " + std::to_string(options.max_evaluations) : "") +
+                   " population " + std::to_string(options.population) + " sigma " + std::to_string(options.initial_sigma) + " " +
                    std::to_string(options.smallest_deviation) + " " + std::to_string(options.stagnation) + " penalty " +
                    std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") +
                    (options.make_optimizer ? "own optimiser" : options.optimizer);
@@ -404,8 +406,9 @@ std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, co
   for (const pbd::Material &material : materials)
     pbd::validate(material);
   const int count = static_cast<int>(performance.dofs.rows());
-  if (count == 0 || performance.surface.frames.empty())
+  if (count == 0 || performance.surface.frames.empty()) // the first surface is enough: the cloth begins there
     throw Error("simulate_reference: performance: expected at least one frame, found none");
+  require_frames(performance.surface.frames, simulator.actor().mesh.vertices.rows(), "simulate_reference: a frame");
   std::vector<Vertices> result;
   PosedFrame previous = simulator.pose(performance.dofs.row(0).transpose());
   CharacterState state = simulator.start(previous, simulator.has_rest_shape() ? nullptr : &performance.surface.frames[0]);

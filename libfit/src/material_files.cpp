@@ -79,7 +79,7 @@ void write_materials(const Path &path, const FitResult &result) {
 std::vector<pbd::Material> read_materials(const Path &path) {
   Json json;
   try {
-    json = Json::parse(read_text(path));
+    json = Json::parse(read_json_text(path));
   } catch (const nlohmann::json::exception &error) {
     throw Error(path.string() + ": expected JSON, found: " + error.what());
   }
@@ -138,6 +138,8 @@ std::vector<Vertices> read_simulated(const Path &path) {
   const Npz npz = Npz::read(path);
   npz.require_shape("vertices", {-1, -1, 3});
   const std::vector<std::int64_t> shape = npz.shape("vertices");
+  if (shape[1] == 0)
+    throw Error(path.string() + ": array 'vertices': expected at least one vertex, found none");
   const std::vector<double> values = npz.values("vertices");
   std::vector<Vertices> frames;
   for (std::int64_t t = 0; t < shape[0]; ++t)

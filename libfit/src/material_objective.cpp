@@ -217,8 +217,7 @@ void check_inputs(const CharacterSimulator &simulator, const ReferencePerformanc
     expect("cameras of an observed frame", views.size(), observations.cameras.size());
   for (const Camera &camera : observations.cameras)
     validate_camera(camera, "MaterialObjective: observations");
-  if (!performance.dofs.allFinite())
-    throw Error("MaterialObjective: performance: expected finite poses, found NaN or infinity");
+  require_performance(performance, simulator.actor(), "MaterialObjective");
 }
 
 std::string hash_problem(const CharacterSimulator &simulator, const ReferencePerformance &performance,

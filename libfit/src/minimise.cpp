@@ -164,24 +164,62 @@ private:
     write_text(options_.checkpoint, json.dump());
   }
 
-  void resume(const Context &context) {
+  /// Has a part begun a generation that a search of this budget would not have?
+  bool beyond_budget(const state::Json &log) const {
+    std::vector<int> before(static_cast<std::size_t>(parts_), 0); // evaluations at the end of the part's last generation
+    for (const state::Json &entry : log) {
+      int &evaluations = before.at(static_cast<std::size_t>(state::count(entry.at(0))));
+      if (options_.budget > 0 && evaluations >= options_.budget)
+        return true;
+      evaluations = state::count(entry.at(2));
+    }
+    return false;
+  }
+
+  /// The log of a part ends where its optimiser stands.
+  void require_whole_log(int r) const {
+    int logged = 0;
+    for (const GenerationRow &row : log_)
+      if (row.part == r)
+        logged = row.evaluations;
+    if (logged != now(r).evaluations)
+      throw Error("the log ends at evaluation " + std::to_string(logged) + ", the optimiser stands at " +
+                  std::to_string(now(r).evaluations));
+  }
+
+  void resume(const Context &context) try {
     if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint))
       return;
-    state::read(read_text(options_.checkpoint), kKind, [&](const state::Json &json) {
+    state::read(read_json_text(options_.checkpoint), kKind, [&](const state::Json &json) {
       if (json.at("problem") != options_.problem || json.at("optimizers").size() != optimizers_.size() ||
           json.value("penalties", state::Json()).size() != penalties_.size()) {
         context.say("fit: " + options_.checkpoint.string() + " belongs to other data or options; starting over");
         return;
       }
+      if (beyond_budget(json.at("log"))) {
+        context.say("fit: " + options_.checkpoint.string() + " belongs to a longer search; starting over");
+        return;
+      }
       for (int r = 0; r < parts_; ++r)
-        optimizers_[r]->restore(json.at("optimizers")[r].get<std::string>());
+        optimizers_[r]->restore(json.at("optimizers").at(r).get<std::string>());
       for (const state::Json &entry : json.at("log"))
-        log_.push_back({entry[0], entry[1], entry[2], entry[3], entry[4], state::vector(entry[5], n_),
-                        state::vector(entry[6], n_), entry[7]});
+        log_.push_back({state::count(entry.at(0)), state::count(entry.at(1)), state::count(entry.at(2)), entry.at(3), entry.at(4),
+                        state::vector(entry.at(5), n_), state::vector(entry.at(6), n_), entry.at(7)});
+      for (int r = 0; r < parts_; ++r)
+        require_whole_log(r);
       penalties_ = json.at("penalties").get<std::vector<double>>();
       seconds_before_ = json.at("seconds");
       context.say("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");
     });
+  } catch (const Error &error) {
+    fail_to_resume(error);
+  } catch (const std::out_of_range &error) {
+    fail_to_resume(error);
+  }
+
+  [[noreturn]] void fail_to_resume(const std::exception &error) const {
+    throw Error(options_.checkpoint.string() +
+                ": expected where a search stood, found a damaged file (delete it to start over): " + error.what());
   }
 
   Objective &objective_;

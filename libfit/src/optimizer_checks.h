@@ -13,6 +13,10 @@ inline void require(bool condition, const std::string &message) {
     throw std::invalid_argument(message);
 }
 
+inline void require_dimension(int dimension, const std::string &who) {
+  require(dimension >= 1 && dimension <= 10000, who + ": dimension: expected 1 to 10000, found " + std::to_string(dimension));
+}
+
 inline void check_told(const MatrixRM &samples, const Eigen::VectorXd &energies, int dimension, int least) {
   require(samples.cols() == dimension && samples.rows() >= least,
           "tell: samples: expected at least (" + std::to_string(least) + ", " + std::to_string(dimension) + "), found (" +

@@ -52,6 +52,7 @@ void ParameterSpace::validate() const {
 pbd::Material ParameterSpace::material(const Eigen::VectorXd &unit) const {
   require(unit.size() == size(),
           "ParameterSpace: unit: expected " + std::to_string(size()) + " numbers, found " + std::to_string(unit.size()));
+  require(unit.allFinite(), "ParameterSpace: unit: expected finite numbers, found NaN or infinity");
   pbd::Material result = fixed;
   for (int i = 0; i < size(); ++i) {
     const pbd::MaterialParameter &parameter = *find(names[i]);

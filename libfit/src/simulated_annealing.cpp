@@ -88,8 +88,8 @@ public:
       best_ = state::vector(json.at("best"), n_);
       scale_ = json.at("scale");
       best_energy_ = json.at("best_energy");
-      evaluations_ = json.at("evaluations");
-      generation_ = json.at("generation");
+      evaluations_ = state::count(json.at("evaluations"));
+      generation_ = state::count(json.at("generation"));
       random_.restore(json.at("random"));
     });
   }
@@ -126,7 +126,7 @@ void AnnealingOptions::validate() const {
 }
 
 std::unique_ptr<Optimizer> create_simulated_annealing(int dimension, const AnnealingOptions &options) {
-  require(dimension >= 1, "create_simulated_annealing: dimension: expected at least 1, found " + std::to_string(dimension));
+  require_dimension(dimension, "create_simulated_annealing");
   options.validate();
   return std::make_unique<Annealing>(dimension, options);
 }

@@ -6,6 +6,11 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <string>
+
 namespace doublet::state {
 
 using Json = nlohmann::json;
@@ -32,15 +37,28 @@ inline Eigen::VectorXd vector(const Json &values, Eigen::Index size) {
   return matrix(values, size, 1).col(0);
 }
 
+/// A number of things, at least 0.
+inline int count(const Json &value) {
+  if (!value.is_number_integer() || value.get<std::int64_t>() < 0 || value.get<std::int64_t>() > std::numeric_limits<int>::max())
+    throw Error("optimiser state: expected a count, found " + value.dump().substr(0, 40));
+  return value.get<int>();
+}
+
+/// What the parser says, without the text that it quotes: that may be the whole file.
+inline std::string reason(const nlohmann::json::exception &error) {
+  const std::string text = error.what();
+  return text.substr(0, std::min(text.find("; last read"), std::size_t{160}));
+}
+
 /// Calls read(json), turning what the parser throws into an Error that says what was expected.
 template <class Read> void read(const std::string &text, const char *expected, const Read &read) {
   try {
     const Json json = Json::parse(text);
-    if (json.value("kind", "") != expected)
-      throw Error(std::string("optimiser state: expected kind '") + expected + "', found '" + json.value("kind", "") + "'");
+    if (const std::string kind = json.value("kind", ""); kind != expected)
+      throw Error(std::string("optimiser state: expected kind '") + expected + "', found '" + kind.substr(0, 40) + "'");
     read(json);
   } catch (const nlohmann::json::exception &error) {
-    throw Error(std::string("optimiser state: expected a saved '") + expected + "', found: " + error.what());
+    throw Error(std::string("optimiser state: expected a saved '") + expected + "', found: " + reason(error));
   }
 }
 

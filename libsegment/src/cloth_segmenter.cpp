@@ -194,6 +194,8 @@ public:
     if (!sequence.unposed.empty() && sequence.unposed.size() != sequence.frames.size())
       throw std::invalid_argument("segment: expected as many unposed frames as frames, " +
                                   std::to_string(sequence.frames.size()) + ", found " + std::to_string(sequence.unposed.size()));
+    require_frames(sequence.frames, sequence.frames.front().rows(), "segment: a frame");
+    require_frames(sequence.unposed, sequence.frames.front().rows(), "segment: an unposed frame");
     context.report("segment", 0.0);
     const Mesh pose{sequence.frames.front(), sequence.faces};
     const OppositePoints points = find_opposite_points(pose, face_valid, options_.opposite, context);

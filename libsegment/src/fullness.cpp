@@ -117,16 +117,14 @@ Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8
                                   const MeshSequence &sequence, const FullnessOptions &options, const Context &context) {
   options.validate();
   const Eigen::Index count = scan.vertices.rows();
-  const auto check = [count](const std::string &what, Eigen::Index found) {
-    if (found != count)
-      throw std::invalid_argument("estimate_fullness: " + what + ": expected " + std::to_string(count) + " vertices, found " +
-                                  std::to_string(found));
-  };
-  check("clothness", clothness.region.size());
+  require_usable(scan, "estimate_fullness: scan");
+  require_clothness(clothness, count, "estimate_fullness");
   if (sequence.frames.empty())
     throw std::invalid_argument("estimate_fullness: expected at least one frame, found none");
-  for (const Vertices &frame : sequence.frames)
-    check("a frame", frame.rows());
+  require_frames(sequence.frames, count, "estimate_fullness: a frame");
+  if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != scan.faces.rows())
+    throw std::invalid_argument("estimate_fullness: face_valid: expected " + std::to_string(scan.faces.rows()) +
+                                " entries, one a face, found " + std::to_string(face_valid.size()));
   if (!options.estimate || clothness.region_count == 0)
     return Eigen::VectorXd::Ones(count);
   const Faces faces = valid_faces(scan.faces, face_valid);

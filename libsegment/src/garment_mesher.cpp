@@ -295,18 +295,12 @@ void append(Garment &all, const Garment &part) {
   all.mesh.faces.bottomRows(part.mesh.faces.rows()) = part.mesh.faces.array() + static_cast<int>(before);
 }
 
-void check_inputs(const RiggedMesh &actor, const Clothness &clothness, const MeshSequence &captured) {
-  require_usable(actor.mesh, "garment: actor");
-  const auto expect = [](const std::string &what, Eigen::Index found, Eigen::Index expected) {
-    if (found != expected)
-      throw std::invalid_argument("garment: " + what + ": expected " + std::to_string(expected) + " entries, found " +
-                                  std::to_string(found));
-  };
-  expect("actor.face_valid", static_cast<Eigen::Index>(actor.face_valid.size()), actor.mesh.faces.rows());
-  expect("clothness", clothness.clothness.size(), actor.mesh.vertices.rows());
-  expect("clothness.region", clothness.region.size(), actor.mesh.vertices.rows());
-  for (const Vertices &frame : captured.frames)
-    expect("a captured frame", frame.rows(), actor.mesh.vertices.rows());
+void check_inputs(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured) {
+  require_actor(actor, "garment");
+  require_clothness(clothness, actor.mesh.vertices.rows(), "garment");
+  require_frames(captured.frames, actor.mesh.vertices.rows(), "garment: a captured frame");
+  if (body.vertices.rows() > 0)
+    require_usable(body, "garment: body");
 }
 
 void say_what_falls(const Piece &whole, const Piece &hung, int region, const Context &context) {
@@ -326,7 +320,7 @@ public:
 
   Garment mesh(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
                const Context &context) const override {
-    check_inputs(actor, clothness, captured);
+    check_inputs(actor, clothness, body, captured);
     Garment garment;
     garment.mesh = {Vertices(0, 3), Faces(0, 3)};
     garment.barycentric.resize(0, 3);
@@ -404,6 +398,11 @@ GarmentSummary summarise_garment(const Garment &garment) {
   summary.regions = garment.region_count;
   if (summary.faces == 0)
     return summary;
+  require_usable(garment.mesh, "garment");
+  if (garment.rest.rows() != summary.vertices || garment.clothness.size() != summary.vertices)
+    throw std::invalid_argument("summarise_garment: expected rest and clothness of " + std::to_string(summary.vertices) +
+                                " vertices, found " + std::to_string(garment.rest.rows()) + " and " +
+                                std::to_string(garment.clothness.size()));
   for (const std::vector<int> &loop : boundary_loops(garment.mesh.faces)) {
     ++summary.loops;
     summary.hanging_loops += std::any_of(loop.begin(), loop.end(), [&](int v) { return garment.clothness[v] == 0; });

@@ -187,7 +187,7 @@ TEST(Character, PartsMustFit) {
   EXPECT_THROW(validate_character(c), Error);
   c = figure_character();
   c.clothness.rest = Vertices::Zero(5, 3);
-  EXPECT_THROW(validate_character(c), Error);
+  EXPECT_THROW(validate_character(c), std::invalid_argument);
   c = figure_character();
   c.texture = {1, 2, 3};
   EXPECT_THROW(validate_character(c), Error);

@@ -139,13 +139,13 @@ TEST(CharacterSimulator, RefusesWhatDoesNotFit) {
   const Character c = figure_character();
   Clothness wrong = c.clothness;
   wrong.clothness.conservativeResize(10);
-  EXPECT_THROW(CharacterSimulator(c.actor, wrong, c.proxies), Error);
+  EXPECT_THROW(CharacterSimulator(c.actor, wrong, c.proxies), std::invalid_argument);
   Clothness unnamed = c.clothness;
   unnamed.region_count = 0;
   EXPECT_THROW(CharacterSimulator(c.actor, unnamed, c.proxies), Error);
   Clothness short_rest = c.clothness;
   short_rest.rest = Vertices::Zero(10, 3);
-  EXPECT_THROW(CharacterSimulator(c.actor, short_rest, c.proxies), Error);
+  EXPECT_THROW(CharacterSimulator(c.actor, short_rest, c.proxies), std::invalid_argument);
   std::vector<TaperedCapsule> proxies = c.proxies;
   proxies[0].joint = 99;
   EXPECT_THROW(CharacterSimulator(c.actor, c.clothness, proxies), Error);

@@ -7,6 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
+#include <cmath>
+#include <csignal>
 #include <fstream>
 #include <functional>
 #include <limits>
@@ -32,6 +36,52 @@ int files_in(const TempFolder &folder) {
 }
 
 } // namespace
+
+/// While it lives no file may grow beyond so many bytes: what a full disk is to a writer.
+class SmallDisk {
+public:
+  explicit SmallDisk(rlim_t bytes) : ignored_(signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+  }
+  SmallDisk(const SmallDisk &) = delete;
+  SmallDisk &operator=(const SmallDisk &) = delete;
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    signal(SIGXFSZ, ignored_);
+  }
+
+private:
+  sighandler_t ignored_;
+  rlimit before_{};
+};
+
+TEST(Files, AFullDiskIsAnErrorThatNamesTheFileAndLeavesTheOldOne) {
+  const TempFolder folder;
+  Npz npz;
+  std::vector<double> noise(20000);
+  for (std::size_t i = 0; i < noise.size(); ++i)
+    noise[i] = std::sin(1e5 * static_cast<double>(i * i));
+  npz.set_f8("noise", {20000}, noise);
+  write_text(folder / "a.txt", "old");
+  write_text(folder / "a.npz", "old");
+  const SmallDisk small(4096);
+  const std::string text = error_of([&] { write_text(folder / "a.txt", std::string(100000, 'x')); });
+  EXPECT_NE(text.find("a.txt: cannot be written: File too large"), std::string::npos) << text;
+  const std::string archive = error_of([&] { npz.write(folder / "a.npz"); });
+  EXPECT_NE(archive.find("a.npz: cannot be written: "), std::string::npos) << archive;
+  EXPECT_EQ(read_text(folder / "a.txt") + read_text(folder / "a.npz"), "oldold");
+  EXPECT_EQ(files_in(folder), 2);
+}
+
+TEST(Files, DevicesAndFoldersAreNotReplaced) {
+  const TempFolder folder;
+  EXPECT_NE(error_of([] { write_text("/dev/full", "x"); }).find("a device"), std::string::npos);
+  EXPECT_NE(error_of([&] { write_text(folder.path(), "x"); }).find("a folder"), std::string::npos);
+  EXPECT_NE(error_of([&] { write_text(folder / "a.txt/b.txt", "x"), write_text(folder / "a.txt/b.txt/c", "x"); }).find("folder"),
+            std::string::npos);
+}
 
 TEST(Files, WritesAreCompleteOrNotThere) {
   const TempFolder folder;
@@ -161,9 +211,12 @@ TEST(Files, ClothnessAndBodyRoundTrip) {
   EXPECT_EQ(d.clothness, c.clothness);
   EXPECT_EQ(d.region, c.region);
   EXPECT_EQ(d.region_count, 2);
-  c.clothness[0] = 1.5;
-  write_clothness(folder / "segmentation.npz", c);
+  Npz npz = Npz::read(folder / "segmentation.npz");
+  npz.set_f4("clothness", {4}, {1.5, 0, 0.5, 1});
+  npz.write(folder / "segmentation.npz");
   EXPECT_THROW(read_clothness(folder / "segmentation.npz"), Error);
+  c.clothness[0] = 1.5;
+  EXPECT_THROW(write_clothness(folder / "segmentation.npz", c), Error);
 
   BodyFit fit{testing::sphere(1), Eigen::VectorXd::Random(7), "pca-2024 \xE2\x80\x93 abc", 0.004};
   fit.deviation = Eigen::VectorXd::Constant(fit.body.vertices.rows(), 0.01);

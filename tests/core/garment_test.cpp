@@ -176,6 +176,7 @@ TEST(Dress, RefusesWhatDoesNotFit) {
   Scene s;
   s.clothness.clothness.conservativeResize(5);
   EXPECT_THROW(dress(s.actor, s.clothness, s.garment), std::invalid_argument);
+  s.clothness = Scene().clothness;
   s.garment.covers.pop_back();
   EXPECT_THROW(dress(s.actor, s.clothness, s.garment), Error);
 }

@@ -177,6 +177,24 @@ TEST(RayScene, RefusesUnusableMeshesAndSurvivesDegenerateOnes) {
   EXPECT_NEAR(c.distance, 0.5, 1e-9);
   m.vertices(0, 0) = NAN;
   EXPECT_THROW(RayScene{m}, Error);
+  m.vertices(0, 0) = 1e30;
+  EXPECT_THROW(RayScene{m}, Error);
+}
+
+TEST(RayScene, RefusesRaysThatAreNotFinite) {
+  const RayScene scene(testing::grid(1, 1, 2, 2));
+  const Eigen::Vector3d origin(0.1, 1, 0.1), down(0, -1, 0);
+  ASSERT_TRUE(scene.cast(origin, down));
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300, 1e30, -2e18}) {
+    const Eigen::Vector3d broken(0, bad, 0);
+    EXPECT_THROW(scene.cast(broken, down), std::invalid_argument);
+    EXPECT_THROW(scene.cast(origin, broken), std::invalid_argument);
+    EXPECT_THROW(scene.occluded(broken, origin), std::invalid_argument);
+    EXPECT_THROW(scene.occluded(origin, broken), std::invalid_argument);
+    EXPECT_THROW(scene.closest(broken), std::invalid_argument);
+  }
+  EXPECT_FALSE(scene.cast(origin, Eigen::Vector3d::Zero()));
+  EXPECT_FALSE(scene.cast(Eigen::Vector3d(1e17, 1e17, 1e17), Eigen::Vector3d(1e-30, 0, 1e17)));
 }
 
 } // namespace doublet

@@ -181,6 +181,66 @@ TEST(Minimise, ACheckpointOfAnotherProblemIsNotUsed) {
   EXPECT_THROW(minimise(second, options), Error);
 }
 
+MinimiseOptions with_budget(int budget, const Path &checkpoint) {
+  MinimiseOptions options;
+  options.budget = budget;
+  options.checkpoint = checkpoint;
+  options.make_optimizer = [budget](int n, std::uint64_t seed) {
+    CmaEsOptions cma;
+    cma.max_evaluations = budget;
+    cma.seed = seed;
+    return create_cma_es(n, cma);
+  };
+  return options;
+}
+
+TEST(Minimise, ALargerBudgetGoesOnToTheBitsOfOneSearch) {
+  const TempFolder folder;
+  TwoSpheres whole, first, second;
+  const MinimiseResult expected = minimise(whole, with_budget(120, {}));
+  minimise(first, with_budget(40, folder / "checkpoint"));
+  expect_same(minimise(second, with_budget(120, folder / "checkpoint")), expected);
+  EXPECT_EQ(first.generations + second.generations, whole.generations);
+
+  TwoSpheres small, again; // and a smaller one does not take over what it would never have reached
+  const MinimiseResult little = minimise(small, with_budget(40, {}));
+  std::string said;
+  Context context;
+  context.log = [&](const std::string &line) { said += line; };
+  expect_same(minimise(again, with_budget(40, folder / "checkpoint"), context), little);
+  EXPECT_NE(said.find("longer search"), std::string::npos) << said;
+}
+
+TEST(Minimise, ADamagedCheckpointIsNamedAndNotQuoted) {
+  const TempFolder folder;
+  TwoSpheres objective;
+  MinimiseOptions options = with_budget(40, folder / "checkpoint");
+  minimise(objective, options);
+  const std::string whole = read_text(options.checkpoint);
+  const auto replaced = [&](const std::string &from, const std::string &to) {
+    std::string text = whole;
+    text.replace(text.find(from), from.size(), to);
+    return text;
+  };
+  const std::size_t rows = whole.find("\"log\":["), end = whole.find("]]", rows);
+  const std::string without_log = whole.substr(0, rows) + "\"log\":[" + whole.substr(end + 1);
+  for (const std::string &text :
+       {without_log, whole.substr(0, whole.size() / 2), std::string("{}"), std::string(), "[" + whole + "]",
+        replaced("\"log\":[[", "\"log\":[[99,"), replaced("\"log\":[[0,1,", "\"log\":[[]],\"x\":[[0,1,"),
+        replaced("\"optimizers\":[\"", "\"optimizers\":[\"x"), replaced("evaluations", "valuations"),
+        replaced("\\\"evaluations\\\":", "\\\"evaluations\\\":-")}) {
+    write_text(options.checkpoint, text);
+    try {
+      minimise(objective, options);
+      ADD_FAILURE() << "was read: " << text.substr(0, 200);
+    } catch (const Error &error) {
+      const std::string said = error.what();
+      EXPECT_NE(said.find(options.checkpoint.string()), std::string::npos) << said;
+      EXPECT_LT(said.size(), 500u) << said;
+    }
+  }
+}
+
 TEST(Minimise, RowsComeAfterEveryGeneration) {
   TwoSpheres objective;
   MinimiseOptions options;

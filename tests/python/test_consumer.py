@@ -51,3 +51,27 @@ def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
 
 def test_inside_the_tree_of_another_project(build_dir, tmp_path):
     run(build(CONSUMERS / "subdirectory", tmp_path, f"-DDOUBLET_SOURCE={ROOT}", "-DDOUBLET_WERROR=ON"))
+
+
+def configured(folder: Path, prefix: Path, *lines: str) -> subprocess.CompletedProcess:
+    """A project that only looks for doublet."""
+    folder.mkdir()
+    text = ("cmake_minimum_required(VERSION 3.25)", "project(looks LANGUAGES CXX)", *lines)
+    (folder / "CMakeLists.txt").write_text("\n".join(text) + "\n")
+    command = ["cmake", "-S", folder, "-B", folder / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"]
+    return subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=300)
+
+
+def test_components_are_looked_for(installed, tmp_path):
+    wrong = configured(tmp_path / "wrong", installed, "find_package(doublet REQUIRED COMPONENTS pbd nonsense)")
+    assert wrong.returncode != 0 and "no component 'nonsense'" in wrong.stderr, wrong.stderr
+    right = configured(
+        tmp_path / "right",
+        installed,
+        "find_package(doublet QUIET COMPONENTS nonsense)",
+        'if(doublet_FOUND)\n message(FATAL_ERROR "nonsense was found")\nendif()',
+        "find_package(doublet REQUIRED COMPONENTS pbd core OPTIONAL_COMPONENTS nonsense)",
+        "foreach(name pbd core)\n if(NOT doublet_${name}_FOUND)\n message(FATAL_ERROR ${name})\n endif()\nendforeach()",
+        'if(doublet_nonsense_FOUND)\n message(FATAL_ERROR "nonsense was found")\nendif()',
+    )
+    assert right.returncode == 0, right.stderr

@@ -35,10 +35,10 @@ def fit():
     )
     started = []
 
-    def start(out, **options):
+    def start(out, *more, **options):
         if not (out / "run.json").exists():
             (out / "run.json").write_text(json.dumps({"session": "session", "stages": {}}))
-        command = [sys.executable, "-c", program, "fit", str(out), *OPTIONS]
+        command = [sys.executable, "-c", program, "fit", str(out), *OPTIONS, *more]
         started.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True, **options))
         return started[-1]
 
@@ -95,7 +95,7 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
     assert "resuming after" in (out / "log.txt").read_text()
     assert fitted(out) == fitted(whole) and not fitted(out)["interrupted"]
     assert log_without_seconds(out) == log_without_seconds(whole)
-    assert not (out / "fit_checkpoint.txt").exists()
+    assert (out / "fit_checkpoint.txt").exists()  # a larger budget goes on from it
 
     region = fitted(out)["regions"][0]
     assert region["influence"]["k_stretch"]["rank"] == 1 and region["influence"]["k_stretch"]["confidence"] != "low"
@@ -105,6 +105,35 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
     assert page.count("<svg") == 2 and "refresh" not in page
     assert any("k_friction" in line and "is a guess" in line for line in region["remarks"])
     assert page.count("Doubtful: k_friction = ") == 1
+
+
+def test_a_larger_budget_goes_on_to_the_bits_of_one_search(fit, out, bell, tmp_path):
+    whole = tmp_path / "whole"
+    shutil.copytree(bell, whole)
+    larger = ["--fit-max-evaluations", "84", "--no-fit-influence"]
+    finished(fit(whole, *larger))
+    assert "resuming" not in (whole / "log.txt").read_text()
+
+    finished(fit(out, "--no-fit-influence"))
+    assert fitted(out)["regions"][0]["evaluations"] == 56
+    assert "option fit.max_evaluations changed from 56 to 84" in finished(fit(out, *larger))
+    assert "resuming after 56 evaluations" in (out / "log.txt").read_text()
+    assert fitted(out) == fitted(whole) and fitted(out)["regions"][0]["evaluations"] == 84
+    assert log_without_seconds(out) == log_without_seconds(whole)
+
+    finished(fit(out, "--no-fit-influence"))  # a smaller one is another search
+    assert "belongs to a longer search" in (out / "log.txt").read_text()
+    assert fitted(out)["regions"][0]["evaluations"] == 56
+    finished(fit(out, "--no-fit-influence", "--force"))  # and a forced one begins again
+    assert (out / "log.txt").read_text().count("resuming") == 1
+
+
+def test_a_damaged_checkpoint_is_named(fit, out):
+    (out / "fit_checkpoint.txt").write_text('{"kind": "minimise", "problem": "' + "x" * 10000)
+    process = fit(out)
+    _, shown = process.communicate(timeout=60)
+    (line,) = [line for line in shown.splitlines() if line.startswith("doublet: ")]
+    assert process.returncode == 1 and str(out / "fit_checkpoint.txt") in line and "delete it" in line and len(line) < 500
 
 
 def test_words_follow_the_confidence():

@@ -20,9 +20,13 @@ class Context:
         progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.
         """
     def report(self, stage: str, fraction: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
+        """
+        Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.
+        """
     def say(self, line: str) -> None:
-        ...
+        """
+        Hands a line to log.
+        """
     @property
     def threads(self) -> int:
         ...
@@ -30,6 +34,9 @@ class Context:
     def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class MeshReport:
+    """
+    What is wrong, or right, with a mesh.
+    """
     def __repr__(self) -> str:
         ...
     @property
@@ -76,7 +83,9 @@ class Mesh:
     def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
         ...
     def report(self) -> MeshReport:
-        ...
+        """
+        What is wrong, or right, with the mesh.
+        """
     @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
         ...
@@ -135,7 +144,9 @@ class Camera:
         Pixel of a world point.
         """
     def resized(self, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
-        ...
+        """
+        The same camera for images of another size.
+        """
     @property
     def K(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
         ...
@@ -218,7 +229,9 @@ class Skeleton:
     def __init__(self, marks: collections.abc.Sequence[JointMark]) -> None:
         ...
     def find(self, name: str) -> int:
-        ...
+        """
+        Index of a joint; raises Error if there is none of that name.
+        """
     def forward_kinematics(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> numpy.typing.NDArray[numpy.float64]:
         """
         (J, 4, 4) world_from_rest
@@ -262,6 +275,9 @@ class ViewObservation:
         (N, 4) features at t-1 (x, y) and t (x, y)
         """
 class Observations:
+    """
+    2D data of the whole sequence (observations.npz).
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -293,7 +309,9 @@ class RiggedMesh:
     def __init__(self, mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], skeleton: Skeleton) -> None:
         ...
     def skip_invalid(self) -> list[int]:
-        ...
+        """
+        (F) 1 where face_valid is 0: the form that rasterize and RayScene take.
+        """
     @property
     def face_valid(self) -> list[int]:
         """
@@ -545,6 +563,9 @@ class BodyFit:
     def residual(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class SessionCamera:
+    """
+    One camera of a session and its files.
+    """
     name: str
     def __init__(self) -> None:
         ...
@@ -619,7 +640,9 @@ class FrameSource:
     """
     @staticmethod
     def open(session: Session) -> FrameSource:
-        ...
+        """
+        Images and masks of a session, read as they are asked for.
+        """
     def __init__(self) -> None:
         ...
     def image(self, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
@@ -652,7 +675,9 @@ class ChromaKeyOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def smallest_blob(self) -> int:
         """
@@ -685,7 +710,9 @@ class BackgroundOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def highlight(self) -> float:
         """
@@ -736,7 +763,9 @@ class SilhouetteOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def median_frames(self) -> int:
         """
@@ -772,9 +801,13 @@ class SilhouetteExtractor:
     def __init__(self) -> None:
         ...
     def extract(self, camera: typing.SupportsInt | typing.SupportsIndex, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
-        ...
+        """
+        Mask (H, W), 255 = actor.
+        """
     def train(self, camera: typing.SupportsInt | typing.SupportsIndex, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
-        ...
+        """
+        Looks at images of one camera before the first mask is made.
+        """
 class TemplateOptions:
     """
     Options of build_template.
@@ -791,7 +824,9 @@ class TemplateOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def density_drop(self) -> float:
         """
@@ -872,7 +907,9 @@ class HeatWeightOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def c(self) -> float:
         """
@@ -949,6 +986,9 @@ class SurfaceQuality:
     def triangles(self) -> int:
         ...
 class TemplateSummary:
+    """
+    Quality of both surfaces of a template.
+    """
     @property
     def high(self) -> SurfaceQuality:
         ...
@@ -971,7 +1011,9 @@ class FeatureTrackerOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def budget(self) -> int:
         """
@@ -1026,7 +1068,9 @@ class FeatureTracker:
     """
     @staticmethod
     def create(options: FeatureTrackerOptions = ...) -> FeatureTracker:
-        ...
+        """
+        The built-in tracker (SIFT).
+        """
     def __init__(self) -> None:
         ...
     def detect(self, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8]) -> Features:
@@ -1166,7 +1210,9 @@ class PoseOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def first_iterations(self) -> int:
         """
@@ -1272,6 +1318,9 @@ class PoseOptions:
     def sift_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class PoseEstimate:
+    """
+    A pose and how well it explains its frame.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -1318,11 +1367,15 @@ class PoseOptimizer:
     """
     @staticmethod
     def create(options: PoseOptions = ...) -> PoseOptimizer:
-        ...
+        """
+        The built-in optimiser (Gauss-Newton on rims and tracks).
+        """
     def __init__(self) -> None:
         ...
     def optimize(self, problem: PoseProblem, context: Context = ...) -> PoseEstimate:
-        ...
+        """
+        The pose that explains the problem best.
+        """
 class ParticleAnnealingOptions:
     """
     Options of the interacting simulated annealing of lost limbs.
@@ -1339,7 +1392,9 @@ class ParticleAnnealingOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def coldness(self) -> float:
         """
@@ -1405,7 +1460,9 @@ class LimbSearchOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def deviation(self) -> float:
         """
@@ -1503,11 +1560,15 @@ class LimbSearch:
     """
     @staticmethod
     def create(options: LimbSearchOptions = ...) -> LimbSearch:
-        ...
+        """
+        The built-in search (interacting simulated annealing).
+        """
     def __init__(self) -> None:
         ...
     def search(self, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], lost: collections.abc.Sequence[Limb], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (D) the pose `dofs` with the lost limbs sought anew.
+        """
 class SurfaceOptions:
     """
     Options of the surface refiner.
@@ -1524,7 +1585,9 @@ class SurfaceOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def anchor_cloth(self) -> float:
         """
@@ -1638,6 +1701,9 @@ class SurfaceOptions:
     def stretching(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class SurfaceEstimate:
+    """
+    A surface and how well it explains its frame.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -1670,11 +1736,15 @@ class SurfaceRefiner:
     """
     @staticmethod
     def create(options: SurfaceOptions = ...) -> SurfaceRefiner:
-        ...
+        """
+        The built-in refiner (Laplacian deformation).
+        """
     def __init__(self) -> None:
         ...
     def refine(self, problem: SurfaceProblem, context: Context = ...) -> SurfaceEstimate:
-        ...
+        """
+        The surface that explains the problem best.
+        """
 class CaptureParts:
     """
     The pieces of a capture; None = the built-in one, made from the options.
@@ -1705,7 +1775,9 @@ class CaptureOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def acceleration(self) -> float:
         """
@@ -1897,6 +1969,9 @@ class JointSight:
     def seen(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class CaptureSummary:
+    """
+    What can disappoint about a capture.
+    """
     def __init__(self) -> None:
         ...
     @property
@@ -2000,6 +2075,9 @@ class CaptureSummary:
     def views(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
         ...
 class CaptureResult:
+    """
+    Performance, observations and summary of a capture.
+    """
     observations: Observations
     performance: ReferencePerformance
     summary: CaptureSummary
@@ -2011,11 +2089,15 @@ class PerformanceCapture:
     """
     @staticmethod
     def create(options: CaptureOptions = ..., parts: CaptureParts = ...) -> PerformanceCapture:
-        ...
+        """
+        The built-in capture, with pieces of one's own in `parts`.
+        """
     def __init__(self) -> None:
         ...
     def capture(self, actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor, context: Context = ...) -> CaptureResult:
-        ...
+        """
+        Tracks all frames. extractor: None if all cameras have masks.
+        """
 class SegmentOptions:
     """
     Options of ClothSegmenter.
@@ -2032,7 +2114,9 @@ class SegmentOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def cloth_threshold(self) -> float:
         """
@@ -2081,7 +2165,9 @@ class FullnessOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def estimate(self) -> bool:
         """
@@ -2120,11 +2206,15 @@ class ClothSegmenter:
     """
     @staticmethod
     def create(options: SegmentOptions = ...) -> ClothSegmenter:
-        ...
+        """
+        The built-in segmenter (Sect. 5).
+        """
     def __init__(self) -> None:
         ...
     def segment(self, sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], context: Context = ...) -> Clothness:
-        ...
+        """
+        How loose every vertex of the sequence is. face_valid (F).
+        """
 class GarmentOptions:
     """
     Options of GarmentMesher.
@@ -2141,7 +2231,9 @@ class GarmentOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def band(self) -> float:
         """
@@ -2212,11 +2304,15 @@ class GarmentMesher:
     """
     @staticmethod
     def create(options: GarmentOptions = ...) -> GarmentMesher:
-        ...
+        """
+        The built-in mesher.
+        """
     def __init__(self) -> None:
         ...
     def mesh(self, actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: MeshSequence, context: Context = ...) -> Garment:
-        ...
+        """
+        All cloth as a mesh of its own.
+        """
 class GarmentSummary:
     """
     What the mesher made.
@@ -2256,7 +2352,9 @@ class BodyModel:
     """
     @staticmethod
     def read(path: os.PathLike | str | bytes) -> BodyModel:
-        ...
+        """
+        A model in this library's format or SMPL's (.npz). Raises FileNotFoundError, or Error naming file and array.
+        """
     def component(self, k: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
         (B, 3) m per standard deviation
@@ -2303,7 +2401,9 @@ class BodyFitOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def cloth_attraction(self) -> float:
         """
@@ -2384,7 +2484,9 @@ class ProxyOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def capsules_per_bone(self) -> int:
         """
@@ -2440,11 +2542,15 @@ class BodyFitter:
     """
     @staticmethod
     def create(options: BodyFitOptions = ...) -> BodyFitter:
-        ...
+        """
+        The built-in fitter.
+        """
     def __init__(self) -> None:
         ...
     def fit(self, actor: RiggedMesh, clothness: Clothness, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
-        ...
+        """
+        The body under the clothes. landmarks: name -> point, m.
+        """
     def fit_together(self, scans: collections.abc.Sequence[DressedScan], model: BodyModel, context: Context = ...) -> list[BodyFit]:
         """
         One shape, a pose a scan; a list of BodyFit.
@@ -2516,7 +2622,9 @@ class TrainOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def command(self) -> str:
         """
@@ -2566,6 +2674,9 @@ class TrainOptions:
     def pose_floor(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class TrainSummary:
+    """
+    What a training kept.
+    """
     @property
     def components(self) -> int:
         ...
@@ -2591,13 +2702,17 @@ class Material:
     """
     @staticmethod
     def boxes() -> dict:
-        ...
+        """
+        Name -> (lower, upper) of every parameter.
+        """
     def __init__(self, **kwargs) -> None:
         ...
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value.
+        """
     @property
     def d_n(self) -> float:
         ...
@@ -2671,7 +2786,9 @@ class ClothState:
     def __init__(self, positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     def copy(self) -> ClothState:
-        ...
+        """
+        A state of its own.
+        """
     @property
     def positions(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         ...
@@ -2746,7 +2863,9 @@ class ClothOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -2840,11 +2959,19 @@ class ClothSolver:
     """
     @staticmethod
     def create(model: ClothModel) -> ClothSolver:
-        ...
+        """
+        The built-in solver.
+        """
     def __init__(self, model: ClothModel) -> None:
         ...
     def step(self, state: ClothState, inputs: StepInputs, material: Material) -> None:
-        ...
+        """
+        Advances the state by one frame.
+        """
+    def step_each(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: typing.SupportsInt | typing.SupportsIndex = 1) -> list[int]:
+        """
+        step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were left as they were.
+        """
     @property
     def model(self) -> ClothModel:
         ...
@@ -2865,7 +2992,9 @@ class CharacterState:
     Simulated state of all cloth regions; copy() saves it.
     """
     def copy(self) -> CharacterState:
-        ...
+        """
+        A state of its own.
+        """
     @property
     def regions(self) -> list[ClothState]:
         ...
@@ -2879,13 +3008,25 @@ class CharacterSimulator:
     def __init__(self, actor: RiggedMesh, clothness: Clothness, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ...) -> None:
         ...
     def pose(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> PosedFrame:
-        ...
+        """
+        The PosedFrame of a pose (D).
+        """
     def settle(self, state: CharacterState, frame: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, frames: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
+        """
+        Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.
+        """
     def start(self, frame: PosedFrame, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None) -> CharacterState:
-        ...
+        """
+        Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.
+        """
     def step(self, state: CharacterState, previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
+        """
+        Advances every cloth region from one posed frame to the next; materials: one a region.
+        """
+    def step_each(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: typing.SupportsFloat | typing.SupportsIndex) -> list[tuple[int, int]]:
+        """
+        step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.
+        """
     def surface(self, state: CharacterState, frame: PosedFrame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
         (V, 3) m
@@ -2923,9 +3064,13 @@ class Character:
     solver: SolverSettings
     @staticmethod
     def read(path: os.PathLike | str | bytes) -> Character:
-        ...
+        """
+        character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.
+        """
     def write(self, path: os.PathLike | str | bytes) -> None:
-        ...
+        """
+        character.glb, complete or not at all.
+        """
     @property
     def body_colour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -3010,6 +3155,10 @@ class SourceMotion:
         """
         .bvh or .amc; skeleton: the .asf of an .amc
         """
+    def __init__(self, joint_names: collections.abc.Sequence[str], joint_parents: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], offsets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], rotations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], fps: typing.SupportsFloat | typing.SupportsIndex, source: str = 'arrays') -> None:
+        """
+        From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, 3) in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of length.
+        """
     @property
     def fps(self) -> float:
         ...
@@ -3020,9 +3169,22 @@ class SourceMotion:
     def joint_names(self) -> list[str]:
         ...
     @property
+    def joint_parents(self) -> list[int]:
+        ...
+    @property
+    def offsets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (J, 3) from the parent in the zero pose, file units
+        """
+    @property
     def positions(self) -> numpy.typing.NDArray[numpy.float64]:
         """
         (T, J, 3) world, file units; a copy
+        """
+    @property
+    def rotations(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, J, 4) world, relative to the zero pose, w x y z; a copy
         """
     @property
     def source(self) -> str:
@@ -3043,7 +3205,9 @@ class RetargetOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def align_start(self) -> bool:
         """
@@ -3132,7 +3296,9 @@ class AnimateOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def body(self) -> bool:
         """
@@ -3159,10 +3325,10 @@ class AnimateOptions:
         ...
 class AnimationResult:
     """
-    An animation in memory; arrays are copies.
+    An animation in memory; an array is put together at its first access, and kept.
     """
     @property
-    def body(self) -> numpy.typing.NDArray[numpy.float64]:
+    def body(self) -> typing.Any:
         """
         (T, B, 3) m
         """
@@ -3175,17 +3341,17 @@ class AnimationResult:
     def fps(self) -> float:
         ...
     @property
-    def high(self) -> numpy.typing.NDArray[numpy.float64]:
+    def high(self) -> typing.Any:
         """
         (T, VH, 3) m
         """
     @property
-    def joints(self) -> numpy.typing.NDArray[numpy.float64]:
+    def joints(self) -> typing.Any:
         """
         (T, J, 3) m
         """
     @property
-    def surface(self) -> numpy.typing.NDArray[numpy.float64]:
+    def surface(self) -> typing.Any:
         """
         (T, V, 3) m
         """
@@ -3237,7 +3403,9 @@ class BakedGlbOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def keys_per_second(self) -> float:
         """
@@ -3294,7 +3462,9 @@ class RenderOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def background(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
@@ -3350,7 +3520,9 @@ class CharacterRenderer:
     def __init__(self, character: Character) -> None:
         ...
     def meshes(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> list[RenderMesh]:
-        ...
+        """
+        The RenderMesh objects of a frame.
+        """
     def render(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
         """
         (H, W, 3) uint8, BGR
@@ -3371,7 +3543,9 @@ class TextureOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def depth_margin(self) -> float:
         """
@@ -3454,6 +3628,9 @@ class SurfaceTransfer:
         (V', 3) fine vertices for the coarse (V, 3)
         """
 class OptimizerResult:
+    """
+    Where an optimiser stands.
+    """
     stop_reason: str
     def __init__(self) -> None:
         ...
@@ -3500,17 +3677,29 @@ class Optimizer:
     def __init__(self) -> None:
         ...
     def ask(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
-        ...
+        """
+        (S, n) the next generation.
+        """
     def restore(self, state: str) -> None:
-        ...
+        """
+        Goes on where the saved optimiser stood, to the same bits.
+        """
     def result(self) -> OptimizerResult:
-        ...
+        """
+        Where the search stands.
+        """
     def save(self) -> str:
-        ...
+        """
+        The exact state as text; empty = cannot be saved.
+        """
     def stop(self) -> bool:
-        ...
+        """
+        Is the search over?
+        """
     def tell(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
-        ...
+        """
+        samples (S, n) as asked, energies (S); lower is better.
+        """
 class CmaEsOptions:
     """
     Options of create_cma_es.
@@ -3527,7 +3716,9 @@ class CmaEsOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def initial_mean(self) -> float:
         """
@@ -3600,7 +3791,9 @@ class AnnealingOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def chains(self) -> int:
         """
@@ -3658,6 +3851,9 @@ class AnnealingOptions:
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
 class GenerationRow:
+    """
+    One generation of one part.
+    """
     @property
     def best(self) -> float:
         ...
@@ -3683,6 +3879,9 @@ class GenerationRow:
     def seconds(self) -> float:
         ...
 class MinimiseResult:
+    """
+    Where all optimisers ended, and the way there.
+    """
     @property
     def log(self) -> list[GenerationRow]:
         ...
@@ -3708,9 +3907,13 @@ class Objective:
         samples (S, parts * n) in [0, 1] -> energies (S, parts)
         """
     def parameter_count(self) -> int:
-        ...
+        """
+        n, of one part.
+        """
     def part_count(self) -> int:
-        ...
+        """
+        Independent parts, each with n parameters and an energy of its own.
+        """
 class Influence:
     """
     What each parameter, moved alone, does to the energy.
@@ -3751,7 +3954,9 @@ class EnergyOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def alpha(self) -> float:
         """
@@ -3880,11 +4085,17 @@ class ParameterSpace:
     def __repr__(self) -> str:
         ...
     def material(self, unit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> Material:
-        ...
+        """
+        The Material at a point (n) of the box.
+        """
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     def unit(self, material: Material) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (n) the point of the box at which a material lies.
+        """
     @property
     def even_steps(self) -> bool:
         """
@@ -3962,14 +4173,24 @@ class FitOptions:
     def __repr__(self) -> str:
         ...
     def to_dict(self) -> dict:
-        ...
+        """
+        Name -> value of every option.
+        """
     @property
     def answer_best(self) -> bool:
         """
-        answer the best sample instead of the final mean
+        answer the best sample instead of a mean
         """
     @answer_best.setter
     def answer_best(self, arg0: bool) -> None:
+        ...
+    @property
+    def answer_generations(self) -> int:
+        """
+        answer the best of so many generations' means, the last ones; 1 = the final mean
+        """
+    @answer_generations.setter
+    def answer_generations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
     def checkpoint(self) -> pathlib.Path:
@@ -4088,8 +4309,13 @@ class FitOptions:
     def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class FitResult:
+    """
+    The estimated material of every region.
+    """
     def to_dict(self) -> dict:
-        ...
+        """
+        Everything as plain values.
+        """
     @property
     def interrupted(self) -> bool:
         """
@@ -4107,19 +4333,29 @@ class FitResult:
     def seconds(self) -> float:
         ...
 def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ...) -> AnimationResult:
-    ...
+    """
+    The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers.
+    """
 def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ...) -> int:
     """
     Calls frame(AnimationFrame) in order and keeps nothing.
     """
 def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> list[BodyRegion]:
-    ...
+    """
+    One BodyRegion a bone: how far the fit can be trusted there.
+    """
 def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context = ...) -> Template:
-    ...
+    """
+    The closed surface of a scan, its two decimations and the faces that were invented over holes.
+    """
 def create_cma_es(dimension: typing.SupportsInt | typing.SupportsIndex, options: CmaEsOptions = ...) -> Optimizer:
-    ...
+    """
+    Covariance matrix adaptation (Hansen) over [0, 1]^dimension.
+    """
 def create_simulated_annealing(dimension: typing.SupportsInt | typing.SupportsIndex, options: AnnealingOptions = ...) -> Optimizer:
-    ...
+    """
+    Independent Metropolis chains under one geometric cooling schedule, over [0, 1]^dimension.
+    """
 def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (N) unsigned distances, m
@@ -4135,39 +4371,61 @@ def dress(performance: ReferencePerformance, actor: RiggedMesh, garment: Garment
     The captured surface on the dressed actor's mesh.
     """
 def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], world_from_rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-    ...
+    """
+    (V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).
+    """
 def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], clothness: Clothness, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-    ...
+    """
+    (V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.
+    """
 def estimate_material(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: FitOptions = ..., context: Context = ...) -> FitResult:
-    ...
+    """
+    Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes on from options.checkpoint if that is there.
+    """
 def face_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-    ...
+    """
+    (F) m^2.
+    """
 def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-    ...
+    """
+    (F, 3) unit; zero for degenerate faces.
+    """
 def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
     """
 def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Clothness, options: ProxyOptions = ...) -> list[TaperedCapsule]:
-    ...
+    """
+    Tapered capsules along the bones, inside the body: what cloth collides with.
+    """
 def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
-    ...
+    """
+    (V, J) skin weights by heat equilibrium; rows sum to one.
+    """
 def make_character(actor: RiggedMesh, clothness: Clothness, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
-    ...
+    """
+    Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
+    """
 def make_display(actor: RiggedMesh, clothness: Clothness, high: Mesh) -> Display:
     """
     The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.
     """
 def material_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, materials: collections.abc.Sequence[Material], options: EnergyOptions = ..., context: Context = ...) -> list[float]:
-    ...
+    """
+    One E_fit a region, pixels^2, of one material a region.
+    """
 def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], context: Context = ...) -> list[Influence]:
     """
     answers (parts, n) in [0, 1] -> one Influence a part
     """
 def mesh_garment(actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
-    ...
+    """
+    All cloth of the actor as a mesh of its own, in one call.
+    """
 def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, relative_penalty: bool = True, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
-    ...
+    """
+    Runs one optimiser a part of the objective until all stop. Goes on from `checkpoint` if it is there and belongs to `problem`; raises Error if it is damaged.
+    """
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
@@ -4177,39 +4435,65 @@ def pose_surface(actor: RiggedMesh, dofs: typing.Annotated[numpy.typing.ArrayLik
     (V, 3) m, skinned positions of the rest pose + offset (V, 3).
     """
 def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> ProxyStatistics:
-    ...
+    """
+    How far capsules and body are apart under the cloth.
+    """
 def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
     """
     (face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).
     """
 def read_actor(path: os.PathLike | str | bytes) -> RiggedMesh:
-    ...
+    """
+    actor.npz. Raises FileNotFoundError, or Error naming file and array.
+    """
 def read_body(path: os.PathLike | str | bytes) -> BodyFit:
-    ...
+    """
+    body.npz. Raises FileNotFoundError, or Error naming file and array.
+    """
 def read_clothness(path: os.PathLike | str | bytes) -> Clothness:
-    ...
+    """
+    segmentation.npz. Raises FileNotFoundError, or Error naming file and array.
+    """
 def read_garment(path: os.PathLike | str | bytes, actor: RiggedMesh) -> Garment:
-    ...
+    """
+    garment.npz of this actor. Raises FileNotFoundError, or Error naming file and array.
+    """
 def read_materials(path: os.PathLike | str | bytes) -> list[Material]:
-    ...
+    """
+    material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter.
+    """
 def read_mesh(path: os.PathLike | str | bytes) -> Mesh:
-    ...
+    """
+    .ply, .obj, .stl or .off: vertices and faces; polygons become fans of triangles. Raises FileNotFoundError, or Error naming the file.
+    """
 def read_observations(path: os.PathLike | str | bytes) -> Observations:
-    ...
+    """
+    observations.npz. Raises FileNotFoundError, or Error naming file and array.
+    """
 def read_performance(path: os.PathLike | str | bytes, actor: RiggedMesh) -> ReferencePerformance:
-    ...
+    """
+    performance.npz of this actor. Raises FileNotFoundError, or Error naming file and array.
+    """
 def read_proxies(path: os.PathLike | str | bytes, skeleton: Skeleton) -> list[TaperedCapsule]:
-    ...
+    """
+    proxies.json of this skeleton. Raises FileNotFoundError, or Error naming file and capsule.
+    """
 def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
     """
     (H, W, 3) uint8, BGR
     """
 def retarget(clip: SourceMotion, skeleton: Skeleton, options: RetargetOptions = ..., context: Context = ...) -> Motion:
-    ...
+    """
+    A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.
+    """
 def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark], context: Context = ...) -> RiggedMesh:
-    ...
+    """
+    Skeleton from the marked joints and skin weights -> RiggedMesh.
+    """
 def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Clothness:
-    ...
+    """
+    ClothSegmenter.create(options).segment(sequence, face_valid, context).
+    """
 def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> list[int]:
     """
     (F) 1 for the faces that pass through another face
@@ -4223,9 +4507,13 @@ def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerf
     (T, V, 3) the reference motion re-animated
     """
 def summarise_garment(garment: Garment) -> GarmentSummary:
-    ...
+    """
+    Counts and quality of a garment's mesh.
+    """
 def summarise_template(surface: Template, scan: Mesh, context: Context = ...) -> TemplateSummary:
-    ...
+    """
+    Quality of both surfaces of a template, and their distances to the scan.
+    """
 def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
     """
     Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.
@@ -4235,39 +4523,67 @@ def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: ty
     Boundary of a mask (H, W).
     """
 def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | str | bytes, options: TrainOptions = ..., context: Context = ...) -> TrainSummary:
-    ...
+    """
+    Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
+    """
 def unposed_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.
     """
 def vertex_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-    ...
+    """
+    (V) m^2, a third of the faces around each vertex.
+    """
 def vertex_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-    ...
+    """
+    (V, 3) unit, weighted by angle; zero where no face is.
+    """
 def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[int]:
     """
     (V) 1 where at least one camera sees the vertex; tolerance in m
     """
 def write_actor(path: os.PathLike | str | bytes, actor: RiggedMesh) -> None:
-    ...
+    """
+    actor.npz, complete or not at all.
+    """
 def write_baked_glb(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult, options: BakedGlbOptions = ...) -> None:
-    ...
+    """
+    An animation as glTF 2.0 that any viewer plays: bones and a shape for every key. Complete or not at all.
+    """
 def write_baked_npz(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult) -> None:
-    ...
+    """
+    An animation as arrays (docs/formats.md), complete or not at all.
+    """
 def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
-    ...
+    """
+    body.npz, complete or not at all.
+    """
 def write_clothness(path: os.PathLike | str | bytes, clothness: Clothness) -> None:
-    ...
+    """
+    segmentation.npz, complete or not at all.
+    """
 def write_garment(path: os.PathLike | str | bytes, garment: Garment) -> None:
-    ...
+    """
+    garment.npz, complete or not at all.
+    """
 def write_materials(path: os.PathLike | str | bytes, result: FitResult) -> None:
-    ...
+    """
+    material.json, complete or not at all.
+    """
 def write_mesh(path: os.PathLike | str | bytes, mesh: Mesh) -> None:
-    ...
+    """
+    .ply, .obj, .stl or .off by the extension, complete or not at all.
+    """
 def write_observations(path: os.PathLike | str | bytes, observations: Observations) -> None:
-    ...
+    """
+    observations.npz, complete or not at all.
+    """
 def write_performance(path: os.PathLike | str | bytes, performance: ReferencePerformance) -> None:
-    ...
+    """
+    performance.npz, complete or not at all.
+    """
 def write_proxies(path: os.PathLike | str | bytes, capsules: collections.abc.Sequence[TaperedCapsule], skeleton: Skeleton) -> None:
-    ...
+    """
+    proxies.json, complete or not at all.
+    """
 __version__: str = '0.1.0'

@@ -17,6 +17,10 @@ FORMATS = (".npz", ".glb", ".mp4")
 def build_character(job) -> dict:
     """Re-animates the reference motion (simulated.npz) and writes character.glb."""
     materials = d.read_materials(job.path("material.json"))
+    regions = job.dressed.clothness.region_count
+    if len(materials) != regions:
+        file = job.path("material.json")
+        raise RuntimeError(f"{file}: expected a material for each of {regions} cloth regions, found {len(materials)}")
     performance, dt = job.dressed_performance(), 1 / job.session.fps
     simulated = d.simulate_reference(
         job.simulator(), performance, materials, dt, job.options["energy"].settle_frames, job.context

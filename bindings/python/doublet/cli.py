@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import sys
+from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
 
@@ -15,7 +17,33 @@ from . import _doublet as d
 from .console import Console
 from .plausible import DOUBTFUL
 
-INTERRUPTED = 130  # 128 + SIGINT, as shells have it
+STOPPING = (signal.SIGINT, signal.SIGTERM)
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal asked to stop."""
+
+    def __init__(self, number: int):
+        super().__init__(f"signal {number}")
+        self.status = 128 + number  # as shells have it
+
+
+@contextmanager
+def stopped_by_signals():
+    """Ctrl-C, SIGTERM, and SIGINT where a shell in the background has it ignored, all end the command in the same way."""
+
+    def stop(number, frame):
+        raise Stopped(number)
+
+    try:
+        before = {number: signal.signal(number, stop) for number in STOPPING}
+    except ValueError:  # not the main thread: signals are somebody else's
+        before = {}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
 def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
@@ -337,16 +365,19 @@ def add_train_body(commands) -> None:
 def main(arguments=None) -> int:
     parsed = build_parser().parse_args(arguments)
     try:
-        return parsed.run(parsed) or 0
-    except KeyboardInterrupt:
+        with stopped_by_signals():
+            return parsed.run(parsed) or 0
+    except KeyboardInterrupt as stop:
         print("doublet: stopped; what is complete stays, the same command goes on from there", file=sys.stderr)
-        return INTERRUPTED
+        return getattr(stop, "status", 128 + signal.SIGINT)
     except BrokenPipeError:
         return 1
     except Exception as error:
         if parsed.debug:
             raise
         expected = isinstance(error, (RuntimeError, OSError, ValueError))
+        if isinstance(error, OSError) and error.filename and error.strerror:
+            error = f"{error.filename}: {error.strerror}"
         text = str(error) if expected else f"internal error: {type(error).__name__}: {error} (--debug shows where)"
         print(f"doublet: {' '.join(text.split())}", file=sys.stderr)
         return 1

@@ -13,6 +13,7 @@ from PIL import Image
 
 from . import _doublet as d
 from .console import Console
+from .files import arrays_of
 
 #: Name -> (unit, meaning); the order of the table.
 METRICS = {
@@ -47,7 +48,7 @@ class Truth:
         if not (self.folder / "static.npz").exists() and not (self.folder.parent / "static.npz").exists():
             raise FileNotFoundError(f"{self.folder / 'static.npz'} does not exist, so {self.folder} is no ground truth")
         own = self.folder / "static.npz"
-        with np.load(own if own.exists() else self.folder.parent / "static.npz") as static:
+        with arrays_of(own if own.exists() else self.folder.parent / "static.npz") as static:
             self.body_faces = static["body_tris"].astype(np.int32)
             self.cloth_faces = static["cloth_tris"].astype(np.int32)
         self._file = (None, None)
@@ -57,7 +58,7 @@ class Truth:
         """Frame -> (file, row)."""
         found = {}
         for path in sorted(self.folder.glob("frames_*.npz")):
-            with np.load(path) as chunk:
+            with arrays_of(path) as chunk:
                 count = len(chunk["cloth"])
                 frames = chunk["frames"] if "frames" in chunk else int(chunk["start"]) + np.arange(count)
             found.update({int(f): (path, row) for row, f in enumerate(frames)})
@@ -67,7 +68,7 @@ class Truth:
         """(body, garment) vertices, m."""
         path, row = self.chunks[number]
         if self._file[0] != path:
-            with np.load(path) as chunk:
+            with arrays_of(path) as chunk:
                 self._file = (path, {key: chunk[key] for key in ("body", "cloth")})
         return tuple(self._file[1][key][row].astype(float) for key in ("body", "cloth"))
 
@@ -82,7 +83,7 @@ class Truth:
         path = self.folder / "skeleton.npz"
         if not path.exists():
             raise Missing(f"{path} does not exist")
-        with np.load(path) as file:
+        with arrays_of(path) as file:
             frames = file["frames"] if "frames" in file else np.arange(len(file["joints"]))
             return [str(n) for n in file["joint_names"]], dict(zip((int(f) for f in frames), file["joints"].astype(float)))
 
@@ -153,12 +154,12 @@ class Reconstruction:
     @cached_property
     def reanimated(self) -> Animated:
         """The reference motion (simulated.npz)."""
-        with np.load(self.path("simulated.npz")) as simulated:
+        with arrays_of(self.path("simulated.npz")) as simulated:
             vertices = simulated["vertices"].astype(float)
             if "garment" not in simulated:
                 return self.animated(vertices)
             garment = simulated["garment"].astype(float)
-        with np.load(self.path("garment.npz")) as own:
+        with arrays_of(self.path("garment.npz")) as own:
             expected, found = (len(vertices), len(own["vertices"]), 3), garment.shape
         if found != expected:
             shape = "(frames of vertices, vertices of garment.npz, 3)"
@@ -172,7 +173,7 @@ class Reconstruction:
         if surfaces.shape[1] == bare:
             clothness = self.clothness if (self.out / "segmentation.npz").exists() else None
             return Animated(by_frame, self.faces, clothness)
-        with np.load(self.path("garment.npz")) as garment:
+        with arrays_of(self.path("garment.npz")) as garment:
             faces, covers = garment["faces"].astype(np.int32), garment["covers"].astype(bool)
         skin = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool) & ~covers]
         return Animated(by_frame, np.vstack([skin, faces + bare]), np.repeat([0.0, 1.0], [bare, surfaces.shape[1] - bare]))

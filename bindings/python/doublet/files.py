@@ -1,4 +1,4 @@
-"""Small files that the pure-Python half writes: complete or absent, as the C++ half does."""
+"""Small files that the pure-Python half writes: complete or absent, as the C++ half does. And archives that it reads."""
 
 from __future__ import annotations
 
@@ -7,18 +7,28 @@ import json
 import os
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from zipfile import BadZipFile
+from zlib import error as DeflateError
+
+import numpy as np
 
 
 @contextmanager
 def written_atomically(path: Path):
-    """A path beside `path` to write to; renamed to `path` if the block succeeds, removed if not."""
+    """A path beside `path` to write to; brought to the disk and renamed to `path` if the block succeeds, removed if not."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Same suffix: writers choose the format by it.
     beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         yield beside
+        with beside.open("rb") as written:
+            os.fsync(written.fileno())  # a full disk may only say so now
         beside.replace(path)
+    except OSError as error:
+        if error.errno is None or error.filename not in (None, str(beside)):
+            raise
+        raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
     finally:
         with suppress(FileNotFoundError):
             beside.unlink()
@@ -31,6 +41,20 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, value) -> None:
     write_text(path, json.dumps(value, indent=1) + "\n")
+
+
+@contextmanager
+def arrays_of(path: Path):
+    """`np.load(path)`; what is wrong with the archive, or missing in it, is a RuntimeError that names it."""
+    try:
+        with np.load(path) as arrays:
+            yield arrays
+    except FileNotFoundError:
+        raise
+    except (BadZipFile, DeflateError, AttributeError, EOFError, KeyError, OSError, TypeError, ValueError) as error:
+        if str(path) in str(error):
+            raise
+        raise RuntimeError(f"{path}: expected an .npz archive with the arrays of docs/formats.md, found: {error}") from error
 
 
 def sha256(path: Path) -> str:

@@ -144,6 +144,10 @@ class Stage:
     may_read: tuple[str, ...] = ()  # files of OUT that count as inputs if they are there
     uses_seed: bool = False
     uses_body_model: bool = False
+    goes_on_from: tuple[str, ...] = ()  # files of OUT that a stage that was stopped goes on from
+
+
+CHECKPOINT = "fit_checkpoint.txt"
 
 
 def run_check(job: Job) -> dict:
@@ -297,11 +301,15 @@ def run_fit(job: Job) -> dict:
 
     options, page = fit_options(job), FitPage(job.out)
     options.log = job.path("fit_log.csv")
-    options.checkpoint = job.path("fit_checkpoint.txt")
+    options.checkpoint = job.path(CHECKPOINT)  # stays: a search with a larger budget goes on from it
+
+    kept = False
 
     def keep(result: d.FitResult) -> None:
         """Whatever stops the search now, the best so far is there."""
+        nonlocal kept
         d.write_materials(job.path("material.json"), result)
+        kept = True
         page.show(over=False)
 
     options.on_generation = keep
@@ -310,12 +318,11 @@ def run_fit(job: Job) -> dict:
         result = d.estimate_material(job.simulator(), job.dressed_performance(), observations, options, job.context)
     except KeyboardInterrupt:
         job.console.finish()
-        if options.checkpoint.exists():
+        if kept:
             job.console.say("fit: stopped; material.json has the best material so far")
         raise
     d.write_materials(job.path("material.json"), result)
     page.show(over=True)
-    options.checkpoint.unlink(missing_ok=True)
     regions = result.to_dict()["regions"]
     return {
         "regions": len(regions),
@@ -368,6 +375,7 @@ STAGES = (
     Stage(
         "fit", ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json", "garment.npz"),
         ("material.json", "fit_log.csv"), ("cloth", "energy", "fit", "space"), run_fit, uses_seed=True,
+        goes_on_from=(CHECKPOINT,),
     ),
     Stage(
         "character",
@@ -423,6 +431,11 @@ def stage_options(job: Job, stage: Stage) -> dict:
     return options
 
 
+def name_in_session(session: d.Session, path: Path) -> Path:
+    """Relative to the session's folder, or as it is: a session may name a video that lies elsewhere."""
+    return path.relative_to(session.folder) if path.is_relative_to(session.folder) else path
+
+
 def stage_inputs(job: Job, stage: Stage) -> dict[str, str]:
     """Hash of every input; throws FileNotFoundError naming the stage that writes a missing one."""
     inputs = {}
@@ -433,7 +446,7 @@ def stage_inputs(job: Job, stage: Stage) -> dict[str, str]:
         inputs[name] = job.record.hash(job.path(name))
     inputs.update({name: job.record.hash(job.path(name)) for name in stage.may_read if job.path(name).exists()})
     for path in stage.session_files(job.session):
-        inputs[f"session/{path.relative_to(job.session.folder)}"] = job.record.hash(path)
+        inputs[f"session/{name_in_session(job.session, path)}"] = job.record.hash(path)
     if stage.uses_body_model:
         if not Path(job.body_model).exists():
             raise FileNotFoundError(f"{job.body_model} (the body model) does not exist")
@@ -467,6 +480,9 @@ def run_if_needed(job: Job, stage: Stage, force: bool) -> bool:
             return False
     else:
         reason = "forced"
+        if job.record.is_done(stage.name):  # else the forced run was stopped, and goes on
+            for name in stage.goes_on_from:
+                job.path(name).unlink(missing_ok=True)
     say(f"{stage.name}: running ({reason})")
     job.console.log(f"== {stage.name}")
     with job.record.running(stage.name, inputs, options, stage.writes) as summary:
@@ -498,6 +514,8 @@ def refuse_other_session(job: Job) -> None:
 
 def start_record(job: Job) -> None:
     """Writes what the whole run was asked to do. Throws Error if the folder has the results of another session."""
+    if job.out.exists() and not job.out.is_dir():
+        raise RuntimeError(f"{job.out}: expected a folder for the results, found a file")
     refuse_other_session(job)
     job.out.mkdir(parents=True, exist_ok=True)
     job.console.log_file = job.path("log.txt")

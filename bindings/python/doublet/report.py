@@ -9,7 +9,7 @@ import numpy as np
 
 from . import __version__, fit_page, picture
 from . import _doublet as d
-from .files import write_text
+from .files import arrays_of, write_text
 from .page import STYLE, table
 from .plausible import LIMITS, findings
 
@@ -38,11 +38,11 @@ class Shown:
         self.performance = job.performance()
         self.faces = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
         self.captured = self.performance.surface.frames
-        with np.load(job.path("simulated.npz")) as simulated:
+        with arrays_of(job.path("simulated.npz")) as simulated:
             parts = [simulated[name].astype(float) for name in ("vertices", "garment") if name in simulated]
             self.simulated = np.concatenate(parts, axis=1)  # of the dressed actor
         self.source = d.FrameSource.open(job.session)
-        with np.load(job.path("observations.npz")) as observations:
+        with arrays_of(job.path("observations.npz")) as observations:
             self.matches = len(observations["match_points"])
 
     def photo(self, camera: int, frame: int) -> np.ndarray:

@@ -44,6 +44,10 @@ class RunRecord:
                 self.data = json.loads(self.path.read_text(encoding="utf-8"))
             except ValueError as error:
                 raise RuntimeError(f"{self.path} is not valid JSON ({error}); delete it to start afresh") from error
+            if not isinstance(self.data, dict) or not isinstance(self.data.setdefault("stages", {}), dict):
+                raise RuntimeError(f"{self.path}: expected an object with 'stages', found another; delete it to start afresh")
+            # An entry that something else wrote is none.
+            self.data["stages"] = {name: e for name, e in self.data["stages"].items() if isinstance(e, dict) and "state" in e}
         self._hashes: dict[tuple, str] = {}
 
     def save(self) -> None:
@@ -56,6 +60,9 @@ class RunRecord:
         if path.is_dir() or key not in self._hashes:
             self._hashes[key] = hash_files(path)
         return self._hashes[key]
+
+    def is_done(self, name: str) -> bool:
+        return self.data["stages"].get(name, {}).get("state") == "done"
 
     def foreign_outputs(self, name: str, outputs) -> list[str]:
         """Outputs that exist but are not what this program last wrote."""
@@ -75,8 +82,8 @@ class RunRecord:
         missing = [o for o in outputs if not (self.out / o).exists()]
         if missing:
             return f"{missing[0]} is missing"
-        if entry["version"] != __version__:
-            return f"made by version {entry['version']}"
+        if entry.get("version") != __version__:
+            return f"made by version {entry.get('version')}"
         changed = [k for k in options if entry["options"].get(k) != options[k]]
         if changed:
             return f"option {changed[0]} changed from {entry['options'].get(changed[0])} to {options[changed[0]]}"

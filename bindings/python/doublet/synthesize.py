@@ -13,7 +13,7 @@ from PIL import Image, ImageFilter
 from . import _doublet as d
 from . import body_model_path
 from .console import Console
-from .files import write_json, write_text, written_atomically
+from .files import arrays_of, write_json, write_text, written_atomically
 from .video import VideoWriter
 
 FRAMES_A_CHUNK = 32  # of ground_truth/frames_*.npz: bounds memory while writing and reading
@@ -54,7 +54,7 @@ def read_motion(path: Path, character: d.Character, fps: float, retargeting: d.R
         return d.retarget(d.SourceMotion.read(path), character.actor.skeleton, retargeting)
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist")
-    with np.load(path) as file:
+    with arrays_of(path) as file:
         if "dofs" not in file:
             raise ValueError(f"{path}: expected a performance with an array 'dofs', found {', '.join(file) or 'nothing'}")
         dofs = file["dofs"].astype(float)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .files import sha256, written_atomically
+from .files import arrays_of, sha256, written_atomically
 
 SUGGESTED, EDITED = "template_suggestion.npz", "template_mask.npz"
 
@@ -19,7 +19,7 @@ def write_suggestion(out: Path, surface) -> None:
 
 def read_suggestion(out: Path) -> np.ndarray:
     """(F) bool, false: suggested as invalid."""
-    with np.load(Path(out) / SUGGESTED) as file:
+    with arrays_of(Path(out) / SUGGESTED) as file:
         return file["face_valid"].astype(bool)
 
 
@@ -29,7 +29,7 @@ def read(out: Path) -> np.ndarray:
     if not path.exists():
         return suggested
     try:
-        with np.load(path) as file:
+        with arrays_of(path) as file:
             mask, made_for = checked(file["face_valid"], len(suggested)), str(file["template"]) if "template" in file else None
     except (KeyError, OSError, ValueError) as error:
         raise RuntimeError(f"{path}: expected a mask of the template's triangles, found {error}") from error

@@ -24,7 +24,8 @@ class VideoWriter:
         self._file = written_atomically(self.path)
         raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
         coded = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart"]
-        command = ["ffmpeg", "-loglevel", "error", "-y", *raw, *coded, str(self._file.__enter__())]
+        # Without -xerror ffmpeg calls a file success whose end did not fit on the disk.
+        command = ["ffmpeg", "-loglevel", "error", "-xerror", "-y", *raw, *coded, str(self._file.__enter__())]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         return self
 
@@ -43,12 +44,13 @@ class VideoWriter:
             self._file.__exit__(kind, error, trace)
             return
         _, message = self._process.communicate()
-        if self._process.returncode:
+        if self._process.returncode or message.strip():
             self._fail(message)
         self._file.__exit__(None, None, None)
 
     def _fail(self, message: bytes = b"") -> None:
         message = message or self._process.communicate()[1]
-        failure = RuntimeError(f"ffmpeg could not write {self.path}: {message.decode(errors='replace').strip()}")
+        said = message.decode(errors="replace").strip().splitlines() or [f"exit status {self._process.returncode}"]
+        failure = RuntimeError(f"{self.path}: cannot be written: ffmpeg says: {said[0]}")
         self._file.__exit__(RuntimeError, failure, None)
         raise failure

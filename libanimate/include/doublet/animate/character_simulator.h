@@ -36,7 +36,7 @@ struct FailedRegion {
 
 class CharacterSimulator {
 public:
-  /// Throws Error if sizes disagree. A character without cloth (no region) is legal: skinning alone.
+  /// Throws as require_actor. A character without cloth (no region) is legal: skinning alone.
   CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
                      const pbd::ClothOptions &options = {});
 

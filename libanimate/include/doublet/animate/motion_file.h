@@ -27,6 +27,12 @@ struct SourceMotion {
   Vertices zero_positions() const; ///< (J, 3) joints of the zero pose
 };
 
+constexpr double kLowestRate = 0.1, kHighestRate = 1e5; ///< 1/s, of a clip
+
+/// Throws std::invalid_argument unless there are joints, parents first, and frames of finite positions and unit quaternions for
+/// all of them, at a rate in range.
+void validate(const SourceMotion &motion);
+
 /// Any channel order on any joint. Position channels replace the OFFSET, as Blender and MotionBuilder read them, unless the
 /// clip's own values show that they are added to it (iClone's exporter). Throws Error "source:line: expected ..., found ..." on
 /// anything malformed or truncated.

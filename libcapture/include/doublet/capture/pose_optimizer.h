@@ -61,7 +61,7 @@ public:
   static std::unique_ptr<PoseOptimizer> create(const PoseOptions &options = {});
 };
 
-/// The posed surface: skinned positions of rest + offset, and each vertex's blended transform. `offset` may be empty.
+/// The posed surface: skinned positions of rest + offset, and each vertex's blended transform. `offset` (V, 3) or empty.
 struct PosedSurface {
   Transforms blend;  ///< (V) world_from_rest
   Vertices vertices; ///< (V, 3) m

@@ -61,8 +61,10 @@ MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_va
 /// Everything at once: template, skeleton from the marks, weights.
 RiggedMesh rig_template(const Template &surface, const std::vector<JointMark> &joints, const Context &context = {});
 
-/// .ply, .obj, .stl, .off (Open3D). Throws FileNotFound or Error naming the file.
+/// .ply, .obj, .stl, .off: vertices and faces, nothing else; polygons become fans of triangles. Throws FileNotFound, or Error
+/// naming the file if it is malformed, truncated or longer than it says, or unless the mesh is usable (require_usable).
 Mesh read_mesh(const std::filesystem::path &path);
+/// Complete or not at all. Throws Error naming the file if the mesh is not usable, or the disk is full.
 void write_mesh(const std::filesystem::path &path, const Mesh &mesh);
 
 } // namespace doublet

@@ -7,9 +7,10 @@
 
 namespace doublet {
 
+/// The message as one line of valid UTF-8: it may quote a file that holds anything.
 class Error : public std::runtime_error {
 public:
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string &message);
 };
 
 /// A file that is not there (Python: FileNotFoundError).

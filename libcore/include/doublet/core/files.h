@@ -7,16 +7,25 @@
 
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <string>
+#include <string_view>
 
 namespace doublet {
 
 using Path = std::filesystem::path;
 
-/// Runs write(temporary path beside `path`), then renames; removes the temporary if write throws.
+/// Runs write(temporary path beside `path`), has it brought to the disk, then renames; removes the temporary if anything throws.
+/// Throws Error naming `path` if it cannot be written, is a folder or a device.
 void write_atomically(const Path &path, const std::function<void(const Path &)> &write);
+/// The same for what goes into a stream; all that it was given is there in the end, or Error says why not (full disk).
+void write_stream(const Path &path, const std::function<void(std::ostream &)> &write);
 void write_text(const Path &path, const std::string &text);
+/// Throws FileNotFound, or Error naming the file.
 std::string read_text(const Path &path);
+/// The text of a file that is to hold JSON. Throws Error if it is nested deeper than any of ours: parsers recurse.
+std::string read_json_text(const Path &path);
+void require_shallow_json(std::string_view text, const std::string &source);
 
 void write_actor(const Path &path, const RiggedMesh &actor); // actor.npz
 RiggedMesh read_actor(const Path &path);

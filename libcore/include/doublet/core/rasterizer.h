@@ -18,7 +18,7 @@ struct FaceBuffer {
 
 /// Draws both sides of every face (with `skip_face[f]` non-zero left out; empty = draw all). Vertices are projected with
 /// distortion, edges are straight between them. Faces that reach behind the near plane (0.05 m) are left out. Sampled at pixel
-/// centres.
+/// centres. Throws std::invalid_argument for wrong sizes and indices, Error for an invalid camera.
 FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera,
                      const std::vector<std::uint8_t> &skip_face = {});
 

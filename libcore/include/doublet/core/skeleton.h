@@ -56,7 +56,7 @@ Skeleton make_skeleton(const std::vector<JointMark> &marks);
 /// The inverse of make_skeleton as far as files go: name, parent, rest, dof count of every joint.
 std::vector<JointMark> joint_marks(const Skeleton &skeleton);
 
-/// world_from_rest of every joint for the pose `dofs` (D).
+/// world_from_rest of every joint for the pose `dofs` (D); throws std::invalid_argument unless it is that long and finite.
 Transforms forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs);
 /// (J, 3) joint positions of a pose.
 Vertices joint_positions(const Skeleton &skeleton, const Transforms &world_from_rest);

@@ -32,6 +32,14 @@ struct ReferencePerformance {
   std::vector<int> frames;      ///< (T) video frame numbers
 };
 
+/// What a stage asks of values that may be anybody's. Throws std::invalid_argument for wrong lengths, Error for wrong values.
+/// Usable mesh, face_valid (F), finite weights (V, J).
+void require_actor(const RiggedMesh &actor, const std::string &what);
+/// Finite frames of so many vertices.
+void require_frames(const std::vector<Vertices> &frames, Eigen::Index vertices, const std::string &what);
+/// At least one frame; finite surfaces (V, 3) and poses (T, D); joints (J, 3) and frame numbers for all frames, or none.
+void require_performance(const ReferencePerformance &performance, const RiggedMesh &actor, const std::string &what);
+
 /// T x (V, 3) m: every vertex of every captured frame, taken back to the scan pose by its blended bone transform (dual
 /// quaternions). Throws std::invalid_argument if actor and performance do not belong together.
 std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance,
@@ -68,12 +76,19 @@ struct Clothness {
   Vertices rest = Vertices(0, 3);
 };
 
+/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, fullness and rest for all vertices or none, the last
+/// two finite. Throws as require_actor.
+void require_clothness(const Clothness &clothness, Eigen::Index vertices, const std::string &what);
+
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.
 struct TaperedCapsule {
   int joint = 0;
   Eigen::Vector3d p0, p1; ///< m; in the joint's frame (rest-pose axes, origin at the joint's rest position)
   double r0 = 0, r1 = 0;  ///< m
 };
+
+/// Joints of the skeleton, finite ends, positive radii; throws as require_actor.
+void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton &skeleton, const std::string &what);
 
 /// A capsule in the world for a pose.
 struct PosedCapsule {
@@ -93,5 +108,7 @@ struct BodyFit {
   double residual = 0;            ///< m, mean |distance| of the exposed scan surface to the body
   Eigen::VectorXd deviation = {}; ///< (B) m, expected RMS error of each vertex: small where skin was seen; empty = not known
 };
+/// Usable mesh, a finite deviation for all vertices or none; throws as require_actor.
+void require_body(const BodyFit &fit, const std::string &what);
 
 } // namespace doublet

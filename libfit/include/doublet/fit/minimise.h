@@ -51,7 +51,10 @@ struct MinimiseOptions {
   /// box along what the energy does not tell.
   bool relative_penalty = true;
   int expected_evaluations = 512; ///< for the progress bar and the time left only
-  Path checkpoint;                ///< empty = none; written after every generation, read at the start if it is there
+  /// Evaluations at which the optimisers stop, if that is known: the checkpoint of a search that has gone on beyond it is not
+  /// used, and the log says so. That of a search with a smaller budget goes on, to the bits of one search with the larger.
+  int budget = 0;
+  Path checkpoint;     ///< empty = none; written after every generation, read at the start if it is there
   std::string problem; ///< what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so
   std::function<void(const MinimiseResult &)> on_generation; ///< what there is, after every generation; may be empty
   void validate() const;
@@ -59,7 +62,7 @@ struct MinimiseOptions {
 
 /// Runs until every optimiser stops. A part that has stopped is evaluated at its answer while the others go on.
 /// Throws Cancelled after the user asked to stop (the checkpoint holds the last complete generation), Error if an energy is not
-/// finite.
+/// finite, or if the checkpoint is damaged (naming it).
 MinimiseResult minimise(Objective &objective, const MinimiseOptions &options = {}, const Context &context = {});
 
 } // namespace doublet

@@ -1,0 +1,194 @@
+// OBJ, STL and OFF; PLY has a file of its own.
+
+#include "mesh_formats.h"
+#include "mesh_parsing.h"
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <ostream>
+
+namespace doublet::detail {
+namespace {
+
+constexpr std::size_t kStlHeader = 84, kStlFacet = 50; // bytes
+
+/// The shortest decimal that reads back to the same number.
+std::string shortest(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value);
+  return {text, end.ptr};
+}
+
+void print_rows(const char *prefix, const Vertices &rows, std::ostream &out) {
+  for (Eigen::Index v = 0; v < rows.rows(); ++v)
+    out << prefix << shortest(rows(v, 0)) << ' ' << shortest(rows(v, 1)) << ' ' << shortest(rows(v, 2)) << '\n';
+}
+
+/// "7", "7/1", "7//2" or "-1/..": from 1, or from the last vertex backwards.
+int obj_corner(const Words &words, std::string_view word, std::size_t vertices) {
+  const double index = words.number(word.substr(0, word.find('/')), "corners of a face");
+  if (index == 0 || index != std::floor(index))
+    words.fail("corners of a face, counted from 1", word);
+  return as_corner(index > 0 ? index - 1 : static_cast<double>(vertices) + index);
+}
+
+/// Vertices that are given several times, once a facet.
+class SharedVertices {
+public:
+  explicit SharedVertices(const std::string &source) : source_(source) {}
+
+  int find(const std::array<float, 3> &point) {
+    if (!std::isfinite(point[0]) || !std::isfinite(point[1]) || !std::isfinite(point[2])) // NaN has no place in a map
+      throw Error(source_ + ": expected finite coordinates, found others at triangle " + std::to_string(mesh.corners.size() / 3));
+    const auto [at, fresh] = index_.try_emplace(point, static_cast<int>(index_.size()));
+    if (fresh)
+      mesh.add_vertex(point[0], point[1], point[2]);
+    return at->second;
+  }
+  GrowingMesh mesh;
+
+private:
+  const std::string &source_;
+  std::map<std::array<float, 3>, int> index_;
+};
+
+Mesh parse_stl_text(const std::string &data, const std::string &source) {
+  Words words(data, source);
+  SharedVertices shared(source);
+  const auto require = [&](std::string_view word, const char *expected) {
+    if (word != expected)
+      words.fail(expected, word);
+  };
+  for (std::string_view key = words.next(); !key.empty(); key = words.next()) {
+    if (key == "solid" || key == "endsolid") {
+      words.skip_line();
+      continue;
+    }
+    require(key, "facet");
+    words.skip_line(); // its normal follows from the corners
+    require(words.next(), "outer");
+    require(words.next(), "loop");
+    std::vector<int> corners;
+    for (int k = 0; k < 3; ++k) {
+      require(words.next(), "vertex");
+      std::array<float, 3> point{};
+      for (float &x : point)
+        x = static_cast<float>(words.next_number("three coordinates"));
+      corners.push_back(shared.find(point));
+    }
+    require(words.next(), "endloop");
+    require(words.next(), "endfacet");
+    shared.mesh.add_polygon(corners);
+  }
+  return shared.mesh.mesh();
+}
+
+} // namespace
+
+Mesh parse_obj(const std::string &data, const std::string &source) {
+  Words words(data, source);
+  GrowingMesh mesh;
+  std::vector<int> corners;
+  for (std::string_view key = words.next(); !key.empty(); words.skip_line(), key = words.next()) {
+    if (key == "v") {
+      double point[3];
+      for (double &x : point)
+        x = words.next_number_on_line("three coordinates");
+      mesh.add_vertex(point[0], point[1], point[2]);
+    } else if (key == "f") {
+      corners.clear();
+      for (std::string_view word = words.next_on_line(); !word.empty(); word = words.next_on_line())
+        corners.push_back(obj_corner(words, word, mesh.coordinates.size() / 3));
+      if (corners.size() < 3)
+        words.fail("a face of at least 3 corners", std::to_string(corners.size()) + " corners");
+      mesh.add_polygon(corners);
+    }
+  }
+  return mesh.mesh();
+}
+
+Mesh parse_stl(const std::string &data, const std::string &source) {
+  std::uint32_t count = 0;
+  if (data.size() >= kStlHeader)
+    std::memcpy(&count, data.data() + kStlHeader - sizeof count, sizeof count);
+  if (data.size() < kStlHeader || data.size() - kStlHeader != kStlFacet * static_cast<std::size_t>(count)) {
+    if (data.starts_with("solid"))
+      return parse_stl_text(data, source);
+    throw Error(source + ": expected an STL file of " + std::to_string(kStlHeader + kStlFacet * static_cast<std::size_t>(count)) +
+                " bytes for its " + std::to_string(count) + " triangles, found " + std::to_string(data.size()) + " bytes");
+  }
+  SharedVertices shared(source);
+  for (std::size_t f = 0; f < count; ++f) {
+    std::array<std::array<float, 3>, 3> points;
+    std::memcpy(points.data(), data.data() + kStlHeader + kStlFacet * f + sizeof points[0], sizeof points);
+    std::vector<int> corners;
+    for (const std::array<float, 3> &point : points)
+      corners.push_back(shared.find(point));
+    shared.mesh.add_polygon(corners);
+  }
+  return shared.mesh.mesh();
+}
+
+Mesh parse_off(const std::string &data, const std::string &source) {
+  Words words(data, source);
+  const std::string_view magic = words.next();
+  if (magic != "OFF" && magic != "COFF" && magic != "NOFF" && magic != "CNOFF")
+    words.fail("an OFF file", magic);
+  constexpr std::size_t kLeast = 6; // bytes of a row: three numbers and what separates them
+  std::string_view first = words.next_on_line();
+  const std::size_t vertices =
+      words.count(first.empty() || first.starts_with('#') ? words.next_line() : first, kLeast, "a number of vertices");
+  const std::size_t faces = words.count(words.next_on_line(), kLeast, "a number of faces");
+  GrowingMesh mesh;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const double x = words.number(words.next_line(), "three coordinates");
+    const double y = words.next_number_on_line("three coordinates"), z = words.next_number_on_line("three coordinates");
+    mesh.add_vertex(x, y, z);
+  }
+  for (std::size_t f = 0; f < faces; ++f) {
+    const std::size_t size = words.count(words.next_line(), 2, "a number of corners");
+    if (size < 3)
+      words.fail("a face of at least 3 corners", std::to_string(size) + " corners");
+    std::vector<int> corners;
+    for (std::size_t k = 0; k < size; ++k)
+      corners.push_back(as_corner(words.next_number_on_line("corners of a face")));
+    mesh.add_polygon(corners);
+  }
+  return mesh.mesh();
+}
+
+void print_obj(const Mesh &mesh, std::ostream &out) {
+  out << "# metres, written by doublet\n";
+  print_rows("v ", mesh.vertices, out);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    out << "f " << mesh.faces(f, 0) + 1 << ' ' << mesh.faces(f, 1) + 1 << ' ' << mesh.faces(f, 2) + 1 << '\n';
+}
+
+void print_stl(const Mesh &mesh, std::ostream &out) {
+  std::string header = "metres, written by doublet"; // not "solid": that is a text file
+  header.resize(kStlHeader - sizeof(std::uint32_t));
+  out << header;
+  const auto count = static_cast<std::uint32_t>(mesh.faces.rows());
+  out.write(reinterpret_cast<const char *>(&count), sizeof count);
+  const Vertices normals = face_normals(mesh.vertices, mesh.faces);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    std::array<char, kStlFacet> facet{};
+    Eigen::Matrix<float, 4, 3, Eigen::RowMajor> rows;
+    rows.row(0) = normals.row(f).cast<float>();
+    for (int k = 0; k < 3; ++k)
+      rows.row(k + 1) = mesh.vertices.row(mesh.faces(f, k)).cast<float>();
+    std::memcpy(facet.data(), rows.data(), sizeof(float) * rows.size());
+    out.write(facet.data(), facet.size());
+  }
+}
+
+void print_off(const Mesh &mesh, std::ostream &out) {
+  out << "OFF\n" << mesh.vertices.rows() << ' ' << mesh.faces.rows() << " 0\n";
+  print_rows("", mesh.vertices, out);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    out << "3 " << mesh.faces(f, 0) << ' ' << mesh.faces(f, 1) << ' ' << mesh.faces(f, 2) << '\n';
+}
+
+} // namespace doublet::detail

@@ -1,0 +1,58 @@
+"""Calls that may kill the process, in child processes: what a call did, whatever it did."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import resource
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+SECONDS = 10  # for a call
+MEMORY = 768 << 20  # bytes more than at the start; threads' stacks count
+
+
+def outcomes(count: int, call: Callable[[int], tuple[str, str]], keep_stderr: bool = False) -> list[tuple[str, str]]:
+    """call(i) -> (kind, text) for each i, in a child that goes on until it dies, then in the next one from there. A call that
+    kills it, or takes too long, is ("crash", how)."""
+    results: list[tuple[str, str]] = []
+    while len(results) < count:
+        from_child, to_parent = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.close(from_child)
+            work(range(len(results), count), call, to_parent, keep_stderr)
+        os.close(to_parent)
+        with os.fdopen(from_child, "rb") as said:
+            results += [tuple(line.decode(errors="replace").rstrip("\n").split("\t", 1)) for line in said]
+        _, status = os.waitpid(child, 0)
+        if len(results) < count:
+            how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else f"exit {os.WEXITSTATUS(status)}"
+            results.append(("crash", f"more than {SECONDS} s" if how == "SIGALRM" else how))
+    return results
+
+
+def work(numbers: range, call, to_parent: int, keep_stderr: bool) -> None:
+    """The child: never returns."""
+    quiet = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(quiet, 1)
+    if not keep_stderr:
+        os.dup2(quiet, 2)
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    limit_memory()
+    for number in numbers:
+        signal.alarm(SECONDS)
+        try:
+            kind, text = call(number)
+        except BaseException as error:
+            kind, text = "wrong", f"{type(error).__name__}: {error}"
+        signal.alarm(0)
+        os.write(to_parent, f"{kind}\t{' '.join(text.split())}\n".encode(errors="replace"))
+    os._exit(0)
+
+
+def limit_memory() -> None:
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    limit = pages * mmap.PAGESIZE + MEMORY
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))

@@ -1,0 +1,463 @@
+"""Bad inputs, and what is said about each: docs/bad-input.md. `python tests/python/bad_input.py` writes the page again."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import resource
+import shutil
+import struct
+import sys
+import tempfile
+from pathlib import Path
+from typing import Callable, NamedTuple
+
+import doublet as d
+import numpy as np
+from doublet import cli
+from doublet.files import write_json
+from PIL import Image
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "bad-input.md"
+sys.path.append(str(ROOT / "tests" / "fuzz"))
+from children import outcomes  # noqa: E402
+from seeds import AMC, ASF, BVH, PLY, World, write_session  # noqa: E402
+
+HEAD = """# What is said about bad input
+
+A command that cannot go on says why in one sentence on stderr, and ends with status 1 (2 if it was not understood, 128 + the
+number of a signal that stopped it); in Python the same sentence is the text of a `RuntimeError` (`doublet.Error`), `ValueError`
+or `FileNotFoundError`. Nothing is left half written. `tests/python/test_bad_input.py` runs every row of this table;
+`python tests/python/bad_input.py` writes it.
+
+| input | command | sentence | status |
+| --- | --- | --- | --- |
+"""
+
+
+class Case(NamedTuple):
+    group: str
+    what: str  # in words
+    command: str  # arguments of `doublet`, from the folder with session/ and out/
+    spoil: Callable[[Path], None]
+
+
+CASES: list[Case] = []
+
+
+def spoilt_by(group: str, command: str, **cases):
+    """Each function spoils a folder that has session/, out/, c.glb, walk.bvh, person.asf and person_01.amc."""
+    for what, spoil in cases.items():
+        CASES.append(Case(group, what.replace("_", " "), command, spoil))
+
+
+# --- the folder that is spoilt
+
+
+def make_folder(folder: Path) -> None:
+    world = World()
+    write_session(folder / "session", world)
+    out = folder / "out"
+    d.write_mesh(out / "template.ply", world.mesh)
+    d.write_mesh(out / "template_high.ply", world.high)
+    valid = np.ones(len(world.mesh.faces), bool)
+    np.savez(out / "template_suggestion.npz", face_valid=valid, high_face_valid=np.ones(len(world.high.faces), bool))
+    d.write_actor(out / "actor.npz", world.actor)
+    d.write_performance(out / "performance.npz", world.performance)
+    d.write_observations(out / "observations.npz", world.observations)
+    d.write_clothness(out / "segmentation.npz", world.clothness)
+    d.write_body(out / "body.npz", world.body)
+    d.write_proxies(out / "proxies.json", world.proxies, world.skeleton)
+    d.write_garment(out / "garment.npz", world.garment)
+    write_json(out / "material.json", {"regions": [{"parameters": d.Material().to_dict()}]})
+    write_json(out / "run.json", {"session": str(folder / "session"), "stages": {}})
+    world.character.write(folder / "c.glb")
+    (folder / "walk.bvh").write_text(BVH)
+    (folder / "person.asf").write_text(ASF)
+    (folder / "person_01.amc").write_text(AMC)
+
+
+def text(path: str, *replacements):
+    """Replaces pieces of a text file; each must be there."""
+
+    def spoil(folder: Path) -> None:
+        content = (folder / path).read_text()
+        for old, new in replacements:
+            assert old in content, f"{old!r} is not in {path}"
+            content = content.replace(old, new, 1)
+        (folder / path).write_text(content)
+
+    return spoil
+
+
+def content(path: str, value: str | bytes):
+    return lambda folder: (folder / path).write_bytes(value.encode() if isinstance(value, str) else value)
+
+
+def cut(path: str, share: float = 0.5):
+    def spoil(folder: Path) -> None:
+        whole = (folder / path).read_bytes()
+        (folder / path).write_bytes(whole[: int(share * len(whole))])
+
+    return spoil
+
+
+def gone(path: str):
+    def spoil(folder: Path) -> None:
+        target = folder / path
+        shutil.rmtree(target) if target.is_dir() else target.unlink()
+
+    return spoil
+
+
+def arrays(path: str, **changes):
+    """Changes arrays of an archive: a function of the old one, None to leave it out, or the new one."""
+
+    def spoil(folder: Path) -> None:
+        with np.load(folder / path) as file:
+            values = dict(file)
+        for name, change in changes.items():
+            values[name] = change(values[name]) if callable(change) else change
+        np.savez(folder / path, **{k: v for k, v in values.items() if v is not None})
+
+    return spoil
+
+
+def first(value):
+    """An array with another first element."""
+
+    def change(array):
+        array = array.copy()
+        array.reshape(-1)[0] = value
+        return array
+
+    return change
+
+
+def gltf(change):
+    """Changes the JSON of c.glb."""
+
+    def spoil(folder: Path) -> None:
+        data = (folder / "c.glb").read_bytes()
+        size = struct.unpack("<I", data[12:16])[0]
+        document = json.loads(data[20 : 20 + size])
+        changed = change(document)
+        new = (changed if isinstance(changed, str) else json.dumps(document)).encode()
+        new += b" " * (-len(new) % 4)
+        rest = struct.pack("<II", len(new), 0x4E4F534A) + new + data[20 + size :]
+        (folder / "c.glb").write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(rest)) + rest)
+
+    return spoil
+
+
+def extension(document: dict) -> dict:
+    return document["extensions"]["DOUBLET_character"]
+
+
+def view_of_texture(document: dict) -> dict:
+    return document["bufferViews"][document["images"][0]["bufferView"]]
+
+
+def accessor_of_faces(document: dict) -> dict:
+    return document["accessors"][extension(document)["mesh"]["faces"]]
+
+
+def scan(value: str):
+    return content("session/scan.ply", value)
+
+
+def small_disk(folder: Path) -> None:
+    """From here on no file may grow beyond 512 bytes, which is to a program what a full disk is."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (512, resource.RLIM_INFINITY))
+
+
+def png(path: str, size: int):
+    return lambda folder: Image.new("L", (size, size), 255).save(folder / path)
+
+
+# --- scans
+
+TEMPLATE = "template session -o new"
+spoilt_by(
+    "Scan",
+    TEMPLATE,
+    a_face_of_no_corners=scan(PLY.replace("4 0 1 2 3", "0")),
+    a_face_of_two_corners=scan(PLY.replace("4 0 1 2 3", "2 0 1")),
+    a_corner_beyond_the_vertices=scan(PLY.replace("3 0 1 4", "3 0 1 5")),
+    a_negative_corner=scan(PLY.replace("3 0 1 4", "3 0 1 -1")),
+    a_face_of_2000000000_corners=scan(PLY.replace("4 0 1 2 3", "2000000000 0 1 2 3")),
+    more_vertices_than_the_file_has_room_for=scan(PLY.replace("vertex 5", "vertex 4000000000")),
+    more_faces_than_there_are=scan(PLY.replace("face 2", "face 3")),
+    fewer_faces_than_there_are=scan(PLY.replace("face 2", "face 1")),
+    a_NaN_vertex=scan(PLY.replace("0.5 0.5 1 5", "nan 0.5 1 5")),
+    no_faces=scan(PLY.replace("face 2", "face 0").replace("4 0 1 2 3\n3 0 1 4\n", "")),
+    vertices_without_z=scan(PLY.replace("property float z", "property float w")),
+    an_unknown_type=scan(PLY.replace("property float x", "property float128 x")),
+    an_empty_file=scan(""),
+    a_file_of_another_kind=scan("solid thing"),
+    half_a_file=cut("session/scan.ply"),
+    a_byte_too_many=lambda folder: scan_bytes(folder, lambda data: data + b"\0"),
+    a_byte_inserted=lambda folder: scan_bytes(folder, lambda data: data[:-50] + b"\0" + data[-50:]),
+    a_last_corner_of_2139062143=lambda folder: scan_bytes(folder, lambda data: data[:-4] + b"\x7f" * 4),
+)
+
+
+def scan_bytes(folder: Path, change) -> None:
+    path = folder / "session" / "scan.ply"
+    path.write_bytes(change(path.read_bytes()))
+
+
+def other_scan(name: str, value: str | bytes):
+    def spoil(folder: Path) -> None:
+        (folder / "session" / name).write_bytes(value.encode() if isinstance(value, str) else value)
+        text("session/session.json", ("scan.ply", name))(folder)
+
+    return spoil
+
+
+spoilt_by(
+    "Scan",
+    TEMPLATE,
+    OBJ_with_a_corner_beyond_the_vertices=other_scan("scan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+    OBJ_with_corner_0=other_scan("scan.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n"),
+    OBJ_with_a_face_of_two_corners=other_scan("scan.obj", "v 0 0 0\nv 1 0 0\nf 1 2\n"),
+    OBJ_with_a_word_for_a_number=other_scan("scan.obj", "v 0 zero 0\n"),
+    STL_with_more_triangles_than_bytes=other_scan("scan.stl", bytes(80) + struct.pack("<I", 2**32 - 1) + bytes(50)),
+    STL_with_an_incomplete_triangle=other_scan("scan.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nendloop\n"),
+    OFF_with_more_vertices_than_bytes=other_scan("scan.off", "OFF\n3000000000 1 0\n0 0 0\n"),
+    a_format_that_is_not_known=other_scan("scan.xyz", "0 0 0\n"),
+)
+
+# --- sessions
+
+RECONSTRUCT = "reconstruct session -o new"
+SESSION = "session/session.json"
+spoilt_by(
+    "Session",
+    RECONSTRUCT,
+    no_such_folder=gone("session"),
+    no_session_json=gone(SESSION),
+    JSON_with_a_syntax_error=text(SESSION, ('"fps": 40', '"fps" 40')),
+    JSON_of_100000_levels=content(SESSION, "[" * 100000),
+    no_frame_rate=text(SESSION, ('"fps": 40,', "")),
+    a_frame_rate_of_0=text(SESSION, ('"fps": 40', '"fps": 0')),
+    a_word_for_the_number_of_frames=text(SESSION, ('"frame_count": 3', '"frame_count": "all"')),
+    a_negative_number_of_frames=text(SESSION, ('"frame_count": 3', '"frame_count": -3')),
+    more_frames_than_images=text(SESSION, ('"frame_count": 3', '"frame_count": 4')),
+    no_cameras=lambda folder: (folder / SESSION).write_text(
+        json.dumps({**json.loads((folder / SESSION).read_text()), "cameras": []})
+    ),
+    two_cameras_of_one_name=text(SESSION, ('"cam1"', '"cam0"')),
+    a_camera_that_is_not_calibrated=text("session/calibration.yml", *[(f"cam1_{k}:", f"spare_{k}:") for k in ("K", "R", "t")]),
+    no_calibration=gone("session/calibration.yml"),
+    a_calibration_that_is_no_YAML=content("session/calibration.yml", "cam0_K: [1, 2"),
+    a_matrix_of_too_many_rows=text("session/calibration.yml", ("rows: 3", "rows: 2000000000")),
+    a_matrix_of_fewer_numbers=text("session/calibration.yml", ("cols: 3", "cols: 1")),
+    a_rotation_that_is_none=text("session/calibration.yml", ("cam0_R", "cam0_Q"), ("cam0_K", "cam0_R"), ("cam0_Q", "cam0_K")),
+    an_image_width_of_0=text("session/calibration.yml", ("cam0_image_width: 48", "cam0_image_width: 0")),
+    images_of_another_size=png("session/masks/cam0_0000.png", 32),
+    a_damaged_image=cut("session/masks/cam1_0000.png", 0.3),
+    images_that_are_not_there=gone("session/masks"),
+    no_scan=gone("session/scan.ply"),
+    no_joints=gone("session/joints.json"),
+    a_joint_with_an_unknown_parent=text("session/joints.json", ('"parent": "pelvis"', '"parent": "hip"')),
+    a_joint_of_7_degrees_of_freedom=text("session/joints.json", ('"dof": 3', '"dof": 7')),
+    a_joint_without_a_place=text("session/joints.json", ('"position"', '"place"')),
+    a_landmark_of_two_numbers=text("session/joints.json", ("0,\n   1.1,\n   0.2", "0, 1.1")),
+)
+
+# --- files of a reconstruction
+
+spoilt_by(
+    "Files between stages",
+    "segment out --force",
+    actor_npz_missing=gone("out/actor.npz"),
+    actor_npz_cut_in_half=cut("out/actor.npz"),
+    actor_npz_without_weights=arrays("out/actor.npz", weights=None),
+    weights_for_another_number_of_joints=arrays("out/actor.npz", weights=lambda w: w[:, :1]),
+    weights_that_do_not_sum_to_one=arrays("out/actor.npz", weights=lambda w: 2 * w),
+    a_face_of_the_actor_beyond_its_vertices=arrays("out/actor.npz", faces=first(99999)),
+    a_joint_that_is_its_own_parent=arrays("out/actor.npz", joint_parents=lambda p: np.array([-1, 1])),
+    Python_objects_in_place_of_numbers=arrays("out/actor.npz", vertices=np.array([None], object)),
+    big_endian_numbers=arrays("out/actor.npz", vertices=lambda v: v.astype(">f4")),
+    half_floats=arrays("out/actor.npz", vertices=lambda v: v.astype(np.float16)),
+    a_NaN_vertex_in_the_performance=arrays("out/performance.npz", vertices=first(np.nan)),
+    a_performance_of_another_actor=arrays("out/performance.npz", vertices=lambda v: v[:, :-1]),
+    fewer_poses_than_frames=arrays("out/performance.npz", dofs=lambda q: q[:-1]),
+)
+spoilt_by(
+    "Files between stages",
+    "body out --force",
+    clothness_of_2=arrays("out/segmentation.npz", clothness=first(2)),
+    clothness_of_fewer_vertices=arrays("out/segmentation.npz", clothness=lambda c: c[:-1]),
+    a_fullness_below_1=arrays("out/segmentation.npz", fullness=np.zeros(40, np.float32)),
+)
+spoilt_by(
+    "Files between stages",
+    "body out --force --body-model model.npz",
+    a_body_model_that_is_missing=lambda folder: None,
+    a_body_model_of_other_arrays=lambda folder: np.savez(folder / "model.npz", vertices=np.zeros(3)),
+    a_body_model_cut_in_half=lambda folder: [np.savez(folder / "model.npz", a=np.zeros(999)), cut("model.npz")(folder)],
+)
+spoilt_by(
+    "Files between stages",
+    "garment out --force",
+    a_body_with_a_face_beyond_its_vertices=arrays("out/body.npz", faces=first(-1)),
+    a_body_without_its_model_name=arrays("out/body.npz", model=None),
+)
+spoilt_by(
+    "Files between stages",
+    "fit out --force",
+    a_proxy_of_an_unknown_joint=text("out/proxies.json", ('"pelvis"', '"tail"')),
+    a_proxy_of_negative_radius=text("out/proxies.json", ('"r0": 0.1', '"r0": -0.1')),
+    proxies_that_are_no_JSON=content("out/proxies.json", "capsules"),
+    a_garment_for_other_faces=arrays("out/garment.npz", covers=lambda c: c[:-1]),
+    observations_with_falling_offsets=arrays("out/observations.npz", contour_offsets=lambda o: o[::-1]),
+    observations_of_a_camera_without_size=arrays("out/observations.npz", camera_size=lambda s: 0 * s),
+    a_checkpoint_that_is_damaged=content("out/fit_checkpoint.txt", '{"kind": "minimise", "problem": ' + "9" * 5000),
+)
+spoilt_by(
+    "Files between stages",
+    "character out --force",
+    a_material_without_a_parameter=text("out/material.json", ('"k_bend"', '"k_fold"')),
+    a_material_beyond_its_range=text("out/material.json", ('"k_bend": 0.7', '"k_bend": 7.0')),
+    material_json_that_is_no_JSON=content("out/material.json", "{"),
+    simulated_cloth_without_a_material=content("out/material.json", '{"regions": []}'),
+    template_high_ply_cut_in_half=cut("out/template_high.ply"),
+)
+spoilt_by(
+    "Files between stages",
+    "report out --force",
+    run_json_that_is_no_JSON=content("out/run.json", "{"),
+    run_json_without_a_session=content("out/run.json", "{}"),
+)
+# --- characters
+
+ANIMATE = "animate c.glb walk.bvh -o new.npz"
+spoilt_by(
+    "Character",
+    ANIMATE,
+    no_such_file=gone("c.glb"),
+    half_a_character=cut("c.glb"),
+    a_character_that_is_no_glTF=content("c.glb", b"PK" + bytes(100)),
+    a_glTF_of_another_program=gltf(lambda g: g.pop("extensions") and None),
+    a_version_of_the_future=gltf(lambda g: extension(g).update(version=2)),
+    a_buffer_in_another_file=gltf(lambda g: g["buffers"][0].update(uri="../../../etc/passwd")),
+    an_image_in_another_file=gltf(lambda g: g["images"][0].update(uri="https://example.com/a.png")),
+    a_buffer_view_that_begins_at_2147483647=gltf(lambda g: view_of_texture(g).update(byteOffset=2**31 - 1)),
+    a_buffer_view_of_4294967295_bytes=gltf(lambda g: view_of_texture(g).update(byteLength=2**32 - 1)),
+    a_buffer_view_of_a_negative_length=gltf(lambda g: view_of_texture(g).update(byteLength=-1)),
+    an_accessor_longer_than_its_view=gltf(lambda g: accessor_of_faces(g).update(count=10**6)),
+    an_accessor_of_a_view_that_is_not_there=gltf(lambda g: accessor_of_faces(g).update(bufferView=999)),
+    an_accessor_of_another_type=gltf(lambda g: accessor_of_faces(g).update(componentType=5126)),
+    an_accessor_that_is_not_there=gltf(lambda g: extension(g)["mesh"].update(vertices=-1)),
+    faces_in_place_of_vertices=gltf(lambda g: extension(g)["mesh"].update(weights=extension(g)["mesh"]["vertices"])),
+    a_proxy_of_joint_99=gltf(lambda g: extension(g)["proxies"][0].update(joint=99)),
+    a_joint_whose_parent_is_itself=gltf(lambda g: extension(g)["skeleton"][1].update(parent="spine")),
+    a_material_too_few=gltf(lambda g: extension(g)["materials"].pop() and None),
+    a_step_of_0_seconds=gltf(lambda g: extension(g)["solver"].update(dt=0)),
+    glTF_of_1000_levels=gltf(lambda g: "[" * 1000 + "]" * 1000),
+)
+
+# --- motions
+
+spoilt_by(
+    "Motion",
+    ANIMATE,
+    no_such_motion=gone("walk.bvh"),
+    a_motion_cut_in_half=cut("walk.bvh", 0.9),
+    a_word_for_an_angle=text("walk.bvh", ("0.1 1 0 5", "0.1 1 0 five")),
+    a_value_too_few_in_a_frame=text("walk.bvh", ("0.1 1 0 5", "0.1 1 0")),
+    more_frames_than_it_says=text("walk.bvh", ("Frames: 3", "Frames: 2")),
+    fewer_frames_than_it_says=text("walk.bvh", ("Frames: 3", "Frames: 1000000")),
+    a_frame_time_of_0=text("walk.bvh", ("Time: 0.025", "Time: 0")),
+    a_frame_time_of_1e300=text("walk.bvh", ("Time: 0.025", "Time: 1e300")),
+    an_infinite_offset=text("walk.bvh", ("OFFSET 0 0.2 0", "OFFSET 0 inf 0")),
+    a_channel_that_is_not_known=text("walk.bvh", ("Zrotation", "Wrotation")),
+    a_hierarchy_that_does_not_close=text("walk.bvh", ("  }\n}", "")),
+    joints_that_are_no_person=lambda folder: None,
+)
+ACCLAIM = "animate c.glb person_01.amc -o new.npz"
+spoilt_by(
+    "Motion",
+    ACCLAIM,
+    an_AMC_without_its_ASF=gone("person.asf"),
+    a_bone_that_the_skeleton_has_not=text("person_01.amc", ("thorax 4", "tail 4")),
+    a_bone_missing_in_a_frame=text("person_01.amc", ("thorax 4\n", "")),
+    a_bone_that_hangs_on_nothing=text("person.asf", ("    lowerback thorax\n", "")),
+    an_axis_order_that_is_none=text("person.asf", ("axis 0 0 0 XYZ", "axis 0 0 0 XXZ")),
+)
+spoilt_by("Motion", "animate c.glb walk.fbx -o new.npz", a_format_that_is_not_read=content("walk.fbx", "Kaydara"))
+
+# --- where it goes, and what was asked
+
+spoilt_by("Output", "animate c.glb walk.bvh -o new.avi", a_format_that_is_not_written=lambda folder: None)
+spoilt_by("Output", RECONSTRUCT, a_file_where_the_folder_should_be=content("new", "here"))
+spoilt_by("Output", "segment out --force", a_disk_that_is_full=small_disk)
+spoilt_by("Options", RECONSTRUCT + " --segment-rigid-threshold -1", a_threshold_below_0=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --cloth-substeps 0", no_steps_at_all=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --fit-optimizer newton", an_optimiser_that_is_not_there=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --energy-dt x", an_option_that_is_not_there=lambda folder: None)
+spoilt_by("Options", "fit out --space-names k_colour", a_parameter_that_is_not_there=lambda folder: None)
+spoilt_by(
+    "Options",
+    "synthesize c.glb --motion walk.bvh -o new --material k_colour=1",
+    a_material_parameter_that_is_not_there=lambda folder: None,
+)
+spoilt_by("Options", "evaluate out --truth truth", a_ground_truth_that_is_missing=lambda folder: None)
+spoilt_by("Options", "render out", a_command_that_is_not_there=lambda folder: None)
+
+
+# --- running them
+
+
+class Row(NamedTuple):
+    case: Case
+    sentence: str
+    status: str
+
+
+def run(case: Case, folder: Path) -> tuple[str, str]:
+    """(status, sentence) of the command line in this process, in the folder."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+    made, arguments = folder / "made", case.command.split()
+    shutil.rmtree(made, ignore_errors=True)
+    shutil.copytree(folder / "good", made)
+    record = made / "out" / "run.json"
+    record.write_text(record.read_text().replace(str(folder / "good"), str(made)))
+    case.spoil(made)
+    said = io.StringIO()
+    os.chdir(made)
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+        try:
+            status = cli.main(arguments)
+        except SystemExit as stop:  # of argparse
+            status = stop.code
+    lines = [line for line in said.getvalue().splitlines() if line.startswith("doublet")]
+    return str(status), (lines[-1] if lines else "").replace(f"{made}/", "").replace(str(made), ".")
+
+
+def run_all() -> list[Row]:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name).resolve()
+        make_folder(folder / "good")
+        results = outcomes(len(CASES), lambda i: run(CASES[i], folder))
+    return [Row(case, sentence, status) for case, (status, sentence) in zip(CASES, results)]
+
+
+def page(rows: list[Row]) -> str:
+    def cell(value: str) -> str:
+        return value.replace("|", "\\|").replace("<", "&lt;")
+
+    lines = []
+    for row in rows:
+        command = f"`doublet {row.case.command}`"
+        lines.append(f"| {row.case.group}: {row.case.what} | {command} | {cell(row.sentence)} | {row.status} |")
+    return HEAD + "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(run_all()), encoding="utf-8")

@@ -1,0 +1,119 @@
+"""Wrong arguments raise a clear exception: wrong lengths, nothing, NaN, infinity, indices out of range. None ends the process.
+
+python tests/python/test_arguments.py [NAME]    prints what every spoilt argument does
+"""
+
+import inspect
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+from argument_cases import ELSEWHERE, calls, spoilt
+from doublet import _doublet
+
+sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
+from children import outcomes  # noqa: E402
+from seeds import World  # noqa: E402
+
+CLEAR = (TypeError, ValueError, RuntimeError, OSError)
+MOST = 40  # cases of a function in the suite, evenly out of all
+
+#: What is not wrong after all: function, argument, what was done to it.
+MAY = (
+    (".*", ".*", r".*1e\+?300"),  # far away, but a number
+    (".*", ".*", r"(.*vertices longer|.*faces (shorter|longer))"),  # a vertex more, a face less: still a mesh
+    (".*", "vertices|faces|points|mask|image", "shorter|longer|empty|a column less"),  # as many as one likes
+    (".*", "(coarse_|fine_|high_|face_)?valid|skip_face|colours|masks|offset|fullness|high|body", "empty"),  # may be left out
+    (".*", "proxies|capsules|cameras|meshes|marks|joints|materials|samples|images|contour|matches", "shorter|longer|empty"),
+    (".*", "character", "proxies (shorter|longer|empty)"),
+    (".*", "frames", "shorter|longer|empty|nan|-?inf"),  # of a MeshSequence: a stage looks at them
+    ("Features", ".*", "nan|-?inf"),  # likewise
+    (".*", ".*", r"(clothness )?sigma (empty|nan|-?inf)"),  # NaN where no ray was valid
+    (".*", ".*", r"(clothness )?region index -1"),  # rigid
+    (".*", ".*", "coefficients .*|body faces empty|faces empty|joints empty|frames empty"),  # not known, or nothing there
+    (".*", "sequence|captured|motion", "(frames|dofs) (shorter|longer|empty)"),  # any number of frames
+    (".*", "performance", "(surface faces|frames first:|dofs a column less).*"),  # the actor's count
+    (".*", "captured|sequence", "faces .*"),  # likewise
+    (".*", "observations", "frames first: .*"),  # video frame numbers
+    ("(face|vertex)_(normals|areas)|rasterize|visible_vertices", "vertices", "nan|-?inf"),  # such a face is degenerate, not drawn
+    ("pose_surface|unposed_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone
+    ("dress performance|simulate_reference", "performance", "surface frames (shorter|longer|empty)|(dofs|joints|frames) .*"),
+    ("body_regions|fit_proxies|proxy_statistics", "actor|clothness", "(weights|sigma|region|fullness|rest) .*"),  # not used
+    ("CharacterRenderer.*", "surface", ".*"),  # `high` is drawn
+    ("CharacterRenderer.meshes|DisplaySurface.sample|CharacterSimulator.surface", ".*", "nan|-?inf|a column less"),  # pass on
+    ("dress.*|summarise_garment|write_garment", "garment", ".*"),  # one without faces: the rest does not count
+    ("rig_template", "surface", "high.*"),  # is not rigged
+    ("texture_character", "images|masks", "first: empty"),  # that camera has none
+    ("SilhouetteExtractor.*|Features", ".*", "(first: )?(shorter|longer|empty|a column less)"),  # images of any size
+    ("orbit_camera", "azimuth|elevation", "-1"),
+    ("RayScene.cast|FeatureTracker.match|visible_vertices", "min_distance|reach|tolerance", "-1|inf"),
+    ("SourceMotion", "joint_parents", "first: -1"),  # as it was
+)  # fmt: skip
+
+
+def spoilt_calls(world, folder, name):
+    """(argument, what is wrong with it, the call), the last one right."""
+    function, good = calls(world, folder)[name]
+    cases = [
+        (argument, what, lambda argument=argument, wrong=wrong: function(**{**good, argument: wrong}))
+        for argument, value in good.items()
+        for what, wrong in spoilt(value, folder).items()
+    ]
+    return [*cases, ("", "as it should be", lambda: function(**good))]
+
+
+def tried(call):
+    try:
+        call()
+    except CLEAR as error:
+        text = f"{type(error).__name__}: {error}"
+        short = len(text) < 500 or isinstance(error, TypeError)  # pybind11's own lists what it was called with
+        return "raised" if short else "wrong", text[:300]
+    except BaseException as error:
+        return "wrong", f"{type(error).__name__}: {error}"
+    return "accepted", ""
+
+
+def all_outcomes(world, folder, name, most=None):
+    """(argument, what, kind, text)."""
+    cases = spoilt_calls(world, folder, name)
+    cases = [*cases[: -1 : -(-len(cases) // most) if most else 1], cases[-1]]
+    results = outcomes(len(cases), lambda i: tried(cases[i][2]))
+    return [(argument, what, kind, text) for (argument, what, _), (kind, text) in zip(cases, results)]
+
+
+def may_be(*case):
+    return any(all(re.fullmatch(pattern, value) for pattern, value in zip(rule, case)) for rule in MAY)
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+NAMES = list(calls(World(), Path(tempfile.mkdtemp())))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_wrong_arguments_raise(world, tmp_path, name):
+    *rows, last = all_outcomes(world, tmp_path, name, MOST)
+    assert last[2] == "accepted", last
+    for argument, what, kind, text in rows:
+        assert kind == "raised" or (kind == "accepted" and may_be(name, argument, what)), (argument, what, kind, text)
+
+
+def test_every_function_is_tried():
+    tried_ones = {name.split()[0] for name in NAMES} | ELSEWHERE
+    functions = {n for n in dir(_doublet) if not n.startswith("_") and not inspect.isclass(getattr(_doublet, n))}
+    assert functions - {"annotations"} <= tried_ones, functions - tried_ones
+
+
+if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as folder:
+        shared = World()
+        for name in sys.argv[1:] or NAMES:
+            for row in all_outcomes(shared, Path(folder), name):
+                note = "" if row[2] == "raised" or row[1] == "as it should be" or may_be(name, *row[:2]) else "  <-- should raise"
+                print(name, *row, sep=" | ", end=f"{note}\n", flush=True)

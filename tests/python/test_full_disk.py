@@ -1,0 +1,141 @@
+"""A file is complete or absent, on a full disk too, and the sentence names it."""
+
+import contextlib
+import io
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import cli
+from doublet.files import write_json, written_atomically
+from doublet.video import VideoWriter
+
+sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
+from children import outcomes  # noqa: E402
+from seeds import World  # noqa: E402
+
+ROOM = 8192  # bytes that a file may have
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+@contextlib.contextmanager
+def small_disk():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (ROOM, resource.RLIM_INFINITY))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+
+
+def noise(shape):
+    return np.random.default_rng(3).normal(size=shape)
+
+
+def savez(path):
+    with written_atomically(path) as beside:
+        np.savez(beside, noise=noise(9999))
+
+
+def video(path, frames=40):
+    pictures = np.random.default_rng(4).integers(0, 255, (frames, 128, 128, 3), np.uint8)
+    with VideoWriter(path, 128, 128, 25) as out:
+        for picture in pictures:
+            out.write(picture)
+
+
+def writers(world):
+    w, fine = world, np.linspace(0, 1, 99)
+    vertices = np.stack(np.meshgrid(fine, fine, [0]), axis=-1).reshape(-1, 3) + 1e-3 * noise((99 * 99, 3))
+    corner = np.arange(98 * 99)
+    big = d.Mesh(vertices, np.stack([corner, corner + 1, corner + 99], axis=1).astype(np.int32))
+    clothness = d.Clothness(noise(9999), np.abs(np.sin(noise(9999))), np.zeros(9999, np.int32))
+    animation = d.animate(w.character, d.Motion(40, np.repeat(w.dofs, 40, axis=0)), d.AnimateOptions(high=False))
+    w.character.high = big
+    w.character.high_valid = [1] * len(big.faces)
+    w.character.texcoords = np.zeros((3 * len(big.faces), 2))
+    body = d.BodyFit()
+    body.body, body.coefficients, body.model = big, np.zeros(1), "grid"
+    many = [w.proxies[0]] * 500
+    return {
+        "mesh.ply": lambda path: d.write_mesh(path, big),
+        "mesh.obj": lambda path: d.write_mesh(path, big),
+        "mesh.stl": lambda path: d.write_mesh(path, big),
+        "mesh.off": lambda path: d.write_mesh(path, big),
+        "character.glb": w.character.write,
+        "segmentation.npz": lambda path: d.write_clothness(path, clothness),
+        "body.npz": lambda path: d.write_body(path, body),
+        "proxies.json": lambda path: d.write_proxies(path, many, w.skeleton),
+        "baked.npz": lambda path: d.write_baked_npz(path, w.character, animation),
+        "baked.glb": lambda path: d.write_baked_glb(path, w.character, animation),
+        "run.json": lambda path: write_json(path, list(range(9999))),
+        "masks.npz": savez,
+        "video.mp4": video,
+    }
+
+
+def written(write, path):
+    try:
+        write(path)
+    except (RuntimeError, OSError) as error:
+        return "refused", str(error)
+    return "written", ""
+
+
+@pytest.mark.parametrize("old", [None, b"old"])
+def test_a_file_without_room_is_absent_and_named(world, tmp_path, old):
+    made = writers(World())
+    for name in made:
+        if old:
+            (tmp_path / name).write_bytes(old)
+    with small_disk():
+        results = outcomes(len(made), lambda i: written(made[list(made)[i]], tmp_path / list(made)[i]))
+    for name, (kind, text) in zip(made, results):
+        assert kind == "refused" and str(tmp_path / name) in text and len(text) < 400, (name, kind, text)
+        assert (tmp_path / name).read_bytes() == old if old else not (tmp_path / name).exists(), name
+    assert sorted(p.name for p in tmp_path.iterdir()) == (sorted(made) if old else [])  # no rest of a temporary file
+
+
+@pytest.fixture
+def tiny_disk(tmp_path):
+    """A disk of 16 KiB that is really full, for what root may mount."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = (
+        os.geteuid() == 0
+        and not subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", str(folder)], capture_output=True).returncode
+    )
+    if not mounted:
+        pytest.skip("needs a mount")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def test_a_disk_that_is_really_full(tiny_disk):
+    made = writers(World())
+    for name, write in made.items():
+        kind, text = written(write, tiny_disk / name)
+        assert kind == "refused" and str(tiny_disk / name) in text, (name, kind, text)
+        assert "No space left" in text or "exit status" in text or "Error" in text, text
+        assert not list(tiny_disk.iterdir()), name
+
+
+def test_a_command_says_so(world, tmp_path, capsys):
+    world.character.write(tmp_path / "c.glb")
+    from seeds import BVH
+
+    (tmp_path / "walk.bvh").write_text(BVH)
+    said = io.StringIO()
+    with small_disk(), contextlib.redirect_stderr(said):
+        status = cli.main(
+            ["animate", str(tmp_path / "c.glb"), str(tmp_path / "walk.bvh"), "-o", str(tmp_path / "new.npz"), "--quiet"]
+        )
+    assert status == 1

@@ -1,0 +1,185 @@
+"""What README, docs and help promise."""
+
+import importlib
+import inspect
+import json
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import _doublet, pipeline
+from doublet.fit_page import sections
+
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "tests" / "fuzz"))
+from seeds import World, write_fit, write_session  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+def test_the_readmes_snippet_runs(world, tmp_path, monkeypatch):
+    (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    d.write_actor(tmp_path / "out" / "mine" / "actor.npz", world.actor)
+    d.write_performance(tmp_path / "out" / "mine" / "performance.npz", world.performance)
+    monkeypatch.chdir(tmp_path)
+    exec(compile(snippet, "README.md", "exec"), {"__name__": "snippet"})
+    assert d.read_clothness(tmp_path / "out" / "mine" / "segmentation.npz").clothness.max() == 1
+
+
+def bound_callables():
+    for name in dir(_doublet):
+        member = getattr(_doublet, name)
+        if name.startswith("_"):
+            continue
+        if not inspect.isclass(member):
+            yield name, member
+            continue
+        for method in vars(member):
+            if not method.startswith("_") and callable(getattr(member, method)):
+                yield f"{name}.{method}", getattr(member, method)
+
+
+def test_everything_that_is_bound_is_documented():
+    """More than the signatures that pybind11 writes by itself."""
+    for name, member in bound_callables():
+        lines = [line for line in (member.__doc__ or "").splitlines() if line.strip()]
+        words = [line for line in lines if not re.match(rf"(\d+\. )?{name.split('.')[-1]}\(|Overloaded function", line)]
+        assert words, f"{name} has only a signature: {member.__doc__}"
+    for name in dir(_doublet):
+        member = getattr(_doublet, name)
+        if inspect.isclass(member) and not issubclass(member, Exception):
+            assert (member.__doc__ or "").strip(), f"{name} has no docstring"
+
+
+def test_every_context_has_a_default():
+    for name, member in bound_callables():
+        for signature in re.findall(r"context: [^,)]*", member.__doc__ or ""):
+            assert "=" in signature, f"{name}: {signature}"
+
+
+def test_modules_that_help_names_are_there():
+    """In a fresh process, where nobody has imported them yet."""
+    named = set(re.findall(r"`doublet\.(\w+)", d.__doc__))
+    assert named >= {"pipeline", "evaluate"}
+    program = "import doublet\n" + "\n".join(f"doublet.{name}" for name in sorted(named)) + "\ndoublet.evaluate.evaluate"
+    subprocess.run([sys.executable, "-c", program], check=True)
+    assert {importlib.import_module(f"doublet.{n}").__name__ for n in d.MODULES} <= {f"doublet.{n}" for n in dir(d)}
+    with pytest.raises(AttributeError, match="nonsense"):
+        d.nonsense  # noqa: B018
+
+
+def test_a_source_motion_from_arrays_is_the_one_that_was_read(world, tmp_path):
+    from seeds import BVH
+
+    (tmp_path / "walk.bvh").write_text(BVH)
+    read = d.SourceMotion.read(tmp_path / "walk.bvh")
+    made = d.SourceMotion(
+        read.joint_names, read.joint_parents, read.offsets, read.positions, read.rotations, read.fps, read.source
+    )
+    for name in ("joint_names", "joint_parents", "fps", "source"):
+        assert getattr(made, name) == getattr(read, name)
+    for name in ("offsets", "positions", "rotations"):
+        np.testing.assert_array_equal(getattr(made, name), getattr(read, name))
+    with pytest.raises(ValueError, match="unit quaternions"):
+        d.SourceMotion(read.joint_names, read.joint_parents, read.offsets, read.positions, 2 * read.rotations, read.fps)
+    with pytest.raises(ValueError, match="parents before their children"):
+        d.SourceMotion(read.joint_names, [-1, 1, 0], read.offsets, read.positions, read.rotations, read.fps)
+
+
+def test_step_each_makes_the_bits_of_single_steps(world):
+    simulator, materials = world.simulator, [[d.Material(d_n=x)] for x in (1.0, 4.0, 9.0)]
+    before, after = simulator.pose(world.dofs[0]), simulator.pose(world.dofs[1])
+    alone, together = ([simulator.start(before) for _ in materials] for _ in range(2))
+    for state, material in zip(alone, materials):
+        simulator.step(state, before, after, material, 0.025)
+    assert simulator.step_each(together, before, after, materials, 0.025) == []
+    for one, other in zip(alone, together):
+        np.testing.assert_array_equal(simulator.surface(one, after), simulator.surface(other, after))
+    with pytest.raises(ValueError, match="equally many"):
+        simulator.step_each(together, before, after, materials[:1], 0.025)
+
+    model = d.ClothModel(world.mesh.vertices, world.mesh.faces, world.cloth)
+    solver, inputs = d.ClothSolver.create(model), d.StepInputs(targets=world.mesh.vertices, dt=0.02)
+    alone, together = ([d.ClothState(world.mesh.vertices) for _ in materials] for _ in range(2))
+    for state, (material,) in zip(alone, materials):
+        solver.step(state, inputs, material)
+    assert solver.step_each(together, [inputs], [m for (m,) in materials]) == []
+    for one, other in zip(alone, together):
+        np.testing.assert_array_equal(one.positions, other.positions)
+    with pytest.raises(TypeError, match="None"):
+        solver.step_each([None], [inputs], [d.Material()])
+
+
+def test_arrays_of_an_animation_are_put_together_once(world):
+    animation = d.animate(world.character, world.motion, d.AnimateOptions(settle_seconds=0.05))
+    for name in ("surface", "joints", "high", "body"):
+        assert getattr(animation, name) is getattr(animation, name)
+        assert len(getattr(animation, name)) == len(animation.dofs)
+
+
+def test_a_video_may_lie_elsewhere(world, tmp_path):
+    """An absolute path in session.json is as good as a relative one."""
+    folder, elsewhere = tmp_path / "session", tmp_path / "elsewhere"
+    write_session(folder, world)
+    (folder / "masks").rename(elsewhere)
+    path = folder / "session.json"
+    path.write_text(path.read_text().replace("masks/", f"{elsewhere}/"))
+    session = d.Session(folder)
+    names = [str(pipeline.name_in_session(session, p)) for p in pipeline.image_files(session)]
+    assert names == [str(elsewhere)] * 2
+    assert str(pipeline.name_in_session(session, folder / "scan.ply")) == "scan.ply"
+    job = pipeline.Job(folder, tmp_path / "out")
+    d.write_actor(tmp_path / "out" / "actor.npz", world.actor)
+    stage = next(s for s in pipeline.STAGES if s.name == "performance")
+    assert f"session/{elsewhere}" in pipeline.stage_inputs(job, stage)
+
+
+ENDLESS = """
+import sys, time
+from doublet import cli
+cli.run_stages = lambda arguments: (print("started", flush=True), [time.sleep(0.01) for _ in range(6000)])
+sys.exit(cli.main(["segment", "out"]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("ignored", [False, True], ids=["", "ignored"])
+def test_signals_end_a_command_as_ctrl_c_does(number, ignored):
+    """Also where the parent has the signal ignored, as a shell has SIGINT for what runs in the background."""
+    disposition = signal.SIG_IGN if ignored else signal.SIG_DFL
+    process = subprocess.Popen(
+        [sys.executable, "-c", ENDLESS], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(number, disposition),
+    )  # fmt: skip
+    assert process.stdout.readline() == "started\n"
+    time.sleep(0.1)
+    process.send_signal(number)
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 128 + number
+    assert "doublet: stopped; what is complete stays" in said and "Traceback" not in said
+
+
+def test_a_page_that_is_not_json_is_refused(tmp_path):
+    (tmp_path / "run.json").write_text(json.dumps([]))
+    with pytest.raises(RuntimeError, match=r"run\.json"):
+        pipeline.recorded_session(tmp_path)
+
+
+@pytest.mark.parametrize("damaged", ["part,cost\n1,2\n", "region,evaluations\nx,y\n", "\x8f", None])
+def test_a_fit_log_of_another_kind_is_refused(tmp_path, damaged):
+    write_fit(tmp_path / "out")
+    if damaged is None:
+        assert "<svg" in sections(tmp_path / "out")
+        return
+    (tmp_path / "out" / "fit_log.csv").write_bytes(damaged.encode("latin-1"))
+    with pytest.raises(RuntimeError, match=r"fit_log\.csv: expected what the stage 'fit' writes"):
+        sections(tmp_path / "out")
