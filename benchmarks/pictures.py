@@ -106,7 +106,7 @@ def main() -> None:
             command.add_argument("motion", type=Path, metavar="MOTION")
             command.add_argument("--frame", type=int, default=72, metavar="N", help="row of the performance (default: 72)")
             command.add_argument("--camera", type=int, default=0, metavar="N", help="of the session (default: 0)")
-            command.add_argument("--new", type=int, nargs="+", default=[104, 128], metavar="N", help="frames of the new motion")
+            command.add_argument("--new", type=int, nargs="+", default=[76, 156], metavar="N", help="frames of the new motion")
         else:
             command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
             default = [0, 30, 60, 90, 108, 120, 150, 170]
