@@ -249,9 +249,8 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 /// One region's part of a garment, before it is one of several. Its triangles are regular in the rest shape: what is folded even
 /// in the frame in which the piece is spread out would be left with a few long ones. So the piece is meshed there first, which
 /// gives a rest shape, and that is meshed again.
-Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const std::vector<char> &hangs,
-                    int region, double vertices, const GarmentOptions &options) {
-  const SpreadOut spread = spread_out(actor, piece, captured);
+Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const SpreadOut &spread,
+                    const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
   const Mesh first = remeshed(spread.mesh, vertices);
   Garment garment = placed_garment(actor, piece, first.faces, places_on(spread.mesh, first.vertices));
   give_rest_shape(garment, actor, captured, piece, spread, first.vertices, hangs, options);
@@ -334,6 +333,7 @@ public:
       excluded[f] |= sheet[f];
     std::vector<Eigen::VectorXd> fields;
     std::vector<Piece> pieces;
+    std::vector<SpreadOut> spread;
     std::vector<std::vector<char>> hangs; // [R][N]
     std::vector<double> areas;            // [R] m^2, spread out
     for (int r = 0; r < clothness.region_count; ++r) {
@@ -343,16 +343,16 @@ public:
       hangs.push_back(hanging_vertices(whole, skin, options_.smallest_edge));
       pieces.push_back(hanging_part(whole, hangs.back()));
       say_what_falls(whole, pieces.back(), r, context);
-      const Mesh spread = spread_out(actor, pieces.back(), captured).mesh;
-      areas.push_back(face_areas(spread.vertices, spread.faces).sum());
+      spread.push_back(spread_out(actor, pieces.back(), captured));
+      areas.push_back(face_areas(spread.back().mesh.vertices, spread.back().mesh.faces).sum());
     }
     const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
     for (int r = 0; r < clothness.region_count; ++r) {
       context.report("garment", static_cast<double>(r) / clothness.region_count);
       if (pieces[r].mesh.faces.rows() == 0)
         continue;
-      const Garment part =
-          mesh_region(actor, captured, pieces[r], hangs[r], garment.region_count, options_.vertices * areas[r] / area, options_);
+      const Garment part = mesh_region(actor, captured, pieces[r], spread[r], hangs[r], garment.region_count,
+                                       options_.vertices * areas[r] / area, options_);
       append(garment, part);
       for (int f : pieces[r].actor_face)
         garment.covers[f] = !is_waistband(actor, clothness, fields[r], f);

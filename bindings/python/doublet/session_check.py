@@ -64,13 +64,17 @@ class Evidence:
         return [c for c, mask in enumerate(self.masks) if mask.size and NO_ACTOR < mask.mean() < ALL_ACTOR]
 
     @cached_property
+    def shadows(self) -> list[np.ndarray]:
+        """Where every camera, made small, sees the scan: bool (h, w)."""
+        rig = [small(camera) for camera in self.session.rig]
+        return [d.rasterize(self.scan.vertices, self.scan.faces, camera)[0] >= 0 for camera in rig]
+
+    @cached_property
     def overlaps(self) -> np.ndarray:
         """(C, C) IoU of the silhouette of camera i with the scan seen from camera j; NaN where there is no silhouette."""
-        rig = [small(camera) for camera in self.session.rig]
-        shadows = [d.rasterize(self.scan.vertices, self.scan.faces, camera)[0] >= 0 for camera in rig]
-        result = np.full((len(rig), len(rig)), np.nan)
+        result = np.full((len(self.shadows), len(self.shadows)), np.nan)
         for i in self.seen:
-            for j, shadow in enumerate(shadows):
+            for j, shadow in enumerate(self.shadows):
                 result[i, j] = iou(resized(self.masks[i], shadow.shape), shadow)
         return result
 
@@ -79,9 +83,7 @@ class Evidence:
         """(C) the same, each with its own camera, for the silhouette as a mirror shows it."""
         result = np.full(len(self.session.rig), np.nan)
         for c in self.seen:
-            camera = small(self.session.rig[c])
-            shadow = d.rasterize(self.scan.vertices, self.scan.faces, camera)[0] >= 0
-            result[c] = iou(resized(self.masks[c], shadow.shape)[:, ::-1], shadow)
+            result[c] = iou(resized(self.masks[c], self.shadows[c].shape)[:, ::-1], self.shadows[c])
         return result
 
 
@@ -266,7 +268,7 @@ def draw(evidence: Evidence) -> np.ndarray:
             photo = np.asarray(Image.fromarray(image[..., ::-1]).resize(shape[::-1]))
         if evidence.masks[c].size:
             photo = picture.draw_outline(photo, picture.rim(resized(evidence.masks[c], shape)), (0, 220, 60))
-        photo = picture.draw_outline(photo, picture.outline(evidence.scan.vertices, evidence.scan.faces, camera))
+        photo = picture.draw_outline(photo, picture.rim(evidence.shadows[c]))
         for mark in evidence.session.joints:
             dot(photo, camera.project(mark.position))
         tiles.append(labelled(photo, f"{full.name}  overlap {evidence.overlaps[c, c]:.2f}"))
