@@ -1,5 +1,6 @@
 #include "common.h"
 
+#include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"
 
 namespace doublet::python {
@@ -255,6 +256,18 @@ void bind_energy(py::module_ &m) {
       .def_property_readonly("space", &MaterialObjective::space);
 }
 
+void bind_garment_trial(py::module_ &m) {
+  OptionsClass<TrialOptions>(m, "TrialOptions", "Which rest shapes of a garment are tried on the video.")
+      .field("spreads", &TrialOptions::spreads, "tried in the place of GarmentOptions.spread; empty = none, that one is taken")
+      .field("materials", &TrialOptions::materials, "that each is tried with");
+  m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"),
+        "(count, n) points of the box, spread evenly, of cloth that does not stretch.");
+  m.def("trial_energy", &trial_energy, py::arg("objective"), py::arg("materials") = TrialOptions{}.materials,
+        py::arg("context") = interruptible_context(), Release(),
+        "(regions) pixels^2: what a garment costs before its material is known, the mean of the lowest quarter of E_fit over "
+        "trial_samples().");
+}
+
 py::dict result_dict(const FitResult &result) {
   py::list regions;
   for (const RegionFit &region : result.regions) {
@@ -291,6 +304,7 @@ void bind_fit(py::module_ &m) {
   bind_minimise(m);
   bind_influence(m);
   bind_energy(m);
+  bind_garment_trial(m);
   OptionsClass<FitOptions>(m, "FitOptions", "Options of estimate_material.")
       .field("seed", &FitOptions::seed, "of the search")
       .field("seeds", &FitOptions::seeds, "searches from as many different seeds; the answer is that of the lowest energy")

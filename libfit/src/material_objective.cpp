@@ -717,25 +717,29 @@ void MaterialObjective::Impl::run_groups(std::span<Group> groups, const Context 
 /// E_fit (S, R).
 MatrixRM MaterialObjective::Impl::run(Samples &samples, bool may_stop, const Context &context) const {
   const int stages = may_stop && options.stop_margin > 0 ? kStages : 1, count = static_cast<int>(samples.stopped.size());
-  std::vector<std::uint8_t> counts(frames.size(), 0); // frames measured so far
+  const bool whole = static_cast<int>(windows.size()) >= stages; // windows are run one stage each; else each over all stages
+  std::vector<std::uint8_t> counts(frames.size(), 0);            // frames measured so far
   std::vector<std::vector<Rollout>> rollouts(windows.size());
   for (int stage = 0; stage < stages; ++stage) {
     std::vector<Group> groups;
     for (std::size_t w = 0; w < windows.size(); ++w) {
-      int from = windows[w].start, to = windows[w].end;
-      if (windows.size() == 1)
-        from = frame_count() * stage / stages, to = frame_count() * (stage + 1) / stages;
+      const Window &window = windows[w];
+      const int length = window.end - window.start;
+      int from = window.start, to = window.end;
+      if (!whole)
+        from = window.start + length * stage / stages, to = window.start + length * (stage + 1) / stages;
       else if (static_cast<int>(w) % stages != stage)
         continue;
-      if (from == windows[w].start)
+      if (from == window.start && rollouts[w].empty())
         for (int s = 0; s < count; ++s)
           rollouts[w].push_back({s, samples.materials[s], {}, {}, &samples.terms[s]});
       std::erase_if(rollouts[w], [&](const Rollout &rollout) { return samples.stopped[rollout.sample]; });
-      split(rollouts[w], windows[w], from, to, context.thread_count(), groups);
-      std::fill(counts.begin() + std::max(from, windows[w].first), counts.begin() + to, std::uint8_t{1});
+      split(rollouts[w], window, from, to, context.thread_count(), groups);
+      for (int t = std::max(from, window.first); t < to; ++t)
+        counts[t] = 1;
     }
     run_groups(groups, context);
-    if (windows.size() > 1)
+    if (whole)
       rollouts.assign(windows.size(), {});
     if (stage + 1 < stages)
       stop_hopeless(samples, counts);

@@ -110,7 +110,7 @@ MatrixRM generation(int count) {
 TEST(MaterialObjective, StoppingHopelessSamplesLeavesTheSelectedAsTheyAre) {
   const int count = 9, selected = count / 2;
   const MatrixRM samples = generation(count);
-  for (int window : {0, 4}) {
+  for (int window : {0, 4, 16}) { // of 32 frames: one, eight, two
     EnergyOptions options;
     options.window = window;
     const auto energies = [&](double margin, int threads) {

@@ -82,3 +82,44 @@ def test_the_pipeline_wears_what_the_file_says(bell):
     shown = Shown()
     shown.job = job
     assert "No mesh of its own" in report.garment(shown)
+
+
+def area_of(garment) -> float:
+    return float(d.face_areas(garment.rest, garment.mesh.faces).sum())
+
+
+def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
+    """Each spread is tried, the cheapest is written and all costs are recorded; a spread that nobody would use is refused."""
+    actor, clothness = skirt
+    wide = np.array(actor.mesh.vertices) * [1.3, 1, 1.3]
+    performance = d.ReferencePerformance()
+    performance.frames, performance.dofs, performance.joints = [0, 1, 2, 3], np.zeros((4, 6)), np.zeros((4, 1, 3))
+    performance.surface = d.MeshSequence(
+        actor.mesh.faces, np.stack([actor.mesh.vertices + w * (wide - actor.mesh.vertices) for w in (0, 0.3, 0.6, 1)])
+    )
+    d.write_actor(tmp_path / "actor.npz", actor)
+    d.write_clothness(tmp_path / "segmentation.npz", clothness)
+    d.write_performance(tmp_path / "performance.npz", performance)
+    body = d.BodyFit()
+    body.body = d.Mesh(np.array(actor.mesh.vertices) * [0.6, 1, 0.6], actor.mesh.faces)
+    d.write_body(tmp_path / "body.npz", body)
+    options = {"garment": d.GarmentOptions(vertices=300), "trial": d.TrialOptions(spreads=[0.1, 0.9])}
+    job = pipeline.Job(tmp_path, tmp_path, options)
+    areas = []
+
+    def cost(_, garment):
+        areas.append(area_of(garment))
+        return -areas[-1]
+
+    monkeypatch.setattr(pipeline, "trial_energy", cost)
+    chosen, costs = pipeline.filmed_garment(job)
+    assert areas[0] > 1.05 * areas[1] and costs == {"0.1": -areas[0], "0.9": -areas[1]}
+    assert area_of(chosen) == areas[0]
+    monkeypatch.setattr(pipeline, "trial_energy", lambda _, garment: -cost(_, garment))
+    assert area_of(pipeline.filmed_garment(job)[0]) == areas[1]
+    job.options["garment"] = d.GarmentOptions(spread=0.3)
+    with pytest.raises(ValueError, match=r"garment.spread 0.3 would not be used: .* found \[0.1, 0.9\]"):
+        pipeline.filmed_garment(job)
+    job.options["trial"] = d.TrialOptions(spreads=[])
+    monkeypatch.setattr(pipeline, "trial_energy", None)  # nothing to choose from
+    assert pipeline.filmed_garment(job)[1] == {}

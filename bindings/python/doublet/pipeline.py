@@ -34,6 +34,7 @@ OPTION_GROUPS = {
     "body": d.BodyFitOptions,
     "proxy": d.ProxyOptions,
     "garment": d.GarmentOptions,
+    "trial": d.TrialOptions,
     "cloth": d.ClothOptions,
     "energy": d.EnergyOptions,
     "fit": d.FitOptions,
@@ -122,10 +123,11 @@ class Job:
     def dressed_performance(self) -> d.ReferencePerformance:
         return d.dress(self.performance(), self.actor, self.garment)
 
-    def simulator(self) -> d.CharacterSimulator:
-        """Of the dressed actor: goes with the dressed performance."""
+    def simulator(self, dressed: d.DressedActor | None = None) -> d.CharacterSimulator:
+        """Of the dressed actor, that of garment.npz unless another is given: goes with the dressed performance."""
+        dressed = dressed or self.dressed
         proxies = d.read_proxies(self.path("proxies.json"), self.actor.skeleton)
-        return d.CharacterSimulator(self.dressed.actor, self.dressed.clothness, proxies, self.options["cloth"])
+        return d.CharacterSimulator(dressed.actor, dressed.clothness, proxies, self.options["cloth"])
 
     def energy_options(self) -> d.EnergyOptions:
         values = self.options["energy"].to_dict()
@@ -269,10 +271,7 @@ def run_body(job: Job) -> dict:
 
 
 def run_garment(job: Job) -> dict:
-    performance = job.performance()
-    captured = performance.surface
-    mesher = d.GarmentMesher.create(job.options["garment"])
-    garment = mesher.mesh(job.actor, job.clothness(), d.read_body(job.path("body.npz")).body, captured, job.context)
+    garment, trials = filmed_garment(job)
     d.write_garment(job.path("garment.npz"), garment)
     for read in ("garment", "dressed"):
         job.__dict__.pop(read, None)  # later stages read the file, so that a resumed run goes on with the same bits
@@ -285,7 +284,51 @@ def run_garment(job: Job) -> dict:
         "loops_that_hang": found.hanging_loops,
         "edge_mm": 1000 * found.mean_edge,
         "smallest_angle_1_percent_degrees": found.smallest_angle,
+        "energy_px2_of_spread": trials,
     }
+
+
+def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, float]]:
+    """The garment whose rest shape moves most like the filmed one, and what each that was tried costs: spread -> pixels^2."""
+    options, spreads = job.options["garment"], job.options["trial"].spreads
+    if spreads and options.spread != d.GarmentOptions().spread:
+        raise ValueError(
+            f"garment.spread {options.spread} would not be used: expected it left alone, or trial.spreads empty, "
+            f"found {spreads} to be tried on the video (on the command line: --trial-spreads {options.spread})"
+        )
+    clothness, captured = job.clothness(), job.performance().surface
+    body = d.read_body(job.path("body.npz")).body
+
+    def garment_of(spread: float) -> d.Garment:
+        mesher = d.GarmentMesher.create(d.GarmentOptions(**{**options.to_dict(), "spread": spread}))
+        return mesher.mesh(job.actor, clothness, body, captured, job.context)
+
+    best = garment_of(spreads[0] if spreads else options.spread)
+    if len(spreads) < 2 or best.region_count == 0:
+        return best, {}
+    costs: dict[str, float] = {}
+    for spread in spreads:
+        garment = garment_of(spread) if costs else best
+        cost = trial_energy(job, garment)
+        if cost < min(costs.values(), default=np.inf):
+            best = garment
+        costs[f"{spread:g}"] = cost
+        job.console.say(f"garment: spread {spread:g} costs {cost:.4g} px^2 with ordinary materials")
+    return best, costs
+
+
+def trial_energy(job: Job, garment: d.Garment) -> float:
+    """What a garment costs before its material is known, pixels^2."""
+    dressed = d.dress(job.actor, job.clothness(), garment)
+    objective = d.MaterialObjective(
+        job.simulator(dressed),
+        d.dress(job.performance(), job.actor, garment),
+        d.read_observations(job.path("observations.npz")),
+        job.energy_options(),
+        job.options["space"],
+        job.context,
+    )
+    return float(d.trial_energy(objective, job.options["trial"].materials, job.context).sum())
 
 
 def fit_options(job: Job) -> d.FitOptions:
@@ -370,7 +413,9 @@ STAGES = (
         lambda s: [markers_file(s)], uses_body_model=True,
     ),
     Stage(
-        "garment", ("actor.npz", "performance.npz", "segmentation.npz", "body.npz"), ("garment.npz",), ("garment",), run_garment,
+        "garment",
+        ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "body.npz", "proxies.json"), ("garment.npz",),
+        ("garment", "trial", "cloth", "energy", "space"), run_garment,
     ),
     Stage(
         "fit", ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json", "garment.npz"),

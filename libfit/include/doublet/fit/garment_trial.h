@@ -1,0 +1,27 @@
+#pragma once
+// Which of several garments is the filmed one, before its material is known: beyond the paper.
+
+#include "doublet/fit/material_objective.h"
+
+#include <vector>
+
+namespace doublet {
+
+/// The rest shape of a garment follows from how much of the video's motion it must allow for (see the garment mesher's `spread`),
+/// and that share differs from film to film. So several are tried on the video, each with the same ordinary materials.
+struct TrialOptions {
+  /// Shares that are tried in the place of the mesher's own; the one of the lowest energy is taken. Empty = none is tried.
+  std::vector<double> spreads = {0.15, 0.25, 0.35, 0.5};
+  int materials = 16;    ///< that each is tried with
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
+};
+
+/// (count, n) points of the box, spread evenly (Halton, "On the efficiency of certain quasi-random sequences of points",
+/// Numerische Mathematik 2, 1960), but of cloth that does not stretch.
+MatrixRM trial_samples(const ParameterSpace &space, int count);
+
+/// (R) what the regions of a garment cost, pixels^2: the mean of the lowest quarter of E_fit over trial_samples(). Lower where
+/// some ordinary material moves the garment as the filmed one moves.
+Eigen::VectorXd trial_energy(MaterialObjective &objective, int materials, const Context &context = {});
+
+} // namespace doublet
