@@ -20,17 +20,23 @@ double radical_inverse(int i, int base) {
   return value;
 }
 
+void require_materials(int count, const std::string &what) {
+  require(count >= kBestOf && count <= 4096,
+          what + ": expected a number in [" + std::to_string(kBestOf) + ", 4096], found " + std::to_string(count));
+}
+
 } // namespace
 
 void TrialOptions::validate() const {
   for (double spread : spreads)
     require(spread > 0 && spread < 1, "TrialOptions: spreads: expected numbers in (0, 1), found " + std::to_string(spread));
-  require(materials >= kBestOf && materials <= 4096, "TrialOptions: materials: expected a number in [" + std::to_string(kBestOf) +
-                                                         ", 4096], found " + std::to_string(materials));
+  require_materials(materials, "TrialOptions: materials");
 }
 
 MatrixRM trial_samples(const ParameterSpace &space, int count) {
   constexpr std::array<int, 6> kPrimes{2, 3, 5, 7, 11, 13}; // one a parameter of a material
+  space.validate();
+  require_materials(count, "trial_samples: count");
   MatrixRM samples(count, space.size());
   for (int s = 0; s < count; ++s)
     for (int i = 0; i < space.size(); ++i)
@@ -39,8 +45,7 @@ MatrixRM trial_samples(const ParameterSpace &space, int count) {
 }
 
 Eigen::VectorXd trial_energy(MaterialObjective &objective, int materials, const Context &context) {
-  require(materials >= kBestOf,
-          "trial_energy: materials: expected at least " + std::to_string(kBestOf) + ", found " + std::to_string(materials));
+  require_materials(materials, "trial_energy: materials");
   const MatrixRM samples = trial_samples(objective.space(), materials).replicate(1, objective.part_count());
   MatrixRM energies = objective.evaluate(samples, context);
   const Eigen::Index lowest = materials / kBestOf;

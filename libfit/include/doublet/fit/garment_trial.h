@@ -17,11 +17,12 @@ struct TrialOptions {
 };
 
 /// (count, n) points of the box, spread evenly (Halton, "On the efficiency of certain quasi-random sequences of points",
-/// Numerische Mathematik 2, 1960), but of cloth that does not stretch.
+/// Numerische Mathematik 2, 1960), but of cloth that does not stretch. Throws std::invalid_argument for a wrong space, or a count
+/// outside [4, 4096].
 MatrixRM trial_samples(const ParameterSpace &space, int count);
 
 /// (R) what the regions of a garment cost, pixels^2: the mean of the lowest quarter of E_fit over trial_samples(). Lower where
-/// some ordinary material moves the garment as the filmed one moves.
+/// some ordinary material moves the garment as the filmed one moves. Throws std::invalid_argument as trial_samples() does.
 Eigen::VectorXd trial_energy(MaterialObjective &objective, int materials, const Context &context = {});
 
 } // namespace doublet
