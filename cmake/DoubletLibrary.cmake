@@ -12,7 +12,8 @@ function(doublet_library name)
   set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(doublet_${name} PUBLIC cxx_std_20)
   target_include_directories(doublet_${name}
-    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(doublet_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
   doublet_warnings(doublet_${name})
@@ -43,6 +44,7 @@ endfunction()
 function(doublet_install_package)
   get_property(targets GLOBAL PROPERTY DOUBLET_TARGETS)
   install(TARGETS ${targets} EXPORT doubletTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(FILES ${PROJECT_BINARY_DIR}/include/doublet/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/doublet COMPONENT development)
   install(EXPORT doubletTargets NAMESPACE doublet:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet COMPONENT development)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/doubletConfig.cmake.in ${PROJECT_BINARY_DIR}/doubletConfig.cmake
     INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet)

@@ -54,6 +54,8 @@ void bind_session(py::module_ &m) {
       .def_readonly("cameras", &Session::cameras)
       .def_readonly("rig", &Session::rig)
       .def_readonly("scan", &Session::scan)
+      .def_readonly("calibration", &Session::calibration)
+      .def_readonly("markers", &Session::markers)
       .def_readonly("joints", &Session::joints)
       .def_readonly("landmarks", &Session::landmarks)
       .def_readonly("new_motion", &Session::new_motion);
@@ -91,6 +93,13 @@ void bind_session(py::module_ &m) {
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
         "A trained extractor for the cameras without ready masks; None if all have some.");
+  py::class_<CameraView>(m, "CameraView", "What a camera shows at a frame.")
+      .def_property_readonly(
+          "image", [](const CameraView &view) { return view.image; }, "(H, W, 3) uint8, BGR; (0, 0) = nothing")
+      .def_property_readonly(
+          "mask", [](const CameraView &view) { return view.mask; }, "(H, W) uint8, 255 = actor; (0, 0) = none");
+  m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
+        Release(), "The image, and the ready mask or, where there is none, the extractor's -> CameraView.");
 }
 
 void bind_template(py::module_ &m) {
@@ -131,6 +140,8 @@ void bind_template(py::module_ &m) {
   m.def("summarise_template", &summarise_template, py::arg("surface"), py::arg("scan"),
         py::arg("context") = interruptible_context(), Release(),
         "Quality of both surfaces of a template, and their distances to the scan.");
+  m.def("write_template_suggestion", &write_template_suggestion, py::arg("path"), py::arg("surface"), Release(),
+        "template_suggestion.npz: the masks of both surfaces.");
   m.def("heat_weights", &heat_weights, py::arg("mesh"), py::arg("face_valid"), py::arg("skeleton"),
         py::arg("options") = HeatWeightOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V, J) skin weights by heat equilibrium; rows sum to one.");

@@ -262,6 +262,10 @@ void bind_garment_trial(py::module_ &m) {
       .field("materials", &TrialOptions::materials, "that each is tried with");
   m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"),
         "(count, n) points of the box, spread evenly, of cloth that does not stretch.");
+  m.def("garment_energy", &garment_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
+        py::arg("trial") = TrialOptions{}, py::arg("energy") = EnergyOptions{}, py::arg("space") = ParameterSpace{},
+        py::arg("context") = interruptible_context(), Release(),
+        "pixels^2: trial_energy() of one garment in one call, summed over its regions. performance: dressed in it.");
   m.def("trial_energy", &trial_energy, py::arg("objective"), py::arg("materials") = TrialOptions{}.materials,
         py::arg("context") = interruptible_context(), Release(),
         "(regions) pixels^2: what a garment costs before its material is known, the mean of the lowest quarter of E_fit over "
@@ -357,6 +361,18 @@ void bind_fit(py::module_ &m) {
       },
       py::arg("simulator"), py::arg("performance"), py::arg("materials"), py::arg("dt"), py::arg("settle_frames") = 20,
       py::arg("context") = interruptible_context(), "(T, V, 3) the reference motion re-animated");
+  m.def(
+      "write_simulated",
+      [](const Path &path, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, int actor_vertices) {
+        const std::vector<Vertices> surfaces = unstack(frames, "frames");
+        const py::gil_scoped_release release;
+        write_simulated(path, surfaces, actor_vertices);
+      },
+      py::arg("path"), py::arg("frames"), py::arg("actor_vertices"),
+      "simulated.npz: frames (T, V + G, 3), of which the first actor_vertices (V) are the actor's, the others the garment's.");
+  m.def(
+      "read_simulated", [](const Path &path) { return stack(read_simulated(path)); }, py::arg("path"),
+      "simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.");
   m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(),
         "material.json, complete or not at all.");
   m.def("read_materials", &read_materials, py::arg("path"), Release(),

@@ -1,5 +1,7 @@
 #include "common.h"
 
+#include "doublet/version.h"
+
 PYBIND11_MODULE(_doublet, m) {
   using namespace doublet::python;
   m.doc() = "Native half of doublet; use the package `doublet`.";

@@ -47,6 +47,9 @@ void bind_segment(py::module_ &m) {
   m.def("segment_cloth", &segment_cloth, py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "ClothSegmenter.create(options).segment(sequence, face_valid, context).");
+  m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
+        py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");
   OptionsClass<GarmentOptions>(m, "GarmentOptions", "Options of GarmentMesher.")
       .field("own_mesh", &GarmentOptions::own_mesh, "off: the cloth is the loose part of the template")
       .field("vertices", &GarmentOptions::vertices, "about, of all regions together")

@@ -2,6 +2,7 @@
 
 #include "doublet/animate/image_file.h"
 #include "doublet/core/error.h"
+#include "doublet/core/files.h"
 #include "doublet/core/npz.h"
 #include "doublet/core/ray_scene.h"
 #include "glb_parts.h"
@@ -219,7 +220,7 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
     npz.set_i4("body_faces", {character.body.faces.rows(), 3}, flatten(character.body.faces));
     npz.set_b1("body_shown", character.body_shown);
   }
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 void BakedGlbOptions::validate() const {

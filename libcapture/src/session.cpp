@@ -284,10 +284,11 @@ Session read_session(const fs::path &folder) {
   session.scan = existing(session.folder, value<std::string>(json, "scan", where, "a file name"), "scan", source);
   if (const std::string motion = text_or(json, "new_motion", where); !motion.empty())
     session.new_motion = existing(session.folder, motion, "new motion", source);
-  const std::string calibration = value<std::string>(json, "calibration", where, "a file name");
-  session.rig = read_rig(session.cameras, existing(session.folder, calibration, "calibration", source));
-  read_joints(existing(session.folder, value<std::string>(json, "markers", where, "a file name"), "file of joints", source),
-              session);
+  session.calibration =
+      existing(session.folder, value<std::string>(json, "calibration", where, "a file name"), "calibration", source);
+  session.rig = read_rig(session.cameras, session.calibration);
+  session.markers = existing(session.folder, value<std::string>(json, "markers", where, "a file name"), "file of joints", source);
+  read_joints(session.markers, session);
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     session.cameras[c].video_fps = check_frames(session.cameras[c].video, session, session.rig[c]);
     check_frames(session.cameras[c].masks, session, session.rig[c]);

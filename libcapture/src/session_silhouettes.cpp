@@ -1,4 +1,4 @@
-// Which extractor a camera of a session gets.
+// Which extractor a camera of a session gets, and what it shows.
 
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
@@ -115,6 +115,13 @@ std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session,
   for (const auto &[method, names] : cameras)
     context.say("silhouettes: " + names + ": " + method);
   return cameras.empty() ? nullptr : std::move(all);
+}
+
+CameraView read_view(FrameSource &frames, int camera, int frame, const SilhouetteExtractor *extractor) {
+  CameraView view{frames.image(camera, frame), frames.mask(camera, frame)};
+  if (view.mask.empty() && !view.image.empty() && extractor)
+    view.mask = extractor->extract(camera, view.image);
+  return view;
 }
 
 } // namespace doublet

@@ -2,6 +2,8 @@
 #include "decimate.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
+#include "doublet/core/files.h"
+#include "doublet/core/npz.h"
 #include "doublet/core/self_intersection.h"
 #include "face_mask.h"
 #include "holes.h"
@@ -120,6 +122,13 @@ RiggedMesh rig_template(const Template &surface, const std::vector<JointMark> &j
   actor.skeleton = make_skeleton(joints);
   actor.weights = heat_weights(surface.mesh, surface.face_valid, actor.skeleton, {}, context);
   return actor;
+}
+
+void write_template_suggestion(const std::filesystem::path &path, const Template &surface) {
+  Npz npz;
+  npz.set_b1("face_valid", surface.face_valid);
+  npz.set_b1("high_face_valid", surface.high_face_valid);
+  npz.write(path, kFileFormat);
 }
 
 } // namespace doublet

@@ -34,17 +34,14 @@ void require_usable(const Features &features, const Camera &camera, int frame) {
 ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Camera &camera, const SilhouetteExtractor *extractor,
                              const FeatureTracker *tracker) {
   ViewMeasurement measured;
-  const Image image = frames.image(view, frame);
-  measured.mask = frames.mask(view, frame);
+  auto [image, mask] = read_view(frames, view, frame, extractor);
+  measured.mask = std::move(mask);
   measured.has_image = !image.empty();
   if (measured.has_image)
     require_size(image, camera, frame, "the image");
-  if (measured.mask.empty() && !image.empty()) {
-    if (!extractor)
-      throw Error("camera '" + camera.name + "': frame " + std::to_string(frame) +
-                  " has no mask, and no silhouette extractor was given");
-    measured.mask = extractor->extract(view, image);
-  }
+  if (measured.mask.empty() && !image.empty() && !extractor)
+    throw Error("camera '" + camera.name + "': frame " + std::to_string(frame) +
+                " has no mask, and no silhouette extractor was given");
   if (measured.mask.empty())
     return measured;
   require_size(measured.mask, camera, frame, "the mask");

@@ -130,4 +130,12 @@ std::string read_json_text(const Path &path) {
   return text;
 }
 
+void require_format(int found, int newest, const std::string &source) {
+  if (found >= 1 && found <= newest)
+    return;
+  const std::string known = newest == 1 ? "1" : "1 to " + std::to_string(newest);
+  throw Error(source + ": expected format " + known + ", found " + std::to_string(found) +
+              (found > newest ? ", which a newer version of doublet writes" : ""));
+}
+
 } // namespace doublet

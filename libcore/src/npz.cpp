@@ -21,6 +21,8 @@ static_assert(std::endian::native == std::endian::little, "raw array data is lit
 
 namespace {
 
+constexpr const char *kFormatName = "format";
+
 using Bytes = std::vector<std::uint8_t>;
 using Shape = std::vector<std::int64_t>;
 
@@ -371,7 +373,7 @@ std::int64_t NpyArray::size() const {
   return element_count(shape).value_or(0);
 }
 
-Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> &wanted) {
+Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> &wanted, int newest_format) {
   if (!std::filesystem::exists(path))
     throw FileNotFound(path.string() + ": no such file");
   const Zip zip = open_zip(path);
@@ -384,16 +386,26 @@ Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> 
     if (!name.ends_with(".npy"))
       throw Error(npz.source + ": expected only .npy members, found '" + name + "'");
     name.resize(name.size() - 4);
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end())
+    const bool is_wanted = wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+    if (!is_wanted && name != kFormatName)
       continue;
     const std::string where = npz.source + ": array '" + name + "'";
     npz.arrays[name] = NpyParser(unpack(zip.get(), i, where), where).parse();
   }
+  if (newest_format < INT_MAX && npz.has(kFormatName)) {
+    npz.require_shape(kFormatName, {1});
+    require_format(npz.integers(kFormatName)[0], newest_format, npz.source);
+  }
   return npz;
 }
 
-void Npz::write(const std::filesystem::path &path) const {
+void Npz::write(const std::filesystem::path &path, int format) const {
   std::map<std::string, Bytes> members;
+  if (format > 0) {
+    Npz number;
+    number.set_i4(kFormatName, {1}, {format});
+    members[std::string(kFormatName) + ".npy"] = npy_member(number.arrays.at(kFormatName));
+  }
   for (const auto &[name, array] : arrays)
     members[name + ".npy"] = npy_member(array);
   write_atomically(path, [&](const std::filesystem::path &temporary) { write_zip(temporary, path, members); });

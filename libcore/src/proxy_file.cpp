@@ -64,13 +64,15 @@ void write_proxies(const Path &path, const std::vector<TaperedCapsule> &capsules
   for (const TaperedCapsule &c : capsules)
     list.push_back(
         {{"joint", skeleton.joints[c.joint].name}, {"p0", to_json(c.p0)}, {"p1", to_json(c.p1)}, {"r0", c.r0}, {"r1", c.r1}});
-  write_text(path, json{{"capsules", list}}.dump(1) + "\n");
+  write_text(path, json{{"format", kFileFormat}, {"capsules", list}}.dump(1) + "\n");
 }
 
 std::vector<TaperedCapsule> read_proxies(const Path &path, const Skeleton &skeleton) {
   const json file = json::parse(read_json_text(path), nullptr, false);
   if (file.is_discarded())
     throw Error(path.string() + ": expected JSON, found something else or a truncated file");
+  if (file.is_object() && file.contains("format"))
+    require_format(file["format"].is_number_integer() ? file["format"].get<int>() : 0, kFileFormat, path.string());
   const json &list = member(file, "capsules", path.string());
   if (!list.is_array())
     throw Error(path.string() + ": expected a list of capsules, found " + shown(list));

@@ -199,11 +199,11 @@ void write_actor(const Path &path, const RiggedMesh &actor) {
   npz.set_i4("joint_parents", {skeleton.joint_count()}, parents);
   npz.set_f4("joint_rest", {skeleton.joint_count(), 3}, rest);
   npz.set_text("dof_names", skeleton.dof_names);
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 RiggedMesh read_actor(const Path &path) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   RiggedMesh actor;
   actor.mesh = read_mesh(npz);
   npz.require_shape("face_valid", {actor.mesh.faces.rows()});
@@ -230,11 +230,11 @@ void write_performance(const Path &path, const ReferencePerformance &performance
   npz.set_f4("dofs", {T, performance.dofs.cols()}, flat(performance.dofs));
   npz.set_f4("joints", {T, performance.joints[0].rows(), 3}, flat(performance.joints));
   npz.set_i4("frames", {T}, performance.frames);
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 ReferencePerformance read_performance(const Path &path, const RiggedMesh &actor) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   ReferencePerformance out;
   out.surface.faces = actor.mesh.faces;
   out.surface.frames = read_frames(npz, "vertices", actor.mesh.vertices.rows());
@@ -259,11 +259,11 @@ void write_clothness(const Path &path, const Clothness &clothness) {
   npz.set_i4("region", {V}, {clothness.region.data(), clothness.region.data() + V});
   if (clothness.fullness.size() > 0)
     npz.set_f4("fullness", {V}, flat(clothness.fullness));
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 Clothness read_clothness(const Path &path) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   Clothness out;
   out.clothness = read_vector(npz, "clothness", -1);
   out.sigma = read_vector(npz, "sigma", out.clothness.size());
@@ -297,11 +297,11 @@ void write_garment(const Path &path, const Garment &garment) {
   npz.set_i4("actor_face", {G}, {garment.actor_face.data(), garment.actor_face.data() + G});
   npz.set_f4("barycentric", {G, 3}, flat(garment.barycentric));
   npz.set_b1("covers", garment.covers);
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 Garment read_garment(const Path &path, const RiggedMesh &actor) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   npz.require_shape("vertices", {-1, 3});
   Garment out;
   const auto G = npz.shape("vertices")[0];
@@ -338,11 +338,11 @@ void write_body(const Path &path, const BodyFit &fit) {
   npz.set_f4("residual", {1}, {fit.residual});
   if (fit.deviation.size() > 0)
     npz.set_f4("deviation", {fit.deviation.size()}, flat(fit.deviation));
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 BodyFit read_body(const Path &path) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   BodyFit fit;
   fit.body = read_mesh(npz);
   fit.coefficients = read_vector(npz, "coefficients", -1);
@@ -379,11 +379,11 @@ void write_observations(const Path &path, const Observations &observations) {
   npz.set_i4("frames", {static_cast<std::int64_t>(observations.frames.size())}, observations.frames);
   set_lists(npz, "contour", contour);
   set_lists(npz, "match", match);
-  npz.write(path);
+  npz.write(path, kFileFormat);
 }
 
 Observations read_observations(const Path &path) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   Observations out;
   out.cameras = read_cameras(npz);
   out.frames = npz.integers("frames");

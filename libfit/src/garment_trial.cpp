@@ -54,4 +54,14 @@ Eigen::VectorXd trial_energy(MaterialObjective &objective, int materials, const 
   return energies.topRows(lowest).colwise().mean().transpose();
 }
 
+double garment_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,
+                      const Observations &observations, const TrialOptions &trial, const EnergyOptions &energy,
+                      const ParameterSpace &space, const Context &context) {
+  trial.validate();
+  if (simulator.regions().empty())
+    return 0;
+  MaterialObjective objective(simulator, performance, observations, energy, space, context);
+  return trial_energy(objective, trial.materials, context).sum();
+}
+
 } // namespace doublet

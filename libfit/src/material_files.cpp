@@ -1,4 +1,5 @@
 #include "doublet/core/error.h"
+#include "doublet/core/files.h"
 #include "doublet/core/npz.h"
 #include "doublet/fit/material_estimator.h"
 
@@ -122,28 +123,43 @@ void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, cons
   write_text(path, text);
 }
 
-void write_simulated(const Path &path, const std::vector<Vertices> &frames) {
+void write_simulated(const Path &path, const std::vector<Vertices> &frames, Eigen::Index actor_vertices) {
   if (frames.empty())
     throw std::invalid_argument("write_simulated: frames: expected at least one, found none");
-  std::vector<double> values;
-  values.reserve(frames.size() * static_cast<std::size_t>(frames[0].size()));
-  for (const Vertices &frame : frames)
-    values.insert(values.end(), frame.data(), frame.data() + frame.size());
+  if (actor_vertices < 1 || actor_vertices > frames[0].rows())
+    throw std::invalid_argument("write_simulated: actor_vertices: expected a number in [1, " + std::to_string(frames[0].rows()) +
+                                "], found " + std::to_string(actor_vertices));
+  require_frames(frames, frames[0].rows(), "write_simulated");
   Npz npz;
-  npz.set_f4("vertices", {static_cast<std::int64_t>(frames.size()), frames[0].rows(), 3}, values);
-  npz.write(path);
+  const auto set_rows = [&](const char *name, Eigen::Index first, Eigen::Index count) {
+    std::vector<double> values;
+    values.reserve(frames.size() * static_cast<std::size_t>(3 * count));
+    for (const Vertices &frame : frames)
+      values.insert(values.end(), frame.data() + 3 * first, frame.data() + 3 * (first + count));
+    npz.set_f4(name, {static_cast<std::int64_t>(frames.size()), count, 3}, values);
+  };
+  set_rows("vertices", 0, actor_vertices);
+  if (frames[0].rows() > actor_vertices)
+    set_rows("garment", actor_vertices, frames[0].rows() - actor_vertices);
+  npz.write(path, kFileFormat);
 }
 
 std::vector<Vertices> read_simulated(const Path &path) {
-  const Npz npz = Npz::read(path);
+  const Npz npz = Npz::read(path, {}, kFileFormat);
   npz.require_shape("vertices", {-1, -1, 3});
-  const std::vector<std::int64_t> shape = npz.shape("vertices");
-  if (shape[1] == 0)
+  const std::int64_t count = npz.shape("vertices")[0], actor = npz.shape("vertices")[1];
+  if (actor == 0)
     throw Error(path.string() + ": array 'vertices': expected at least one vertex, found none");
-  const std::vector<double> values = npz.values("vertices");
-  std::vector<Vertices> frames;
-  for (std::int64_t t = 0; t < shape[0]; ++t)
-    frames.push_back(Eigen::Map<const Vertices>(values.data() + t * shape[1] * 3, shape[1], 3));
+  if (npz.has("garment"))
+    npz.require_shape("garment", {count, -1, 3});
+  const std::int64_t garment = npz.has("garment") ? npz.shape("garment")[1] : 0;
+  const std::vector<double> of_actor = npz.values("vertices"),
+                            of_garment = garment ? npz.values("garment") : std::vector<double>();
+  std::vector<Vertices> frames(static_cast<std::size_t>(count), Vertices(actor + garment, 3));
+  for (std::int64_t t = 0; t < count; ++t) {
+    frames[t].topRows(actor) = Eigen::Map<const Vertices>(of_actor.data() + t * actor * 3, actor, 3);
+    frames[t].bottomRows(garment) = Eigen::Map<const Vertices>(of_garment.data() + t * garment * 3, garment, 3);
+  }
   return frames;
 }
 

@@ -289,4 +289,13 @@ Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uin
   return ClothSegmenter::create(options)->segment(sequence, face_valid, context);
 }
 
+Clothness segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
+                              const FullnessOptions &fullness, const Context &context) {
+  MeshSequence sequence = performance.surface;
+  sequence.unposed = unposed_frames(actor, performance, context);
+  Clothness clothness = segmenter.segment(sequence, actor.face_valid, context);
+  clothness.fullness = estimate_fullness(actor.mesh, actor.face_valid, clothness, performance.surface, fullness, context);
+  return clothness;
+}
+
 } // namespace doublet

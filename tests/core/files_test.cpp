@@ -133,6 +133,29 @@ TEST(Files, ActorRoundTrip) {
   }
 }
 
+TEST(Files, SayTheirFormatAndRefuseANewerOne) {
+  const TempFolder folder;
+  const RiggedMesh actor = testing::figure_actor(0.08);
+  write_actor(folder / "actor.npz", actor);
+  Npz npz = Npz::read(folder / "actor.npz");
+  ASSERT_TRUE(npz.has("format"));
+  EXPECT_EQ(npz.integers("format"), std::vector<int>{kFileFormat});
+  npz.arrays.erase("format");
+  npz.write(folder / "before.npz"); // files of before had no number
+  EXPECT_NO_THROW(read_actor(folder / "before.npz"));
+  for (const int format : {0, kFileFormat + 1}) {
+    npz.set_i4("format", {1}, {format});
+    npz.write(folder / "other.npz");
+    const std::string error = error_of([&] { read_actor(folder / "other.npz"); });
+    EXPECT_NE(error.find("other.npz: expected format 1, found " + std::to_string(format)), std::string::npos) << error;
+    EXPECT_EQ(error.find("newer version of doublet") != std::string::npos, format > kFileFormat) << error;
+  }
+  write_text(folder / "proxies.json", R"({"format": 2, "capsules": []})");
+  EXPECT_THROW(read_proxies(folder / "proxies.json", actor.skeleton), Error);
+  write_text(folder / "proxies.json", R"({"capsules": []})");
+  EXPECT_TRUE(read_proxies(folder / "proxies.json", actor.skeleton).empty());
+}
+
 TEST(Files, ActorRefusesInconsistentContent) {
   const TempFolder folder;
   const RiggedMesh actor = testing::figure_actor(0.08);

@@ -769,11 +769,15 @@ TEST(MaterialFiles, AreReadBack) {
 TEST(SimulatedFile, IsReadBack) {
   const TempFolder folder;
   const std::vector<Vertices> frames = {scene().frames[0], scene().frames[5]};
-  write_simulated(folder / "simulated.npz", frames);
-  const std::vector<Vertices> read = read_simulated(folder / "simulated.npz");
-  ASSERT_EQ(read.size(), 2u);
-  EXPECT_LT((read[1] - frames[1]).cwiseAbs().maxCoeff(), 1e-6);
-  EXPECT_THROW(write_simulated(folder / "simulated.npz", {}), std::invalid_argument);
+  for (const Eigen::Index actor : {frames[0].rows(), frames[0].rows() - 7}) { // without and with a garment
+    write_simulated(folder / "simulated.npz", frames, actor);
+    const std::vector<Vertices> read = read_simulated(folder / "simulated.npz");
+    ASSERT_EQ(read.size(), 2u);
+    EXPECT_LT((read[1] - frames[1]).cwiseAbs().maxCoeff(), 1e-6);
+  }
+  EXPECT_THROW(write_simulated(folder / "simulated.npz", {}, 1), std::invalid_argument);
+  EXPECT_THROW(write_simulated(folder / "simulated.npz", frames, 0), std::invalid_argument);
+  EXPECT_THROW(write_simulated(folder / "simulated.npz", frames, frames[0].rows() + 1), std::invalid_argument);
 }
 
 /// Stretch and bend both rigid, no air: a swinging skirt stays a skirt and does not fold up into a heap.

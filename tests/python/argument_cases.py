@@ -144,6 +144,7 @@ def calls(world, folder) -> dict:
         "MaterialObjective.surface_energy": (objective.surface_energy, {"surfaces": [v, v, v]}),
         "MaterialObjective.evaluate": (objective.evaluate, {"samples": np.full((4, 1), 0.5)}),
         "measure_influence": (lambda answers: d.measure_influence(objective, answers), {"answers": np.full((1, 1), 0.5)}),
+        "garment_energy": (lambda **given: d.garment_energy(**given, space=d.ParameterSpace(names=["d_n"])), reference),
         "trial_samples": (lambda count: d.trial_samples(d.ParameterSpace(), count), {"count": 4}),
         "trial_energy": (lambda materials: d.trial_energy(objective, materials), {"materials": 4}),
         "ParameterSpace.material": (d.ParameterSpace().material, {"unit": np.full(len(d.ParameterSpace().names), 0.5)}),

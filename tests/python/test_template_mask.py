@@ -17,15 +17,16 @@ def job(tmp_path, shapes):
     session, out = tmp_path / "session", tmp_path / "out"
     session.mkdir()
     out.mkdir()
-    (session / "session.json").write_text('{"markers": "joints.json"}')
+    (session / "session.json").write_text("{}")
     (session / "joints.json").write_text("{}")
     vertices, faces = shapes["tube"](0.1, 0.0, 1.0)
     d.write_mesh(out / "template.ply", d.Mesh(vertices, faces))
     surface = d.Template()
     surface.face_valid, surface.high_face_valid = [1] * len(faces), [1, 1]
-    template_mask.write_suggestion(out, surface)
+    d.write_template_suggestion(out / template_mask.SUGGESTED, surface)
     job = pipeline.Job(session, out, console=Console(quiet=True))
-    job.session = type("Session", (), {"folder": session, "joints": [d.JointMark("pelvis", "", [0, 0.5, 0], 6)]})
+    marks = {"markers": session / "joints.json", "joints": [d.JointMark("pelvis", "", [0, 0.5, 0], 6)]}
+    job.session = type("Session", (), {"folder": session, **marks})
     return job
 
 

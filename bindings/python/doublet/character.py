@@ -8,7 +8,6 @@ import numpy as np
 
 from . import _doublet as d
 from .console import Console
-from .files import written_atomically
 from .video import VideoWriter
 
 FORMATS = (".npz", ".glb", ".mp4")
@@ -40,7 +39,7 @@ def build_character(job) -> dict:
     )
     character.name = job.session.name
     seen = bake_first_frame(character, job, performance)
-    write_simulated(job, simulated)
+    d.write_simulated(job.path("simulated.npz"), simulated, len(job.actor.mesh.vertices))
     character.write(job.path("character.glb"))
     cloth = dressed.clothness.clothness > 0.5
     if not cloth.any():
@@ -49,25 +48,14 @@ def build_character(job) -> dict:
     return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean())), "texture_seen": seen}
 
 
-def write_simulated(job, simulated: np.ndarray) -> None:
-    """(T, V + G, 3): the actor's mesh (its cloth as the skeleton carries it) and the garment's."""
-    count = len(job.actor.mesh.vertices)
-    arrays = {"vertices": simulated[:, :count].astype(np.float32)}
-    if job.garment.region_count:
-        arrays["garment"] = simulated[:, count:].astype(np.float32)
-    with written_atomically(job.path("simulated.npz")) as path:
-        np.savez_compressed(path, **arrays)
-
-
 def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:
     """Texture from the images of the first captured frame; 0 for a session without images."""
     source, frame = d.FrameSource.open(job.session), performance.frames[0]
-    images = [source.image(c, frame) for c in range(source.camera_count)]
+    views = [d.read_view(source, camera, frame, job.silhouettes) for camera in range(source.camera_count)]
+    images, masks = [view.image for view in views], [view.mask for view in views]
     if not any(image.size for image in images):
         job.console.log(f"character: no camera has an image of frame {frame}: the character has no texture")
         return 0.0
-    masks = [source.mask(c, frame) for c in range(source.camera_count)]
-    masks = [m if m.size or not i.size else job.silhouettes.extract(c, i) for c, (m, i) in enumerate(zip(masks, images))]
     surface = performance.surface.frames[0]
     return d.texture_character(character, surface, job.session.rig, images, masks, d.TextureOptions(), job.context)
 

@@ -113,7 +113,7 @@ def run_stages(arguments) -> int:
     session = arguments.session or pipeline.recorded_session(arguments.out)
     job = make_job(arguments, session)
     pipeline.start_record(job)
-    for stage in pipeline.STAGES:
+    for stage in job.stages:
         if stage.name in arguments.stages:
             pipeline.run_stage(job, stage, arguments.force)
     return exit_status(job)
@@ -137,10 +137,15 @@ def run_edit_template(arguments) -> None:
 
 def run_evaluate(arguments) -> None:
     from . import garment_motion
-    from .evaluate import evaluate, format_table
+    from .evaluate import Reconstruction, Truth, evaluate, format_table
 
     console = make_console(arguments)
-    result = evaluate(arguments.out, arguments.truth, arguments.session, console, arguments.every, arguments.motion)
+    if not arguments.out.is_dir():
+        raise FileNotFoundError(f"{arguments.out} is not a folder")
+    session = d.Session(arguments.session or pipeline.recorded_session(arguments.out))
+    result = evaluate(arguments.out, arguments.truth, session, console, arguments.every)
+    if arguments.motion:
+        result["motion"] = garment_motion.compare(Reconstruction(arguments.out), Truth(arguments.truth), session.fps)
     if arguments.json:
         print(json.dumps(result, indent=1))
         return

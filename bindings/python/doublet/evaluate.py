@@ -12,6 +12,7 @@ import numpy as np
 from PIL import Image
 
 from . import _doublet as d
+from .character import animate_exactly
 from .console import Console
 from .files import arrays_of
 
@@ -385,8 +386,6 @@ def new_motion(made: Reconstruction, truth: Truth, fps: float, context: d.Contex
     folder = truth.folder / "novel"
     if not (folder / "motion.bvh").exists():
         raise Missing(f"{folder / 'motion.bvh'} does not exist")
-    from .character import animate_exactly
-
     character = d.Character.read(made.path("character.glb"))
     surfaces = animate_exactly(character, folder / "motion.bvh", fps, context)
     faces = character.actor.mesh.faces[np.asarray(character.actor.face_valid, bool)]
@@ -406,19 +405,11 @@ def attempt(names, computed: dict) -> tuple[dict[str, float | None], dict[str, s
     return {k: None if v is None else float(f"{v:.5g}") for k, v in values.items()}, missing
 
 
-def evaluate(
-    out: Path, truth_folder: Path, session_folder: Path | None, console: Console, every: int = 1, motion: bool = False
-) -> dict:
-    """{"metrics": {name: value or None}, "missing": {name: reason}, ...}; `motion` adds garment_motion.compare()."""
-    from .garment_motion import compare
-    from .pipeline import recorded_session
-
+def evaluate(out: Path, truth_folder: Path, session: d.Session, console: Console, every: int = 1) -> dict:
+    """{"metrics": {name: value or None}, "missing": {name: reason}, ...} of the reconstruction `out` of `session`."""
     if every < 1:
         raise ValueError(f"--every must be 1 or more, found {every}")
-    if not Path(out).is_dir():
-        raise FileNotFoundError(f"{out} is not a folder")
     made, truth, context = Reconstruction(out), Truth(truth_folder), console.context()
-    session = d.Session(session_folder or recorded_session(out))
     cameras = session.rig
 
     def resim_cm(two_sided: bool) -> float:
@@ -444,8 +435,7 @@ def evaluate(
     }
     metrics, missing = attempt(METRICS, computed)
     console.finish()
-    result = {"metrics": metrics, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
-    return {**result, "motion": compare(made, truth, session.fps)} if motion else result
+    return {"metrics": metrics, "missing": missing, "units": {k: unit for k, (unit, _) in METRICS.items()}, "every": every}
 
 
 def format_table(result: dict) -> str:

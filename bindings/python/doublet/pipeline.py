@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
@@ -72,6 +71,7 @@ class Job:
     console: Console = field(default_factory=Console)
     fps: float | None = None  # of the videos; None = as the session says
     keep_going: bool = False  # past a result that cannot be true
+    stages: tuple[Stage, ...] = field(default_factory=lambda: STAGES)  # see with_stage
     doubts: list[Finding] = field(default_factory=list)  # what the stages that were asked for found doubtful
 
     def __post_init__(self):
@@ -164,7 +164,7 @@ def run_template(job: Job) -> dict:
     surface = d.build_template(scan, job.options["template"], job.context)
     d.write_mesh(job.path("template.ply"), surface.mesh)
     d.write_mesh(job.path("template_high.ply"), surface.high)
-    template_mask.write_suggestion(job.out, surface)
+    d.write_template_suggestion(job.path(template_mask.SUGGESTED), surface)
     summary = d.summarise_template(surface, scan, job.context)
     return {
         f"{name}_{number}": value
@@ -228,13 +228,8 @@ def run_performance(job: Job) -> dict:
 
 
 def run_segment(job: Job) -> dict:
-    stage = d.ClothSegmenter.create(job.options["segment"])
-    performance = job.performance()
-    sequence = performance.surface
-    sequence.unposed = d.unposed_frames(job.actor, performance, job.context)
-    result = stage.segment(sequence, job.actor.face_valid, job.context)
-    actor, options = job.actor, job.options["fullness"]
-    result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, performance.surface, options, job.context)
+    segmenter, fullness = d.ClothSegmenter.create(job.options["segment"]), job.options["fullness"]
+    result = d.segment_performance(job.actor, job.performance(), segmenter, fullness, job.context)
     d.write_clothness(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
@@ -320,15 +315,10 @@ def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, float]]:
 def trial_energy(job: Job, garment: d.Garment) -> float:
     """What a garment costs before its material is known, pixels^2."""
     dressed = d.dress(job.actor, job.clothness(), garment)
-    objective = d.MaterialObjective(
-        job.simulator(dressed),
-        d.dress(job.performance(), job.actor, garment),
-        d.read_observations(job.path("observations.npz")),
-        job.energy_options(),
-        job.options["space"],
-        job.context,
-    )
-    return float(d.trial_energy(objective, job.options["trial"].materials, job.context).sum())
+    performance = d.dress(job.performance(), job.actor, garment)
+    observations = d.read_observations(job.path("observations.npz"))
+    options = (job.options["trial"], job.energy_options(), job.options["space"])
+    return d.garment_energy(job.simulator(dressed), performance, observations, *options, job.context)
 
 
 def fit_options(job: Job) -> d.FitOptions:
@@ -392,7 +382,7 @@ def run_character(job: Job) -> dict:
 STAGES = (
     Stage(
         "check", (), ("check.png",), ("silhouette", "key", "background"), run_check,
-        lambda s: [s.folder / "session.json", s.scan, markers_file(s), calibration_file(s), *image_files(s)],
+        lambda s: [s.folder / "session.json", s.scan, s.markers, s.calibration, *image_files(s)],
     ),
     Stage(
         "template", (), ("template.ply", "template_high.ply", template_mask.SUGGESTED), ("template",), run_template,
@@ -400,17 +390,17 @@ STAGES = (
     ),
     Stage(
         "rig", ("template.ply", template_mask.SUGGESTED), ("actor.npz",), (), run_rig,
-        lambda s: [s.folder / "session.json", markers_file(s)], may_read=(template_mask.EDITED,),
+        lambda s: [s.folder / "session.json", s.markers], may_read=(template_mask.EDITED,),
     ),
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
         ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
-        lambda s: [calibration_file(s), *image_files(s)], uses_seed=True,
+        lambda s: [s.calibration, *image_files(s)], uses_seed=True,
     ),
     Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "fullness"), run_segment),
     Stage(
         "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
-        lambda s: [markers_file(s)], uses_body_model=True,
+        lambda s: [s.markers], uses_body_model=True,
     ),
     Stage(
         "garment",
@@ -438,22 +428,24 @@ STAGES = (
 )  # fmt: skip
 
 
-def session_json(session: d.Session) -> dict:
-    return json.loads((session.folder / "session.json").read_text(encoding="utf-8"))
-
-
-def calibration_file(session: d.Session) -> Path:
-    return session.folder / session_json(session)["calibration"]
-
-
-def markers_file(session: d.Session) -> Path:
-    return session.folder / session_json(session)["markers"]
-
-
 def image_files(session: d.Session) -> list[Path]:
     """Videos, or the folders of image sequences, of images, ready masks and clean plates."""
     paths = [Path(p) for camera in session.cameras for p in (camera.video, camera.masks, camera.background) if p != Path()]
     return [p.parent if "%" in p.name else p for p in paths]
+
+
+def with_stage(stages: tuple[Stage, ...], stage: Stage) -> tuple[Stage, ...]:
+    """`stages` with `stage` in the place of the one of its name: Job(..., stages=with_stage(STAGES, mine)). Raises ValueError if
+    there is none, or a file is missing in `stage.writes` that a later stage reads."""
+    names = [s.name for s in stages]
+    if stage.name not in names:
+        raise ValueError(f"stage '{stage.name}': expected one of {', '.join(names)}")
+    at = names.index(stage.name)
+    needed = {name for later in stages[at + 1 :] for name in later.reads}
+    missing = [name for name in stages[at].writes if name in needed and name not in stage.writes]
+    if missing:
+        raise ValueError(f"stage '{stage.name}': expected it to write {', '.join(missing)}, which later stages read")
+    return (*stages[:at], stage, *stages[at + 1 :])
 
 
 def plain(value):
@@ -473,6 +465,8 @@ def stage_options(job: Job, stage: Stage) -> dict:
         options["seed"] = job.seed
     if "energy" in stage.groups:
         options["fps"] = job.session.fps
+    if stage.run.__module__ != __name__:  # somebody else's: its results are not those of ours
+        options["run"] = f"{stage.run.__module__}.{stage.run.__qualname__}"
     return options
 
 
@@ -486,7 +480,7 @@ def stage_inputs(job: Job, stage: Stage) -> dict[str, str]:
     inputs = {}
     for name in stage.reads:
         if not job.path(name).exists():
-            writer = next(s.name for s in STAGES if name in s.writes)
+            writer = next(s.name for s in job.stages if name in s.writes)
             raise FileNotFoundError(f"{job.path(name)} is missing; stage '{writer}' writes it")
         inputs[name] = job.record.hash(job.path(name))
     inputs.update({name: job.record.hash(job.path(name)) for name in stage.may_read if job.path(name).exists()})
@@ -575,7 +569,7 @@ def reconstruct(job: Job, force: bool = False) -> None:
     session = job.session
     job.console.say(f"{session.name}: {len(session.cameras)} cameras, {session.frame_count} frames at {session.fps:g} fps")
     start_record(job)
-    for stage in STAGES:
+    for stage in job.stages:
         run_stage(job, stage, force)
     write_json(job.record.path, job.record.data)
 

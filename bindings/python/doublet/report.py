@@ -38,9 +38,7 @@ class Shown:
         self.performance = job.performance()
         self.faces = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
         self.captured = self.performance.surface.frames
-        with arrays_of(job.path("simulated.npz")) as simulated:
-            parts = [simulated[name].astype(float) for name in ("vertices", "garment") if name in simulated]
-            self.simulated = np.concatenate(parts, axis=1)  # of the dressed actor
+        self.simulated = d.read_simulated(job.path("simulated.npz"))  # of the dressed actor
         self.source = d.FrameSource.open(job.session)
         with arrays_of(job.path("observations.npz")) as observations:
             self.matches = len(observations["match_points"])

@@ -11,6 +11,8 @@ from pathlib import Path
 from . import __version__
 from .files import hash_files, write_json
 
+FORMAT = 1  # of run.json; a file without one is of 1
+
 
 class PeakMemory:
     """Peak resident memory of a stretch of this process. Linux resets its high-water mark on request; where it may not be
@@ -38,7 +40,7 @@ class RunRecord:
     def __init__(self, out: Path):
         self.out = Path(out)
         self.path = self.out / "run.json"
-        self.data = {"doublet": __version__, "stages": {}}
+        self.data = {"format": FORMAT, "doublet": __version__, "stages": {}}
         if self.path.exists():
             try:
                 self.data = json.loads(self.path.read_text(encoding="utf-8"))
@@ -46,6 +48,8 @@ class RunRecord:
                 raise RuntimeError(f"{self.path} is not valid JSON ({error}); delete it to start afresh") from error
             if not isinstance(self.data, dict) or not isinstance(self.data.setdefault("stages", {}), dict):
                 raise RuntimeError(f"{self.path}: expected an object with 'stages', found another; delete it to start afresh")
+            if (found := self.data.setdefault("format", FORMAT)) != FORMAT:
+                raise RuntimeError(f"{self.path}: expected format {FORMAT}, found {found!r}, of another version of doublet")
             # An entry that something else wrote is none.
             self.data["stages"] = {name: e for name, e in self.data["stages"].items() if isinstance(e, dict) and "state" in e}
         self._hashes: dict[tuple, str] = {}

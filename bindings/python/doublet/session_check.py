@@ -52,10 +52,7 @@ class Evidence:
         return self._mask(camera, frame) if frame else self.masks[camera]
 
     def _mask(self, camera: int, frame: int) -> np.ndarray:
-        mask = self.frames.mask(camera, frame)
-        if not mask.size and self.extractor is not None:
-            image = self.frames.image(camera, frame)
-            mask = self.extractor.extract(camera, image) if image.size else mask
+        mask = d.read_view(self.frames, camera, frame, self.extractor).mask
         return mask > 0 if mask.size else np.zeros((0, 0), bool)
 
     @cached_property

@@ -11,12 +11,6 @@ from .files import arrays_of, sha256, written_atomically
 SUGGESTED, EDITED = "template_suggestion.npz", "template_mask.npz"
 
 
-def write_suggestion(out: Path, surface) -> None:
-    with written_atomically(Path(out) / SUGGESTED) as beside:
-        valid, high = (np.asarray(mask, bool) for mask in (surface.face_valid, surface.high_face_valid))
-        np.savez_compressed(beside, face_valid=valid, high_face_valid=high)
-
-
 def read_suggestion(out: Path) -> np.ndarray:
     """(F) bool, false: suggested as invalid."""
     with arrays_of(Path(out) / SUGGESTED) as file:

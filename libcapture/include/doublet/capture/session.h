@@ -29,6 +29,8 @@ struct Session {
   std::vector<SessionCamera> cameras;
   CameraRig rig;                                    ///< one camera for each of `cameras`
   std::filesystem::path scan;                       ///< absolute
+  std::filesystem::path calibration;                ///< absolute
+  std::filesystem::path markers;                    ///< absolute
   std::vector<JointMark> joints;                    ///< joints.json
   std::map<std::string, Eigen::Vector3d> landmarks; ///< joints.json, clicked on the body surface, m
   std::filesystem::path new_motion;                 ///< absolute; empty if not given

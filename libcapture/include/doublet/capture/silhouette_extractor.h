@@ -57,4 +57,13 @@ struct SilhouetteOptions {
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context);
 
+/// What a camera shows at a frame.
+struct CameraView {
+  Image image; ///< BGR; empty = the camera shows nothing, or the session has masks alone
+  Image mask;  ///< 255 = actor; empty = there is neither a ready one nor an image to make it from
+};
+
+/// The image, and the ready mask or, where there is none, the extractor's. `extractor` may be null: then only ready masks.
+CameraView read_view(FrameSource &frames, int camera, int frame, const SilhouetteExtractor *extractor);
+
 } // namespace doublet

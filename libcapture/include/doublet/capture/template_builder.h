@@ -51,6 +51,9 @@ struct TemplateSummary {
 /// of the wrong length.
 TemplateSummary summarise_template(const Template &surface, const Mesh &scan, const Context &context = {});
 
+/// template_suggestion.npz (docs/formats.md): the masks of both surfaces.
+void write_template_suggestion(const std::filesystem::path &path, const Template &surface);
+
 struct HeatWeightOptions {
   double c = 1.0; ///< H_ii = c / d^2, Baran & Popovic 2007
 };

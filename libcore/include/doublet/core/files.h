@@ -15,6 +15,11 @@ namespace doublet {
 
 using Path = std::filesystem::path;
 
+/// Of the files of a reconstruction (docs/formats.md): array or key `format`. Raised when a reader of before would misread.
+inline constexpr int kFileFormat = 1;
+/// Throws Error naming the file if its format is of no version up to `newest`.
+void require_format(int found, int newest, const std::string &source);
+
 /// Runs write(temporary path beside `path`), has it brought to the disk, then renames; removes the temporary if anything throws.
 /// Throws Error naming `path` if it cannot be written, is a folder or a device.
 void write_atomically(const Path &path, const std::function<void(const Path &)> &write);

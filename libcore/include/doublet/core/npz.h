@@ -1,6 +1,7 @@
 #pragma once
 // NumPy .npz archives: read and written whole (libzip behind it).
 
+#include <climits>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -25,10 +26,12 @@ class Npz {
 public:
   Npz() = default;
   /// `wanted`: names of the arrays to read (empty = all); those that are not there are skipped. Fortran order is turned into C
-  /// order. Throws FileNotFound, or Error naming the file if it is no npz, truncated or an array read holds objects.
-  static Npz read(const std::filesystem::path &path, const std::vector<std::string> &wanted = {});
-  /// Written beside and renamed: complete or not at all. Throws Error if that fails (full disk).
-  void write(const std::filesystem::path &path) const;
+  /// order. Throws FileNotFound, or Error naming the file if it is no npz, truncated or an array read holds objects, or if its
+  /// array `format` (see write) is beyond `newest_format`.
+  static Npz read(const std::filesystem::path &path, const std::vector<std::string> &wanted = {}, int newest_format = INT_MAX);
+  /// Written beside and renamed: complete or not at all. Throws Error if that fails (full disk). `format` > 0: the number of the
+  /// file's format, kept as an array of that name; a file without one is of format 1.
+  void write(const std::filesystem::path &path, int format = 0) const;
 
   bool has(const std::string &name) const { return arrays.count(name) > 0; }
   /// Throws Error naming file, array, expected and found shape (-1 in `shape` = any) or type.

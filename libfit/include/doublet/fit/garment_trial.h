@@ -25,4 +25,9 @@ MatrixRM trial_samples(const ParameterSpace &space, int count);
 /// some ordinary material moves the garment as the filmed one moves. Throws std::invalid_argument as trial_samples() does.
 Eigen::VectorXd trial_energy(MaterialObjective &objective, int materials, const Context &context = {});
 
+/// Of one garment, in one call: the sum over its regions; 0 if it has none. `performance`: dressed in it.
+double garment_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,
+                      const Observations &observations, const TrialOptions &trial = {}, const EnergyOptions &energy = {},
+                      const ParameterSpace &space = {}, const Context &context = {});
+
 } // namespace doublet

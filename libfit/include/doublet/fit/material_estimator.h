@@ -98,7 +98,9 @@ void write_materials(const Path &path, const FitResult &result); // material.jso
 /// (R) throws FileNotFound, or Error naming file, region and parameter if one is missing or outside its box.
 std::vector<pbd::Material> read_materials(const Path &path);
 void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, const ParameterSpace &space); // fit_log.csv
-void write_simulated(const Path &path, const std::vector<Vertices> &frames);                              // simulated.npz
-std::vector<Vertices> read_simulated(const Path &path);
+/// simulated.npz: T x (V + G, 3), of which the first `actor_vertices` (V) are the actor's and the others the garment's. Throws
+/// std::invalid_argument without frames, or for a wrong V.
+void write_simulated(const Path &path, const std::vector<Vertices> &frames, Eigen::Index actor_vertices);
+std::vector<Vertices> read_simulated(const Path &path); ///< T x (V + G, 3)
 
 } // namespace doublet

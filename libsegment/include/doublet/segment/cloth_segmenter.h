@@ -3,6 +3,7 @@
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/segment/fullness.h"
 #include "doublet/segment/opposite_distance.h"
 
 #include <memory>
@@ -36,6 +37,11 @@ public:
 
 Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                         const SegmentOptions &options = {}, const Context &context = {});
+
+/// The whole stage for a captured performance: its frames are brought back to the scan pose, too (unposed_frames), `segmenter` is
+/// asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
+Clothness segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
+                              const FullnessOptions &fullness = {}, const Context &context = {});
 
 /// Clothness from a deviation (V, m, NaN = unknown) alone: eq. 1, diffusion, holes and islands, regions.
 Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,

@@ -1,0 +1,98 @@
+// The whole way in C++, every stage with its defaults: scan and videos -> character.glb and the files between (docs/formats.md),
+// the same that `doublet reconstruct` writes. Each stage reads what the ones before it wrote, so any may be another program's.
+//   reconstruct SESSION OUT body_model.npz
+
+#include "doublet/animate/character_file.h"
+#include "doublet/animate/display_surface.h"
+#include "doublet/animate/texture_baker.h"
+#include "doublet/bodymodel/body_fitter.h"
+#include "doublet/capture/performance_capture.h"
+#include "doublet/capture/template_builder.h"
+#include "doublet/core/files.h"
+#include "doublet/fit/garment_trial.h"
+#include "doublet/fit/material_estimator.h"
+#include "doublet/segment/cloth_segmenter.h"
+#include "doublet/segment/garment_mesher.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+using namespace doublet;
+
+void reconstruct(const Session &session, const Path &out, const Path &body_model, const Context &context) {
+  // Sect. 4: template and reference performance
+  Template surface = build_template(read_mesh(session.scan), {}, context);
+  write_mesh(out / "template.ply", surface.mesh);
+  write_mesh(out / "template_high.ply", surface.high);
+  write_template_suggestion(out / "template_suggestion.npz", surface);
+  surface.mesh = read_mesh(out / "template.ply");
+  write_actor(out / "actor.npz", rig_template(surface, session.joints, context));
+  const RiggedMesh actor = read_actor(out / "actor.npz");
+  const auto frames = FrameSource::open(session);
+  const auto silhouettes = session_silhouettes(session, *frames, {}, context);
+  const CaptureResult captured = PerformanceCapture::create()->capture(actor, session.rig, *frames, silhouettes.get(), context);
+  write_observations(out / "observations.npz", captured.observations);
+  write_performance(out / "performance.npz", captured.performance);
+  const ReferencePerformance performance = read_performance(out / "performance.npz", actor);
+  const Observations observations = read_observations(out / "observations.npz");
+  // Sect. 5: cloth and body
+  write_clothness(out / "segmentation.npz", segment_performance(actor, performance, *ClothSegmenter::create(), {}, context));
+  const Clothness clothness = read_clothness(out / "segmentation.npz");
+  const BodyFit fitted = BodyFitter::create()->fit(actor, clothness, *BodyModel::read(body_model), session.landmarks, context);
+  write_body(out / "body.npz", fitted);
+  write_proxies(out / "proxies.json", fit_proxies(fitted, actor, clothness), actor.skeleton);
+  const BodyFit body = read_body(out / "body.npz");
+  const std::vector<TaperedCapsule> proxies = read_proxies(out / "proxies.json", actor.skeleton);
+  // The garment whose rest shape moves most like the filmed one
+  FitOptions fit;
+  fit.energy.dt = 1 / session.fps;
+  GarmentOptions options;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double spread : TrialOptions{}.spreads) {
+    options.spread = spread;
+    const Garment garment = mesh_garment(actor, clothness, body.body, performance.surface, options, context);
+    const DressedActor dressed = dress(actor, clothness, garment);
+    const CharacterSimulator simulator(dressed.actor, dressed.clothness, proxies);
+    const ReferencePerformance motion = dress(performance, actor, garment);
+    const double energy = garment_energy(simulator, motion, observations, {}, fit.energy, fit.space, context);
+    if (energy < lowest)
+      write_garment(out / "garment.npz", garment);
+    lowest = std::min(lowest, energy);
+  }
+  const Garment garment = read_garment(out / "garment.npz", actor);
+  const DressedActor dressed = dress(actor, clothness, garment);
+  const ReferencePerformance motion = dress(performance, actor, garment);
+  // Sect. 6: material
+  const CharacterSimulator simulator(dressed.actor, dressed.clothness, proxies);
+  fit.log = out / "fit_log.csv";
+  const FitResult result = estimate_material(simulator, motion, observations, fit, context);
+  write_materials(out / "material.json", result);
+  // Sect. 7: the character
+  const auto simulated = simulate_reference(simulator, motion, result.materials(), result.dt, fit.energy.settle_frames, context);
+  write_simulated(out / "simulated.npz", simulated, actor.mesh.vertices.rows());
+  const Display display = make_display(dressed.actor, dressed.clothness, read_mesh(out / "template_high.ply"));
+  Character character =
+      make_character(dressed.actor, dressed.clothness, body, proxies, result.materials(), {result.dt, simulator.options()},
+                     display.mesh, display.valid, display.garment_subdivisions);
+  character.name = session.name;
+  std::vector<Image> images, masks;
+  for (int camera = 0; camera < frames->camera_count(); ++camera) {
+    auto [image, mask] = read_view(*frames, camera, motion.frames[0], silhouettes.get());
+    images.push_back(std::move(image));
+    masks.push_back(std::move(mask));
+  }
+  texture_character(character, motion.surface.frames[0], session.rig, images, masks, {}, context);
+  write_character(out / "character.glb", character);
+}
+
+int main(int count, char **arguments) try {
+  if (count != 4)
+    throw Error("usage: reconstruct SESSION OUT body_model.npz");
+  Context context;
+  context.log = [](const std::string &text) { std::fprintf(stderr, "%s\n", text.c_str()); };
+  std::filesystem::create_directories(arguments[2]);
+  reconstruct(read_session(arguments[1]), arguments[2], arguments[3], context);
+} catch (const std::exception &error) {
+  std::fprintf(stderr, "%s\n", error.what());
+  return 1;
+}

@@ -1,0 +1,53 @@
+"""A stage of one's own in the place of one of ours."""
+
+from dataclasses import replace
+
+import doublet as d
+import pytest
+from doublet import pipeline
+from doublet.console import Console
+
+SEGMENT = next(s for s in pipeline.STAGES if s.name == "segment")
+
+
+def everything_is_cloth(job):
+    count = len(job.actor.mesh.vertices)
+    d.write_clothness(job.path("segmentation.npz"), d.Clothness([0.02] * count, [1.0] * count, [0] * count))
+    return {"regions": 1}
+
+
+@pytest.fixture
+def job(tmp_path, shapes):
+    """OUT as after the capture of a tube that does not move."""
+    vertices, faces = shapes["tube"](0.1, 0.0, 1.0)
+    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
+    actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), [[1.0]] * len(vertices), skeleton)
+    dofs = [[0.0] * len(skeleton.dof_names)] * 2
+    performance = d.ReferencePerformance(d.MeshSequence(faces, [vertices] * 2), dofs, [skeleton.joint_positions(dofs[0])] * 2, [0, 1])
+    d.write_actor(tmp_path / "actor.npz", actor)
+    d.write_performance(tmp_path / "performance.npz", performance)
+    job = pipeline.Job(tmp_path, tmp_path, console=Console(quiet=True))
+    job.session = type("Session", (), {"folder": tmp_path})
+    return job
+
+
+def run_segment(job):
+    return pipeline.run_stage(job, next(s for s in job.stages if s.name == "segment"))
+
+
+def test_a_stage_takes_the_place_of_ours(job):
+    assert run_segment(job) and not run_segment(job)
+    assert job.clothness().region_count == 0  # what does not move is no cloth
+    job.stages = pipeline.with_stage(job.stages, replace(SEGMENT, run=everything_is_cloth))
+    assert run_segment(job), "the results of our stage stand for those of another"
+    assert not run_segment(job)
+    assert job.clothness().region_count == 1
+    job.stages = pipeline.STAGES
+    assert run_segment(job) and job.clothness().region_count == 0
+
+
+def test_a_stage_that_does_not_fit_is_refused():
+    with pytest.raises(ValueError, match="stage 'cut': expected one of check, template, rig"):
+        pipeline.with_stage(pipeline.STAGES, replace(SEGMENT, name="cut"))
+    with pytest.raises(ValueError, match="expected it to write segmentation.npz"):
+        pipeline.with_stage(pipeline.STAGES, replace(SEGMENT, writes=("mine.npz",)))
