@@ -90,8 +90,8 @@ def draw(shots, azimuth, elevation, size=360):
         camera = d.orbit_camera((low + high) / 2, 0.5 * np.linalg.norm(high - low), azimuth, elevation, size, size)
         meshes = [d.RenderMesh(positions, faces, picture.CLOTH)]
         for c in capsules:
-            points, triangles = picture.capsule_mesh(np.asarray(c.p0), np.asarray(c.p1), c.r0, c.r1)
-            meshes.append(d.RenderMesh(points, triangles, picture.PROXY))
+            solid = d.capsule_mesh(c.p0, c.p1, c.r0, c.r1)
+            meshes.append(d.RenderMesh(solid.vertices, solid.faces, picture.PROXY))
         pictures.append(picture.shade(meshes, camera))
     return Image.fromarray(np.hstack(pictures))
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """tests/api.txt: a line for each stable header and each name of the Python module, with a hash of what it declares.
 
-    python scripts/api-snapshot.py          # writes it; refuses unless CHANGELOG.md has a new line under Breaking or Added
-    python scripts/api-snapshot.py --check  # says what has changed since, and fails if anything has
+python scripts/api-snapshot.py          # writes it; refuses unless CHANGELOG.md has a new line under Breaking or Added
+python scripts/api-snapshot.py --check  # says what has changed since, and fails if anything has
 """
 
 import ast

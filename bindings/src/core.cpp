@@ -405,6 +405,13 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("p1", &TaperedCapsule::p1)
       .def_readwrite("r0", &TaperedCapsule::r0)
       .def_readwrite("r1", &TaperedCapsule::r1);
+  m.def(
+      "capsule_mesh",
+      [](const Eigen::Vector3d &p0, const Eigen::Vector3d &p1, double r0, double r1) {
+        return capsule_mesh({PosedCapsule{p0, p1, r0, r1}});
+      },
+      py::arg("p0"), py::arg("p1"), py::arg("r0"), py::arg("r1"),
+      "Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.");
   py::class_<BodyFit>(m, "BodyFit", "The body under the clothes, scan pose (body.npz).")
       .def(py::init<>())
       .def_readwrite("body", &BodyFit::body)

@@ -1,10 +1,10 @@
 #include "doublet/animate/character.h"
 
+#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
+#include "doublet/core/sparse_solve.h"
 #include "garment_part.h"
-
-#include <Eigen/SparseCholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -38,12 +38,6 @@ bool runs_into_cloth(const RayScene &scene, const RiggedMesh &actor, const Eigen
   return hit && touches_cloth(delta, actor.mesh.faces, hit->face);
 }
 
-double distance_to_segment(const Vector3d &p, const Vector3d &a, const Vector3d &b) {
-  const Vector3d ab = b - a;
-  const double s = ab.squaredNorm() > 0 ? std::clamp((p - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;
-  return (p - a - s * ab).norm();
-}
-
 struct NearestBone {
   int joint = 0;
   double distance = std::numeric_limits<double>::infinity();
@@ -56,7 +50,7 @@ NearestBone nearest_bone(const Skeleton &skeleton, const Vector3d &p) {
     const int parent = skeleton.joints[j].parent;
     if (parent < 0)
       continue;
-    const double d = distance_to_segment(p, skeleton.joints[parent].rest, skeleton.joints[j].rest);
+    const double d = (p - closest_on_segment(p, skeleton.joints[parent].rest, skeleton.joints[j].rest)).norm();
     if (d < best.distance)
       best = {parent, d};
   }
@@ -130,12 +124,7 @@ MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::
     else
       entries.emplace_back(unknown[t.row], unknown[t.col], t.value);
   }
-  Eigen::SparseMatrix<double> matrix(count, count);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  if (solver.info() != Eigen::Success)
-    throw Error("transfer_weights: the body's heat equation cannot be solved; expected a mesh without degenerate triangles");
-  const Eigen::MatrixXd solution = solver.solve(Eigen::MatrixXd(right));
+  const Eigen::MatrixXd solution = solve_symmetric(entries, right, "the heat equation of the body's skin weights");
   for (int v = 0; v < n; ++v)
     if (!fixed[v])
       weights.row(v) = solution.row(unknown[v]).cwiseMax(0);

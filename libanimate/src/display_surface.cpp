@@ -1,5 +1,6 @@
 #include "doublet/animate/display_surface.h"
 
+#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 #include "garment_part.h"
@@ -108,11 +109,6 @@ int levels_for(const detail::Worn &garment, const Clothness &clothness, const Me
   return std::clamp(static_cast<int>(std::lround(levels)), 0, detail::kMostSubdivisions);
 }
 
-double distance_to_segment(const Vector3d &p, const Vector3d &a, const Vector3d &b) {
-  const Vector3d ab = b - a;
-  return (p - a - std::clamp((p - a).dot(ab) / std::max(ab.squaredNorm(), 1e-18), 0.0, 1.0) * ab).norm();
-}
-
 Eigen::VectorXd clothness_of(const std::vector<int> &vertices, const Eigen::SparseMatrix<double, Eigen::RowMajor> &subdivide,
                              const Clothness &clothness) {
   Eigen::VectorXd coarse(vertices.size());
@@ -145,7 +141,8 @@ public:
     const ClosestPoint at = scene_.closest(p);
     double below = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector2i &edge : edges_)
-      below = std::min(below, distance_to_segment(at.point, cloth_.vertices.row(edge[0]), cloth_.vertices.row(edge[1])));
+      below = std::min(
+          below, (at.point - closest_on_segment(at.point, cloth_.vertices.row(edge[0]), cloth_.vertices.row(edge[1]))).norm());
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < 3; ++k)
       normal += at.barycentric[k] * normals_.row(cloth_.faces(at.face, k)).transpose();

@@ -1,5 +1,7 @@
 #include "anatomy.h"
 
+#include "doublet/core/closest_point.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -10,15 +12,6 @@ constexpr double kShortestBone = 0.03; ///< m, shorter ones (a clavicle's stub) 
 constexpr double kSkinDepth = 0.002;   ///< m, where a vertex looks for its bone from
 
 } // namespace
-
-Eigen::Vector3d closest_on_segment(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
-  const Eigen::Vector3d axis = b - a;
-  return a + std::clamp((x - a).dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0) * axis;
-}
-
-double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
-  return (x - closest_on_segment(x, a, b)).norm();
-}
 
 Anatomy find_bones(const Mesh &body, const Vertices &normals, const RayScene &scene, const Skeleton &skeleton) {
   Anatomy anatomy;

@@ -19,9 +19,6 @@ struct Anatomy {
   std::vector<int> nearest; ///< per body vertex
 };
 
-Eigen::Vector3d closest_on_segment(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b);
-double segment_distance(const Eigen::Vector3d &x, const Eigen::Vector3d &a, const Eigen::Vector3d &b);
-
 /// Every vertex belongs to the nearest bone that it sees through the flesh (Baran & Popovic 2007): with the arms down, a flank is
 /// closer to the arm's bone than to the spine.
 Anatomy find_bones(const Mesh &body, const Vertices &normals, const RayScene &scene, const Skeleton &skeleton);

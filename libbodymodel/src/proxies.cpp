@@ -2,6 +2,7 @@
 #include "doublet/bodymodel/body_fitter.h"
 
 #include "anatomy.h"
+#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 
@@ -155,7 +156,7 @@ void start_capsules(const Mesh &body, const Anatomy &anatomy, int bone, const Sk
   const std::vector<int> members = bone_vertices(anatomy, bone);
   double thickness = 0;
   for (int v : members)
-    thickness += segment_distance(body.vertices.row(v).transpose(), a, b) / members.size();
+    thickness += (body.vertices.row(v).transpose() - closest_on_segment(body.vertices.row(v), a, b)).norm() / members.size();
   const bool stub = (b - a).norm()<1.5 * thickness &&static_cast<int>(members.size())> 20 * (count + 1);
   if (stub) {
     for (const std::vector<int> &group : clusters(body, members, count + 1))

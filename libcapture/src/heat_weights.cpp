@@ -1,10 +1,11 @@
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
+#include "doublet/core/sparse_solve.h"
 #include "face_mask.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <stdexcept>
 
@@ -90,18 +91,17 @@ std::vector<Source> heat_sources(const Mesh &mesh, const Skeleton &skeleton, con
 /// Cotangent Laplacian (positive semi-definite) in which invented triangles hardly conduct.
 std::vector<Eigen::Triplet<double>> conduction(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid) {
   std::vector<Eigen::Triplet<double>> entries;
-  for (int valid = 0; valid < 2; ++valid) {
-    std::vector<int> chosen;
-    for (int f = 0; f < mesh.faces.rows(); ++f)
-      if ((face_valid.empty() || face_valid[f] != 0) == (valid == 1))
-        chosen.push_back(f);
-    Faces faces(static_cast<Eigen::Index>(chosen.size()), 3);
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-      faces.row(static_cast<Eigen::Index>(i)) = mesh.faces.row(chosen[i]);
+  const auto add = [&](const Faces &faces, double flow) {
     if (faces.rows() > 0)
       for (const Triplet &t : cotangent_laplacian(mesh.vertices, faces))
-        entries.emplace_back(t.row, t.col, t.value * (valid ? 1.0 : kInvalidFlow));
+        entries.emplace_back(t.row, t.col, t.value * flow);
+  };
+  if (!face_valid.empty()) {
+    std::vector<std::uint8_t> invented(face_valid.size());
+    std::transform(face_valid.begin(), face_valid.end(), invented.begin(), std::logical_not<>());
+    add(valid_faces(mesh.faces, invented), kInvalidFlow);
   }
+  add(valid_faces(mesh.faces, face_valid), 1.0);
   return entries;
 }
 
@@ -137,13 +137,7 @@ MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_va
     for (int joint : source.joints)
       right(v, joint) += heat / bones;
   }
-  Eigen::SparseMatrix<double> system(count, count);
-  system.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system);
-  MatrixRM weights = solver.solve(right);
-  if (solver.info() != Eigen::Success || !weights.allFinite())
-    throw Error("mesh: the heat equilibrium of its skin weights could not be solved");
-  weights = weights.cwiseMax(0.0);
+  MatrixRM weights = solve_symmetric(entries, right, "the heat equilibrium of the mesh's skin weights").cwiseMax(0.0);
   for (Eigen::Index v = 0; v < count; ++v)
     weights.row(v) /= weights.row(v).sum();
   context.report("template: weights", 1.0);

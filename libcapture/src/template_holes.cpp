@@ -1,8 +1,8 @@
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
+#include "doublet/core/sparse_solve.h"
 #include "holes.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -56,55 +56,52 @@ std::vector<std::uint8_t> invented_vertices(const Mesh &surface, const Eigen::Ve
   return invented;
 }
 
+/// Dijkstra's search along edges, not beyond `limit` (m): distance(v) is where the distance of a vertex is kept, 0 at `starts`
+/// and infinity elsewhere.
+template <class Distance>
+void spread(const Mesh &surface, const std::vector<std::vector<int>> &neighbours, const std::vector<int> &starts, double limit,
+            const Distance &distance) {
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  for (int v : starts)
+    queue.push({0.0, v});
+  while (!queue.empty()) {
+    const auto [d, v] = queue.top();
+    queue.pop();
+    if (d > distance(v))
+      continue;
+    for (int n : neighbours[v]) {
+      const double next = d + (surface.vertices.row(v) - surface.vertices.row(n)).norm();
+      if (next <= limit && next < distance(n)) {
+        distance(n) = next;
+        queue.push({next, n});
+      }
+    }
+  }
+}
+
 /// Shortest distances (m) along edges from the vertices with start[v] != 0, not beyond `limit`; infinity where nothing was
 /// reached.
 std::vector<double> edge_distances(const Mesh &surface, const std::vector<std::vector<int>> &neighbours,
                                    const std::vector<std::uint8_t> &start, double limit) {
-  using Entry = std::pair<double, int>;
-  std::vector<double> distance(start.size(), std::numeric_limits<double>::infinity());
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::vector<double> distances(start.size(), std::numeric_limits<double>::infinity());
+  std::vector<int> starts;
   for (int v = 0; v < static_cast<int>(start.size()); ++v)
     if (start[v]) {
-      distance[v] = 0;
-      queue.push({0.0, v});
+      distances[v] = 0;
+      starts.push_back(v);
     }
-  while (!queue.empty()) {
-    const auto [d, v] = queue.top();
-    queue.pop();
-    if (d > distance[v])
-      continue;
-    for (int n : neighbours[v]) {
-      const double next = d + (surface.vertices.row(v) - surface.vertices.row(n)).norm();
-      if (next <= limit && next < distance[n]) {
-        distance[n] = next;
-        queue.push({next, n});
-      }
-    }
-  }
-  return distance;
+  spread(surface, neighbours, starts, limit, [&](int v) -> double & { return distances[v]; });
+  return distances;
 }
 
 /// The vertices within `reach` (m, along edges) of `from`, itself included.
 std::vector<int> within_reach(const Mesh &surface, const std::vector<std::vector<int>> &neighbours, int from, double reach) {
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::map<int, double> distance{{from, 0.0}};
-  for (queue.push({0.0, from}); !queue.empty();) {
-    const auto [d, v] = queue.top();
-    queue.pop();
-    if (d > distance[v])
-      continue;
-    for (int n : neighbours[v]) {
-      const double next = d + (surface.vertices.row(v) - surface.vertices.row(n)).norm();
-      const auto known = distance.find(n);
-      if (next <= reach && (known == distance.end() || next < known->second)) {
-        distance[n] = next;
-        queue.push({next, n});
-      }
-    }
-  }
+  std::map<int, double> distances{{from, 0.0}};
+  spread(surface, neighbours, {from}, reach,
+         [&](int v) -> double & { return distances.try_emplace(v, std::numeric_limits<double>::infinity()).first->second; });
   std::vector<int> found;
-  for (const auto &[v, d] : distance)
+  for (const auto &[v, d] : distances)
     found.push_back(v);
   return found;
 }
@@ -348,12 +345,7 @@ void flatten(Mesh &surface, const std::vector<HolePatch> &patches) {
       else
         right.row(a) += surface.vertices.row(b);
     }
-  Eigen::SparseMatrix<double> laplacian(count, count);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(laplacian);
-  const Eigen::MatrixXd solution = solver.solve(right);
-  if (solver.info() != Eigen::Success || !solution.allFinite())
-    throw Error("surface: the membrane over its holes could not be computed");
+  const Eigen::MatrixXd solution = solve_symmetric(entries, right, "the membrane over the holes of the surface");
   for (std::size_t v = 0; v < unknown.size(); ++v)
     if (unknown[v] >= 0)
       surface.vertices.row(static_cast<Eigen::Index>(v)) = solution.row(unknown[v]);

@@ -269,6 +269,15 @@ std::vector<Triplet> cotangent_laplacian(const Vertices &vertices, const Faces &
   return out;
 }
 
+Faces valid_faces(const Faces &faces, const std::vector<std::uint8_t> &face_valid) {
+  Faces kept(faces.rows(), 3);
+  int count = 0;
+  for (int f = 0; f < faces.rows(); ++f)
+    if (face_valid.empty() || face_valid[f])
+      kept.row(count++) = faces.row(f);
+  return kept.topRows(count);
+}
+
 Mesh submesh(const Mesh &mesh, const std::vector<int> &face_indices, std::vector<int> *vertex_from_sub) {
   std::vector<bool> used(mesh.vertices.rows(), false);
   for (const int f : face_indices) {

@@ -2,7 +2,7 @@
 
 #include "doublet/core/ray_scene.h"
 
-#include "doublet/core/closest_on_triangle.h"
+#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
 
 #include <embree3/rtcore.h>

@@ -130,6 +130,55 @@ std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsu
   return out;
 }
 
+Mesh capsule_mesh(const std::vector<PosedCapsule> &capsules) {
+  constexpr int kSegments = 16, kRings = 10; // from pole to pole; half on each sphere
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> faces;
+  for (const PosedCapsule &capsule : capsules) {
+    if (!capsule.p0.allFinite() || !capsule.p1.allFinite() || !(capsule.r0 > 0 && capsule.r1 > 0) ||
+        !std::isfinite(capsule.r0 + capsule.r1))
+      throw std::invalid_argument("capsule_mesh: expected finite ends and positive radii, found others");
+    PosedCapsule c = capsule;
+    const Eigen::Vector3d between = c.p1 - c.p0;
+    const double length = between.norm();
+    const bool nested = length <= std::fabs(c.r0 - c.r1);
+    if (nested) { // one sphere holds the other
+      c.p0 = c.p1 = c.r0 > c.r1 ? c.p0 : c.p1;
+      c.r0 = c.r1 = std::max(c.r0, c.r1);
+    }
+    const double slope = nested ? 0.0 : (c.r0 - c.r1) / length; // sine of the cone's half angle
+    const Eigen::Vector3d axis = length > 0 ? Eigen::Vector3d(between / length) : Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d u = axis.unitOrthogonal(), w = axis.cross(u);
+    const double tangent = std::asin(slope); // latitude at which sphere and cone touch
+    const int first = static_cast<int>(vertices.size());
+    for (int ring = 0; ring < kRings; ++ring) {
+      const bool lower = ring < kRings / 2;
+      const double part = lower ? ring / (kRings / 2 - 1.0) : (ring - kRings / 2) / (kRings / 2 - 1.0);
+      const double latitude = lower ? -M_PI_2 + part * (tangent + M_PI_2) : tangent + part * (M_PI_2 - tangent);
+      const double radius = lower ? c.r0 : c.r1;
+      for (int s = 0; s < kSegments; ++s) {
+        const double angle = 2 * M_PI * s / kSegments;
+        const Eigen::Vector3d around = std::cos(angle) * u + std::sin(angle) * w;
+        vertices.push_back((lower ? c.p0 : c.p1) + radius * (std::sin(latitude) * axis + std::cos(latitude) * around));
+      }
+    }
+    for (int ring = 0; ring + 1 < kRings; ++ring)
+      for (int s = 0; s < kSegments; ++s) {
+        const int a = first + ring * kSegments + s, b = first + ring * kSegments + (s + 1) % kSegments;
+        faces.emplace_back(a, b, b + kSegments);
+        faces.emplace_back(a, b + kSegments, a + kSegments);
+      }
+  }
+  Mesh mesh;
+  mesh.vertices.resize(static_cast<Eigen::Index>(vertices.size()), 3);
+  mesh.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    mesh.vertices.row(static_cast<Eigen::Index>(i)) = vertices[i].transpose();
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    mesh.faces.row(static_cast<Eigen::Index>(i)) = faces[i].transpose();
+  return mesh;
+}
+
 double signed_distance(const PosedCapsule &capsule, const Eigen::Vector3d &point) {
   // The smallest distance to the spheres along the axis: |x - c(t)| - r(t) is convex in t, with its minimum where the radius
   // falls as fast as the distance grows.

@@ -266,7 +266,7 @@ CoarseBuffer MaterialObjective::Impl::draw_others(const PosedFrame &frame, const
     skip[f] |= topology.face_is_cloth[f];
   const Camera coarse = camera.camera.resized(camera.width, camera.height);
   const FaceBuffer body = rasterize(frame.skinned, faces, coarse, skip);
-  const Mesh capsules = capsule_mesh(frame.capsules);
+  const Mesh capsules = capsule_mesh(posed(frame.capsules));
   const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
 
   CoarseBuffer result;

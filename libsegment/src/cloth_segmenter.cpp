@@ -2,7 +2,6 @@
 
 #include "doublet/core/sheets.h"
 #include "doublet/segment/diffusion.h"
-#include "valid_faces.h"
 
 #include <algorithm>
 #include <cmath>

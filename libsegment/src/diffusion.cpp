@@ -1,8 +1,6 @@
 #include "doublet/segment/diffusion.h"
 
-#include "doublet/core/error.h"
-
-#include <Eigen/SparseCholesky>
+#include "doublet/core/sparse_solve.h"
 
 #include <cmath>
 #include <limits>
@@ -58,12 +56,7 @@ Eigen::VectorXd diffuse_on_surface(const Vertices &vertices, const Faces &faces,
     triplets.emplace_back(i, i, mass);
     right[i] = mass > 0 && std::isfinite(values[i]) ? mass * values[i] : 0.0;
   }
-  Eigen::SparseMatrix<double> system(n, n);
-  system.setFromTriplets(triplets.begin(), triplets.end());
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system);
-  if (solver.info() != Eigen::Success)
-    throw Error("diffuse_on_surface: the Laplacian of the mesh (" + std::to_string(n) + " vertices) could not be factorised");
-  Eigen::VectorXd result = solver.solve(right);
+  Eigen::VectorXd result = solve_symmetric(triplets, right, "diffuse_on_surface: the diffusion over the mesh");
   for (int i = 0; i < n; ++i)
     if (!solved(i))
       result[i] = std::numeric_limits<double>::quiet_NaN();

@@ -1,7 +1,6 @@
 #include "doublet/segment/fullness.h"
 
 #include "doublet/segment/diffusion.h"
-#include "valid_faces.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

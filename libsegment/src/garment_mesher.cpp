@@ -1,6 +1,6 @@
 #include "doublet/segment/garment_mesher.h"
 
-#include "doublet/core/closest_on_triangle.h"
+#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
 #include "garment_field.h"

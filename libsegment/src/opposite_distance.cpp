@@ -2,7 +2,6 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"
-#include "valid_faces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -19,7 +19,7 @@ inline fit::CoarseBuffer draw_others(const CharacterSimulator &simulator, const 
     skip[f] |= topology.face_is_cloth[f];
   const Camera coarse = camera.camera.resized(camera.width, camera.height);
   const FaceBuffer body = rasterize(frame.skinned, simulator.actor().mesh.faces, coarse, skip);
-  const Mesh capsules = fit::capsule_mesh(frame.capsules);
+  const Mesh capsules = capsule_mesh(fit::posed(frame.capsules));
   const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
   fit::CoarseBuffer others{0, 0, camera.width, camera.height, {}};
   for (std::size_t i = 0; i < body.depth.size(); ++i)

@@ -263,6 +263,8 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     d.write_garment(arrays / "garment.npz", world.garment)
     d.write_body(arrays / "body.npz", world.body)
     d.write_observations(arrays / "observations.npz", world.observations)
+    surface = np.array(world.mesh.vertices)
+    d.write_simulated(arrays / "simulated.npz", np.stack([surface, surface]), len(surface) - 3)
     np.savez(arrays / "model.npz", **smpl_arrays())
     readers = {
         "actor.npz": d.read_actor,
@@ -271,6 +273,7 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
         "garment.npz": partial(lambda actor, path: d.read_garment(path, actor), world.actor),
         "body.npz": d.read_body,
         "observations.npz": d.read_observations,
+        "simulated.npz": d.read_simulated,
         "model.npz": d.BodyModel.read,
     }
     formats["npz"] = ([arrays / name for name in readers], lambda path: readers[path.name](path))

@@ -99,6 +99,10 @@ def calls(world, folder) -> dict:
         "build_template": (d.build_template, {"scan": w.mesh}),
         "segment_cloth": (d.segment_cloth, {"sequence": sequence, "face_valid": valid}),
         "ClothSegmenter.segment": (d.ClothSegmenter.create().segment, {"sequence": sequence, "face_valid": valid}),
+        "segment_performance": (
+            lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),
+            {"actor": w.actor, "performance": w.performance},
+        ),
         "estimate_fullness": (
             d.estimate_fullness, {"scan": w.mesh, "face_valid": valid, "clothness": w.clothness, "sequence": sequence},
         ),
@@ -110,6 +114,7 @@ def calls(world, folder) -> dict:
         "body_regions": (d.body_regions, dict(fit=w.body, **clothed)),
         "fit_proxies": (d.fit_proxies, dict(fit=w.body, **clothed)),
         "proxy_statistics": (d.proxy_statistics, dict(capsules=w.proxies, fit=w.body, **clothed)),
+        "capsule_mesh": (d.capsule_mesh, {"p0": np.zeros(3), "p1": np.ones(3), "r0": 0.1, "r1": 0.2}),
         "ClothModel": (d.ClothModel, {"rest": v, "faces": f, "clothness": w.cloth, "fullness": np.ones(len(v))}),
         "ClothSolver.step": (stepped, {"positions": v, "targets": v, "material": w.material, "dt": 0.02}),
         "ClothSolver.step_each": (stepped_each, {"states": [v, v], "targets": v, "materials": [w.material] * 2}),
@@ -210,6 +215,10 @@ def calls(world, folder) -> dict:
         "write_observations": (
             lambda observations: d.write_observations(folder / "o.npz", observations), {"observations": w.observations},
         ),
+        "write_simulated": (
+            lambda surfaces, actor_vertices: d.write_simulated(folder / "s.npz", surfaces, actor_vertices),
+            {"surfaces": np.stack([v, v]), "actor_vertices": len(v)},
+        ),
         "write_mesh": (lambda mesh: d.write_mesh(folder / "m.ply", mesh), {"mesh": w.mesh}),
         "Character.write": (lambda character: character.write(folder / "c.glb"), {"character": w.character}),
         "write_baked_npz": (
@@ -225,7 +234,7 @@ def calls(world, folder) -> dict:
 ELSEWHERE = {
     "minimise", "retarget", "session_silhouettes", "train_body_model", "write_materials",
     "read_actor", "read_body", "read_clothness", "read_garment", "read_materials", "read_mesh", "read_observations",
-    "read_performance", "read_proxies",
+    "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import doublet as d
 import numpy as np
 import pytest
-from doublet import picture, session_check
+from doublet import session_check
 from PIL import Image
 
 SIZE, CAMERAS = 160, 4
@@ -29,9 +29,9 @@ def person() -> d.Mesh:
     ]
     vertices, faces = [], []
     for p0, p1, radius in parts:
-        v, f = picture.capsule_mesh(np.array(p0, float), np.array(p1, float), radius, radius)
-        faces.append(f + sum(map(len, vertices)))
-        vertices.append(v)
+        mesh = d.capsule_mesh(p0, p1, radius, radius)
+        faces.append(mesh.faces + sum(map(len, vertices)))
+        vertices.append(mesh.vertices)
     return d.Mesh(np.vstack(vertices), np.vstack(faces))
 
 

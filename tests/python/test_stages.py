@@ -23,7 +23,8 @@ def job(tmp_path, shapes):
     skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), [[1.0]] * len(vertices), skeleton)
     dofs = [[0.0] * len(skeleton.dof_names)] * 2
-    performance = d.ReferencePerformance(d.MeshSequence(faces, [vertices] * 2), dofs, [skeleton.joint_positions(dofs[0])] * 2, [0, 1])
+    still, joints = d.MeshSequence(faces, [vertices] * 2), [skeleton.joint_positions(pose) for pose in dofs]
+    performance = d.ReferencePerformance(still, dofs, joints, [0, 1])
     d.write_actor(tmp_path / "actor.npz", actor)
     d.write_performance(tmp_path / "performance.npz", performance)
     job = pipeline.Job(tmp_path, tmp_path, console=Console(quiet=True))

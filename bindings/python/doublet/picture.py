@@ -66,26 +66,6 @@ def crop_box(vertices, camera, margin: int = 20) -> tuple[slice, slice]:
     return slice(low[1], high[1] + 1), slice(low[0], high[0] + 1)
 
 
-def capsule_mesh(p0, p1, r0: float, r1: float, steps: int = 16) -> tuple[np.ndarray, np.ndarray]:
-    """Triangles of a tapered capsule: the two spheres' caps and the cone that touches both."""
-    axis = p1 - p0
-    length = np.linalg.norm(axis)
-    axis = axis / length if length > 0 else np.array([0.0, 1.0, 0.0])
-    side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    side /= np.linalg.norm(side)
-    other = np.cross(axis, side)
-    # The cone touches both spheres at this latitude; if one sphere contains the other, the caps meet at its pole.
-    touch = np.arcsin(np.clip((r0 - r1) / max(length, 1e-9), -1, 1))
-    rings = [(p0, r0, a) for a in np.linspace(-np.pi / 2, touch, 8)] + [(p1, r1, a) for a in np.linspace(touch, np.pi / 2, 8)]
-    turn = np.linspace(0, 2 * np.pi, steps, endpoint=False)
-    circle = np.cos(turn)[:, None] * side + np.sin(turn)[:, None] * other
-    vertices = np.vstack([p + r * (np.sin(a) * axis + np.cos(a) * circle) for p, r, a in rings])
-    here = np.arange(len(rings) - 1)[:, None] * steps + np.arange(steps)
-    ahead = np.arange(len(rings) - 1)[:, None] * steps + (np.arange(steps) + 1) % steps
-    faces = np.stack([np.stack([here, ahead, ahead + steps], -1), np.stack([here, ahead + steps, here + steps], -1)])
-    return vertices, faces.reshape(-1, 3).astype(np.int32)
-
-
 def data_uri(picture: np.ndarray, quality: int = 80) -> str:
     """A JPEG to put into a page."""
     buffer = io.BytesIO()

@@ -121,8 +121,8 @@ def body(shown: Shown) -> str:
     proxies = d.read_proxies(shown.job.path("proxies.json"), shown.actor.skeleton)
     rest = shown.actor.skeleton.joint_rest
     naked = d.RenderMesh(fit.body.vertices, fit.body.faces, picture.SKIN)
-    capsules = [picture.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
-    solid = [d.RenderMesh(vertices, faces, picture.PROXY) for vertices, faces in capsules]
+    capsules = [d.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
+    solid = [d.RenderMesh(mesh.vertices, mesh.faces, picture.PROXY) for mesh in capsules]
     figures = []
     for azimuth, name in ((0.0, "front"), (np.pi / 2, "side")):
         camera = picture.around(shown.actor.mesh.vertices, azimuth)

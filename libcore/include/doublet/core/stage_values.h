@@ -97,6 +97,8 @@ struct PosedCapsule {
 };
 std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
                                         const Transforms &world_from_rest);
+/// Closed triangle meshes of them, one behind the other. Throws std::invalid_argument unless ends are finite and radii positive.
+Mesh capsule_mesh(const std::vector<PosedCapsule> &capsules);
 /// Signed distance (m, negative inside) of a point to a posed capsule.
 double signed_distance(const PosedCapsule &capsule, const Eigen::Vector3d &point);
 

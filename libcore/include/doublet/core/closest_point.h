@@ -1,12 +1,21 @@
 #pragma once
-// The point of a triangle that is closest to another, in any number of dimensions.
+// The point of a segment, or of a triangle, that is closest to another.
 
 #include <Eigen/Core>
 
+#include <algorithm>
+
 namespace doublet {
 
+/// The point of the segment a b that is closest to p, m; a if they are the same.
+inline Eigen::Vector3d closest_on_segment(const Eigen::Vector3d &p, const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
+  const Eigen::Vector3d axis = b - a;
+  return a + std::clamp((p - a).dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0) * axis;
+}
+
 /// Barycentric coordinates (Ericson, Real-Time Collision Detection, 2004, Sect. 5.1.5) of the point of triangle a b c that is
-/// closest to p. It takes dot products alone: of the edges ab and ac with the ways from the corners to p.
+/// closest to p, in any number of dimensions. It takes dot products alone: of the edges ab and ac with the ways from the corners
+/// to p.
 inline Eigen::Vector3d closest_on_triangle(double ab_ap, double ac_ap, double ab_bp, double ac_bp, double ab_cp, double ac_cp) {
   if (ab_ap <= 0 && ac_ap <= 0)
     return {1, 0, 0};

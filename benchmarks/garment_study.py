@@ -1,0 +1,70 @@
+"""What the video says about an option of the garment's mesh, and what the truth says: E_fit of the same ordinary materials with
+each value, as the pipeline tries them, and how far from the truth the best of them are.
+
+python benchmarks/garment_study.py OUT --option spread --values 0.15 0.25 0.35 0.5 [--truth SESSION/ground_truth] [--materials N]
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from doublet import evaluate, pipeline
+
+
+def dressed_faces(job: pipeline.Job) -> tuple[np.ndarray, np.ndarray]:
+    """Faces of the actor in the garment, and how loose its vertices are."""
+    actor, bare = job.dressed.actor, len(job.actor.mesh.vertices)
+    faces = actor.mesh.faces[np.asarray(actor.face_valid, bool)]
+    return faces, np.repeat([0.0, 1.0], [bare, len(actor.mesh.vertices) - bare])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("out", type=Path, help="a reconstruction up to stage 'body'")
+    parser.add_argument(
+        "--option", default="spread", choices=d.GarmentOptions.fields(), help="of GarmentOptions (default: spread)"
+    )
+    parser.add_argument(
+        "--values", type=float, nargs="+", required=True, help="of the option; the first is what others are set against"
+    )
+    parser.add_argument("--truth", type=Path, metavar="DIR", help="ground_truth folder")
+    parser.add_argument("--materials", type=int, default=16, metavar="N", help="with which each is tried (default: 16)")
+    parser.add_argument("--every", type=int, default=4, metavar="N", help="compare every n-th frame that has a truth")
+    arguments = parser.parse_args()
+
+    truth, context = evaluate.Truth(arguments.truth) if arguments.truth else None, d.Context()
+    space, first = pipeline.make_options("space", d.ParameterSpace), None
+    materials = [space.material(unit) for unit in d.trial_samples(space, arguments.materials)]
+    lowest = arguments.materials // 4
+    for value in arguments.values:
+        job = pipeline.Job(pipeline.recorded_session(arguments.out), arguments.out)
+        options = d.GarmentOptions(**{**job.options["garment"].to_dict(), arguments.option: value})
+        body, captured = d.read_body(job.path("body.npz")).body, job.performance().surface
+        job.garment = d.GarmentMesher.create(options).mesh(job.actor, job.clothness(), body, captured, context)
+        simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()
+        energy.stop_margin = 0  # all to the end
+        observations = d.read_observations(job.path("observations.npz"))
+        objective = d.MaterialObjective(simulator, performance, observations, energy, space)
+        each = [[material] * len(simulator.regions) for material in materials]
+        costs = np.sum(objective.energies(each, context), axis=1)
+        first = costs if first is None else first
+        ratio = np.log(costs / first)
+        change, error = 100 * np.expm1(ratio.mean()), 100 * ratio.std(ddof=1) / len(ratio) ** 0.5
+        line = f"{arguments.option} {value:g}: lowest quarter {np.sort(costs)[:lowest].mean():.0f} px^2, all {costs.mean():.0f}, "
+        line += f"{change:+.1f} % to the first, standard error {error:.1f} %"
+        if truth:
+            faces, clothness = dressed_faces(job)
+            distances = []
+            for index in np.argsort(costs)[:lowest]:
+                frames = d.simulate_reference(simulator, performance, each[index], energy.dt, energy.settle_frames)
+                moving = evaluate.Animated(dict(zip(performance.frames, frames)), faces, clothness)
+                distances.append(evaluate.cloth_rms_cm(moving, truth, arguments.every, context, ""))
+            line += f"; {np.mean(distances):.2f} cm from the truth"
+        print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()
