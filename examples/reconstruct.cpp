@@ -8,6 +8,7 @@
 #include "doublet/bodymodel/body_fitter.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/template_builder.h"
+#include "doublet/core/error.h"
 #include "doublet/core/files.h"
 #include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import doublet as d
+import numpy as np
 import pytest
 from doublet import pipeline
 from doublet.console import Console
@@ -12,7 +13,8 @@ SEGMENT = next(s for s in pipeline.STAGES if s.name == "segment")
 
 def everything_is_cloth(job):
     count = len(job.actor.mesh.vertices)
-    d.write_clothness(job.path("segmentation.npz"), d.Clothness([0.02] * count, [1.0] * count, [0] * count))
+    all_cloth = d.Clothness(np.full(count, 0.02), np.ones(count), np.zeros(count, np.int32))
+    d.write_clothness(job.path("segmentation.npz"), all_cloth)
     return {"regions": 1}
 
 
@@ -23,8 +25,9 @@ def job(tmp_path, shapes):
     skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), [[1.0]] * len(vertices), skeleton)
     dofs = [[0.0] * len(skeleton.dof_names)] * 2
-    still, joints = d.MeshSequence(faces, [vertices] * 2), [skeleton.joint_positions(pose) for pose in dofs]
-    performance = d.ReferencePerformance(still, dofs, joints, [0, 1])
+    performance = d.ReferencePerformance()
+    performance.surface, performance.dofs, performance.frames = d.MeshSequence(faces, [vertices] * 2), dofs, [0, 1]
+    performance.joints = [skeleton.joint_positions(pose) for pose in dofs]
     d.write_actor(tmp_path / "actor.npz", actor)
     d.write_performance(tmp_path / "performance.npz", performance)
     job = pipeline.Job(tmp_path, tmp_path, console=Console(quiet=True))

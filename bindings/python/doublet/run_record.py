@@ -88,9 +88,9 @@ class RunRecord:
             return f"{missing[0]} is missing"
         if entry.get("version") != __version__:
             return f"made by version {entry.get('version')}"
-        changed = [k for k in options if entry["options"].get(k) != options[k]]
+        changed = [k for k in {**options, **entry["options"]} if entry["options"].get(k) != options.get(k)]
         if changed:
-            return f"option {changed[0]} changed from {entry['options'].get(changed[0])} to {options[changed[0]]}"
+            return f"option {changed[0]} changed from {entry['options'].get(changed[0])} to {options.get(changed[0])}"
         changed = [k for k in {**inputs, **entry["inputs"]} if entry["inputs"].get(k) != inputs.get(k)]
         return f"{sorted(changed)[0]} changed" if changed else ""
 
