@@ -290,6 +290,7 @@ Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uin
 
 Clothness segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
                               const FullnessOptions &fullness, const Context &context) {
+  require_actor(actor, "segment_performance");
   MeshSequence sequence = performance.surface;
   sequence.unposed = unposed_frames(actor, performance, context);
   Clothness clothness = segmenter.segment(sequence, actor.face_valid, context);

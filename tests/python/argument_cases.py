@@ -216,8 +216,8 @@ def calls(world, folder) -> dict:
             lambda observations: d.write_observations(folder / "o.npz", observations), {"observations": w.observations},
         ),
         "write_simulated": (
-            lambda surfaces, actor_vertices: d.write_simulated(folder / "s.npz", surfaces, actor_vertices),
-            {"surfaces": np.stack([v, v]), "actor_vertices": len(v)},
+            lambda frames, actor_vertices: d.write_simulated(folder / "s.npz", frames, actor_vertices),
+            {"frames": np.stack([v, v]), "actor_vertices": len(v)},
         ),
         "write_mesh": (lambda mesh: d.write_mesh(folder / "m.ply", mesh), {"mesh": w.mesh}),
         "Character.write": (lambda character: character.write(folder / "c.glb"), {"character": w.character}),
