@@ -45,7 +45,6 @@ def main() -> None:
         body, captured = d.read_body(job.path("body.npz")).body, job.performance().surface
         job.garment = d.GarmentMesher.create(options).mesh(job.actor, job.clothness(), body, captured, context)
         simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()
-        energy.stop_margin = 0  # all to the end
         observations = d.read_observations(job.path("observations.npz"))
         objective = d.MaterialObjective(simulator, performance, observations, energy, space)
         each = [[material] * len(simulator.regions) for material in materials]

@@ -23,7 +23,7 @@ VARIANTS = {
     "windows of 40 frames": {"energy": {"window": 40}},
     "penalty omega 256": {"fit": {"penalty": 256}},
     "population 16": {"fit": {"population": 16}},
-    "population 16, hopeless samples stopped": {"fit": {"population": 16}, "energy": {"stop_margin": 0.3}},
+    "population 16, hopeless samples stopped": {"fit": {"population": 16, "stop_margin": 0.3}},
 }
 
 

@@ -217,8 +217,7 @@ void bind_energy(py::module_ &m) {
       .field("outline_size", &EnergyOptions::outline_size, "pixels of the views in which visibility is decided")
       .field("field_size", &EnergyOptions::field_size, "nodes along the larger side of a distance field")
       .field("window", &EnergyOptions::window, "frames of a window that starts from the captured surface; 0 = one rollout")
-      .field("window_lead", &EnergyOptions::window_lead, "frames simulated before a window counts")
-      .field("stop_margin", &EnergyOptions::stop_margin, "stop samples whose energy is this much above the middle; 0 = never");
+      .field("window_lead", &EnergyOptions::window_lead, "frames simulated before a window counts");
   OptionsClass<ParameterSpace>(m, "ParameterSpace", "Which material parameters are searched.")
       .field("names", &ParameterSpace::names, "of Material")
       .field("fixed", &ParameterSpace::fixed, "gives the parameters that are not searched")
@@ -232,6 +231,10 @@ void bind_energy(py::module_ &m) {
                     const ParameterSpace &, const Context &>(),
            py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
            py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release())
+      .def("race", &MaterialObjective::race, py::arg("samples"), py::arg("margin"), py::arg("context") = interruptible_context(),
+           Release(),
+           "samples (S, regions * n) in [0, 1] -> energies (S, regions); those that fall behind by more than `margin` are "
+           "stopped.")
       .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
            Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")
       .def(
@@ -314,6 +317,7 @@ void bind_fit(py::module_ &m) {
       .field("seeds", &FitOptions::seeds, "searches from as many different seeds; the answer is that of the lowest energy")
       .field("max_evaluations", &FitOptions::max_evaluations, "no generation begins at or beyond it")
       .field("population", &FitOptions::population, "samples a generation, 0 = 4 + floor(3 ln n)")
+      .field("stop_margin", &FitOptions::stop_margin, "stop samples whose energy is this much above the middle; 0 = never")
       .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")
       .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
       .field("stagnation", &FitOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")

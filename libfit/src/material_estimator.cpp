@@ -47,11 +47,26 @@ OptimizerFactory optimizer_factory(const FitOptions &options) {
   return [options](int n, std::uint64_t seed) { return create_cma_es(n, cma_options(options, seed)); };
 }
 
+/// The objective whose samples are raced against those of the same call.
+class Raced : public Objective {
+public:
+  Raced(const MaterialObjective &objective, double margin) : objective_(objective), margin_(margin) {}
+  int parameter_count() const override { return objective_.parameter_count(); }
+  int part_count() const override { return objective_.part_count(); }
+  MatrixRM evaluate(const MatrixRM &samples, const Context &context) override {
+    return objective_.race(samples, margin_, context);
+  }
+
+private:
+  const MaterialObjective &objective_;
+  double margin_;
+};
+
 /// Searches from several seeds at once, so that their samples fill the lanes: part k R + r is search k of region r.
 class Searches : public Objective {
 public:
-  Searches(MaterialObjective &objective, const FitOptions &options)
-      : objective_(objective), count_(options.seeds), apart_(options.energy.stop_margin > 0) {}
+  Searches(Raced &objective, const FitOptions &options)
+      : objective_(objective), count_(options.seeds), apart_(options.stop_margin > 0) {}
   int parameter_count() const override { return objective_.parameter_count(); }
   int part_count() const override { return count_ * regions(); }
   int regions() const { return objective_.part_count(); }
@@ -76,7 +91,7 @@ public:
   }
 
 private:
-  MaterialObjective &objective_;
+  Raced &objective_;
   int count_;
   bool apart_;
 };
@@ -157,8 +172,8 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
                    (options.optimizer == "annealing" ? " evaluations " + std::to_string(options.max_evaluations) : "") +
                    " population " + std::to_string(options.population) + " sigma " + std::to_string(options.initial_sigma) + " " +
                    std::to_string(options.smallest_deviation) + " " + std::to_string(options.stagnation) + " penalty " +
-                   std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") +
-                   (options.make_optimizer ? "own optimiser" : options.optimizer);
+                   std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") + "margin " +
+                   std::to_string(options.stop_margin) + " " + (options.make_optimizer ? "own optimiser" : options.optimizer);
   result.on_generation = [&options, &searches, &frame](const MinimiseResult &found) {
     const FitResult so_far = interrupted(frame, found, searches, options);
     if (!options.log.empty())
@@ -364,8 +379,9 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
   }
   if (!has_matches(observations))
     context.say("fit: no feature matches: E_fit is the silhouettes' term alone");
-  MaterialObjective objective(simulator, performance, observations, options.energy, options.space, context);
-  Searches searches(objective, options);
+  const MaterialObjective objective(simulator, performance, observations, options.energy, options.space, context);
+  Raced raced(objective, options.stop_margin);
+  Searches searches(raced, options);
   const FitResult frame = result; // what every interrupted result has
   const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, frame), context);
   const std::vector<Finals> finals = final_energies(objective, searches, found, options.answer_generations, context);
@@ -382,7 +398,7 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
   }
   result.log = log_of(found, searches, chosen);
   if (options.influence) {
-    const std::vector<Influence> influences = measure_influence(objective, answers, context);
+    const std::vector<Influence> influences = measure_influence(raced, answers, context);
     for (std::size_t r = 0; r < influences.size(); ++r)
       result.regions[r].influence = influences[r];
   }

@@ -114,11 +114,10 @@ TEST(MaterialObjective, StoppingHopelessSamplesLeavesTheSelectedAsTheyAre) {
     EnergyOptions options;
     options.window = window;
     const auto energies = [&](double margin, int threads) {
-      options.stop_margin = margin;
       Context context;
       context.threads = threads;
-      MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, options);
-      return Eigen::VectorXd(objective.evaluate(samples, context).col(0));
+      const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, options);
+      return Eigen::VectorXd(objective.race(samples, margin, context).col(0));
     };
     const Eigen::VectorXd all = energies(0, 1), some = energies(0.5, 1);
     EXPECT_EQ(energies(0.5, 2), some);
@@ -593,7 +592,7 @@ TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
   // Region r of search k starts from seed + k R + r, and samples do not know of each other; with stop_margin of those of their
   // own search alone.
   for (double stop_margin : {0.05, 0.0}) {
-    options.energy.stop_margin = stop_margin;
+    options.stop_margin = stop_margin;
     const FitResult one = run(1, 1), two = run(3, 1), both = run(1, 2);
     for (int r : {0, 1}) {
       const RegionFit &first = one.regions[r], &second = two.regions[r], &fit = both.regions[r];

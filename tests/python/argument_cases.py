@@ -148,6 +148,7 @@ def calls(world, folder) -> dict:
         "MaterialObjective.surface_terms": (objective.surface_terms, {"surfaces": [v, v, v]}),
         "MaterialObjective.surface_energy": (objective.surface_energy, {"surfaces": [v, v, v]}),
         "MaterialObjective.evaluate": (objective.evaluate, {"samples": np.full((4, 1), 0.5)}),
+        "MaterialObjective.race": (objective.race, {"samples": np.full((4, 1), 0.5), "margin": 0.1}),
         "measure_influence": (lambda answers: d.measure_influence(objective, answers), {"answers": np.full((1, 1), 0.5)}),
         "garment_energy": (lambda **given: d.garment_energy(**given, space=d.ParameterSpace(names=["d_n"])), reference),
         "trial_samples": (lambda count: d.trial_samples(d.ParameterSpace(), count), {"count": 4}),

@@ -47,8 +47,8 @@ OPTION_GROUPS = {
 #: adds, and answers the best of its last means (docs/material-estimation.md).
 DEFAULTS = {
     "cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012},
-    "energy": {"beta": 3.0, "stop_margin": 0.1},
-    "fit": {"smallest_deviation": 0.1, "answer_generations": 14},
+    "energy": {"beta": 3.0},
+    "fit": {"stop_margin": 0.1, "smallest_deviation": 0.1, "answer_generations": 14},
     "space": {"fixed": d.Material(k_damping=0.05), "even_steps": True},
 }
 #: Set by the session, by --seed or by another option, not by an option of their own.

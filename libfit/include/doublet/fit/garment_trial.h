@@ -23,7 +23,7 @@ MatrixRM trial_samples(const ParameterSpace &space, int count);
 
 /// (R) what the regions of a garment cost, pixels^2: the mean of the lowest quarter of E_fit over trial_samples(). Lower where
 /// some ordinary material moves the garment as the filmed one moves. Throws std::invalid_argument as trial_samples() does.
-Eigen::VectorXd trial_energy(MaterialObjective &objective, int materials, const Context &context = {});
+Eigen::VectorXd trial_energy(const MaterialObjective &objective, int materials, const Context &context = {});
 
 /// Of one garment, in one call: the sum over its regions; 0 if it has none. `performance`: dressed in it.
 double garment_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,

@@ -15,9 +15,10 @@ struct FitOptions {
   /// Searches from as many different seeds, side by side; the answer is that of the lowest energy. How far their answers lie
   /// apart tells more than any one search can: each ends somewhere and calls it narrow. Evaluations are those of all searches.
   int seeds = 1;
-  int max_evaluations = 512;         ///< the paper's
-  int population = 0;                ///< 0 = 4 + floor(3 ln n)
-  double initial_sigma = 0.3;        ///< of the search, box units
+  int max_evaluations = 512;  ///< the paper's
+  int population = 0;         ///< 0 = 4 + floor(3 ln n)
+  double stop_margin = 0;     ///< beyond the paper: samples that fall behind are stopped, see MaterialObjective::race; 0 = none
+  double initial_sigma = 0.3; ///< of the search, box units
   double smallest_deviation = 0.025; ///< stop when all are below (the paper's)
   double stagnation = 0.02;          ///< stop when the energies change by less, see CmaEsOptions; 0 = never
   double penalty = 16.0;             ///< omega, see MinimiseOptions

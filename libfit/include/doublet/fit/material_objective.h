@@ -42,10 +42,7 @@ struct EnergyOptions {
   /// E_fit is their mean. Beyond the paper: the motion of cloth is chaotic, so that over a long rollout noise outgrows what the
   /// material does. 0 = one rollout over the whole motion (the paper's).
   int window = 0;
-  int window_lead = 8; ///< frames simulated before a window counts: the captured surface is not at rest under any material
-  /// Beyond the paper: evaluate() stops a sample once the energy of its frames so far is more than (1 + stop_margin) times that
-  /// of the sample in the middle of the ranking (the last that CMA-ES selects), in every region; see evaluate(). 0 = never.
-  double stop_margin = 0;
+  int window_lead = 8;   ///< frames simulated before a window counts: the captured surface is not at rest under any material
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
@@ -95,10 +92,13 @@ public:
   /// E_fit (S, R), pixels^2. Samples are simulated side by side on context.thread_count() threads; the result does not depend on
   /// how many. A sample whose cloth leaves the actor (further from its skinned place than the actor is long) or stops being
   /// finite has exploded: in its frames from there on (to the end of the window) everything costs what it can at most.
-  /// With stop_margin the frames are run in eight parts, each spread over the motion if there are windows, and the samples are
-  /// compared after each but the last. The energy of a stopped one is that of the sample in the middle, times their ratio when it
-  /// was stopped: it stays behind all that CMA-ES selects. An energy then depends on the other samples of the call.
   MatrixRM evaluate(const MatrixRM &samples, const Context &context) override;
+  /// The same, but a sample is stopped once the energy of its frames so far is more than 1 + margin times that of the sample in
+  /// the middle of the ranking (the last that CMA-ES selects), in every region; beyond the paper. The frames are run in eight
+  /// parts, each spread over the motion if there are windows, and the samples are compared after each but the last. A stopped one
+  /// gets the final energy of the sample in the middle, times their ratio when it was stopped: it stays behind all that CMA-ES
+  /// selects. An energy then depends on the other samples of the call. margin 0 = none is stopped.
+  MatrixRM race(const MatrixRM &samples, double margin, const Context &context) const;
   /// E_fit (S, R) of materials[s][r].
   MatrixRM energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const;
   /// [R][T] the terms of one rollout.

@@ -1,0 +1,181 @@
+#include "frame_energy.h"
+
+#include "optimizer_checks.h"
+
+#include <algorithm>
+
+namespace doublet::fit {
+
+void FrameEnergy::place(std::span<Rollout> group, int t, ClothView &view) const {
+  float *to = view.positions().data();
+  const int lanes = view.lanes(), count = static_cast<int>(group.size());
+  for (int v = 0; v < observed_.topology.vertex_count(); ++v, to += 3 * lanes)
+    for (int l = 0; l < lanes; ++l) {
+      const int r = observed_.topology.region[v];
+      const double *from = r < 0 ? &observed_.frames[t].skinned(observed_.topology.vertices[v], 0)
+                                 : &group[std::min(l, count - 1)].state.regions[r].positions(observed_.topology.row[v], 0);
+      for (int k = 0; k < 3; ++k)
+        to[k * lanes + l] = static_cast<float>(from[k]);
+    }
+}
+
+/// Eq. (6).
+void FrameEnergy::measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
+  measure.view.outline(observed_.views[t][c].others, measure.rims);
+  for (const Rim &rim : measure.rims) {
+    const double distance = observed_.views[t][c].contour.distance(rim.x, rim.y);
+    FrameTerms &terms = (*group[rim.lane].terms)[observed_.topology.region[rim.vertex]][t];
+    terms.silhouette += distance * distance;
+    ++terms.rims;
+  }
+}
+
+/// The other direction: from the measured contour of the captured cloth to the outline of the sample's.
+void FrameEnergy::measure_contour(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
+  const CapturedContour &contour = observed_.captured[t][c].contour;
+  const float farthest_rim = static_cast<float>(observed_.options.rim_cap) * larger_side(observed_.cameras[c].camera);
+  for (int r = 0; r < observed_.regions(); ++r) {
+    const int first = contour.first[r], count = contour.first[r + 1] - first;
+    measure.view.approach(r, count, contour.x.data() + first, contour.y.data() + first, farthest_rim * farthest_rim,
+                          measure.squared);
+    const float *squared = measure.squared.data();
+    for (Rollout &rollout : group) {
+      FrameTerms &terms = (*rollout.terms)[r][t];
+      for (int i = 0; i < count; ++i)
+        terms.contour += *squared++;
+      terms.points += count;
+    }
+  }
+}
+
+/// Eq. (7).
+void FrameEnergy::measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
+  const LocatedFeatures &located = measure.located[c];
+  const std::vector<float> &squared = measure.view.carry(located, measure.largest[c]);
+  for (int i = 0; i < located.count; ++i)
+    for (std::size_t s = 0; s < group.size(); ++s) {
+      const std::size_t at = static_cast<std::size_t>(i) * measure.view.lanes() + s;
+      if (located.face[at] < 0)
+        continue;
+      FrameTerms &terms = (*group[s].terms)[observed_.topology.face_region[located.face[at]]][t];
+      terms.feature += squared[at];
+      ++terms.features;
+    }
+}
+
+/// A sample that does not show a feature of the captured cloth, or shows another region there, has the same point of the
+/// cloth elsewhere: that is where the feature is taken to lie.
+void FrameEnergy::place_missed(const CapturedFeatures &features, LocatedFeatures &located, int lanes) const {
+  for (int i = 0; i < located.count; ++i) {
+    const int match = located.match[i], own = features.face[match];
+    for (int l = 0; l < lanes; ++l) {
+      int &face = located.face[static_cast<std::size_t>(i) * lanes + l];
+      if (face >= 0 && observed_.topology.face_region[face] == observed_.topology.face_region[own])
+        continue;
+      face = own;
+      for (int k = 0; k < 3; ++k)
+        located.weight[(static_cast<std::size_t>(i) * 3 + k) * lanes + l] = features.weight[3 * match + k];
+    }
+  }
+}
+
+/// Where the features lie that are matched from this frame to the next.
+void FrameEnergy::locate(int t, std::size_t c, Measure &measure) const {
+  LocatedFeatures &located = measure.located[c];
+  located.count = 0;
+  if (t + 1 >= observed_.frame_count() || observed_.captured[t + 1][c].features.matches.empty())
+    return;
+  const CapturedFeatures &features = observed_.captured[t + 1][c].features;
+  measure.view.locate(features.matches, observed_.views[t][c].others, located);
+  measure.largest[c].clear();
+  for (const int match : located.match)
+    measure.largest[c].push_back(features.largest[match]);
+  if (observed_.options.same_comparisons)
+    place_missed(features, located, measure.view.lanes());
+}
+
+void FrameEnergy::find(std::span<Rollout> group, int t, Measure &measure) const {
+  place(group, t, measure.view);
+  for (std::size_t c = 0; c < observed_.cameras.size(); ++c) {
+    measure.view.look(observed_.cameras[c]);
+    locate(t, c, measure);
+  }
+  measure.watch.lap(&EnergyTimes::features);
+}
+
+void FrameEnergy::measure(std::span<Rollout> group, int t, Measure &measure) const {
+  for (std::size_t c = 0; c < observed_.cameras.size(); ++c) {
+    measure.view.look(observed_.cameras[c]);
+    measure.watch.lap(&EnergyTimes::project);
+    measure_features(group, t, c, measure);
+    locate(t, c, measure);
+    measure.watch.lap(&EnergyTimes::features);
+    if (!observed_.views[t][c].seen)
+      continue;
+    measure_rims(group, t, c, measure);
+    measure.watch.lap(&EnergyTimes::rims);
+    if (observed_.captured[t][c].contour.count() > 0)
+      measure_contour(group, t, c, measure);
+    measure.watch.lap(&EnergyTimes::contour);
+  }
+  for (Rollout &rollout : group)
+    finish(rollout, t);
+}
+
+/// From sums to means.
+void FrameEnergy::finish(Rollout &rollout, int t) const {
+  for (int r = 0; r < observed_.regions(); ++r) {
+    FrameTerms &terms = (*rollout.terms)[r][t];
+    const double no_rims = observed_.options.same_comparisons ? observed_.worst[r][t].silhouette : 0;
+    terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : no_rims;
+    terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
+    terms.contour = terms.points > 0 ? terms.contour / terms.points : 0;
+    if (rollout.exploded[r])
+      terms = observed_.worst[r][t];
+  }
+}
+
+double FrameEnergy::mean(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const {
+  const auto over_frames = [&](double FrameTerms::*term) {
+    double sum = 0;
+    int count = 0;
+    for (int t = 0; t < observed_.frame_count(); ++t)
+      if (counts[t] && observed_.worst[region][t].*term > 0) {
+        sum += terms[region][t].*term;
+        ++count;
+      }
+    return sum / std::max(1, count);
+  };
+  return observed_.options.alpha * over_frames(&FrameTerms::silhouette) +
+         observed_.options.beta * over_frames(&FrameTerms::feature) + observed_.options.gamma * over_frames(&FrameTerms::contour);
+}
+
+std::vector<double> FrameEnergy::mean(const Terms &terms) const {
+  std::vector<double> result;
+  for (int r = 0; r < observed_.regions(); ++r)
+    result.push_back(mean(terms, r, std::vector<std::uint8_t>(observed_.frames.size(), 1)));
+  return result;
+}
+
+Terms FrameEnergy::surface_terms(const std::vector<Vertices> &surfaces) const {
+  require(surfaces.size() == observed_.frames.size(), "MaterialObjective: surfaces: expected " +
+                                                          std::to_string(observed_.frames.size()) + " observed_.frames, found " +
+                                                          std::to_string(surfaces.size()));
+  const Eigen::Index vertices = observed_.simulator->actor().mesh.vertices.rows();
+  for (const Vertices &surface : surfaces)
+    require(surface.rows() == vertices && surface.allFinite(),
+            "MaterialObjective: surfaces: expected (" + std::to_string(vertices) + ", 3) finite numbers, found (" +
+                std::to_string(surface.rows()) + ", 3)" + (surface.allFinite() ? "" : " with NaN or infinity"));
+  Terms terms(observed_.regions(), std::vector<FrameTerms>(observed_.frames.size()));
+  std::vector<Rollout> one(1);
+  one[0].exploded.assign(observed_.regions(), 0);
+  one[0].terms = &terms;
+  Measure tools(observed_.topology, 1, observed_.cameras.size());
+  for (int t = 0; t < observed_.frame_count(); ++t) {
+    place_surface(observed_.topology, surfaces[t], tools.view);
+    measure(one, t, tools);
+  }
+  return terms;
+}
+
+} // namespace doublet::fit

@@ -1,0 +1,51 @@
+#pragma once
+// What a material is measured on: for every frame the pose, and for every camera what its image and the captured cloth show.
+// Worked out once, the same for all samples.
+
+#include "captured_cloth.h"
+#include "cpu_times.h"
+#include "doublet/fit/distance_field.h"
+#include "doublet/fit/material_objective.h"
+
+#include <functional>
+
+namespace doublet::fit {
+
+/// What is kept of one camera at one frame.
+struct FrameView {
+  bool seen = false; ///< the image is there, and the cloth in it
+  DistanceField contour;
+  CoarseBuffer others; ///< depth of everything that is not cloth: it is the same for every sample
+};
+
+using Terms = std::vector<std::vector<FrameTerms>>; ///< [R][T]
+
+constexpr int kFramesPerChunk = 32; // between two polls for cancellation
+
+class ObservedFrames {
+public:
+  /// `starts`: frames before which nothing is simulated, so that there is no frame on which their features could lie.
+  ObservedFrames(const CharacterSimulator &model, const ReferencePerformance &performance, const Observations &observations,
+                 const EnergyOptions &energy, const std::vector<int> &starts, CpuTimes &times, const Context &context);
+
+  const CharacterSimulator *simulator;
+  EnergyOptions options;
+  ClothTopology topology;
+  std::vector<CoarseCamera> cameras;
+  std::vector<PosedFrame> frames;                  ///< [T], shared by all samples
+  std::vector<std::vector<FrameView>> views;       ///< [T][cameras]
+  std::vector<std::vector<CapturedView>> captured; ///< [T][cameras], features from t-1 to t
+  Terms worst; ///< what a frame of an exploded sample costs; a term that is 0 does not count, for any sample
+
+  int regions() const { return static_cast<int>(simulator->regions().size()); }
+  int frame_count() const { return static_cast<int>(frames.size()); }
+  std::size_t image_bytes() const;
+
+private:
+  void prepare(double done, CpuTimes &times, const Context &context, const std::function<void(int)> &frame);
+  void keep_image(int t, std::size_t c, const Vertices &surface, const ViewObservation &observation, const CoarseCamera &camera);
+  void keep_captured(int t, bool starts, const MeshSequence &surface, const Observations &observations);
+  FrameTerms worst_terms(int region, int t) const;
+};
+
+} // namespace doublet::fit

@@ -1,0 +1,121 @@
+#include "rollouts.h"
+
+#include <algorithm>
+
+namespace doublet::fit {
+
+std::vector<Window> cut_windows(int frame_count, const EnergyOptions &options) {
+  const int count = options.window > 0 ? std::max(1, frame_count / options.window) : 1;
+  std::vector<Window> windows;
+  for (int w = 0; w < count; ++w) {
+    const int first = frame_count * w / count, end = frame_count * (w + 1) / count;
+    windows.push_back({std::max(0, first - (first > 0 ? options.window_lead : 0)), first, end, {}});
+  }
+  return windows;
+}
+
+Rollouts::Rollouts(const ObservedFrames &frames, const FrameEnergy &frame_energy, CpuTimes &cpu_times)
+    : observed_(frames), energy_(frame_energy), times_(cpu_times) {
+  const Vertices &rest = frames.simulator->actor().mesh.vertices;
+  farthest_ = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+}
+
+/// A region that has exploded is put back on the skinned surface, so that it cannot spoil the views of the others, and
+/// goes on with the default material, so that it does not explode again.
+void Rollouts::put_back(Rollout &rollout, const PosedFrame &frame) const {
+  for (int r = 0; r < observed_.regions(); ++r) {
+    if (!rollout.exploded[r])
+      continue;
+    const std::vector<int> &vertices = observed_.simulator->regions()[r].vertex_from_cloth;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      rollout.state.regions[r].positions.row(static_cast<Eigen::Index>(i)) = frame.skinned.row(vertices[i]);
+    rollout.state.regions[r].velocities.setZero();
+    rollout.materials[r] = {};
+  }
+}
+
+void Rollouts::check_explosion(Rollout &rollout, const PosedFrame &frame) const {
+  for (int r = 0; r < observed_.regions(); ++r) {
+    const std::vector<int> &vertices = observed_.simulator->regions()[r].vertex_from_cloth;
+    const Vertices &positions = rollout.state.regions[r].positions;
+    for (std::size_t i = 0; i < vertices.size() && !rollout.exploded[r]; ++i) {
+      const double distance = (positions.row(static_cast<Eigen::Index>(i)) - frame.skinned.row(vertices[i])).norm();
+      rollout.exploded[r] = !(distance <= farthest_); // NaN is not
+    }
+  }
+  put_back(rollout, frame);
+}
+
+/// From frame `from` to frame `to`. Cloth that stops being finite stays where it was, and has exploded; while it is still
+/// settling the sample's other regions, too, never came to rest.
+void Rollouts::step(std::span<Rollout> group, int from, int to, bool settling) const {
+  std::vector<CharacterState *> states;
+  std::vector<const std::vector<pbd::Material> *> materials;
+  for (Rollout &rollout : group) {
+    states.push_back(&rollout.state);
+    materials.push_back(&rollout.materials);
+  }
+  for (const auto &[sample, region] :
+       observed_.simulator->step_each(states, observed_.frames[from], observed_.frames[to], materials, observed_.options.dt))
+    if (settling)
+      group[sample].exploded.assign(observed_.regions(), 1);
+    else
+      group[sample].exploded[region] = 1;
+}
+
+CharacterState Rollouts::state_at(int start, const MeshSequence &surface) const {
+  const CharacterSimulator &simulator = *observed_.simulator;
+  const bool at_rest = start == 0 && simulator.has_rest_shape();
+  CharacterState state = simulator.start(observed_.frames[start], at_rest ? nullptr : &surface.frames[start]);
+  if (start == 0)
+    return state;
+  const int after = std::min(start + 1, observed_.frame_count() - 1);
+  const Vertices velocities = (surface.frames[after] - surface.frames[start - 1]) / ((after - start + 1) * observed_.options.dt);
+  for (int r = 0; r < observed_.regions(); ++r) {
+    const std::vector<int> &vertices = simulator.regions()[r].vertex_from_cloth;
+    for (std::size_t i = 0; i < vertices.size(); ++i)
+      state.regions[r].velocities.row(static_cast<Eigen::Index>(i)) = velocities.row(vertices[i]);
+  }
+  return state;
+}
+
+void Rollouts::start(Group &group) const {
+  Stopwatch watch;
+  for (Rollout &rollout : group.rollouts) {
+    rollout.state = group.window->state;
+    rollout.exploded.assign(observed_.regions(), 0);
+  }
+  if (group.window->start == 0) {
+    for (int i = 0; i < observed_.options.settle_frames; ++i)
+      step(group.rollouts, 0, 0, true);
+    for (Rollout &rollout : group.rollouts)
+      for (pbd::ClothState &region : rollout.state.regions)
+        region.velocities.setZero();
+  }
+  watch.lap(&EnergyTimes::simulate);
+  times_.add(watch);
+}
+
+void Rollouts::advance(Group &group, int from, int to) const {
+  if (from >= to)
+    return;
+  const std::span<Rollout> rollouts = group.rollouts;
+  Measure tools(observed_.topology, rollouts.size(), observed_.cameras.size());
+  if (from > group.window->start && from >= group.window->first)
+    energy_.find(rollouts, from - 1, tools);
+  for (int t = from; t < to; ++t) {
+    if (t > group.window->start)
+      step(rollouts, t - 1, t, false);
+    for (Rollout &rollout : rollouts)
+      check_explosion(rollout, observed_.frames[t]);
+    tools.watch.lap(&EnergyTimes::simulate);
+    if (t >= group.window->first) {
+      energy_.place(rollouts, t, tools.view);
+      energy_.measure(rollouts, t, tools);
+    } else if (t + 1 == group.window->first)
+      energy_.find(rollouts, t, tools);
+  }
+  times_.add(tools.watch);
+}
+
+} // namespace doublet::fit
