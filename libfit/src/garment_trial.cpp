@@ -22,13 +22,6 @@ double radical_inverse(int i, int base) {
 
 } // namespace
 
-void TrialOptions::validate() const {
-  for (double spread : spreads)
-    require(spread > 0 && spread < 1, "TrialOptions: spreads: expected numbers in (0, 1), found " + std::to_string(spread));
-  require(materials >= kBestOf && materials <= 4096, "TrialOptions: materials: expected a number in [" + std::to_string(kBestOf) +
-                                                         ", 4096], found " + std::to_string(materials));
-}
-
 MatrixRM trial_samples(const ParameterSpace &space, int count) {
   constexpr std::array<int, 6> kPrimes{2, 3, 5, 7, 11, 13}; // one a parameter of a material
   MatrixRM samples(count, space.size());

@@ -2,6 +2,7 @@
 // Which of several garments is the filmed one, before its material is known: beyond the paper.
 
 #include "doublet/fit/material_objective.h"
+#include "doublet/options/options.h"
 
 #include <vector>
 
@@ -10,10 +11,22 @@ namespace doublet {
 /// The rest shape of a garment follows from how much of the video's motion it must allow for (see the garment mesher's `spread`),
 /// and that share differs from film to film. So several are tried on the video, each with the same ordinary materials.
 struct TrialOptions {
-  /// Shares that are tried in the place of the mesher's own; the one of the lowest energy is taken. Empty = none is tried.
   std::vector<double> spreads = {0.15, 0.25, 0.35, 0.5};
-  int materials = 16;    ///< that each is tried with
-  void validate() const; ///< throws std::invalid_argument naming option, range and value
+  int materials = 16;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = TrialOptions;
+    return Description{
+        "TrialOptions",
+        option(&O::spreads, "spreads", Range{0, 1, Open::Both}, "",
+               "tried in the place of the mesher's own; the one of the lowest energy is taken. From a skirt that flies in one "
+               "frame of "
+               "six to one that is as wide as in the median frame; one = that one, untried, none = the mesher's"),
+        option(&O::materials, "materials", Range{4, 4096}, "",
+               "that each is tried with; 16 are two groups side by side, and the mean of the lowest quarter counts"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// (count, n) points of the box, spread evenly (Halton, "On the efficiency of certain quasi-random sequences of points",
