@@ -21,6 +21,18 @@ function(doublet_library name)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 endfunction()
 
+# doublet_headers(NAME): a library of headers alone, from include/. Every other library may use it.
+function(doublet_headers name)
+  add_library(doublet_${name} INTERFACE)
+  add_library(doublet::${name} ALIAS doublet_${name})
+  set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(doublet_${name} INTERFACE cxx_std_20)
+  target_include_directories(doublet_${name}
+    INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  set_property(GLOBAL APPEND PROPERTY DOUBLET_TARGETS doublet_${name})
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+endfunction()
+
 function(doublet_warnings target)
   # -ffp-contract=off: the same bits whether or not the compiler has fused multiply-add.
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -ffp-contract=off $<$<BOOL:${DOUBLET_WERROR}>:-Werror>)

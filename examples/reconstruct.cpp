@@ -15,9 +15,8 @@
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/garment_mesher.h"
 
-#include <algorithm>
 #include <cstdio>
-#include <limits>
+
 using namespace doublet;
 
 void reconstruct(const Session &session, const Path &out, const Path &body_model, const Context &context) {
@@ -48,18 +47,17 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   FitOptions fit;
   fit.energy.dt = 1 / session.fps;
   GarmentOptions options;
-  double lowest = std::numeric_limits<double>::infinity();
+  std::vector<Garment> garments;
+  std::vector<double> energies;
   for (const double spread : TrialOptions{}.spreads) {
     options.spread = spread;
-    const Garment garment = mesh_garment(actor, clothness, body.body, performance.surface, options, context);
-    const DressedActor dressed = dress(actor, clothness, garment);
+    garments.push_back(mesh_garment(actor, clothness, body.body, performance.surface, options, context));
+    const DressedActor dressed = dress(actor, clothness, garments.back());
     const CharacterSimulator simulator(dressed.actor, dressed.clothness, proxies);
-    const ReferencePerformance motion = dress(performance, actor, garment);
-    const double energy = garment_energy(simulator, motion, observations, {}, fit.energy, fit.space, context);
-    if (energy < lowest)
-      write_garment(out / "garment.npz", garment);
-    lowest = std::min(lowest, energy);
+    const ReferencePerformance motion = dress(performance, actor, garments.back());
+    energies.push_back(garment_energy(simulator, motion, observations, {}, fit.energy, fit.space, context));
   }
+  write_garment(out / "garment.npz", garments[chosen_garment(energies)]);
   const Garment garment = read_garment(out / "garment.npz", actor);
   const DressedActor dressed = dress(actor, clothness, garment);
   const ReferencePerformance motion = dress(performance, actor, garment);

@@ -114,13 +114,12 @@ void bind_simulator(py::module_ &m) {
 }
 
 void bind_character(py::module_ &m) {
-  py::class_<SolverSettings>(m, "SolverSettings", "How the cloth was simulated when its material was estimated.")
+  OptionsClass<SolverSettings>(m, "How the cloth was simulated when its material was estimated.")
+      .get()
       .def(py::init([](double dt, const pbd::ClothOptions &cloth) {
              return SolverSettings{dt, cloth};
            }),
-           py::arg("dt") = 1.0 / 40.0, py::arg("cloth") = pbd::ClothOptions{})
-      .def_readwrite("dt", &SolverSettings::dt, "s, one frame")
-      .def_readwrite("cloth", &SolverSettings::cloth);
+           py::arg("dt"), py::arg("cloth") = pbd::ClothOptions{});
   py::class_<Character>(m, "Character", "The animatable character: everything that a new animation needs (character.glb).")
       .def_static("read", &read_character, py::arg("path"), Release(),
                   "character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.")
@@ -200,27 +199,14 @@ void bind_motion(py::module_ &m) {
       .def_property_readonly("rotations", &as_quaternions, "(T, J, 4) world, relative to the zero pose, w x y z; a copy")
       .def_property_readonly(
           "positions", [](const SourceMotion &motion) { return stack(motion.positions); }, "(T, J, 3) world, file units; a copy");
-  OptionsClass<RetargetOptions>(m, "RetargetOptions", "Options of retarget.")
-      .field("fps", &RetargetOptions::fps, "1/s, of the result; 0 = that of the file")
-      .field("first_second", &RetargetOptions::first_second, "s, where in the file to start")
-      .field("last_second", &RetargetOptions::last_second, "s, where to stop")
-      .field("align_start", &RetargetOptions::align_start, "start where the actor stands in the rest pose")
-      .field("apply_limits", &RetargetOptions::apply_limits, "keep joints inside the skeleton's limits")
-      .field("ground_feet", &RetargetOptions::ground_feet, "one height for the whole clip so that the feet reach the floor")
-      .field("hold_seconds", &RetargetOptions::hold_seconds, "s, in the rest pose before the motion")
-      .field("blend_seconds", &RetargetOptions::blend_seconds, "s, from the rest pose to the first pose")
-      .get()
-      .def_readwrite("joint_names", &RetargetOptions::joint_names, "our joint -> joint of the file");
+  OptionsClass<RetargetOptions>(m, "Options of retarget.");
   m.def("retarget", &retarget, py::arg("clip"), py::arg("skeleton"), py::arg("options") = RetargetOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.");
 }
 
 void bind_animator(py::module_ &m) {
-  OptionsClass<AnimateOptions>(m, "AnimateOptions", "Options of animate.")
-      .field("settle_seconds", &AnimateOptions::settle_seconds, "s, the cloth falls into place before the animation starts")
-      .field("high", &AnimateOptions::high, "also the display mesh")
-      .field("body", &AnimateOptions::body, "also the body under the clothes");
+  OptionsClass<AnimateOptions>(m, "Options of animate.");
   py::class_<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
                               "An animation in memory; an array is put together at its first access, and kept.")
       .def_readonly("fps", &AnimationResult::fps)
@@ -266,9 +252,7 @@ void bind_streaming(py::module_ &m) {
       py::arg("context") = interruptible_context(), Release(), "Calls frame(AnimationFrame) in order and keeps nothing.");
   m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release(),
         "An animation as arrays (docs/formats.md), complete or not at all.");
-  OptionsClass<BakedGlbOptions>(m, "BakedGlbOptions", "Options of write_baked_glb.")
-      .field("keys_per_second", &BakedGlbOptions::keys_per_second, "1/s, shapes that are stored; 0 = every frame")
-      .field("most_keys", &BakedGlbOptions::most_keys, "a long clip gets fewer keys a second");
+  OptionsClass<BakedGlbOptions>(m, "Options of write_baked_glb.");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
         py::arg("options") = BakedGlbOptions{}, Release(),
         "An animation as glTF 2.0 that any viewer plays: bones and a shape for every key. Complete or not at all.");
@@ -292,13 +276,7 @@ void bind_pictures(py::module_ &m) {
       .def_readwrite("vertices", &RenderMesh::vertices)
       .def_readwrite("faces", &RenderMesh::faces)
       .def_readwrite("colour", &RenderMesh::colour);
-  OptionsClass<RenderOptions>(m, "RenderOptions", "Options of render.")
-      .field("background", &RenderOptions::background, "RGB in [0, 1]")
-      .field("floor", &RenderOptions::floor, "a grid with the meshes' soft shadow")
-      .field("floor_height", &RenderOptions::floor_height, "m")
-      .field("light", &RenderOptions::light, "share of the key light; the rest is the sky")
-      .field("light_direction", &RenderOptions::light_direction, "to the light, world")
-      .field("supersample", &RenderOptions::supersample, "2 x 2 samples a pixel");
+  OptionsClass<RenderOptions>(m, "Options of render.");
   m.def("render", &render, py::arg("meshes"), py::arg("camera"), py::arg("options") = RenderOptions{}, Release(),
         "(H, W, 3) uint8, BGR");
   m.def("orbit_camera", &orbit_camera, py::arg("target"), py::arg("radius"), py::arg("azimuth"), py::arg("elevation"),
@@ -312,12 +290,7 @@ void bind_pictures(py::module_ &m) {
 }
 
 void bind_texture(py::module_ &m) {
-  OptionsClass<TextureOptions>(m, "TextureOptions", "Options of texture_character.")
-      .field("size", &TextureOptions::size, "pixels, width and height of the atlas")
-      .field("facing_power", &TextureOptions::facing_power, "cameras count by cos^k of the angle between normal and ray")
-      .field("grazing", &TextureOptions::grazing, "cameras below this cosine do not count")
-      .field("depth_margin", &TextureOptions::depth_margin, "m, a point this far behind the nearest surface is hidden")
-      .field("edge_margin", &TextureOptions::edge_margin, "m, a point this close to the edge of something in front is hidden");
+  OptionsClass<TextureOptions>(m, "Options of texture_character.");
   m.def("texture_character", &texture_character, py::arg("character"), py::arg("surface"), py::arg("cameras"), py::arg("images"),
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),

@@ -46,14 +46,7 @@ void bind_proxy_statistics(py::module_ &m) {
 }
 
 void bind_training(py::module_ &m) {
-  OptionsClass<TrainOptions>(m, "TrainOptions", "Options of train_body_model.")
-      .field("components", &TrainOptions::components, "shape components kept, at most meshes - 1")
-      .field("pose_floor", &TrainOptions::pose_floor, "rad, added in quadrature to every pose deviation")
-      .field("name", &TrainOptions::name, "of the model")
-      .field("licence", &TrainOptions::licence, "of the population; copied into the file")
-      .get()
-      .def_readwrite("individuals", &TrainOptions::individuals, "train on these only (empty = all)")
-      .def_readwrite("command", &TrainOptions::command, "recorded in the file");
+  OptionsClass<TrainOptions>(m, "Options of train_body_model.");
   py::class_<TrainSummary>(m, "TrainSummary", "What a training kept.")
       .def_readonly("meshes", &TrainSummary::meshes)
       .def_readonly("vertices", &TrainSummary::vertices)
@@ -81,20 +74,8 @@ void bind_bodymodel(py::module_ &m) {
       .def_property_readonly("name", &BodyModel::name, "name and hash of the file")
       .def("vertices", &BodyModel::vertices, py::arg("coefficients"), "(B, 3) m")
       .def("component", &BodyModel::component, py::arg("k"), "(B, 3) m per standard deviation");
-  OptionsClass<BodyFitOptions>(m, "BodyFitOptions", "Options of BodyFitter.")
-      .field("iterations", &BodyFitOptions::iterations, "of ICP")
-      .field("landmark_deviation", &BodyFitOptions::landmark_deviation, "m, how far a clicked landmark is trusted")
-      .field("joint_deviation", &BodyFitOptions::joint_deviation, "m, how far a marked joint is trusted")
-      .field("surface_deviation", &BodyFitOptions::surface_deviation, "m, of skin around the model, per 4 cm^2 of surface")
-      .field("scale_deviation", &BodyFitOptions::scale_deviation, "relative, of the similarity's scale")
-      .field("outlier_scale", &BodyFitOptions::outlier_scale, "m, of the robust weights (hair, shoes)")
-      .field("cloth_margin", &BodyFitOptions::cloth_margin, "m, the body stays this far inside cloth")
-      .field("cloth_attraction", &BodyFitOptions::cloth_attraction, "weight, against skin, of cloth that lies near the body");
-  OptionsClass<ProxyOptions>(m, "ProxyOptions", "Options of fit_proxies.")
-      .field("clearance", &ProxyOptions::clearance, "m, how far the capsules stay inside the body on average")
-      .field("cloth_margin", &ProxyOptions::cloth_margin, "m, at least this far inside the cloth of the scan pose")
-      .field("capsules_per_bone", &ProxyOptions::capsules_per_bone, "1 to 3")
-      .field("iterations", &ProxyOptions::iterations, "of the least squares");
+  OptionsClass<BodyFitOptions>(m, "Options of BodyFitter.");
+  OptionsClass<ProxyOptions>(m, "Options of fit_proxies.");
   py::class_<DressedScan>(m, "DressedScan", "One of several scans of the same person.")
       .def(py::init([](const RiggedMesh &actor, const Clothness &clothness, const Landmarks &landmarks) {
              return DressedScan{&actor, &clothness, landmarks};

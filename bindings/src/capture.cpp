@@ -67,20 +67,9 @@ void bind_session(py::module_ &m) {
       .def_property_readonly("camera_count", &FrameSource::camera_count)
       .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
       .def("mask", &FrameSource::mask, py::arg("camera"), py::arg("frame"), Release(), "(H, W) uint8, 255 = actor");
-  OptionsClass<ChromaKeyOptions>(m, "ChromaKeyOptions", "Options of the built-in SilhouetteExtractor.")
-      .field("smallest_blob", &ChromaKeyOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped")
-      .field("smallest_key_share", &ChromaKeyOptions::smallest_key_share, "of the image border that must show one saturated hue");
-  OptionsClass<BackgroundOptions>(m, "BackgroundOptions", "Options of silhouettes by the difference to a background.")
-      .field("tolerance", &BackgroundOptions::tolerance, "standard deviations of the noise")
-      .field("shadow", &BackgroundOptions::shadow, "darkest share of its brightness that counts as shadowed background")
-      .field("highlight", &BackgroundOptions::highlight, "brightest")
-      .field("smallest_blob", &BackgroundOptions::smallest_blob, "px at 1004 x 1004, smaller islands and holes are dropped");
-  OptionsClass<SilhouetteOptions>(m, "SilhouetteOptions", "How silhouettes of a session are found.")
-      .field("method", &SilhouetteOptions::method, "auto, plates, key or median")
-      .field("median_frames", &SilhouetteOptions::median_frames, "frames that the median is taken of")
-      .get()
-      .def_readwrite("key", &SilhouetteOptions::key)
-      .def_readwrite("background", &SilhouetteOptions::background);
+  OptionsClass<ChromaKeyOptions>(m, "Options of the built-in SilhouetteExtractor.");
+  OptionsClass<BackgroundOptions>(m, "Options of silhouettes by the difference to a background.");
+  OptionsClass<SilhouetteOptions>(m, "How silhouettes of a session are found.");
   py::class_<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
       .def(py::init<>())
       .def_static("create", py::overload_cast<const ChromaKeyOptions &>(&SilhouetteExtractor::create),
@@ -103,17 +92,8 @@ void bind_session(py::module_ &m) {
 }
 
 void bind_template(py::module_ &m) {
-  OptionsClass<TemplateOptions>(m, "TemplateOptions", "Options of build_template.")
-      .field("triangles", &TemplateOptions::triangles, "triangles of the working surface")
-      .field("high_triangles", &TemplateOptions::high_triangles, "triangles of the display surface")
-      .field("poisson_depth", &TemplateOptions::poisson_depth, "octree depth of the Poisson reconstruction")
-      .field("hole_gap", &TemplateOptions::hole_gap, "m, a point farther than this from the scan lies over a hole")
-      .field("density_drop", &TemplateOptions::density_drop, "octree levels by which the scan is sparser there than usual")
-      .field("narrow_hole", &TemplateOptions::narrow_hole, "m, folds narrower than this that run into the hem stay valid")
-      .field("large_hole", &TemplateOptions::large_hole, "m^2, holes from this size on are suggested as invalid")
-      .field("sheet_hole", &TemplateOptions::sheet_hole, "m^2, the same for holes with two rims or more");
-  OptionsClass<HeatWeightOptions>(m, "HeatWeightOptions", "Options of heat_weights.")
-      .field("c", &HeatWeightOptions::c, "heat of the nearest visible bones, H_ii = c / d^2");
+  OptionsClass<TemplateOptions>(m, "Options of build_template.");
+  OptionsClass<HeatWeightOptions>(m, "Options of heat_weights.");
   py::class_<Template>(m, "Template", "The closed surface of a scan, its two decimations and the invented faces.")
       .def(py::init<>())
       .def_readwrite("mesh", &Template::mesh)
@@ -155,27 +135,7 @@ void bind_template(py::module_ &m) {
 }
 
 void bind_performance(py::module_ &m) {
-  OptionsClass<CaptureOptions>(m, "CaptureOptions", "Options of PerformanceCapture.")
-      .field("first_frame", &CaptureOptions::first_frame, "first video frame")
-      .field("frame_count", &CaptureOptions::frame_count, "number of frames, -1 = to the end")
-      .field("cameras", &CaptureOptions::cameras, "names of the cameras to use, none = all")
-      .field("find_lost_limbs", &CaptureOptions::find_lost_limbs, "seek limbs globally that the local optimisation has lost")
-      .field("use_sift", &CaptureOptions::use_sift, "use texture features; off: silhouettes alone")
-      .field("ends_turn", &CaptureOptions::ends_turn, "rad, what a foot may turn about the shank, each way; 0 = not at all")
-      .field("second_pass", &CaptureOptions::second_pass, "track everything again, once it is known what is loose")
-      .field("use_feature_map", &CaptureOptions::use_feature_map, "find the features of the first frame again in every frame")
-      .field("map_reach", &CaptureOptions::map_reach, "of the silhouette height, how far a mapped feature is sought")
-      .field("velocity_damping", &CaptureOptions::velocity_damping, "of the constant-velocity prediction, 0 = stay")
-      .field("acceleration", &CaptureOptions::acceleration, "share of the last change of velocity expected again")
-      .field("offset_decay", &CaptureOptions::offset_decay, "share of the non-rigid offset expected again in the next frame")
-      .field("loose", &CaptureOptions::loose, "m, offset at which a vertex tells half as much about the pose")
-      .field("smooth_window", &CaptureOptions::smooth_window, "frames of the Savitzky-Golay filter, 1 = off")
-      .field("smooth_order", &CaptureOptions::smooth_order, "of the Savitzky-Golay filter")
-      .get()
-      .def_readwrite("features", &CaptureOptions::features)
-      .def_readwrite("pose", &CaptureOptions::pose)
-      .def_readwrite("limbs", &CaptureOptions::limbs)
-      .def_readwrite("surface", &CaptureOptions::surface);
+  OptionsClass<CaptureOptions>(m, "Options of PerformanceCapture.");
   py::class_<LostLimb>(m, "LostLimb", "A limb that the local optimisation had lost.")
       .def(py::init<>())
       .def_readwrite("frame", &LostLimb::frame, "video frame number")

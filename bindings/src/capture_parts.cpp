@@ -93,11 +93,7 @@ Features make_features(const Floats2 &points, MatrixRM descriptors) {
 }
 
 void bind_features(py::module_ &m) {
-  OptionsClass<FeatureTrackerOptions>(m, "FeatureTrackerOptions", "Options of the SIFT feature tracker.")
-      .field("budget", &FeatureTrackerOptions::budget, "strongest features kept per image")
-      .field("erode", &FeatureTrackerOptions::erode, "px at 1004 px image height, distance kept from the silhouette")
-      .field("ratio", &FeatureTrackerOptions::ratio, "best / second best descriptor distance")
-      .field("max_displacement", &FeatureTrackerOptions::max_displacement, "between two frames, of the silhouette height");
+  OptionsClass<FeatureTrackerOptions>(m, "Options of the SIFT feature tracker.");
   py::class_<Features>(m, "Features", "Features of one image.")
       .def(py::init(&make_features), py::arg("points"), py::arg("descriptors"))
       .def_property_readonly(
@@ -150,20 +146,7 @@ void bind_problems(py::module_ &m) {
 }
 
 void bind_pose(py::module_ &m) {
-  OptionsClass<PoseOptions>(m, "PoseOptions", "Options of the pose optimiser.")
-      .field("iterations", &PoseOptions::iterations, "renderings with re-matching")
-      .field("first_iterations", &PoseOptions::first_iterations, "the same for the first frame")
-      .field("raster_size", &PoseOptions::raster_size, "px, longest side of the renderings")
-      .field("rims_per_view", &PoseOptions::rims_per_view, "correspondences per view and direction")
-      .field("gate_start", &PoseOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
-      .field("gate_end", &PoseOptions::gate_end, "m, the same, last iteration")
-      .field("scale_start", &PoseOptions::scale_start, "m, robust scale of the residuals, first iteration")
-      .field("scale_end", &PoseOptions::scale_end, "m, the same, last iteration")
-      .field("sift_weight", &PoseOptions::sift_weight, "of a feature track against a rim")
-      .field("prior_weight", &PoseOptions::prior_weight, "of the prediction against a rim")
-      .field("prior_angle", &PoseOptions::prior_angle, "rad, expected error of the prediction")
-      .field("prior_shift", &PoseOptions::prior_shift, "m, the same for the root")
-      .field("limit_weight", &PoseOptions::limit_weight, "of a passed joint limit against a rim");
+  OptionsClass<PoseOptions>(m, "Options of the pose optimiser.");
   py::class_<PoseEstimate>(m, "PoseEstimate", "A pose and how well it explains its frame.")
       .def(py::init<>())
       .def_readwrite("dofs", &PoseEstimate::dofs, "(D)")
@@ -193,23 +176,8 @@ void bind_pose(py::module_ &m) {
 }
 
 void bind_limbs(py::module_ &m) {
-  OptionsClass<ParticleAnnealingOptions>(m, "ParticleAnnealingOptions",
-                                         "Options of the interacting simulated annealing of lost limbs.")
-      .field("particles", &ParticleAnnealingOptions::particles, "energies an iteration")
-      .field("iterations", &ParticleAnnealingOptions::iterations, "selections and moves")
-      .field("coldness", &ParticleAnnealingOptions::coldness,
-             "beta_t = coldness (t + 1)^power, against the share of the limb's area")
-      .field("power", &ParticleAnnealingOptions::power, "of the annealing schedule")
-      .field("spread", &ParticleAnnealingOptions::spread, "share of the particles' covariance in each move")
-      .field("seed", &ParticleAnnealingOptions::seed, "of the random numbers");
-  OptionsClass<LimbSearchOptions>(m, "LimbSearchOptions", "Options of the search for lost limbs.")
-      .field("raster_size", &LimbSearchOptions::raster_size, "px, longest side of the masks and renderings compared")
-      .field("lost", &LimbSearchOptions::lost, "m, a limb with a larger error is lost")
-      .field("reach", &LimbSearchOptions::reach, "m, disagreements count at most so much")
-      .field("deviation", &LimbSearchOptions::deviation, "rad, of the first particles around the prediction")
-      .field("smoothness", &LimbSearchOptions::smoothness, "weight of the distance to the prediction, against overlap")
-      .get()
-      .def_readwrite("annealing", &LimbSearchOptions::annealing);
+  OptionsClass<ParticleAnnealingOptions>(m, "Options of the interacting simulated annealing of lost limbs.");
+  OptionsClass<LimbSearchOptions>(m, "Options of the search for lost limbs.");
   py::class_<Limb>(m, "Limb", "A chain of the skeleton between two forks, or from a fork to an end.")
       .def_readonly("name", &Limb::name, "of its first joint")
       .def_readonly("joints", &Limb::joints, "indices, parents first")
@@ -240,22 +208,7 @@ void bind_limbs(py::module_ &m) {
 }
 
 void bind_surface(py::module_ &m) {
-  OptionsClass<SurfaceOptions>(m, "SurfaceOptions", "Options of the surface refiner.")
-      .field("iterations", &SurfaceOptions::iterations, "renderings with re-matching")
-      .field("raster_size", &SurfaceOptions::raster_size, "px, longest side of the renderings")
-      .field("rims_per_view", &SurfaceOptions::rims_per_view, "correspondences per view and direction")
-      .field("gate_start", &SurfaceOptions::gate_start, "m, rim matches farther away are dropped, first iteration")
-      .field("gate_end", &SurfaceOptions::gate_end, "m, the same, last iteration")
-      .field("scale_start", &SurfaceOptions::scale_start, "m, robust scale of the residuals, first iteration")
-      .field("scale_end", &SurfaceOptions::scale_end, "m, the same, last iteration")
-      .field("sift_weight", &SurfaceOptions::sift_weight, "of a feature track against a rim")
-      .field("bending", &SurfaceOptions::bending, "weight of the Laplacian of the displacement")
-      .field("memory", &SurfaceOptions::memory, "share of the offset from the skinned surface that bends and stretches back")
-      .field("stretching", &SurfaceOptions::stretching, "weight of differences of neighbours")
-      .field("anchor_cloth", &SurfaceOptions::anchor_cloth, "pull of a loose vertex to its expected position")
-      .field("anchor_rigid", &SurfaceOptions::anchor_rigid, "pull of a rigid vertex to its skinned position")
-      .field("loose", &SurfaceOptions::loose,
-             "m, a vertex this far from its skinned position is held with a quarter of anchor_rigid");
+  OptionsClass<SurfaceOptions>(m, "Options of the surface refiner.");
   py::class_<SurfaceEstimate>(m, "SurfaceEstimate", "A surface and how well it explains its frame.")
       .def(py::init<>())
       .def_readwrite("vertices", &SurfaceEstimate::vertices, "(V, 3) m")

@@ -4,6 +4,7 @@
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 #include "doublet/core/types.h"
+#include "doublet/options/options.h"
 
 #include <pybind11/eigen.h>
 #include <pybind11/functional.h>
@@ -98,23 +99,50 @@ py::array_t<double> stack(const std::vector<Vertices> &frames);
 /// T x (V, 3) from (T, V, 3); throws ValueError naming `what` for another shape.
 std::vector<Vertices> unstack(const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, const char *what);
 
-/// A struct of options with keyword construction: Options(field=value, ...), a repr, a dict and validate() on construction.
+/// "m, kept between cloth and proxies: a number in [0, 1]".
+template <class Field> std::string docstring(const Field &field) {
+  std::string text = *field.unit ? std::string(field.unit) + ", " + field.meaning : field.meaning;
+  if constexpr (!std::is_same_v<decltype(field.allowed), options::Anything>)
+    text += ": " + options::shown(field.allowed);
+  return text;
+}
+
+/// What a field says about itself: unit, meaning, and what it takes.
+template <class Field> py::dict told(const Field &field) {
+  py::dict result;
+  result["unit"] = field.unit;
+  result["meaning"] = field.meaning;
+  result["takes"] = py::none();
+  if constexpr (std::is_same_v<decltype(field.allowed), options::Choices>)
+    result["choices"] = std::vector<std::string>(field.allowed.begin(), field.allowed.end());
+  if constexpr (std::is_same_v<decltype(field.allowed), options::Range>) {
+    result["lower"] = field.allowed.lower;
+    result["upper"] = field.allowed.upper;
+  }
+  if constexpr (!std::is_same_v<decltype(field.allowed), options::Anything>)
+    result["takes"] = options::shown(field.allowed);
+  return result;
+}
+
+/// A struct of options (doublet/options/options.h) with keyword construction: Options(field=value, ...), which is validated, a
+/// repr and a dict.
 template <class T> class OptionsClass {
 public:
-  OptionsClass(py::module_ &m, const char *name, const char *doc) : class_(m, name, doc) {
+  OptionsClass(py::module_ &m, const char *doc) : class_(m, T::describe().name, doc) {
     class_.def(py::init([](const py::kwargs &fields) {
-                 T options;
-                 const py::object self = py::cast(&options, py::return_value_policy::reference);
+                 T object;
+                 const py::object self = py::cast(&object, py::return_value_policy::reference);
                  for (const auto &[key, value] : fields) {
                    if (!py::hasattr(self, key))
                      throw py::type_error(py::str("{} has no option '{}'").format(py::type::of(self).attr("__name__"), key));
                    py::setattr(self, key, value);
                  }
-                 if constexpr (requires { options.validate(); })
-                   options.validate();
-                 return options;
+                 options::validate(object);
+                 return object;
                }),
                "Every field may be given by keyword.");
+    T defaults;
+    options::each(defaults, [this](const auto &field, auto &) { bind(field); });
     class_.def("__repr__", [](const py::object &self) {
       return py::str("{}({})").format(py::type::of(self).attr("__name__"), self.attr("to_dict")());
     });
@@ -122,32 +150,35 @@ public:
         "to_dict",
         [](const py::object &self) {
           py::dict values;
-          for (const auto &field : py::type::of(self).attr("fields")())
-            values[field] = py::getattr(self, field);
+          options::each(self.cast<const T &>(),
+                        [&](const auto &field, const auto &) { values[field.name] = self.attr(field.name); });
           return values;
         },
         "Name -> value of every option.");
     class_.def_static(
-        "fields", [] { return field_names(); }, "Names of the options, in order.");
-  }
-
-  template <class M> OptionsClass &field(const char *name, M T::*member, const char *doc) {
-    class_.def_readwrite(name, member, doc);
-    field_names().push_back(name);
-    return *this;
-  }
-  /// An option that Python sees as something else, e.g. an enumeration as its name.
-  template <class Get, class Set> OptionsClass &field(const char *name, Get get, Set set, const char *doc) {
-    class_.def_property(name, get, set, doc);
-    field_names().push_back(name);
-    return *this;
+        "described",
+        [] {
+          py::dict fields;
+          const T object;
+          options::each(object, [&](const auto &field, const auto &) { fields[field.name] = told(field); });
+          return fields;
+        },
+        "Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.");
   }
   py::class_<T> &get() { return class_; }
 
 private:
-  static std::vector<std::string> &field_names() {
-    static std::vector<std::string> names;
-    return names;
+  template <class Value, class Allowed> void bind(const options::Field<T, Value, Allowed> &field) {
+    if constexpr (std::is_enum_v<Value>)
+      class_.def_property(
+          field.name, [field](const T &object) { return field.allowed[static_cast<std::size_t>(object.*field.member)]; },
+          [field](T &object, const std::string &name) {
+            object.*field.member =
+                static_cast<Value>(options::index_of(field.allowed, name, std::string(T::describe().name) + ": " + field.name));
+          },
+          docstring(field).c_str());
+    else
+      class_.def_readwrite(field.name, field.member, docstring(field).c_str());
   }
   py::class_<T> class_;
 };

@@ -86,22 +86,8 @@ void bind_optimizers(py::module_ &m) {
       .def("save", &Optimizer::save, Release(), "The exact state as text; empty = cannot be saved.")
       .def("restore", &Optimizer::restore, py::arg("state"), Release(),
            "Goes on where the saved optimiser stood, to the same bits.");
-  OptionsClass<CmaEsOptions>(m, "CmaEsOptions", "Options of create_cma_es.")
-      .field("population", &CmaEsOptions::population, "lambda; 0 = 4 + floor(3 ln n)")
-      .field("initial_mean", &CmaEsOptions::initial_mean, "along every axis")
-      .field("initial_sigma", &CmaEsOptions::initial_sigma, "along every axis")
-      .field("max_evaluations", &CmaEsOptions::max_evaluations, "no generation begins at or beyond it")
-      .field("smallest_deviation", &CmaEsOptions::smallest_deviation, "stop when all standard deviations are below it")
-      .field("stagnation", &CmaEsOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")
-      .field("seed", &CmaEsOptions::seed, "of the random numbers");
-  OptionsClass<AnnealingOptions>(m, "AnnealingOptions", "Options of create_simulated_annealing.")
-      .field("chains", &AnnealingOptions::chains, "samples a generation")
-      .field("max_evaluations", &AnnealingOptions::max_evaluations, "the schedule's length")
-      .field("initial_step", &AnnealingOptions::initial_step, "box units")
-      .field("final_step", &AnnealingOptions::final_step, "box units")
-      .field("initial_temperature", &AnnealingOptions::initial_temperature, "fraction of the first generation's mean energy")
-      .field("final_temperature", &AnnealingOptions::final_temperature, "likewise")
-      .field("seed", &AnnealingOptions::seed, "of the random numbers");
+  OptionsClass<CmaEsOptions>(m, "Options of create_cma_es.");
+  OptionsClass<AnnealingOptions>(m, "Options of create_simulated_annealing.");
   m.def("create_cma_es", &create_cma_es, py::arg("dimension"), py::arg("options") = CmaEsOptions{},
         "Covariance matrix adaptation (Hansen) over [0, 1]^dimension.");
   m.def("create_simulated_annealing", &create_simulated_annealing, py::arg("dimension"), py::arg("options") = AnnealingOptions{},
@@ -202,27 +188,8 @@ template <class Call> py::list terms_without_gil(const Call &call) {
 }
 
 void bind_energy(py::module_ &m) {
-  OptionsClass<EnergyOptions>(m, "EnergyOptions", "Options of the energy E_fit.")
-      .field("dt", &EnergyOptions::dt, "s, one video frame")
-      .field("alpha", &EnergyOptions::alpha, "weight of the silhouettes")
-      .field("beta", &EnergyOptions::beta, "weight of the texture features")
-      .field("gamma", &EnergyOptions::gamma, "weight of the measured contour that no simulated rim comes near; 0 = the paper's")
-      .field("same_comparisons", &EnergyOptions::same_comparisons,
-             "every sample is measured on what the captured cloth shows; false = on what it shows itself (the paper's)")
-      .field("settle_frames", &EnergyOptions::settle_frames, "frames to fall into place before the first")
-      .field("rim_cap", &EnergyOptions::rim_cap, "longest rim distance, fraction of the larger image side")
-      .field("feature_cap", &EnergyOptions::feature_cap, "longest feature distance, likewise")
-      .field("fast_features", &EnergyOptions::fast_features,
-             "features that the captured cloth confirms may cost as far as they move, and half of feature_cap more")
-      .field("outline_size", &EnergyOptions::outline_size, "pixels of the views in which visibility is decided")
-      .field("field_size", &EnergyOptions::field_size, "nodes along the larger side of a distance field")
-      .field("window", &EnergyOptions::window, "frames of a window that starts from the captured surface; 0 = one rollout")
-      .field("window_lead", &EnergyOptions::window_lead, "frames simulated before a window counts");
-  OptionsClass<ParameterSpace>(m, "ParameterSpace", "Which material parameters are searched.")
-      .field("names", &ParameterSpace::names, "of Material")
-      .field("fixed", &ParameterSpace::fixed, "gives the parameters that are not searched")
-      .field("even_steps", &ParameterSpace::even_steps,
-             "search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4")
+  OptionsClass<EnergyOptions>(m, "Options of the energy E_fit.");
+  OptionsClass<ParameterSpace>(m, "Which material parameters are searched.")
       .get()
       .def("material", &ParameterSpace::material, py::arg("unit"), "The Material at a point (n) of the box.")
       .def("unit", &ParameterSpace::unit, py::arg("material"), "(n) the point of the box at which a material lies.");
@@ -260,11 +227,11 @@ void bind_energy(py::module_ &m) {
 }
 
 void bind_garment_trial(py::module_ &m) {
-  OptionsClass<TrialOptions>(m, "TrialOptions", "Which rest shapes of a garment are tried on the video.")
-      .field("spreads", &TrialOptions::spreads, "tried in the place of GarmentOptions.spread; empty = none, that one is taken")
-      .field("materials", &TrialOptions::materials, "that each is tried with");
+  OptionsClass<TrialOptions>(m, "Which rest shapes of a garment are tried on the video.");
   m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"),
         "(count, n) points of the box, spread evenly, of cloth that does not stretch.");
+  m.def("chosen_garment", &chosen_garment, py::arg("energies"), py::arg("trial") = TrialOptions{},
+        "Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.");
   m.def("garment_energy", &garment_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
         py::arg("trial") = TrialOptions{}, py::arg("energy") = EnergyOptions{}, py::arg("space") = ParameterSpace{},
         py::arg("context") = interruptible_context(), Release(),
@@ -312,27 +279,9 @@ void bind_fit(py::module_ &m) {
   bind_influence(m);
   bind_energy(m);
   bind_garment_trial(m);
-  OptionsClass<FitOptions>(m, "FitOptions", "Options of estimate_material.")
-      .field("seed", &FitOptions::seed, "of the search")
-      .field("seeds", &FitOptions::seeds, "searches from as many different seeds; the answer is that of the lowest energy")
-      .field("max_evaluations", &FitOptions::max_evaluations, "no generation begins at or beyond it")
-      .field("population", &FitOptions::population, "samples a generation, 0 = 4 + floor(3 ln n)")
-      .field("stop_margin", &FitOptions::stop_margin, "stop samples whose energy is this much above the middle; 0 = never")
-      .field("initial_sigma", &FitOptions::initial_sigma, "of the search, box units")
-      .field("smallest_deviation", &FitOptions::smallest_deviation, "stop when all are below, box units")
-      .field("stagnation", &FitOptions::stagnation, "stop when the energies of twenty generations change by less; 0 = never")
-      .field("penalty", &FitOptions::penalty, "omega, of samples outside the box")
-      .field("relative_penalty", &FitOptions::relative_penalty,
-             "omega times the median energy of the first generation; false = omega alone (the paper's)")
-      .field("answer_generations", &FitOptions::answer_generations,
-             "answer the best of so many generations' means, the last ones; 1 = the final mean")
-      .field("answer_best", &FitOptions::answer_best, "answer the best sample instead of a mean")
-      .field("optimizer", &FitOptions::optimizer, "cma-es or annealing")
-      .field("influence", &FitOptions::influence, "measure at the end what the motion tells about each parameter")
+  OptionsClass<FitOptions>(m, "Options of estimate_material.")
       .get()
       .def_readwrite("on_generation", &FitOptions::on_generation, "called with the FitResult so far, after every generation")
-      .def_readwrite("space", &FitOptions::space)
-      .def_readwrite("energy", &FitOptions::energy)
       .def_readwrite("checkpoint", &FitOptions::checkpoint)
       .def_readwrite("log", &FitOptions::log)
       .def_property(
@@ -342,6 +291,7 @@ void bind_fit(py::module_ &m) {
   py::class_<FitResult>(m, "FitResult", "The estimated material of every region.")
       .def_property_readonly("materials", &FitResult::materials, "one a region")
       .def_readonly("log", &FitResult::log)
+      .def_readonly("solver", &FitResult::solver)
       .def_readonly("seconds", &FitResult::seconds)
       .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
       .def("to_dict", &result_dict, "Everything as plain values.");
@@ -379,8 +329,10 @@ void bind_fit(py::module_ &m) {
       "simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.");
   m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(),
         "material.json, complete or not at all.");
-  m.def("read_materials", &read_materials, py::arg("path"), Release(),
-        "material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter.");
+  m.def(
+      "read_materials", &read_materials, py::arg("path"), py::arg("solver") = std::nullopt, Release(),
+      "material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter, or the setting of the "
+      "solver that is another than the file's.");
 }
 
 } // namespace doublet::python

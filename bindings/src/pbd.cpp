@@ -86,45 +86,17 @@ std::vector<int> step_each(const ClothSolver &solver, const std::vector<ClothSta
 }
 
 void bind_material(py::module_ &m) {
-  auto material = py::class_<Material>(m, "Material", "Material of a piece of cloth; see Material.boxes() for units and ranges.");
-  material.def(py::init([](const py::kwargs &values) {
-    Material result;
-    for (const auto &[key, value] : values) {
-      const auto name = py::cast<std::string>(key);
-      bool known = false;
-      for (const auto &parameter : pbd::material_parameters()) {
-        if (name != parameter.name)
-          continue;
-        result.*parameter.value = py::cast<double>(value);
-        known = true;
-      }
-      if (!known)
-        throw py::type_error("Material has no parameter '" + name + "'");
-    }
-    pbd::validate(result);
-    return result;
-  }));
-  for (const auto &parameter : pbd::material_parameters())
-    material.def_readwrite(parameter.name, parameter.value);
-  material.def(
-      "to_dict",
-      [](const Material &value) {
-        py::dict result;
-        for (const auto &parameter : pbd::material_parameters())
-          result[parameter.name] = value.*parameter.value;
-        return result;
-      },
-      "Name -> value.");
-  material.def_static(
-      "boxes",
-      [] {
-        py::dict result;
-        for (const auto &parameter : pbd::material_parameters())
-          result[parameter.name] = py::make_tuple(parameter.lower, parameter.upper);
-        return result;
-      },
-      "Name -> (lower, upper) of every parameter.");
-  material.def("__repr__", [](const py::object &self) { return py::str("Material({})").format(self.attr("to_dict")()); });
+  OptionsClass<Material>(m, "Material of a piece of cloth; see Material.described() for units and ranges.")
+      .get()
+      .def_static(
+          "boxes",
+          [] {
+            py::dict result;
+            for (const auto &parameter : pbd::material_parameters())
+              result[parameter.name] = py::make_tuple(parameter.lower, parameter.upper);
+            return result;
+          },
+          "Name -> (lower, upper) of every parameter.");
 }
 
 void bind_state(py::module_ &m) {
@@ -170,19 +142,7 @@ void bind_state(py::module_ &m) {
 void bind_pbd(py::module_ &m) {
   bind_material(m);
   bind_state(m);
-  OptionsClass<ClothOptions>(m, "ClothOptions", "Settings of the cloth solver.")
-      .field("iterations", &ClothOptions::iterations, "Gauss-Seidel sweeps a step")
-      .field("substeps", &ClothOptions::substeps, "steps a frame")
-      .field(
-          "stiffness", [](const ClothOptions &options) { return pbd::stiffness_name(options.stiffness); },
-          [](ClothOptions &options, const std::string &name) { options.stiffness = pbd::stiffness_from_name(name); },
-          "what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper")
-      .field("rest_curvature", &ClothOptions::rest_curvature, "share of the rest mesh's angles that bending keeps, 0 = cut flat")
-      .field("gravity", &ClothOptions::gravity, "m/s^2")
-      .field("restitution", &ClothOptions::restitution, "0 = inelastic")
-      .field("thickness", &ClothOptions::thickness, "m, kept between cloth and proxies")
-      .field("self_thickness", &ClothOptions::self_thickness, "m, kept between cloth and itself")
-      .field("self_collision", &ClothOptions::self_collision, "cloth collides with itself");
+  OptionsClass<ClothOptions>(m, "Settings of the cloth solver.");
   py::class_<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "Topology and rest state of a piece of cloth; immutable.")
       .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
                        const Eigen::VectorXd &fullness) {

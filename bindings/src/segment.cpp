@@ -26,16 +26,9 @@ public:
 } // namespace
 
 void bind_segment(py::module_ &m) {
-  OptionsClass<SegmentOptions>(m, "SegmentOptions", "Options of ClothSegmenter.")
-      .field("rigid_threshold", &SegmentOptions::rigid_threshold, "t_rigid, m: below, a vertex is rigid")
-      .field("cloth_threshold", &SegmentOptions::cloth_threshold, "t_cloth, m: above, a vertex is cloth")
-      .field("diffusion", &SegmentOptions::diffusion, "length scale of the diffusion, m")
-      .field("smallest_region", &SegmentOptions::smallest_region, "smaller islands and holes are dropped, m^2");
-  OptionsClass<FullnessOptions>(m, "FullnessOptions", "Options of estimate_fullness.")
-      .field("estimate", &FullnessOptions::estimate, "off: the cloth is as wide as the scan")
-      .field("quantile", &FullnessOptions::quantile, "over time, of the width that counts")
-      .field("largest", &FullnessOptions::largest, "more is taken for a mistake of the tracking")
-      .field("smoothing", &FullnessOptions::smoothing, "length scale of the diffusion over the surface, m");
+  OptionsClass<OppositeOptions>(m, "The rays by which ClothSegmenter measures.");
+  OptionsClass<SegmentOptions>(m, "Options of ClothSegmenter.");
+  OptionsClass<FullnessOptions>(m, "Options of estimate_fullness.");
   m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("clothness"),
         py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
@@ -50,15 +43,7 @@ void bind_segment(py::module_ &m) {
   m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
         py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");
-  OptionsClass<GarmentOptions>(m, "GarmentOptions", "Options of GarmentMesher.")
-      .field("own_mesh", &GarmentOptions::own_mesh, "off: the cloth is the loose part of the template")
-      .field("vertices", &GarmentOptions::vertices, "about, of all regions together")
-      .field("closing", &GarmentOptions::closing, "narrower slits are closed, m")
-      .field("smallest_hole", &GarmentOptions::smallest_hole, "smaller holes are filled, m^2")
-      .field("smallest_piece", &GarmentOptions::smallest_piece, "smaller pieces move as skin, m^2")
-      .field("smallest_edge", &GarmentOptions::smallest_edge, "shorter changes between hanging and free edge are noise, m")
-      .field("spread", &GarmentOptions::spread, "share of the time that a length may be exceeded")
-      .field("band", &GarmentOptions::band, "width of the attachment, m");
+  OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");
   py::class_<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher",
                                              "Stage: clothness -> the garment's mesh. Subclass to replace it.")
       .def(py::init<>())

@@ -23,11 +23,6 @@ Motion at_character_rate(const Character &character, const Motion &motion) {
 
 } // namespace
 
-void AnimateOptions::validate() const {
-  if (!(settle_seconds >= 0) || settle_seconds > 60)
-    throw std::invalid_argument("AnimateOptions.settle_seconds must be in [0, 60], found " + std::to_string(settle_seconds));
-}
-
 Vertices tuck_body(const Character &character, const Vertices &surface, Vertices body) {
   // m; deeper under cloth, because the body's triangles are flat where the cloth folds inward between their corners
   constexpr double kDeepUnderSkin = 0.003, kDeepUnderCloth = 0.010, kReachUnderSkin = 0.012, kReachUnderCloth = 0.06;

@@ -223,13 +223,6 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
   npz.write(path, kFileFormat);
 }
 
-void BakedGlbOptions::validate() const {
-  if (!(keys_per_second >= 0) || keys_per_second > 1000)
-    throw std::invalid_argument("BakedGlbOptions.keys_per_second must be in [0, 1000], found " + std::to_string(keys_per_second));
-  if (most_keys < 2 || most_keys > 5000)
-    throw std::invalid_argument("BakedGlbOptions.most_keys must be in [2, 5000], found " + std::to_string(most_keys));
-}
-
 void write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
                      const BakedGlbOptions &options) {
   options.validate();

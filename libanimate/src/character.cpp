@@ -179,9 +179,7 @@ void validate_character(const Character &c) {
   expect("materials", c.materials.size(), c.clothness.region_count);
   for (const pbd::Material &material : c.materials)
     pbd::validate(material);
-  c.solver.cloth.validate();
-  if (!(c.solver.dt > 0) || c.solver.dt > 1)
-    throw Error("character: solver.dt must be in (0, 1] s, found " + std::to_string(c.solver.dt));
+  c.solver.validate();
   require_proxies(c.proxies, c.actor.skeleton, "character");
   if (c.body.faces.rows() > 0) {
     require_usable(c.body, "body");

@@ -2,6 +2,7 @@
 
 #include "doublet/animate/display_surface.h"
 #include "doublet/core/error.h"
+#include "doublet/options/json.h"
 #include "glb_parts.h"
 
 #include <nlohmann/json.hpp>
@@ -16,7 +17,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char *kExtension = "DOUBLET_character";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2; // 1: some of the cloth options
 
 json vector_json(const Eigen::Vector3d &v) {
   return {v.x(), v.y(), v.z()};
@@ -124,51 +125,36 @@ Clothness json_clothness(const glb::Reader &reader, const json &j) {
 
 json materials_json(const std::vector<pbd::Material> &materials) {
   json list = json::array();
-  for (const pbd::Material &material : materials) {
-    json entry;
-    for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
-      entry[parameter.name] = material.*parameter.value;
-    list.push_back(entry);
-  }
+  for (const pbd::Material &material : materials)
+    list.push_back(options::to_json<json>(material));
   return list;
 }
 
 std::vector<pbd::Material> json_materials(const json &list) {
-  std::vector<pbd::Material> materials;
-  for (const json &entry : list) {
-    pbd::Material material;
-    for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
-      material.*parameter.value = entry.at(parameter.name).get<double>();
-    materials.push_back(material);
-  }
+  std::vector<pbd::Material> materials(list.size());
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    options::from_json(list[i], materials[i]);
   return materials;
 }
 
-json solver_json(const SolverSettings &solver) {
-  return {{"dt", solver.dt},
-          {"iterations", solver.cloth.iterations},
-          {"substeps", solver.cloth.substeps},
-          {"stiffness", pbd::stiffness_name(solver.cloth.stiffness)},
-          {"restCurvature", solver.cloth.rest_curvature},
-          {"gravity", vector_json(solver.cloth.gravity)},
-          {"restitution", solver.cloth.restitution},
-          {"thickness", solver.cloth.thickness},
-          {"selfThickness", solver.cloth.self_thickness},
-          {"selfCollision", solver.cloth.self_collision}};
+/// Version 1, which had a list of its own and lay flat; what it left out was not known yet.
+SolverSettings json_first_solver(const json &j) {
+  SolverSettings solver;
+  json cloth = {{"stiffness", j.value("stiffness", "sweeps")},
+                {"rest_curvature", j.value("restCurvature", 1.0)},
+                {"self_thickness", j.at("selfThickness")},
+                {"self_collision", j.at("selfCollision")}};
+  for (const char *name : {"iterations", "substeps", "gravity", "restitution", "thickness"})
+    cloth[name] = j.at(name);
+  options::from_json<json>({{"dt", j.at("dt")}, {"cloth", cloth}}, solver);
+  return solver;
 }
 
-SolverSettings json_solver(const json &j) {
+SolverSettings json_solver(const json &j, int version) {
   SolverSettings solver;
-  solver.dt = j.at("dt").get<double>();
-  solver.cloth.iterations = j.at("iterations").get<int>();
-  solver.cloth.substeps = j.at("substeps").get<int>();
-  solver.cloth.stiffness = pbd::stiffness_from_name(j.value("stiffness", "sweeps")); // characters of 0.1.0 know no other
-  solver.cloth.rest_curvature = j.value("restCurvature", 1.0);
-  solver.cloth.gravity = json_vector(j.at("gravity"));
-  solver.cloth.restitution = j.at("restitution").get<double>();
-  solver.cloth.thickness = j.at("thickness").get<double>();
-  solver.cloth.self_thickness = j.at("selfThickness").get<double>();
-  solver.cloth.self_collision = j.at("selfCollision").get<bool>();
+  if (version == 1)
+    return json_first_solver(j);
+  options::from_json(j, solver);
   return solver;
 }
 
@@ -206,7 +192,7 @@ json extension_json(glb::Writer &writer, const Character &c, int texture_image) 
   out["clothness"] = clothness_json(writer, c.clothness);
   out["proxies"] = proxies_json(c.proxies);
   out["materials"] = materials_json(c.materials);
-  out["solver"] = solver_json(c.solver);
+  out["solver"] = options::to_json<json>(c.solver);
   if (c.body.faces.rows() > 0) {
     out["body"] = mesh_json(writer, c.body);
     out["body"]["weights"] = writer.matrix(c.body_weights);
@@ -241,7 +227,7 @@ void parse_extension(const glb::Reader &reader, const json &j, Character &c) {
   c.clothness = json_clothness(reader, j.at("clothness"));
   c.proxies = json_proxies(j.at("proxies"));
   c.materials = json_materials(j.at("materials"));
-  c.solver = json_solver(j.at("solver"));
+  c.solver = json_solver(j.at("solver"), j.at("version").get<int>());
   if (j.contains("body")) {
     const json &body = j.at("body");
     c.body = json_mesh(reader, body);
@@ -316,9 +302,10 @@ Character read_character(const std::filesystem::path &path) {
     if (!extensions.contains(kExtension))
       reader.fail(std::string("expected the glTF extension ") + kExtension + ", found a GLB without it");
     const json &extension = extensions.at(kExtension);
-    if (extension.at("version").get<int>() != kVersion)
-      reader.fail(std::string(kExtension) + ": expected version " + std::to_string(kVersion) + ", found " +
-                  extension.at("version").dump());
+    const int version = extension.at("version").get<int>();
+    if (version < 1 || version > kVersion)
+      reader.fail(std::string(kExtension) + ": expected version 1 to " + std::to_string(kVersion) + ", found " +
+                  std::to_string(version) + (version > kVersion ? ", which a newer doublet wrote" : ""));
     parse_extension(reader, extension, character);
   } catch (const json::exception &problem) {
     reader.fail(std::string(kExtension) + ": " + problem.what());

@@ -244,10 +244,9 @@ std::uint8_t to_byte(float value) {
 } // namespace
 
 void RenderOptions::validate() const {
-  if (!(light >= 0 && light <= 1))
-    throw std::invalid_argument("RenderOptions.light must be in [0, 1], found " + std::to_string(light));
-  if (!(light_direction.norm() > 0) || !light_direction.allFinite())
-    throw std::invalid_argument("RenderOptions.light_direction must be a direction");
+  options::check(*this);
+  if (!(light_direction.norm() > 0))
+    options::refuse("RenderOptions: light_direction", "a direction", "a vector of length 0");
 }
 
 Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const RenderOptions &options) {

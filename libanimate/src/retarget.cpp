@@ -448,15 +448,10 @@ void ground_feet(const Skeleton &skeleton, Motion &motion) {
 } // namespace
 
 void RetargetOptions::validate() const {
-  const auto check = [](bool good, const std::string &text) {
-    if (!good)
-      throw std::invalid_argument("RetargetOptions." + text);
-  };
-  check(fps >= 0 && std::isfinite(fps), "fps must be >= 0, found " + std::to_string(fps));
-  check(first_second >= 0, "first_second must be >= 0, found " + std::to_string(first_second));
-  check(last_second >= first_second, "last_second must be >= first_second, found " + std::to_string(last_second));
-  check(hold_seconds >= 0 && hold_seconds <= 60, "hold_seconds must be in [0, 60], found " + std::to_string(hold_seconds));
-  check(blend_seconds >= 0 && blend_seconds <= 60, "blend_seconds must be in [0, 60], found " + std::to_string(blend_seconds));
+  options::check(*this);
+  if (last_second < first_second)
+    options::refuse("RetargetOptions: last_second", "at least first_second, " + options::shown(first_second) + " s",
+                    options::shown(last_second));
 }
 
 Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options, const Context &context) {

@@ -301,18 +301,6 @@ Vector3d hidden_colour(const Character &c, const BakedTexture &baked) {
 
 } // namespace
 
-void TextureOptions::validate() const {
-  const auto check = [](bool good, const std::string &text) {
-    if (!good)
-      throw std::invalid_argument("TextureOptions." + text);
-  };
-  check(size >= 64 && size <= 16384, "size must be in [64, 16384], found " + std::to_string(size));
-  check(facing_power >= 0 && facing_power <= 64, "facing_power must be in [0, 64], found " + std::to_string(facing_power));
-  check(grazing >= 0 && grazing < 1, "grazing must be in [0, 1), found " + std::to_string(grazing));
-  check(depth_margin > 0, "depth_margin must be positive, found " + std::to_string(depth_margin));
-  check(edge_margin >= 0 && edge_margin <= 1, "edge_margin must be in [0, 1], found " + std::to_string(edge_margin));
-}
-
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                           const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
                           const Context &context) {

@@ -484,20 +484,6 @@ void require_positive(double value, const char *name) {
 
 } // namespace
 
-void BodyFitOptions::validate() const {
-  if (iterations < 1)
-    throw std::invalid_argument("BodyFitOptions: iterations must be >= 1, found " + std::to_string(iterations));
-  require_positive(landmark_deviation, "landmark_deviation");
-  require_positive(joint_deviation, "joint_deviation");
-  require_positive(surface_deviation, "surface_deviation");
-  require_positive(scale_deviation, "scale_deviation");
-  require_positive(outlier_scale, "outlier_scale");
-  if (!(cloth_attraction >= 0 && cloth_attraction <= 1))
-    throw std::invalid_argument("BodyFitOptions: cloth_attraction must be in [0, 1], found " + std::to_string(cloth_attraction));
-  if (!(cloth_margin >= 0))
-    throw std::invalid_argument("BodyFitOptions: cloth_margin must be >= 0 m, found " + std::to_string(cloth_margin));
-}
-
 std::unique_ptr<BodyFitter> BodyFitter::create(const BodyFitOptions &options) {
   return std::make_unique<IcpBodyFitter>(options);
 }

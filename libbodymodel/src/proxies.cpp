@@ -392,17 +392,6 @@ std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothn
 
 } // namespace
 
-void ProxyOptions::validate() const {
-  if (!(std::abs(clearance) < 0.1))
-    throw std::invalid_argument("ProxyOptions: clearance must be within 0.1 m, found " + std::to_string(clearance));
-  if (!(cloth_margin >= 0 && cloth_margin < 0.1))
-    throw std::invalid_argument("ProxyOptions: cloth_margin must be in [0, 0.1) m, found " + std::to_string(cloth_margin));
-  if (capsules_per_bone < 1 || capsules_per_bone > 3)
-    throw std::invalid_argument("ProxyOptions: capsules_per_bone must be 1 to 3, found " + std::to_string(capsules_per_bone));
-  if (iterations < 0)
-    throw std::invalid_argument("ProxyOptions: iterations must be >= 0, found " + std::to_string(iterations));
-}
-
 std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
                                         const ProxyOptions &options) {
   options.validate();

@@ -242,13 +242,6 @@ std::vector<double> flat(const MatrixRM &matrix) {
 
 } // namespace
 
-void TrainOptions::validate() const {
-  if (components < 1)
-    throw std::invalid_argument("TrainOptions: components must be >= 1, found " + std::to_string(components));
-  if (!(pose_floor > 0))
-    throw std::invalid_argument("TrainOptions: pose_floor must be > 0 rad, found " + std::to_string(pose_floor));
-}
-
 TrainSummary train_body_model(const std::filesystem::path &population_path, const std::filesystem::path &out,
                               const TrainOptions &options, const Context &context) {
   options.validate();

@@ -10,16 +10,6 @@
 
 namespace doublet {
 
-void BackgroundOptions::validate() const {
-  if (!(tolerance > 0))
-    throw std::invalid_argument("tolerance: expected a positive number, found " + std::to_string(tolerance));
-  if (!(shadow > 0 && shadow <= 1) || !(highlight >= 1))
-    throw std::invalid_argument("shadow, highlight: expected 0 < shadow <= 1 <= highlight, found " + std::to_string(shadow) +
-                                " and " + std::to_string(highlight));
-  if (smallest_blob < 0)
-    throw std::invalid_argument("smallest_blob: expected at least 0 pixels, found " + std::to_string(smallest_blob));
-}
-
 namespace {
 
 /// B G R as floats, smoothed a little: noise halves, edges stay within a pixel.

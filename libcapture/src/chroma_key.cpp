@@ -14,13 +14,6 @@
 
 namespace doublet {
 
-void ChromaKeyOptions::validate() const {
-  if (smallest_blob < 0)
-    throw std::invalid_argument("smallest_blob: expected at least 0 pixels, found " + std::to_string(smallest_blob));
-  if (!(smallest_key_share > 0 && smallest_key_share <= 1))
-    throw std::invalid_argument("smallest_key_share: expected a value in (0, 1], found " + std::to_string(smallest_key_share));
-}
-
 namespace {
 
 /// ITU-R BT.601 luma and colour differences as linear forms of (B, G, R).

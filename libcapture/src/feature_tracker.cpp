@@ -120,18 +120,6 @@ private:
 
 } // namespace
 
-void FeatureTrackerOptions::validate() const {
-  if (budget < 1)
-    throw std::invalid_argument("FeatureTrackerOptions: budget must be at least 1, got " + std::to_string(budget));
-  if (erode < 0)
-    throw std::invalid_argument("FeatureTrackerOptions: erode must not be negative, got " + std::to_string(erode));
-  if (!(ratio > 0 && ratio <= 1))
-    throw std::invalid_argument("FeatureTrackerOptions: ratio must lie in (0, 1], got " + std::to_string(ratio));
-  if (!(max_displacement > 0))
-    throw std::invalid_argument("FeatureTrackerOptions: max_displacement must be positive, got " +
-                                std::to_string(max_displacement));
-}
-
 std::unique_ptr<FeatureTracker> FeatureTracker::create(const FeatureTrackerOptions &options) {
   options.validate();
   return std::make_unique<SiftTracker>(options);

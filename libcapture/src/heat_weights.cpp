@@ -112,8 +112,7 @@ void check_arguments(const Mesh &mesh, const std::vector<std::uint8_t> &face_val
     detail::expect_mask(face_valid, mesh, "face_valid");
   if (skeleton.joints.empty())
     throw std::invalid_argument("skeleton: expected at least one joint, found none");
-  if (!(options.c > 0))
-    throw std::invalid_argument("c: expected a positive number, found " + std::to_string(options.c));
+  options.validate();
 }
 
 } // namespace

@@ -331,17 +331,6 @@ std::vector<Limb> find_limbs(const Skeleton &skeleton) {
   return limbs;
 }
 
-void LimbSearchOptions::validate() const {
-  if (raster_size < 64)
-    throw std::invalid_argument("LimbSearchOptions: raster_size must be at least 64, got " + std::to_string(raster_size));
-  for (double value : {lost, reach, deviation})
-    if (!(value > 0))
-      throw std::invalid_argument("LimbSearchOptions: lost, reach and deviation must be positive, got " + std::to_string(value));
-  if (!(smoothness >= 0))
-    throw std::invalid_argument("LimbSearchOptions: smoothness must not be negative, got " + std::to_string(smoothness));
-  annealing.validate();
-}
-
 Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &limbs,
                             const LimbSearchOptions &options, const Context &context) {
   require_complete(problem, dofs);

@@ -74,16 +74,6 @@ private:
 
 } // namespace
 
-void ParticleAnnealingOptions::validate() const {
-  if (particles < 2 || iterations < 1)
-    throw std::invalid_argument("ParticleAnnealingOptions: particles must be at least 2 and iterations at least 1, got " +
-                                std::to_string(particles) + " and " + std::to_string(iterations));
-  if (!(coldness > 0) || !(power >= 0) || !(spread > 0 && spread <= 1))
-    throw std::invalid_argument(
-        "ParticleAnnealingOptions: coldness must be positive, power not negative and spread in (0, 1], got " +
-        std::to_string(coldness) + ", " + std::to_string(power) + " and " + std::to_string(spread));
-}
-
 ParticleAnnealingResult anneal(const SampleEnergies &energies, const Eigen::VectorXd &start, const Eigen::VectorXd &deviation,
                                const Eigen::VectorXd &lower, const Eigen::VectorXd &upper,
                                const ParticleAnnealingOptions &options) {

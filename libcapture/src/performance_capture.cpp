@@ -578,16 +578,9 @@ private:
 } // namespace
 
 void CaptureOptions::validate() const {
-  if (first_frame < 0 || frame_count == 0 || frame_count < -1)
-    throw std::invalid_argument("CaptureOptions: first_frame must not be negative and frame_count positive or -1");
-  features.validate();
-  pose.validate();
-  limbs.validate();
-  surface.validate();
-  if (!(velocity_damping >= 0 && velocity_damping <= 1) || !(acceleration >= 0 && acceleration <= 1) ||
-      !(offset_decay >= 0 && offset_decay <= 1) || !(loose > 0) || !(map_reach > 0))
-    throw std::invalid_argument("CaptureOptions: velocity_damping, acceleration and offset_decay must lie in [0, 1], loose and "
-                                "map_reach must be positive");
+  options::check(*this);
+  if (frame_count == 0)
+    options::refuse("CaptureOptions: frame_count", "a number of frames, or -1 for all", "0");
   savitzky_golay_weights(smooth_window, std::min(smooth_order, smooth_window - 1));
 }
 

@@ -241,19 +241,6 @@ private:
 
 } // namespace
 
-void PoseOptions::validate() const {
-  if (iterations < 1 || first_iterations < 1)
-    throw std::invalid_argument("PoseOptions: iterations and first_iterations must be at least 1");
-  if (raster_size < 64 || rims_per_view < 10)
-    throw std::invalid_argument("PoseOptions: raster_size must be at least 64 and rims_per_view at least 10");
-  for (double value : {gate_start, gate_end, scale_start, scale_end, prior_angle, prior_shift})
-    if (!(value > 0))
-      throw std::invalid_argument("PoseOptions: gates, scales and prior deviations must be positive, got " +
-                                  std::to_string(value));
-  if (!(sift_weight >= 0) || !(prior_weight >= 0) || !(limit_weight >= 0))
-    throw std::invalid_argument("PoseOptions: weights must not be negative");
-}
-
 std::unique_ptr<PoseOptimizer> PoseOptimizer::create(const PoseOptions &options) {
   options.validate();
   return std::make_unique<GaussNewtonPose>(options);

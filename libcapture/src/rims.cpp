@@ -58,6 +58,7 @@ Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<s
 
 RimMatches match_rims(const Rims &rims, const Outline &measured, const OutlineIndex &index, int view, const Camera &camera,
                       const RimMatchOptions &options) {
+  options.validate();
   RimMatches matches;
   if (rims.outline.empty() || measured.empty())
     return matches;

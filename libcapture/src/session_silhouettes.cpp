@@ -89,15 +89,6 @@ private:
 
 } // namespace
 
-void SilhouetteOptions::validate() const {
-  if (method != "auto" && method != "plates" && method != "key" && method != "median")
-    throw std::invalid_argument("method: expected auto, plates, key or median, found '" + method + "'");
-  if (median_frames < 1)
-    throw std::invalid_argument("median_frames: expected at least 1, found " + std::to_string(median_frames));
-  key.validate();
-  background.validate();
-}
-
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context) {
   options.validate();

@@ -223,19 +223,6 @@ private:
 
 } // namespace
 
-void SurfaceOptions::validate() const {
-  if (iterations < 0 || raster_size < 64 || rims_per_view < 10)
-    throw std::invalid_argument(
-        "SurfaceOptions: iterations must be at least 0, raster_size at least 64, rims_per_view at least 10");
-  for (double value : {gate_start, gate_end, scale_start, scale_end, bending, stretching, anchor_cloth, anchor_rigid, loose})
-    if (!(value > 0))
-      throw std::invalid_argument("SurfaceOptions: gates, scales and weights must be positive, got " + std::to_string(value));
-  if (!(memory >= 0 && memory <= 1))
-    throw std::invalid_argument("SurfaceOptions: memory must lie in [0, 1], got " + std::to_string(memory));
-  if (!(sift_weight >= 0))
-    throw std::invalid_argument("SurfaceOptions: sift_weight must not be negative, got " + std::to_string(sift_weight));
-}
-
 bool overstretched(const Vertices &vertices, const Mesh &rest, int face) {
   constexpr double kMost = 2;
   double now = 0, before = 0;

@@ -89,14 +89,8 @@ void untangle(Mesh &mesh, const Context &context) {
 } // namespace
 
 void TemplateOptions::validate() const {
-  expect(triangles >= 100, "triangles", "at least 100", triangles);
+  options::check(*this);
   expect(high_triangles >= triangles, "high_triangles", "at least as many as triangles", high_triangles);
-  expect(poisson_depth >= 4 && poisson_depth <= 12, "poisson_depth", "4 to 12", poisson_depth);
-  expect(hole_gap > 0, "hole_gap", "a positive distance in metres", hole_gap);
-  expect(density_drop >= 0, "density_drop", "a number of octree levels", density_drop);
-  expect(narrow_hole >= 0, "narrow_hole", "a width in metres", narrow_hole);
-  expect(large_hole > 0, "large_hole", "a positive area in m^2", large_hole);
-  expect(sheet_hole > 0, "sheet_hole", "a positive area in m^2", sheet_hole);
 }
 
 Template build_template(const Mesh &scan, const TemplateOptions &options, const Context &context) {

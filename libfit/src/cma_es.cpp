@@ -214,17 +214,9 @@ void Optimizer::restore(const std::string &) {
 }
 
 void CmaEsOptions::validate() const {
+  options::check(*this);
   require(population == 0 || population >= 4,
           "CmaEsOptions: population: expected 0 or at least 4, found " + std::to_string(population));
-  require(std::isfinite(initial_mean),
-          "CmaEsOptions: initial_mean: expected a finite number, found " + std::to_string(initial_mean));
-  require(initial_sigma > 0 && std::isfinite(initial_sigma),
-          "CmaEsOptions: initial_sigma: expected a positive number, found " + std::to_string(initial_sigma));
-  require(max_evaluations > 0, "CmaEsOptions: max_evaluations: expected at least 1, found " + std::to_string(max_evaluations));
-  require(smallest_deviation >= 0,
-          "CmaEsOptions: smallest_deviation: expected at least 0, found " + std::to_string(smallest_deviation));
-  require(stagnation >= 0 && std::isfinite(stagnation),
-          "CmaEsOptions: stagnation: expected at least 0, found " + std::to_string(stagnation));
 }
 
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options) {

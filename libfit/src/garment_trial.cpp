@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace doublet {
 namespace {
@@ -28,12 +29,6 @@ void require_materials(int count, const std::string &what) {
 
 } // namespace
 
-void TrialOptions::validate() const {
-  for (double spread : spreads)
-    require(spread > 0 && spread < 1, "TrialOptions: spreads: expected numbers in (0, 1), found " + std::to_string(spread));
-  require_materials(materials, "TrialOptions: materials");
-}
-
 MatrixRM trial_samples(const ParameterSpace &space, int count) {
   constexpr std::array<int, 6> kPrimes{2, 3, 5, 7, 11, 13}; // one a parameter of a material
   space.validate();
@@ -53,6 +48,15 @@ Eigen::VectorXd trial_energy(const MaterialObjective &objective, int materials, 
   for (auto region : energies.colwise())
     std::nth_element(region.begin(), region.begin() + lowest - 1, region.end());
   return energies.topRows(lowest).colwise().mean().transpose();
+}
+
+std::size_t chosen_garment(const std::vector<double> &energies, const TrialOptions &trial) {
+  trial.validate();
+  require(!energies.empty(), "chosen_garment: energies: expected at least one, found none");
+  for (double energy : energies)
+    require(std::isfinite(energy), "chosen_garment: energies: expected finite numbers, found " + std::to_string(energy));
+  const auto cheapest = std::min_element(energies.begin(), energies.end());
+  return *cheapest < (1 - trial.margin) * energies[0] ? static_cast<std::size_t>(cheapest - energies.begin()) : 0;
 }
 
 double garment_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,

@@ -157,6 +157,23 @@ FitResult interrupted(FitResult result, const MinimiseResult &found, const Searc
   return result;
 }
 
+/// What a search depends on: every option but those that matter after it. The budget is no part of it, for a search goes on with
+/// a larger one; only annealing's schedule depends on it.
+std::string problem_of(const FitOptions &options, const MaterialObjective &objective) {
+  const auto counts = [&](const std::string &name) {
+    for (const char *other :
+         {"answer_generations", "answer_best", "influence", "space.", "energy."}) // two are in the fingerprint
+      if (name.rfind(other, 0) == 0)
+        return false;
+    return name != "max_evaluations" || options.optimizer == "annealing";
+  };
+  std::string problem = objective.fingerprint();
+  for (const auto &[name, value] : options::listed(options))
+    if (counts(name))
+      problem += " " + name + " " + value;
+  return problem + (options.make_optimizer ? " own optimiser" : "");
+}
+
 MinimiseOptions minimise_options(const FitOptions &options, const MaterialObjective &objective, const Searches &searches,
                                  const FitResult &frame) {
   MinimiseOptions result;
@@ -167,13 +184,7 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
   result.budget = options.max_evaluations;
   result.checkpoint = options.checkpoint;
   result.make_optimizer = optimizer_factory(options);
-  // The budget is no part of it: a search goes on with a larger one. Only annealing's schedule depends on it.
-  result.problem = objective.fingerprint() + " seed " + std::to_string(options.seed) + " of " + std::to_string(options.seeds) +
-                   (options.optimizer == "annealing" ? " evaluations " + std::to_string(options.max_evaluations) : "") +
-                   " population " + std::to_string(options.population) + " sigma " + std::to_string(options.initial_sigma) + " " +
-                   std::to_string(options.smallest_deviation) + " " + std::to_string(options.stagnation) + " penalty " +
-                   std::to_string(options.penalty) + (options.relative_penalty ? " relative " : " absolute ") + "margin " +
-                   std::to_string(options.stop_margin) + " " + (options.make_optimizer ? "own optimiser" : options.optimizer);
+  result.problem = problem_of(options, objective);
   result.on_generation = [&options, &searches, &frame](const MinimiseResult &found) {
     const FitResult so_far = interrupted(frame, found, searches, options);
     if (!options.log.empty())
@@ -343,15 +354,8 @@ std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &name
 }
 
 void FitOptions::validate() const {
-  require(optimizer == "cma-es" || optimizer == "annealing",
-          "FitOptions: optimizer: expected 'cma-es' or 'annealing', found '" + optimizer + "'");
+  options::check(*this);
   cma_options(*this, seed).validate();
-  require(seeds >= 1, "FitOptions: seeds: expected at least 1, found " + std::to_string(seeds));
-  require(answer_generations >= 1,
-          "FitOptions: answer_generations: expected at least 1, found " + std::to_string(answer_generations));
-  require(penalty >= 0 && std::isfinite(penalty), "FitOptions: penalty: expected at least 0, found " + std::to_string(penalty));
-  space.validate();
-  energy.validate();
 }
 
 std::vector<pbd::Material> FitResult::materials() const {
@@ -367,10 +371,7 @@ FitResult estimate_material(const CharacterSimulator &simulator, const Reference
   FitResult result;
   result.parameters = options.space.names;
   result.seed = options.seed;
-  result.dt = options.energy.dt;
-  result.iterations = simulator.options().iterations;
-  result.substeps = simulator.options().substeps;
-  result.stiffness = simulator.options().stiffness;
+  result.solver = {options.energy.dt, simulator.options()};
   if (simulator.regions().empty()) {
     context.say("fit: no cloth, so there is no material to estimate");
     if (!options.log.empty())

@@ -2,6 +2,7 @@
 #include "doublet/core/files.h"
 #include "doublet/core/npz.h"
 #include "doublet/fit/material_estimator.h"
+#include "doublet/options/json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -13,12 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json material_json(const pbd::Material &material) {
-  Json json;
-  for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
-    json[parameter.name] = material.*parameter.value;
-  return json;
-}
+constexpr int kVersion = 2; // 1: some of the solver's settings
 
 void add_confidence(Json &entry, const RegionFit &region, const std::vector<std::string> &parameters) {
   const std::vector<Confidence> confidence = region.confidence();
@@ -43,26 +39,59 @@ double read_parameter(const Json &region, const char *name, const std::string &w
   return region["parameters"][name].get<double>();
 }
 
+/// The settings that a file names; those that one of version 1 leaves out are taken from `expected`.
+SolverSettings read_solver(const Json &json, int version, const SolverSettings &expected) {
+  SolverSettings solver = expected;
+  if (version >= 2) {
+    options::from_json(json.at("solver"), solver);
+  } else if (json.contains("solver")) {
+    Json merged = options::to_json<Json>(expected);
+    const Json &named = json["solver"];
+    merged["dt"] = named.value("dt", expected.dt);
+    merged["cloth"]["iterations"] = named.value("n_iter", expected.cloth.iterations);
+    merged["cloth"]["substeps"] = named.value("substeps", expected.cloth.substeps);
+    merged["cloth"]["stiffness"] = named.value("stiffness", "sweeps"); // there was no other
+    options::from_json(merged, solver);
+  }
+  return solver;
+}
+
+void check_version(const Json &json, const std::string &file) {
+  const Json version = json.value("version", Json(1));
+  if (!version.is_number_integer() || version < 1 || version > kVersion)
+    throw Error(file + ": expected version 1 to " + std::to_string(kVersion) + " of material.json, found " + version.dump() +
+                (version > kVersion ? ", which a newer doublet wrote" : ""));
+}
+
+void check_solver(const Json &json, const SolverSettings &expected, const std::string &file) {
+  try {
+    require_same(expected, read_solver(json, json.value("version", 1), expected), file);
+  } catch (const std::invalid_argument &error) {
+    const std::string text = error.what();
+    throw Error(text.rfind(file, 0) == 0 ? text : file + ": " + text);
+  } catch (const Json::exception &error) {
+    throw Error(file + ": solver: " + error.what());
+  }
+}
+
 } // namespace
 
 void write_materials(const Path &path, const FitResult &result) {
   Json json;
+  json["version"] = kVersion;
   json["estimated"] = result.parameters;
   json["seed"] = result.seed;
   json["seconds"] = result.seconds;
-  json["solver"] = {{"dt", result.dt},
-                    {"n_iter", result.iterations},
-                    {"substeps", result.substeps},
-                    {"stiffness", pbd::stiffness_name(result.stiffness)}};
+  json["solver"] = options::to_json<Json>(result.solver);
   json["interrupted"] = result.interrupted;
   json["regions"] = Json::array();
   for (const RegionFit &region : result.regions) {
     Json entry;
-    entry["parameters"] = material_json(region.material);
+    entry["parameters"] = options::to_json<Json>(region.material);
     entry["energy"] = region.energy;
     if (std::isfinite(region.energy_at_centre))
       entry["energy_at_centre"] = region.energy_at_centre;
-    entry["best_sample"] = {{"parameters", material_json(region.best)}, {"energy", region.best_energy}};
+    entry["best_sample"] = {{"parameters", options::to_json<Json>(region.best)}, {"energy", region.best_energy}};
     for (std::size_t i = 0; i < result.parameters.size(); ++i)
       entry["deviations"][result.parameters[i]] = region.deviations[static_cast<Eigen::Index>(i)];
     for (Eigen::Index i = 0; i < region.spread.size(); ++i)
@@ -77,7 +106,7 @@ void write_materials(const Path &path, const FitResult &result) {
   write_text(path, json.dump(2) + "\n");
 }
 
-std::vector<pbd::Material> read_materials(const Path &path) {
+std::vector<pbd::Material> read_materials(const Path &path, const std::optional<SolverSettings> &solver) {
   Json json;
   try {
     json = Json::parse(read_json_text(path));
@@ -86,6 +115,9 @@ std::vector<pbd::Material> read_materials(const Path &path) {
   }
   if (!json.is_object() || !json.contains("regions") || !json["regions"].is_array())
     throw Error(path.string() + ": expected an array 'regions', found none");
+  check_version(json, path.string());
+  if (solver)
+    check_solver(json, *solver, path.string());
   std::vector<pbd::Material> result;
   for (const Json &region : json["regions"]) {
     const std::string where = path.string() + ": region " + std::to_string(result.size());

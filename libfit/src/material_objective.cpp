@@ -13,21 +13,8 @@ namespace doublet {
 using namespace fit;
 
 void EnergyOptions::validate() const {
-  const auto positive = [](double value, const char *name) {
-    require(value > 0 && std::isfinite(value),
-            std::string("EnergyOptions: ") + name + ": expected a positive number, found " + std::to_string(value));
-  };
-  positive(dt, "dt");
-  positive(rim_cap, "rim_cap");
-  positive(feature_cap, "feature_cap");
-  require(alpha >= 0 && beta >= 0 && gamma >= 0 && alpha + beta + gamma > 0 && std::isfinite(alpha + beta + gamma),
-          "EnergyOptions: alpha, beta and gamma: expected non-negative numbers, not all 0, found " + std::to_string(alpha) +
-              ", " + std::to_string(beta) + " and " + std::to_string(gamma));
-  require(settle_frames >= 0, "EnergyOptions: settle_frames: expected at least 0, found " + std::to_string(settle_frames));
-  require(window >= 0 && window_lead >= 0, "EnergyOptions: window and window_lead: expected at least 0, found " +
-                                               std::to_string(window) + " and " + std::to_string(window_lead));
-  require(outline_size >= 16, "EnergyOptions: outline_size: expected at least 16, found " + std::to_string(outline_size));
-  require(field_size >= 16, "EnergyOptions: field_size: expected at least 16, found " + std::to_string(field_size));
+  options::check(*this);
+  require(alpha + beta + gamma > 0, "EnergyOptions: alpha, beta and gamma: expected a weight above 0, found 0 for all");
 }
 
 struct MaterialObjective::Impl {
@@ -89,39 +76,42 @@ void check_inputs(const CharacterSimulator &simulator, const ReferencePerformanc
   require_performance(performance, simulator.actor(), "MaterialObjective");
 }
 
-std::string hash_problem(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                         const Observations &observations, const EnergyOptions &o, const ParameterSpace &space) {
+/// One frame of all cloth, from rest: what its model was made of (rest shape, fullness, blend weights) shows in nothing else.
+std::vector<pbd::ClothState> first_step(const CharacterSimulator &simulator, const PosedFrame &frame,
+                                        const pbd::Material &material, double dt) {
+  CharacterState state = simulator.start(frame);
+  CharacterState *const states[] = {&state};
+  const std::vector<pbd::Material> materials(simulator.regions().size(), material);
+  const std::vector<pbd::Material> *const lists[] = {&materials};
+  simulator.step_each(states, frame, frame, lists, dt);
+  return state.regions;
+}
+
+/// Poses stand for the actor, its skeleton and its proxies.
+std::string hash_problem(const CharacterSimulator &simulator, const std::vector<PosedFrame> &poses, const MeshSequence &captured,
+                         const Observations &observations, const EnergyOptions &options, const ParameterSpace &space) {
   Fingerprint print;
   const RiggedMesh &actor = simulator.actor();
-  print.add(actor.mesh.vertices).add(actor.mesh.faces).add(actor.weights).add(performance.dofs);
-  for (const Vertices &surface : performance.surface.frames)
-    print.add(surface);
-  for (const ClothRegion &region : simulator.regions()) {
-    const pbd::ClothOptions &cloth = region.model->options();
-    print.add(region.vertex_from_cloth).add(region.model->inverse_masses()).add(cloth.gravity);
-    print.add({static_cast<double>(cloth.iterations), static_cast<double>(cloth.substeps), cloth.restitution, cloth.thickness,
-               cloth.self_thickness, cloth.self_collision ? 1.0 : 0.0, cloth.rest_curvature,
-               cloth.stiffness == pbd::Stiffness::Compliance ? 1.0 : 0.0});
+  print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(options).add(space);
+  for (const PosedFrame &pose : poses) {
+    print.add(pose.skinned);
+    for (const pbd::Capsule &capsule : pose.capsules)
+      print.add(capsule.p0).add(capsule.p1).add(Eigen::Vector2d(capsule.r0, capsule.r1));
   }
-  for (const pbd::Capsule &capsule : simulator.pose(performance.dofs.row(0)).capsules)
-    print.add(capsule.p0).add(capsule.p1).add({capsule.r0, capsule.r1});
+  for (const Vertices &surface : captured.frames)
+    print.add(surface);
+  for (const ClothRegion &region : simulator.regions())
+    print.add(region.vertex_from_cloth);
+  for (const pbd::ClothState &state : first_step(simulator, poses.front(), space.fixed, options.dt))
+    print.add(state.positions).add(state.velocities);
   for (const Camera &camera : observations.cameras)
-    print.add(camera.K).add(camera.distortion).add(camera.R).add(camera.t);
+    print.add(camera.K).add(camera.distortion).add(camera.R).add(camera.t).add(Eigen::Vector2i(camera.width, camera.height));
   for (const auto &views : observations.views)
     for (const ViewObservation &view : views) {
-      for (const Eigen::Vector2f &point : view.contour)
-        print.add(point);
+      print.add(view.contour);
       for (const FeatureMatch &match : view.matches)
         print.add(match.previous).add(match.current);
     }
-  print.add({o.dt, o.alpha, o.beta, o.gamma, o.same_comparisons ? 1.0 : 0.0, o.fast_features ? 1.0 : 0.0,
-             static_cast<double>(o.settle_frames), o.rim_cap, o.feature_cap, static_cast<double>(o.outline_size),
-             static_cast<double>(o.field_size), static_cast<double>(o.window), static_cast<double>(o.window_lead),
-             space.even_steps ? 1.0 : 0.0});
-  for (const std::string &name : space.names)
-    print.add(name);
-  for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
-    print.add({space.fixed.*parameter.value});
   return print.text();
 }
 
@@ -134,7 +124,7 @@ MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const 
   space.validate();
   check_inputs(simulator, performance, observations);
   auto impl = std::make_unique<Impl>(simulator, performance, observations, options, space, context);
-  impl->fingerprint = hash_problem(simulator, performance, observations, options, space);
+  impl->fingerprint = hash_problem(simulator, impl->observed.frames, performance.surface, observations, options, space);
   impl_ = std::move(impl);
 }
 

@@ -234,13 +234,6 @@ private:
 
 } // namespace
 
-void MinimiseOptions::validate() const {
-  require(penalty >= 0 && std::isfinite(penalty),
-          "MinimiseOptions: penalty: expected at least 0, found " + std::to_string(penalty));
-  require(expected_evaluations >= 1,
-          "MinimiseOptions: expected_evaluations: expected at least 1, found " + std::to_string(expected_evaluations));
-}
-
 MinimiseResult minimise(Objective &objective, const MinimiseOptions &options, const Context &context) {
   options.validate();
   return Run(objective, options)(context);

@@ -31,22 +31,13 @@ double gathered(const std::string &name, double share) {
   return name == "k_stretch" ? 1 - std::pow(1 - share, 1 / kStretchPower) : share;
 }
 
-std::string known_names() {
-  std::string names;
-  for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
-    names += (names.empty() ? "" : ", ") + std::string(parameter.name);
-  return names;
-}
-
 } // namespace
 
 void ParameterSpace::validate() const {
+  options::check(*this);
   require(!names.empty(), "ParameterSpace: names: expected at least one parameter, found none");
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    require(find(names[i]) != nullptr, "ParameterSpace: names: expected some of " + known_names() + ", found '" + names[i] + "'");
-    require(std::count(names.begin(), names.end(), names[i]) == 1, "ParameterSpace: names: '" + names[i] + "' is there twice");
-  }
-  pbd::validate(fixed);
+  for (const std::string &name : names)
+    require(std::count(names.begin(), names.end(), name) == 1, "ParameterSpace: names: '" + name + "' is there twice");
 }
 
 pbd::Material ParameterSpace::material(const Eigen::VectorXd &unit) const {

@@ -114,17 +114,6 @@ private:
 
 } // namespace
 
-void AnnealingOptions::validate() const {
-  require(chains >= 1, "AnnealingOptions: chains: expected at least 1, found " + std::to_string(chains));
-  require(max_evaluations >= 1,
-          "AnnealingOptions: max_evaluations: expected at least 1, found " + std::to_string(max_evaluations));
-  require(initial_step > 0 && final_step > 0, "AnnealingOptions: initial_step and final_step: expected positive numbers, found " +
-                                                  std::to_string(initial_step) + " and " + std::to_string(final_step));
-  require(initial_temperature > 0 && final_temperature > 0,
-          "AnnealingOptions: initial_temperature and final_temperature: expected positive numbers, found " +
-              std::to_string(initial_temperature) + " and " + std::to_string(final_temperature));
-}
-
 std::unique_ptr<Optimizer> create_simulated_annealing(int dimension, const AnnealingOptions &options) {
   require_dimension(dimension, "create_simulated_annealing");
   options.validate();

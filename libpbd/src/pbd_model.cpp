@@ -161,32 +161,6 @@ double kept_in_substep(double clothness, const ClothOptions &options) {
 
 } // namespace
 
-const char *stiffness_name(Stiffness stiffness) {
-  return stiffness == Stiffness::Compliance ? "compliance" : "sweeps";
-}
-
-Stiffness stiffness_from_name(const std::string &name) {
-  for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance})
-    if (name == stiffness_name(stiffness))
-      return stiffness;
-  throw std::invalid_argument("cloth option stiffness must be 'sweeps' or 'compliance', found '" + name + "'");
-}
-
-void ClothOptions::validate() const {
-  const auto require = [](bool ok, const char *name, const char *range, double found) {
-    if (!ok)
-      throw std::invalid_argument(std::string("cloth option ") + name + " must lie in " + range + ", found " +
-                                  std::to_string(found));
-  };
-  require(iterations >= 1 && iterations <= 10000, "iterations", "[1, 10000]", iterations);
-  require(substeps >= 1 && substeps <= 1000, "substeps", "[1, 1000]", substeps);
-  require(rest_curvature >= 0 && rest_curvature <= 1, "rest_curvature", "[0, 1]", rest_curvature);
-  require(gravity.allFinite() && gravity.norm() <= 1000, "gravity", "a ball of 1000 m/s^2", gravity.norm());
-  require(restitution >= 0 && restitution <= 1, "restitution", "[0, 1]", restitution);
-  require(thickness >= 0 && thickness <= 1, "thickness", "[0, 1] m", thickness);
-  require(self_thickness >= 0 && self_thickness <= 1, "self_thickness", "[0, 1] m", self_thickness);
-}
-
 std::shared_ptr<const ClothModel> ClothModel::create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
                                                      const ClothOptions &options, const Eigen::VectorXd &fullness) {
   return std::make_shared<PbdModel>(rest, faces, clothness, options, fullness);

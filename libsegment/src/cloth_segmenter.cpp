@@ -217,14 +217,10 @@ private:
 } // namespace
 
 void SegmentOptions::validate() const {
-  if (!(rigid_threshold >= 0 && rigid_threshold < cloth_threshold))
-    throw std::invalid_argument("SegmentOptions: expected 0 <= rigid_threshold < cloth_threshold (m), found " +
-                                std::to_string(rigid_threshold) + " and " + std::to_string(cloth_threshold));
-  if (!(diffusion >= 0))
-    throw std::invalid_argument("SegmentOptions: diffusion must be >= 0 m, found " + std::to_string(diffusion));
-  if (!(smallest_region >= 0))
-    throw std::invalid_argument("SegmentOptions: smallest_region must be >= 0 m^2, found " + std::to_string(smallest_region));
-  opposite.validate();
+  options::check(*this);
+  if (!(rigid_threshold < cloth_threshold))
+    options::refuse("SegmentOptions: rigid_threshold", "less than cloth_threshold, " + options::shown(cloth_threshold) + " m",
+                    options::shown(rigid_threshold));
 }
 
 Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,

@@ -102,16 +102,6 @@ Stretches stretches(const Mesh &scan, const Edges &edges, int vertex, const Eige
 
 } // namespace
 
-void FullnessOptions::validate() const {
-  const auto check = [](bool ok, const std::string &expected, double found) {
-    if (!ok)
-      throw std::invalid_argument("FullnessOptions: expected " + expected + ", found " + std::to_string(found));
-  };
-  check(quantile >= 0 && quantile <= 1, "quantile in [0, 1]", quantile);
-  check(largest >= 1 && std::isfinite(largest), "largest of at least 1", largest);
-  check(smoothing >= 0 && std::isfinite(smoothing), "a smoothing of at least 0 m", smoothing);
-}
-
 Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness,
                                   const MeshSequence &sequence, const FullnessOptions &options, const Context &context) {
   options.validate();

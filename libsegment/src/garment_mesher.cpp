@@ -368,20 +368,6 @@ private:
 
 } // namespace
 
-void GarmentOptions::validate() const {
-  const auto check = [](bool ok, const std::string &expected, double found) {
-    if (!ok)
-      throw std::invalid_argument("GarmentOptions: expected " + expected + ", found " + std::to_string(found));
-  };
-  check(vertices >= 50 && vertices <= 200000, "vertices in [50, 200000]", vertices);
-  check(closing >= 0 && closing <= 1, "closing in [0, 1] m", closing);
-  check(smallest_hole >= 0 && smallest_hole <= 10, "smallest_hole in [0, 10] m^2", smallest_hole);
-  check(smallest_piece >= 0 && smallest_piece <= 10, "smallest_piece in [0, 10] m^2", smallest_piece);
-  check(smallest_edge >= 0 && smallest_edge <= 10, "smallest_edge in [0, 10] m", smallest_edge);
-  check(spread > 0 && spread < 1, "spread in (0, 1)", spread);
-  check(band >= 0 && band <= 1, "band in [0, 1] m", band);
-}
-
 std::unique_ptr<GarmentMesher> GarmentMesher::create(const GarmentOptions &options) {
   return std::make_unique<IsotropicMesher>(options);
 }

@@ -65,19 +65,6 @@ void check_frames(const MeshSequence &sequence, const OppositePoints &points) {
 
 } // namespace
 
-void OppositeOptions::validate() const {
-  if (rays < 1 || rays > 64)
-    throw std::invalid_argument("OppositeOptions: rays must be in [1, 64], found " + std::to_string(rays));
-  if (!(cone >= 0 && cone < 1.5))
-    throw std::invalid_argument("OppositeOptions: cone must be in [0, 1.5) rad, found " + std::to_string(cone));
-  if (!(min_distance >= 0))
-    throw std::invalid_argument("OppositeOptions: min_distance must be >= 0 m, found " + std::to_string(min_distance));
-  if (!(min_cosine >= -1 && min_cosine < 1))
-    throw std::invalid_argument("OppositeOptions: min_cosine must be in [-1, 1), found " + std::to_string(min_cosine));
-  if (!(trim >= 0 && trim < 0.5))
-    throw std::invalid_argument("OppositeOptions: trim must be in [0, 0.5), found " + std::to_string(trim));
-}
-
 OppositePoints find_opposite_points(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const OppositeOptions &options,
                                     const Context &context) {
   options.validate();

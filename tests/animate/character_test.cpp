@@ -56,16 +56,10 @@ void expect_same(const Character &a, const Character &b) {
     EXPECT_EQ(a.proxies[i].r0, b.proxies[i].r0);
   }
   ASSERT_EQ(a.materials.size(), b.materials.size());
-  EXPECT_EQ(a.materials[0].d_n, b.materials[0].d_n);
-  EXPECT_EQ(a.materials[0].k_friction, b.materials[0].k_friction);
+  EXPECT_EQ(options::listed(a.materials[0]), options::listed(b.materials[0]));
   EXPECT_EQ(a.clothness.fullness, b.clothness.fullness);
   EXPECT_TRUE(as_float(a.clothness.rest) == b.clothness.rest);
-  EXPECT_EQ(a.solver.dt, b.solver.dt);
-  EXPECT_EQ(a.solver.cloth.iterations, b.solver.cloth.iterations);
-  EXPECT_EQ(a.solver.cloth.substeps, b.solver.cloth.substeps);
-  EXPECT_EQ(a.solver.cloth.stiffness, b.solver.cloth.stiffness);
-  EXPECT_EQ(a.solver.cloth.rest_curvature, b.solver.cloth.rest_curvature);
-  EXPECT_EQ(a.solver.cloth.gravity, b.solver.cloth.gravity);
+  EXPECT_EQ(options::listed(a.solver), options::listed(b.solver));
   EXPECT_TRUE(as_float(a.body.vertices) == b.body.vertices);
   EXPECT_TRUE(as_float(a.body_weights) == b.body_weights);
   EXPECT_TRUE(a.body_shown == b.body_shown);
@@ -84,10 +78,7 @@ TEST(CharacterFile, ComesBackAsItWas) {
   Character c = textured_character();
   c.clothness.fullness = Eigen::VectorXd::Constant(c.clothness.clothness.size(), 1.25);
   c.clothness.rest = 1.1 * c.actor.mesh.vertices;
-  c.solver.cloth.iterations = 6;
-  c.solver.cloth.substeps = 4;
-  c.solver.cloth.stiffness = pbd::Stiffness::Compliance;
-  c.solver.cloth.rest_curvature = 0.25;
+  c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "character.glb", c);
   const Character once = read_character(folder / "character.glb");
   expect_same(c, once);
@@ -110,23 +101,47 @@ TEST(CharacterFile, WithoutBodyTextureAndHighMesh) {
   EXPECT_TRUE(back.actor.mesh.faces == c.actor.mesh.faces);
 }
 
+/// Puts `to` in the place of what begins with `from` and is `length` long, padded with blanks: the file keeps its size.
+void overwrite(std::string &text, const std::string &from, std::size_t length, std::string to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  ASSERT_LE(to.size(), length) << to;
+  to.resize(length, ' ');
+  text.replace(text.find(from), length, to);
+}
+
 TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
   const TempFolder folder;
   Character c = figure_character();
   c.clothness.rest = 1.1 * c.actor.mesh.vertices;
-  c.solver.cloth.stiffness = pbd::Stiffness::Compliance;
-  c.solver.cloth.rest_curvature = 0.25;
+  c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "new.glb", c);
   std::string text = read_text(folder / "new.glb");
-  for (const char *key : {"\"rest\"", "\"stiffness\"", "\"restCurvature\""}) {
-    ASSERT_NE(text.find(key), std::string::npos) << key;
-    text[text.find(key) + 1] = 'X'; // a key that nobody asks for
-  }
+  overwrite(text, "\"rest\"", 6, "\"Xest\""); // a key that nobody asks for
+  overwrite(text, "\"version\":2", 11, "\"version\":1");
+  const std::size_t solver = text.find("\"solver\":");
+  overwrite(text, "\"solver\":", text.find("}", text.find("}", solver) + 1) + 1 - solver,
+            R"("solver":{"dt":0.02,"gravity":[0,-9,0],"iterations":7,"restitution":0.5,"selfCollision":false,)"
+            R"("selfThickness":0.003,"substeps":2,"thickness":0.01})");
   write_text(folder / "old.glb", text);
   const Character old = read_character(folder / "old.glb");
   EXPECT_EQ(old.clothness.rest.rows(), 0);
-  EXPECT_EQ(old.solver.cloth.stiffness, pbd::Stiffness::Sweeps);
-  EXPECT_EQ(old.solver.cloth.rest_curvature, 1.0);
+  const SolverSettings meant{0.02, {7, 2, pbd::Stiffness::Sweeps, 1.0, {0, -9, 0}, 0.5, 0.01, 0.003, false}};
+  EXPECT_EQ(options::listed(old.solver), options::listed(meant));
+}
+
+TEST(CharacterFile, ANewerOneIsRefusedInASentence) {
+  const TempFolder folder;
+  write_character(folder / "new.glb", figure_character());
+  std::string text = read_text(folder / "new.glb");
+  overwrite(text, "\"version\":2", 11, "\"version\":3");
+  write_text(folder / "newer.glb", text);
+  try {
+    read_character(folder / "newer.glb");
+    FAIL();
+  } catch (const Error &error) {
+    EXPECT_NE(std::string(error.what()).find("expected version 1 to 2, found 3, which a newer doublet wrote"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(CharacterFile, UnknownStiffnessIsNamedWithItsFile) {

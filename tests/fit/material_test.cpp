@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <functional>
+#include <map>
 #include <numeric>
 
 namespace doublet {
@@ -301,23 +303,104 @@ TEST(MaterialObjective, AnotherRegionInItsPlaceDoesNotExplainAFeature) {
     }
 }
 
-TEST(MaterialObjective, TheFingerprintSeesEveryOption) {
-  ReferencePerformance performance = scene().performance;
-  const auto print = [&](const EnergyOptions &options) {
-    return MaterialObjective(*scene().simulator, performance, scene().observations, options).fingerprint();
+/// The fingerprints of problems that each differ in one thing, and so must they.
+class Fingerprints {
+public:
+  explicit Fingerprints(const Scene &s) : s_(s) { add(EnergyOptions{}); }
+  void add(const EnergyOptions &options, const ParameterSpace &space = {}) {
+    prints_["options " + std::to_string(count_++)] =
+        MaterialObjective(*s_.simulator, s_.performance, s_.observations, options, space).fingerprint();
+  }
+  /// `change` is applied to copies of what the scene is made of.
+  void add(const std::string &what,
+           const std::function<void(RiggedMesh &, Clothness &, std::vector<TaperedCapsule> &, pbd::ClothOptions &,
+                                    ReferencePerformance &, Observations &)> &change) {
+    RiggedMesh actor = s_.actor;
+    Clothness clothness = s_.clothness;
+    std::vector<TaperedCapsule> proxies = s_.proxies;
+    pbd::ClothOptions cloth = s_.simulator->options();
+    ReferencePerformance performance = s_.performance;
+    Observations observations = s_.observations;
+    change(actor, clothness, proxies, cloth, performance, observations);
+    const CharacterSimulator simulator(actor, clothness, proxies, cloth);
+    prints_[what] = MaterialObjective(simulator, performance, observations).fingerprint();
+  }
+  void expect_all_differ() const {
+    for (const auto &[a, print] : prints_)
+      for (const auto &[b, other] : prints_)
+        EXPECT_EQ(print == other, a == b) << a << ", " << b;
+  }
+  const std::string &operator[](const std::string &what) const { return prints_.at(what); }
+
+private:
+  const Scene &s_;
+  int count_ = 0;
+  std::map<std::string, std::string> prints_;
+};
+
+TEST(MaterialObjective, TheFingerprintSeesWhateverTheEnergyDependsOn) {
+  const auto s = make_scene({cotton()}, {12, 2, 160});
+  Fingerprints prints(*s);
+  const auto change_each = [](const auto &object, const auto &use) { // every option, to another valid value
+    options::each(object, [&](const auto &field, const auto &value) {
+      auto changed = object;
+      auto &member = changed.*field.member;
+      using Value = std::remove_cvref_t<decltype(value)>;
+      if constexpr (std::is_same_v<Value, bool>)
+        member = !value;
+      else if constexpr (std::is_enum_v<Value>)
+        member = static_cast<Value>(1 - static_cast<int>(value));
+      else if constexpr (std::is_integral_v<Value>)
+        member = value + 1;
+      else if constexpr (std::is_floating_point_v<Value>)
+        member = field.allowed.holds(value * 1.01 + 1e-4) ? value * 1.01 + 1e-4 : value * 0.99;
+      else if constexpr (std::is_same_v<Value, Eigen::Vector3d>)
+        member.x() += 0.01;
+      else
+        return;
+      use(field.name, changed);
+    });
   };
-  std::vector<EnergyOptions> others(5);
-  others[1].gamma = 2;
-  others[2].same_comparisons = false;
-  others[3].fast_features = false;
-  others[4].feature_cap = 0.03;
-  std::vector<std::string> prints;
-  for (const EnergyOptions &options : others)
-    prints.push_back(print(options));
-  performance.surface.frames[9](0, 0) += 1e-9; // the captured cloth decides what is compared
-  prints.push_back(print({}));
-  std::sort(prints.begin(), prints.end());
-  EXPECT_EQ(std::unique(prints.begin(), prints.end()), prints.end());
+  change_each(EnergyOptions{}, [&](const char *, const EnergyOptions &options) { prints.add(options); });
+  change_each(pbd::Material{}, [&](const char *, const pbd::Material &fixed) {
+    ParameterSpace space;
+    space.fixed = fixed;
+    prints.add({}, space);
+  });
+  ParameterSpace fewer;
+  fewer.names.pop_back();
+  prints.add({}, fewer);
+  change_each(s->simulator->options(), [&](const char *name, const pbd::ClothOptions &changed) {
+    prints.add(name, [&](auto &, auto &, auto &, auto &cloth, auto &, auto &) { cloth = changed; });
+  });
+  const int cloth_vertex = s->simulator->regions()[0].vertex_from_cloth.back();
+  prints.add("skin weights", [](auto &actor, auto &, auto &, auto &, auto &, auto &) { actor.weights(1, 0) += 1e-6; });
+  prints.add("invalid face", [](auto &actor, auto &, auto &, auto &, auto &, auto &) {
+    actor.face_valid.assign(actor.mesh.faces.rows(), 1);
+    actor.face_valid.back() = 0;
+  });
+  prints.add("blend weight",
+             [&](auto &, auto &clothness, auto &, auto &, auto &, auto &) { clothness.clothness[cloth_vertex] = 0.9; });
+  prints.add("fullness", [&](auto &, auto &clothness, auto &, auto &, auto &, auto &) {
+    clothness.fullness = Eigen::VectorXd::Ones(clothness.clothness.size());
+    clothness.fullness[cloth_vertex] = 1.1;
+  });
+  prints.add("proxy", [](auto &, auto &, auto &proxies, auto &, auto &, auto &) { proxies[0].r0 += 1e-6; });
+  prints.add("captured frame", [](auto &, auto &, auto &, auto &, auto &performance, auto &) {
+    performance.surface.frames[9](0, 0) += 1e-9; // the captured cloth decides what is compared
+  });
+  prints.add("pose", [](auto &, auto &, auto &, auto &, auto &performance, auto &) { performance.dofs(9, 0) += 1e-6; });
+  prints.add("image size", [](auto &, auto &, auto &, auto &, auto &, auto &observations) { ++observations.cameras[1].width; });
+  prints.add("camera", [](auto &, auto &, auto &, auto &, auto &, auto &observations) { observations.cameras[1].t.x() += 1e-6; });
+  prints.add("contour", [](auto &, auto &, auto &, auto &, auto &, auto &observations) {
+    observations.views[5][1].contour.back().x() += 0.01f;
+  });
+  prints.add("contour of another view", [](auto &, auto &, auto &, auto &, auto &, auto &observations) {
+    auto &views = observations.views[5];
+    views[1].contour.push_back(views[0].contour.back());
+    views[0].contour.pop_back();
+  });
+  prints.expect_all_differ();
 }
 
 TEST(MaterialObjective, AScrapOnTheContourDoesNotExplainIt) {
@@ -754,6 +837,29 @@ TEST(MaterialFiles, AreReadBack) {
   EXPECT_NE(written.find("\"remarks\": []"), std::string::npos);
   EXPECT_NE(written.find("d_n = 0.333 depends on the seed"), std::string::npos);
   EXPECT_EQ(written.find("energy_at_centre"), std::string::npos); // not measured
+
+  EXPECT_NO_THROW(read_materials(folder / "material.json", result.solver));
+  SolverSettings other = result.solver;
+  other.cloth.restitution = 0.25;
+  const auto refusal = [&](const char *file) {
+    try {
+      read_materials(folder / file, other);
+    } catch (const Error &error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refusal("material.json").find("material.json: solver setting cloth.restitution: expected 0.25, found 0"),
+            std::string::npos);
+  write_text(folder / "newer.json", R"({"version": 3, "regions": []})");
+  EXPECT_NE(refusal("newer.json").find("expected version 1 to 2 of material.json, found 3, which a newer doublet wrote"),
+            std::string::npos);
+  // Version 1 knew these four alone.
+  write_text(folder / "first.json",
+             R"({"solver": {"dt": 0.025, "n_iter": 24, "substeps": 1, "stiffness": "sweeps"}, "regions": []})");
+  EXPECT_EQ(refusal("first.json"), "");
+  other.cloth.stiffness = pbd::Stiffness::Compliance;
+  EXPECT_NE(refusal("first.json").find("cloth.stiffness: expected compliance, found sweeps"), std::string::npos);
 
   EXPECT_THROW(read_materials(folder / "none.json"), FileNotFound);
   for (const char *text : {"{", "[]", "{\"regions\": [{}]}", "{\"regions\": [{\"parameters\": {\"d_n\": \"much\"}}]}"}) {

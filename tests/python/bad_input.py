@@ -325,6 +325,8 @@ spoilt_by(
     a_material_without_a_parameter=text("out/material.json", ('"k_bend"', '"k_fold"')),
     a_material_beyond_its_range=text("out/material.json", ('"k_bend": 0.7', '"k_bend": 7.0')),
     material_json_that_is_no_JSON=content("out/material.json", "{"),
+    a_material_of_another_solver=content("out/material.json", '{"solver": {"substeps": 1}, "regions": []}'),
+    a_material_file_of_the_future=content("out/material.json", '{"version": 3, "regions": []}'),
     simulated_cloth_without_a_material=content("out/material.json", '{"regions": []}'),
     template_high_ply_cut_in_half=cut("out/template_high.ply"),
 )
@@ -344,7 +346,7 @@ spoilt_by(
     half_a_character=cut("c.glb"),
     a_character_that_is_no_glTF=content("c.glb", b"PK" + bytes(100)),
     a_glTF_of_another_program=gltf(lambda g: g.pop("extensions") and None),
-    a_version_of_the_future=gltf(lambda g: extension(g).update(version=2)),
+    a_version_of_the_future=gltf(lambda g: extension(g).update(version=3)),
     a_buffer_in_another_file=gltf(lambda g: g["buffers"][0].update(uri="../../../etc/passwd")),
     an_image_in_another_file=gltf(lambda g: g["images"][0].update(uri="https://example.com/a.png")),
     a_buffer_view_that_begins_at_2147483647=gltf(lambda g: view_of_texture(g).update(byteOffset=2**31 - 1)),

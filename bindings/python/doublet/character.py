@@ -15,14 +15,15 @@ FORMATS = (".npz", ".glb", ".mp4")
 
 def build_character(job) -> dict:
     """Re-animates the reference motion (simulated.npz) and writes character.glb."""
-    materials = d.read_materials(job.path("material.json"))
+    solver = job.solver_settings()
+    materials = d.read_materials(job.path("material.json"), solver)
     regions = job.dressed.clothness.region_count
     if len(materials) != regions:
         file = job.path("material.json")
         raise RuntimeError(f"{file}: expected a material for each of {regions} cloth regions, found {len(materials)}")
-    performance, dt = job.dressed_performance(), 1 / job.session.fps
+    performance = job.dressed_performance()
     simulated = d.simulate_reference(
-        job.simulator(), performance, materials, dt, job.options["energy"].settle_frames, job.context
+        job.simulator(), performance, materials, solver.dt, job.options["energy"].settle_frames, job.context
     )
     dressed = job.dressed
     display = d.make_display(dressed.actor, dressed.clothness, d.read_mesh(job.path("template_high.ply")))
@@ -32,7 +33,7 @@ def build_character(job) -> dict:
         d.read_body(job.path("body.npz")),
         d.read_proxies(job.path("proxies.json"), job.actor.skeleton),
         materials,
-        d.SolverSettings(dt, job.options["cloth"]),
+        solver,
         display.mesh,
         display.valid,
         display.garment_subdivisions,

@@ -47,28 +47,46 @@ def stopped_by_signals():
 
 
 def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
-    """`--GROUP-FIELD` for every field of the option classes, with its default and meaning."""
+    """`--GROUP-FIELD` for every field of the option classes, with its meaning, range and default."""
     for group, options_class in groups.items():
         flags = parser.add_argument_group(f"{group} options", options_class.__doc__.splitlines()[0])
+        described = options_class.described()
         for name, default in pipeline.make_options(group, options_class).to_dict().items():
-            if (group, name) in pipeline.DERIVED_FIELDS or isinstance(default, d.Material):
+            if pipeline.is_derived(group, name, default):
                 continue
-            meaning = getattr(options_class, name).__doc__.splitlines()[-1].replace("%", "%%")
-            flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": f"{meaning} (default: {shown(default)})"}
+            flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": flag_help(described[name], default)}
             if isinstance(default, bool):
                 flag["action"] = argparse.BooleanOptionalAction
+            elif pipeline.takes_pairs(default):
+                flag["nargs"], flag["metavar"] = "+", "NAME=X"
             elif isinstance(default, (list, np.ndarray)):
-                flag["nargs"] = len(default) if isinstance(default, np.ndarray) else "+"
-                flag["type"] = float if isinstance(default, np.ndarray) else str
+                flag["nargs"] = len(default) if isinstance(default, np.ndarray) else "*"
+                flag["type"] = number if "lower" in described[name] else str
             else:
                 flag["type"] = type(default)
                 flag["metavar"] = "N" if isinstance(default, int) else "X"
             flags.add_argument(f"--{group}-{name.replace('_', '-')}", **flag)
 
 
+def flag_help(described: dict, default) -> str:
+    takes = " ".join(t for t in (described["takes"], described["unit"]) if t)
+    text = described["meaning"] + (f"; {takes}" if takes else "") + f" (default: {shown(default)})"
+    return text.replace("%", "%%")
+
+
+def number(text: str) -> int | float:
+    """Whole numbers stay whole: a list of seeds, of indices."""
+    try:
+        return int(text)
+    except ValueError:
+        return float(text)
+
+
 def shown(value) -> str:
+    if pipeline.takes_pairs(value):
+        value = [f"{name}={x}" for name, x in pipeline.plain(value).items()]
     if isinstance(value, (list, np.ndarray)):
-        return " ".join(str(v) for v in value)
+        return " ".join(str(v) for v in value) or "none"
     return str(value)
 
 
@@ -182,27 +200,13 @@ def run_synthesize(arguments) -> None:
     options = SynthesisOptions(**chosen)
     options.validate()
     if arguments.material:
-        character.materials = [changed(material, arguments.material) for material in character.materials]
+        character.materials = [pipeline.with_pairs(m, arguments.material, "--material") for m in character.materials]
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
     motion = read_motion(arguments.motion, character, 1 / character.solver.dt, retargeting)
     rig = d.Session(arguments.cameras).rig if arguments.cameras else None
     frames = synthesize(character, motion, arguments.out, options, rig, console)
     console.finish()
     print(f"{arguments.out}: {frames} frames")
-
-
-def changed(material: d.Material, settings: list[str]) -> d.Material:
-    """`material` with settings such as "k_bend=0.7"."""
-    values = material.to_dict()
-    for setting in settings:
-        name, _, value = setting.partition("=")
-        if name not in values:
-            raise ValueError(f"--material: expected one of {', '.join(values)}, found '{name}'")
-        try:
-            values[name] = float(value)
-        except ValueError:
-            raise ValueError(f"--material: expected a number for {name}, found '{value}'") from None
-    return d.Material(**values)
 
 
 def run_train_body(arguments) -> None:

@@ -29,6 +29,7 @@ OPTION_GROUPS = {
     "annealing": d.ParticleAnnealingOptions,
     "surface": d.SurfaceOptions,
     "segment": d.SegmentOptions,
+    "opposite": d.OppositeOptions,
     "fullness": d.FullnessOptions,
     "body": d.BodyFitOptions,
     "proxy": d.ProxyOptions,
@@ -51,12 +52,42 @@ DEFAULTS = {
     "fit": {"stop_margin": 0.1, "smallest_deviation": 0.1, "answer_generations": 14},
     "space": {"fixed": d.Material(k_damping=0.05), "even_steps": True},
 }
-#: Set by the session, by --seed or by another option, not by an option of their own.
-DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed")}
+#: Set by the session, by --seed or by the command itself, not by an option of their own.
+DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("train", "command")}
+
+
+def is_derived(group: str, name: str, value) -> bool:
+    """Also of options that are a group of their own, such as `annealing` in `limbs`."""
+    return (group, name) in DERIVED_FIELDS or type(value) is OPTION_GROUPS.get(name)
 
 
 def make_options(group: str, options_class: type, **chosen):
-    return options_class(**{**DEFAULTS.get(group, {}), **chosen})
+    """The pipeline's defaults, and what was chosen on top of them; of a material or a dict this may be NAME=X pairs."""
+    values = options_class(**DEFAULTS.get(group, {})).to_dict()
+    for name, value in chosen.items():
+        pairs = takes_pairs(values.get(name)) and isinstance(value, list)
+        values[name] = with_pairs(values[name], value, f"{group}.{name}") if pairs else value
+    return options_class(**values)
+
+
+def takes_pairs(value) -> bool:
+    return isinstance(value, (d.Material, dict))
+
+
+def with_pairs(before, pairs: list[str], where: str):
+    """A material with settings such as "k_bend=0.7", or a dict of texts with any."""
+    settings = dict(pair.partition("=")[::2] for pair in pairs)
+    if isinstance(before, dict):
+        return {**before, **settings}
+    values = before.to_dict()
+    for name, value in settings.items():
+        if name not in values:
+            raise ValueError(f"{where}: expected one of {', '.join(values)}, found '{name}'")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise ValueError(f"{where}: expected a number for {name}, found '{value}'") from None
+    return d.Material(**values)
 
 
 @dataclass
@@ -90,9 +121,7 @@ class Job:
     @cached_property
     def silhouettes(self) -> d.SilhouetteExtractor | None:
         """Trained, for the cameras without ready masks; None if all have some."""
-        options = d.SilhouetteOptions(**self.options["silhouette"].to_dict())
-        options.key, options.background = self.options["key"], self.options["background"]
-        return d.session_silhouettes(self.session, d.FrameSource.open(self.session), options, self.context)
+        return d.session_silhouettes(self.session, d.FrameSource.open(self.session), self.group("silhouette"), self.context)
 
     @property
     def context(self) -> d.Context:
@@ -100,6 +129,12 @@ class Job:
 
     def path(self, name: str) -> Path:
         return self.out / name
+
+    def group(self, name: str):
+        """The options of a group, and in them those of the groups that belong to it."""
+        values = self.options[name].to_dict()
+        inner = {k: self.group(k) for k, v in values.items() if type(v) is OPTION_GROUPS.get(k)}
+        return OPTION_GROUPS[name](**{**values, **inner})
 
     @cached_property
     def actor(self) -> d.RiggedMesh:
@@ -130,9 +165,11 @@ class Job:
         return d.CharacterSimulator(dressed.actor, dressed.clothness, proxies, self.options["cloth"])
 
     def energy_options(self) -> d.EnergyOptions:
-        values = self.options["energy"].to_dict()
-        values["dt"] = 1 / (self.fps or self.session.fps)
-        return d.EnergyOptions(**values)
+        return d.EnergyOptions(**{**self.options["energy"].to_dict(), "dt": self.solver_settings().dt})
+
+    def solver_settings(self) -> d.SolverSettings:
+        """Without which the materials mean nothing."""
+        return d.SolverSettings(1 / (self.fps or self.session.fps), self.options["cloth"])
 
 
 @dataclass(frozen=True)
@@ -204,10 +241,7 @@ def run_rig(job: Job) -> dict:
 
 
 def run_performance(job: Job) -> dict:
-    options = d.CaptureOptions(**job.options["capture"].to_dict())
-    for group in ("features", "pose", "limbs", "surface"):
-        setattr(options, group, job.options[group])
-    options.limbs.annealing = job.options["annealing"]
+    options = job.group("capture")
     options.limbs.annealing.seed = job.seed
     frames, capture = d.FrameSource.open(job.session), d.PerformanceCapture.create(options)
     result = capture.capture(job.actor, job.session.rig, frames, job.silhouettes, job.context)
@@ -228,7 +262,7 @@ def run_performance(job: Job) -> dict:
 
 
 def run_segment(job: Job) -> dict:
-    segmenter, fullness = d.ClothSegmenter.create(job.options["segment"]), job.options["fullness"]
+    segmenter, fullness = d.ClothSegmenter.create(job.group("segment")), job.options["fullness"]
     result = d.segment_performance(job.actor, job.performance(), segmenter, fullness, job.context)
     d.write_clothness(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
@@ -298,18 +332,14 @@ def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, float]]:
         mesher = d.GarmentMesher.create(d.GarmentOptions(**{**options.to_dict(), "spread": spread}))
         return mesher.mesh(job.actor, clothness, body, captured, job.context)
 
-    best = garment_of(spreads[0] if spreads else options.spread)
-    if len(spreads) < 2 or best.region_count == 0:
-        return best, {}
+    garments = [garment_of(spread) for spread in spreads or [options.spread]]
+    if len(garments) < 2 or garments[0].region_count == 0:
+        return garments[0], {}
     costs: dict[str, float] = {}
-    for spread in spreads:
-        garment = garment_of(spread) if costs else best
-        cost = trial_energy(job, garment)
-        if cost < min(costs.values(), default=np.inf):
-            best = garment
-        costs[f"{spread:g}"] = cost
+    for spread, garment in zip(spreads, garments):
+        costs[f"{spread:g}"] = cost = trial_energy(job, garment)
         job.console.say(f"garment: spread {spread:g} costs {cost:.4g} px^2 with ordinary materials")
-    return best, costs
+    return garments[d.chosen_garment(list(costs.values()), job.options["trial"])], costs
 
 
 def trial_energy(job: Job, garment: d.Garment) -> float:
@@ -322,10 +352,9 @@ def trial_energy(job: Job, garment: d.Garment) -> float:
 
 
 def fit_options(job: Job) -> d.FitOptions:
-    options = d.FitOptions(**job.options["fit"].to_dict())
+    options = job.group("fit")
     options.seed = job.seed
     options.energy = job.energy_options()
-    options.space = job.options["space"]
     return options
 
 
@@ -397,7 +426,7 @@ STAGES = (
         ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
         lambda s: [s.calibration, *image_files(s)], uses_seed=True,
     ),
-    Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "fullness"), run_segment),
+    Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "opposite", "fullness"), run_segment),
     Stage(
         "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
         lambda s: [s.markers], uses_body_model=True,
@@ -453,14 +482,12 @@ def plain(value):
     if isinstance(value, np.ndarray):
         return value.tolist()
     if hasattr(value, "to_dict"):
-        return value.to_dict()
+        return {name: plain(inner) for name, inner in value.to_dict().items()}
     return value
 
 
 def stage_options(job: Job, stage: Stage) -> dict:
-    options = {
-        f"{g}.{k}": plain(v) for g in stage.groups for k, v in job.options[g].to_dict().items() if (g, k) not in DERIVED_FIELDS
-    }
+    options = {f"{g}.{k}": plain(v) for g in stage.groups for k, v in job.options[g].to_dict().items() if not is_derived(g, k, v)}
     if stage.uses_seed:
         options["seed"] = job.seed
     if "energy" in stage.groups:

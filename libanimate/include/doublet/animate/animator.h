@@ -3,19 +3,31 @@
 
 #include "doublet/animate/character.h"
 #include "doublet/animate/motion.h"
+#include "doublet/options/options.h"
 
 #include <functional>
 
 namespace doublet {
 
 struct AnimateOptions {
-  double settle_seconds = 1.0; ///< s, the cloth falls into place in the first pose before the animation starts
-  bool high = true;            ///< also M_high
-  bool body = true;            ///< also the body under the clothes
-  /// Proxies are simpler than the body, so cloth may rest a little inside it: draw the body under the surface where it stands
-  /// out.
+  double settle_seconds = 1.0;
+  bool high = true;
+  bool body = true;
   bool tuck_body = true;
-  void validate() const; ///< throws std::invalid_argument naming option, range and value
+  static constexpr auto describe() {
+    using namespace options;
+    using O = AnimateOptions;
+    return Description{
+        "AnimateOptions",
+        option(&O::settle_seconds, "settle_seconds", Range{0, 60}, "s",
+               "the cloth falls into place in the first pose before the animation starts"),
+        option(&O::high, "high", "also M_high"),
+        option(&O::body, "body", "also the body under the clothes"),
+        option(&O::tuck_body, "tuck_body",
+               "draw the body under the surface where it stands out: proxies are simpler, so cloth may rest a little inside it"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 struct AnimationFrame {

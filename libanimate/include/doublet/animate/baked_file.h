@@ -2,6 +2,7 @@
 // A finished animation as a file for other programs.
 
 #include "doublet/animate/animator.h"
+#include "doublet/options/options.h"
 
 #include <filesystem>
 
@@ -12,11 +13,20 @@ namespace doublet {
 void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation);
 
 struct BakedGlbOptions {
-  /// 1/s, shapes that are stored; viewers blend linearly between them. 0 = every frame: nothing is off anywhere. At 10 loose
-  /// cloth is off by up to 2 cm in between.
   double keys_per_second = 0;
-  int most_keys = 400;   ///< a long clip gets fewer keys a second rather than a file of hundreds of megabytes
-  void validate() const; ///< throws std::invalid_argument naming option, range and value
+  int most_keys = 400;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = BakedGlbOptions;
+    return Description{
+        "BakedGlbOptions",
+        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s",
+               "shapes that are stored; viewers blend between them, and at 10 loose cloth is up to 2 cm off. 0 = every frame"),
+        option(&O::most_keys, "most_keys", Range{2, 5000}, "",
+               "a long clip gets fewer keys a second rather than a file of hundreds of megabytes"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Plays in any glTF 2.0 viewer: the joints as animated nodes, and skinned to them the surface of M (coloured from the texture)

@@ -2,6 +2,7 @@
 // The animatable character: everything that a new animation needs, as one value. File: character.glb (character_file.h).
 
 #include "doublet/animate/character_simulator.h"
+#include "doublet/animate/solver_settings.h"
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 
@@ -11,12 +12,6 @@ namespace doublet {
 
 /// (N, 2) texture coordinates, glTF's convention: (0, 0) is the top left corner of the image.
 using TexCoords = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
-
-/// How the cloth was simulated when its material was estimated; the parameters mean nothing without it.
-struct SolverSettings {
-  double dt = 1.0 / 40.0; ///< s, one frame
-  pbd::ClothOptions cloth;
-};
 
 struct Character {
   std::string name = "character";

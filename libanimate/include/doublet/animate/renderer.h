@@ -4,6 +4,7 @@
 
 #include "doublet/animate/character.h"
 #include "doublet/core/camera.h"
+#include "doublet/options/options.h"
 
 namespace doublet {
 
@@ -19,13 +20,26 @@ struct RenderMesh {
 };
 
 struct RenderOptions {
-  Eigen::Vector3d background{0.93, 0.94, 0.96};   ///< R G B
-  bool floor = true;                              ///< a grid at floor_height, with the meshes' soft shadow
-  double floor_height = 0;                        ///< m
-  double light = 0.75;                            ///< share of the key light; the rest is the sky
-  Eigen::Vector3d light_direction{0.4, 1.0, 0.6}; ///< to the light, world
-  bool supersample = true;                        ///< 2 x 2 samples a pixel
-  void validate() const;                          ///< throws std::invalid_argument naming option, range and value
+  Eigen::Vector3d background{0.93, 0.94, 0.96};
+  bool floor = true;
+  double floor_height = 0;
+  double light = 0.75;
+  Eigen::Vector3d light_direction{0.4, 1.0, 0.6};
+  bool supersample = true;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = RenderOptions;
+    return Description{
+        "RenderOptions",
+        option(&O::background, "background", Range{0, 1}, "", "R G B"),
+        option(&O::floor, "floor", "a grid at floor_height, with the meshes' soft shadow"),
+        option(&O::floor_height, "floor_height", Range{}, "m", "of the grid"),
+        option(&O::light, "light", Range{0, 1}, "", "share of the key light; the rest is the sky"),
+        option(&O::light_direction, "light_direction", Range{}, "", "to the light, world; of any length but 0"),
+        option(&O::supersample, "supersample", "2 x 2 samples a pixel"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// B G R image of the camera's size. Throws std::invalid_argument if a mesh's arrays do not fit together.

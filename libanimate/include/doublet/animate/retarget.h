@@ -4,23 +4,42 @@
 #include "doublet/animate/motion.h"
 #include "doublet/animate/motion_file.h"
 #include "doublet/core/context.h"
+#include "doublet/options/options.h"
 
 #include <map>
 
 namespace doublet {
 
 struct RetargetOptions {
-  double fps = 0;           ///< 1/s, of the result; 0 = that of the file
-  double first_second = 0;  ///< s, where in the file to start
-  double last_second = 1e9; ///< s, where to stop
-  bool align_start = true;  ///< start where the actor stands in the rest pose, facing the same way
-  bool apply_limits = true; ///< keep hinges and balls inside the skeleton's limits
-  bool ground_feet = true;  ///< one height for the whole clip so that the feet reach the floor as in the rest pose, and not below
-  double hold_seconds = 0.1;  ///< s, in the rest pose before the motion, see blend_in()
-  double blend_seconds = 0.6; ///< s, from the rest pose to the first pose; 0 with hold_seconds 0 = the clip alone
-  /// Our joint -> joint of the file, for names nobody guesses; the standard conventions (CMU, Acclaim, iClone, Mixamo, Biped, our
-  /// own) need none.
+  double fps = 0;
+  double first_second = 0;
+  double last_second = 1e9;
+  bool align_start = true;
+  bool apply_limits = true;
+  bool ground_feet = true;
+  double hold_seconds = 0.1;
+  double blend_seconds = 0.6;
   std::map<std::string, std::string> joint_names;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = RetargetOptions;
+    return Description{
+        "RetargetOptions",
+        option(&O::fps, "fps", at_least(0), "1/s", "of the result; give the character's 1/dt. 0 = that of the file"),
+        option(&O::first_second, "first_second", at_least(0), "s", "where in the file to start"),
+        option(&O::last_second, "last_second", at_least(0), "s", "where to stop"),
+        option(&O::align_start, "align_start", "start where the actor stands in the rest pose, facing the same way"),
+        option(&O::apply_limits, "apply_limits", "keep hinges and balls inside the skeleton's limits"),
+        option(&O::ground_feet, "ground_feet",
+               "one height for the whole clip so that the feet reach the floor as in the rest pose, and not below"),
+        option(&O::hold_seconds, "hold_seconds", Range{0, 60}, "s", "in the rest pose before the motion, see blend_in()"),
+        option(&O::blend_seconds, "blend_seconds", Range{0, 60}, "s",
+               "from the rest pose to the first pose, so that cloth is not torn away; 0 with hold_seconds 0 = the clip alone"),
+        option(&O::joint_names, "joint_names",
+               "our joint -> joint of the file, for names nobody guesses; CMU, Acclaim, iClone, Mixamo, Biped and our own need "
+               "none"),
+    };
+  }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 

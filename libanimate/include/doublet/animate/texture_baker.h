@@ -3,16 +3,32 @@
 
 #include "doublet/animate/character.h"
 #include "doublet/core/camera.h"
+#include "doublet/options/options.h"
 
 namespace doublet {
 
 struct TextureOptions {
-  int size = 2048;            ///< pixels, width and height of the atlas; 25k triangles get cells of about 18 pixels
-  double facing_power = 4;    ///< cameras count by cos^k of the angle between normal and ray
-  double grazing = 0.2;       ///< cameras below this cosine do not count: they see the silhouette's mixed pixels
-  double depth_margin = 0.01; ///< m, a point this far behind the z-buffer's surface is hidden
-  double edge_margin = 0.02;  ///< m, a point this close to the edge of something in front of it does not count: legs at a hem
-  void validate() const;      ///< throws std::invalid_argument naming option, range and value
+  int size = 2048;
+  double facing_power = 4;
+  double grazing = 0.2;
+  double depth_margin = 0.01;
+  double edge_margin = 0.02;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = TextureOptions;
+    return Description{
+        "TextureOptions",
+        option(&O::size, "size", Range{64, 16384}, "px",
+               "width and height of the atlas; in 2048, 25k triangles get cells of about 18 pixels"),
+        option(&O::facing_power, "facing_power", Range{0, 64}, "", "cameras count by cos^k of the angle between normal and ray"),
+        option(&O::grazing, "grazing", Range{0, 1, Open::Above}, "",
+               "cameras below this cosine do not count: they see the silhouette's mixed pixels"),
+        option(&O::depth_margin, "depth_margin", above(0), "m", "a point this far behind the z-buffer's surface is hidden"),
+        option(&O::edge_margin, "edge_margin", Range{0, 1}, "m",
+               "a point this close to the edge of something in front of it does not count: legs at a hem"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 struct BakedTexture {

@@ -4,6 +4,7 @@
 #include "doublet/bodymodel/body_model.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 
 #include <filesystem>
 #include <map>
@@ -14,16 +15,35 @@
 namespace doublet {
 
 struct BodyFitOptions {
-  int iterations = 20;               ///< of ICP; the robust scale shrinks over the first two thirds
-  double landmark_deviation = 0.015; ///< m, how far a clicked landmark is trusted
-  double joint_deviation = 0.025;    ///< m, how far a marked joint is trusted: rigs differ in where a hip is
-  double surface_deviation = 0.004;  ///< m, of skin around the model, per 4 cm^2 of surface (errors of the model are correlated)
-  double scale_deviation =
-      0.03; ///< relative, prior of the similarity's scale: stature is the model's, this is for units and children
-  double outlier_scale = 0.010;   ///< m, final scale of the Geman-McClure weights (hair, shoes)
-  double cloth_margin = 0.003;    ///< m, the body stays this far inside cloth
-  double cloth_attraction = 0.03; ///< weight, against skin, of cloth within about outlier_scale of the body: it rests there
-  void validate() const;
+  int iterations = 20;
+  double landmark_deviation = 0.015;
+  double joint_deviation = 0.025;
+  double surface_deviation = 0.004;
+  double scale_deviation = 0.03;
+  double outlier_scale = 0.010;
+  double cloth_margin = 0.003;
+  double cloth_attraction = 0.03;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = BodyFitOptions;
+    return Description{
+        "BodyFitOptions",
+        option(&O::iterations, "iterations", at_least(1), "", "of ICP; the robust scale shrinks over the first two thirds"),
+        option(&O::landmark_deviation, "landmark_deviation", above(0), "m",
+               "how far a clicked landmark is trusted; Cauchy weights beyond three of them"),
+        option(&O::joint_deviation, "joint_deviation", above(0), "m",
+               "how far a marked joint is trusted: rigs differ in where a hip is"),
+        option(&O::surface_deviation, "surface_deviation", above(0), "m",
+               "of skin around the model, per 4 cm^2 of surface (errors of the model are correlated)"),
+        option(&O::scale_deviation, "scale_deviation", above(0), "",
+               "relative, prior of the similarity's scale: stature is the model's, this is for units and children"),
+        option(&O::outlier_scale, "outlier_scale", above(0), "m", "final scale of the Geman-McClure weights (hair, shoes)"),
+        option(&O::cloth_margin, "cloth_margin", at_least(0), "m", "the body stays this far inside cloth"),
+        option(&O::cloth_attraction, "cloth_attraction", Range{0, 1}, "",
+               "weight, against skin, of cloth within about outlier_scale of the body: it rests there"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// One of several scans of the same person: other clothes, other poses, even other units.
@@ -49,11 +69,24 @@ public:
 };
 
 struct ProxyOptions {
-  double clearance = 0.0;      ///< m, the capsules stand this much inside the body on average
-  double cloth_margin = 0.004; ///< m, at least this far inside the cloth of the scan pose: resting cloth is never pushed
-  int capsules_per_bone = 2;   ///< 1 to 3
-  int iterations = 40;         ///< of the least squares
-  void validate() const;
+  double clearance = 0.0;
+  double cloth_margin = 0.004;
+  int capsules_per_bone = 2;
+  int iterations = 40;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = ProxyOptions;
+    return Description{
+        "ProxyOptions",
+        option(&O::clearance, "clearance", Range{-0.1, 0.1, Open::Both}, "m",
+               "the capsules stand this much inside the body on average"),
+        option(&O::cloth_margin, "cloth_margin", Range{0, 0.1, Open::Above}, "m",
+               "at least this far inside the cloth of the scan pose: resting cloth is never pushed"),
+        option(&O::capsules_per_bone, "capsules_per_bone", Range{1, 3}, "", "tapered capsules along one bone"),
+        option(&O::iterations, "iterations", at_least(0), "", "of the least squares"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 /// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, and the next bones down the
 /// chain. Empty if nothing is cloth.

@@ -2,6 +2,7 @@
 // Learns the body model from registered meshes.
 
 #include "doublet/core/context.h"
+#include "doublet/options/options.h"
 
 #include <filesystem>
 #include <string>
@@ -10,14 +11,30 @@
 namespace doublet {
 
 struct TrainOptions {
-  int components = 100;     ///< shape components kept, at most meshes - 1; 100 keep 99.99 % of the shipped population's variance
-  double pose_floor = 0.07; ///< rad (4 degrees), added in quadrature to every pose deviation: joints that the population never
-                            ///< bends sideways can still follow a scan a little
-  std::vector<int> individuals; ///< train on these only (empty = all); the others are for leave-out tests
+  int components = 100;
+  double pose_floor = 0.07;
+  std::vector<int> individuals;
   std::string name = "doublet-body";
-  std::string licence = "CC0 1.0 Universal"; ///< of the population; copied into the file
-  std::string command;                       ///< recorded in the file
-  void validate() const;
+  std::string licence = "CC0 1.0 Universal";
+  std::string command;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = TrainOptions;
+    return Description{
+        "TrainOptions",
+        option(&O::components, "components", at_least(1), "",
+               "shape components kept, at most meshes - 1; 100 keep 99.99 % of the shipped population's variance"),
+        option(&O::pose_floor, "pose_floor", above(0), "rad",
+               "added in quadrature to every pose deviation: joints that the population never bends sideways can follow a scan a "
+               "little"),
+        option(&O::individuals, "individuals", at_least(0), "",
+               "train on these only (empty = all); the others are for leave-out tests"),
+        option(&O::name, "name", "of the model"),
+        option(&O::licence, "licence", "of the population; copied into the file"),
+        option(&O::command, "command", "recorded in the file"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 struct TrainSummary {

@@ -3,6 +3,7 @@
 
 #include "doublet/core/image.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 
 #include <memory>
 #include <utility>
@@ -16,12 +17,25 @@ struct Features {
 };
 
 struct FeatureTrackerOptions {
-  int budget =
-      500; ///< strongest features kept per image; bounds the time (40-60 ms an image of 1004 x 1004) and is enough for the pose
-  int erode = 3;                 ///< px at 1004 px image height; features closer to the silhouette see background
-  double ratio = 0.8;            ///< best / second best descriptor distance, Lowe 2004 Sect. 7.1
-  double max_displacement = 0.1; ///< of the silhouette's height between two frames; 7 m/s for a person at 40 fps
-  void validate() const;
+  int budget = 500;
+  int erode = 3;
+  double ratio = 0.8;
+  double max_displacement = 0.1;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = FeatureTrackerOptions;
+    return Description{
+        "FeatureTrackerOptions",
+        option(&O::budget, "budget", at_least(1), "",
+               "strongest features kept per image; time is proportional (40-60 ms an image of 1004 x 1004), 500 do for the pose"),
+        option(&O::erode, "erode", at_least(0), "px",
+               "at 1004 px image height; features closer to the silhouette see background"),
+        option(&O::ratio, "ratio", Range{0, 1, Open::Below}, "", "best / second best descriptor distance, Lowe 2004 Sect. 7.1"),
+        option(&O::max_displacement, "max_displacement", above(0), "",
+               "of the silhouette's height between two frames; 0.1 = 7 m/s for a person at 40 fps"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// The swap point: image and mask in, features out; two successive frames' features in, matches out. Both are called from many

@@ -6,6 +6,7 @@
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 
 #include <memory>
 #include <string>
@@ -35,13 +36,29 @@ struct LimbProblem {
 };
 
 struct LimbSearchOptions {
-  int raster_size = 160;    ///< px; longest side of the masks and renderings compared; an arm is 3 to 4 px wide
-  double lost = 0.02;       ///< m; a limb with a larger error is lost. Tracked ones have a few mm, an arm 30 degrees off 4 cm
-  double reach = 0.3;       ///< m; disagreements count at most so much
-  double deviation = 0.7;   ///< rad; of the first particles around the prediction
-  double smoothness = 0.02; ///< of (angle - prediction)^2 / deviation^2 against the share of the limb's area
+  int raster_size = 160;
+  double lost = 0.02;
+  double reach = 0.3;
+  double deviation = 0.7;
+  double smoothness = 0.02;
   ParticleAnnealingOptions annealing;
-  void validate() const;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = LimbSearchOptions;
+    return Description{
+        "LimbSearchOptions",
+        option(&O::raster_size, "raster_size", at_least(64), "px",
+               "longest side of the masks and renderings compared; an arm is 3 to 4 px wide"),
+        option(&O::lost, "lost", above(0), "m",
+               "a limb with a larger error is lost; tracked ones have a few mm, an arm 30 degrees off 4 cm"),
+        option(&O::reach, "reach", above(0), "m", "disagreements count at most so much"),
+        option(&O::deviation, "deviation", above(0), "rad", "of the first particles around the prediction"),
+        option(&O::smoothness, "smoothness", at_least(0), "",
+               "weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area"),
+        option(&O::annealing, "annealing", "of the particles"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Error (limbs), m, of each limb in the pose `dofs` (D): how far its rendered pixels lie outside the masks, plus how far mask

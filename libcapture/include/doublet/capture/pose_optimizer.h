@@ -4,6 +4,7 @@
 #include "doublet/capture/rims.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 
 #include <memory>
 
@@ -38,19 +39,42 @@ struct PoseEstimate {
 };
 
 struct PoseOptions {
-  int iterations = 8;        ///< renderings with re-matching; a tracked frame moves below 1 mm after 6
-  int first_iterations = 24; ///< the same for the first frame
-  int raster_size = 512;     ///< px; longest side of the renderings in which rims are found; rims keep sub-pixel residuals
-  int rims_per_view = 300;   ///< correspondences per view and direction
-  double gate_start = 0.15, gate_end = 0.06; ///< m; rim matches farther away are dropped; from the first to the last iteration
-  double scale_start = 0.05,
-         scale_end = 0.015; ///< m; Geman-McClure scale of all residuals; shrinks likewise. The end is the size of skinning errors
-  double sift_weight = 1.0; ///< of one feature track against one rim correspondence
-  double prior_weight = 4.0; ///< of the prediction against one rim correspondence, for a deviation of prior_angle or prior_shift
-  double prior_angle = 0.15; ///< rad; expected error of the prediction
-  double prior_shift = 0.03; ///< m; the same for the root's translation
-  double limit_weight = 400.0; ///< of a joint limit passed by prior_angle against one rim correspondence
-  void validate() const;
+  int iterations = 8;
+  int first_iterations = 24;
+  int raster_size = 512;
+  int rims_per_view = 300;
+  double gate_start = 0.15, gate_end = 0.06;
+  double scale_start = 0.05, scale_end = 0.015;
+  double sift_weight = 1.0;
+  double prior_weight = 4.0;
+  double prior_angle = 0.15;
+  double prior_shift = 0.03;
+  double limit_weight = 400.0;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = PoseOptions;
+    return Description{
+        "PoseOptions",
+        option(&O::iterations, "iterations", at_least(1), "",
+               "renderings with re-matching; a tracked frame moves below 1 mm after 6"),
+        option(&O::first_iterations, "first_iterations", at_least(1), "", "the same for the first frame"),
+        option(&O::raster_size, "raster_size", at_least(64), "px",
+               "longest side of the renderings in which rims are found; rims keep sub-pixel residuals"),
+        option(&O::rims_per_view, "rims_per_view", at_least(10), "", "correspondences per view and direction"),
+        option(&O::gate_start, "gate_start", above(0), "m", "rim matches farther away are dropped, first iteration"),
+        option(&O::gate_end, "gate_end", above(0), "m", "the same, last iteration"),
+        option(&O::scale_start, "scale_start", above(0), "m", "Geman-McClure scale of all residuals, first iteration"),
+        option(&O::scale_end, "scale_end", above(0), "m", "the same, last iteration: the size of skinning errors"),
+        option(&O::sift_weight, "sift_weight", at_least(0), "",
+               "of one feature track against one rim match; at 5 a skirt's features, bound to the thigh, held a leg back"),
+        option(&O::prior_weight, "prior_weight", at_least(0), "",
+               "of the prediction against one rim match, for a deviation of prior_angle or prior_shift"),
+        option(&O::prior_angle, "prior_angle", above(0), "rad", "expected error of the prediction"),
+        option(&O::prior_shift, "prior_shift", above(0), "m", "the same for the root's translation"),
+        option(&O::limit_weight, "limit_weight", at_least(0), "", "of a joint limit passed by prior_angle against one rim match"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// The swap point: one frame's correspondences in, a pose out.

@@ -4,6 +4,7 @@
 
 #include "doublet/capture/outline.h"
 #include "doublet/core/rasterizer.h"
+#include "doublet/options/options.h"
 
 #include <cstdint>
 
@@ -42,10 +43,24 @@ struct RimConstraint {
 };
 
 struct RimMatchOptions {
-  int count = 350;             ///< correspondences sought per view and direction; enough for a few on each finger-wide part
-  double gate = 0.1;           ///< m; farther outlines are no match
-  double min_cosine = 0.5;     ///< normals may differ by 60 degrees
-  bool both_directions = true; ///< also from the measured outline to the rendered one, so that nothing measured goes unexplained
+  int count = 350;
+  double gate = 0.1;
+  double min_cosine = 0.5;
+  bool both_directions = true;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = RimMatchOptions;
+    return Description{
+        "RimMatchOptions",
+        option(&O::count, "count", at_least(1), "",
+               "correspondences sought per view and direction; enough for a few on a finger-wide part"),
+        option(&O::gate, "gate", above(0), "m", "farther outlines are no match"),
+        option(&O::min_cosine, "min_cosine", Range{-1, 1}, "", "between normals; 0.5 = they may differ by 60 degrees"),
+        option(&O::both_directions, "both_directions",
+               "also from the measured outline to the rendered one, so that nothing measured goes unexplained"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Matches of one view. `unmatched` counts the samples without partner; `index` is over `measured`.

@@ -4,6 +4,7 @@
 #include "doublet/capture/session.h"
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
+#include "doublet/options/options.h"
 
 #include <memory>
 #include <string>
@@ -12,20 +13,43 @@
 namespace doublet {
 
 struct ChromaKeyOptions {
-  int smallest_blob =
-      200; ///< px, at 1004 x 1004; smaller foreground islands and background holes are dropped (scaled with the image area)
-  double smallest_key_share = 0.5; ///< of the image border that must show one saturated hue, or there is no screen to key against
-  void validate() const;           ///< throws std::invalid_argument
+  int smallest_blob = 200;
+  double smallest_key_share = 0.5;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = ChromaKeyOptions;
+    return Description{
+        "ChromaKeyOptions",
+        option(&O::smallest_blob, "smallest_blob", at_least(0), "px",
+               "smaller foreground islands and background holes are dropped; at 1004 x 1004, scaled with the image area"),
+        option(&O::smallest_key_share, "smallest_key_share", Range{0, 1, Open::Below}, "",
+               "of the image border that must show one saturated hue, or there is no screen to key against"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Subtraction of a still background (Horprasert, Harwood & Davis 1999): a pixel belongs to the background if it has the
 /// background's colour there, scaled by a brightness between `shadow` and `highlight`, up to the noise.
 struct BackgroundOptions {
-  double tolerance = 2.5;  ///< standard deviations of the noise, which is measured in every image
-  double shadow = 0.55;    ///< darkest share of its brightness at which the background counts as shadowed
-  double highlight = 1.25; ///< brightest
-  int smallest_blob = 200; ///< as in ChromaKeyOptions
-  void validate() const;
+  double tolerance = 2.5;
+  double shadow = 0.55;
+  double highlight = 1.25;
+  int smallest_blob = 200;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = BackgroundOptions;
+    return Description{
+        "BackgroundOptions",
+        option(&O::tolerance, "tolerance", above(0), "", "standard deviations of the noise, which is measured in every image"),
+        option(&O::shadow, "shadow", Range{0, 1, Open::Below}, "",
+               "darkest share of its brightness at which the background counts as shadowed"),
+        option(&O::highlight, "highlight", at_least(1), "", "brightest share of its brightness that still is background"),
+        option(&O::smallest_blob, "smallest_blob", at_least(0), "px",
+               "smaller islands and holes are dropped; at 1004 x 1004, scaled with the image area"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Swap point: an image in, the actor's mask out. Safe to call from many threads once trained.
@@ -43,13 +67,27 @@ public:
 };
 
 struct SilhouetteOptions {
-  /// "plates" (clean plates of the session), "key" (a screen of one colour), "median" (of the frames: the actor must move about);
-  /// "auto" = for each camera the first of these that the session allows.
   std::string method = "auto";
-  int median_frames = 25; ///< spread over the session
+  int median_frames = 25;
   ChromaKeyOptions key;
   BackgroundOptions background;
-  void validate() const;
+  static constexpr std::array kMethods{"auto", "plates", "key", "median"};
+  static constexpr auto describe() {
+    using namespace options;
+    using O = SilhouetteOptions;
+    return Description{
+        "SilhouetteOptions",
+        option(&O::method, "method", kMethods,
+               "plates (clean ones of the session), key (a screen of one colour), median (of the frames: the actor must move "
+               "about); "
+               "auto = for each camera the first of these that the session allows"),
+        option(&O::median_frames, "median_frames", at_least(1), "",
+               "frames that the median is taken of, spread over the session"),
+        option(&O::key, "key", "of the screen of one colour"),
+        option(&O::background, "background", "of the difference to a background"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// A trained extractor for the cameras of a session that have no ready masks; null if all have. Says for every camera which

@@ -3,6 +3,7 @@
 // bent so that its outline meets the measured one and its texture features lie where they were seen.
 
 #include "doublet/capture/pose_optimizer.h"
+#include "doublet/options/options.h"
 
 namespace doublet {
 
@@ -23,19 +24,48 @@ struct SurfaceEstimate {
 };
 
 struct SurfaceOptions {
-  int iterations = 3;                          ///< renderings with re-matching
-  int raster_size = 1024;                      ///< px; longest side of the renderings in which rims are found
-  int rims_per_view = 500;                     ///< correspondences per view and direction
-  double gate_start = 0.10, gate_end = 0.04;   ///< m; as in PoseOptions; a hem moves up to 0.1 m between frames
-  double scale_start = 0.04, scale_end = 0.02; ///< m; Geman-McClure scale
-  double sift_weight = 2.0; ///< of one feature track against one rim match; more lets skin slide where tracks are off
-  double bending = 1.0;     ///< weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints
-  double stretching = 0.02; ///< weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does
-  double memory = 1.0;      ///< share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up
-  double anchor_cloth = 0.01; ///< pull of a loose vertex to its expected position, against one rim correspondence
-  double anchor_rigid = 0.5;  ///< the same for a vertex that moves with the skeleton, to its skinned position
-  double loose = 0.02;        ///< m; a vertex this far from its skinned position is held there with a quarter of anchor_rigid
-  void validate() const;
+  int iterations = 3;
+  int raster_size = 1024;
+  int rims_per_view = 500;
+  double gate_start = 0.10, gate_end = 0.04;
+  double scale_start = 0.04, scale_end = 0.02;
+  double sift_weight = 2.0;
+  double bending = 1.0;
+  double stretching = 0.02;
+  double memory = 1.0;
+  double anchor_cloth = 0.01;
+  double anchor_rigid = 0.5;
+  double loose = 0.02;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = SurfaceOptions;
+    return Description{
+        "SurfaceOptions",
+        option(&O::iterations, "iterations", at_least(0), "", "renderings with re-matching"),
+        option(&O::raster_size, "raster_size", at_least(64), "px", "longest side of the renderings in which rims are found"),
+        option(&O::rims_per_view, "rims_per_view", at_least(10), "", "correspondences per view and direction"),
+        option(&O::gate_start, "gate_start", above(0), "m",
+               "rim matches farther away are dropped, first iteration; a hem moves up to 0.1 m between frames"),
+        option(&O::gate_end, "gate_end", above(0), "m", "the same, last iteration"),
+        option(&O::scale_start, "scale_start", above(0), "m", "Geman-McClure scale of the residuals, first iteration"),
+        option(&O::scale_end, "scale_end", above(0), "m", "the same, last iteration"),
+        option(&O::sift_weight, "sift_weight", at_least(0), "",
+               "of one feature track against one rim match; at 10 skin slides after tracks that are off by a pixel"),
+        option(&O::bending, "bending", above(0), "",
+               "weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints"),
+        option(&O::stretching, "stretching", above(0), "",
+               "weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does"),
+        option(&O::memory, "memory", Range{0, 1}, "",
+               "share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up"),
+        option(&O::anchor_cloth, "anchor_cloth", above(0), "",
+               "pull of a loose vertex to its expected position, against one rim match"),
+        option(&O::anchor_rigid, "anchor_rigid", above(0), "",
+               "the same for a vertex that moves with the skeleton, to its skinned position"),
+        option(&O::loose, "loose", above(0), "m",
+               "a vertex this far from its skinned position is held there with a quarter of anchor_rigid"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Is the face's longest edge more than twice what it was at rest? Cloth and skin do not stretch so far: such a face has lost its

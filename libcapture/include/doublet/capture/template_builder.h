@@ -3,6 +3,7 @@
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 
 #include <filesystem>
 #include <vector>
@@ -10,19 +11,36 @@
 namespace doublet {
 
 struct TemplateOptions {
-  int triangles = 5000;       ///< of M, as in the paper
-  int high_triangles = 25000; ///< of M_high, for display
-  int poisson_depth = 9;      ///< octree depth of the Poisson reconstruction
-  double hole_gap =
-      0.004; ///< m; a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm)
-  double density_drop =
-      0.5; ///< octree levels; and the scan is this much sparser there than usual (one level = a quarter of the samples)
-  double narrow_hole = 0.03; ///< m; folds narrower than this that run into the hem unseen stay valid
-  double large_hole =
-      0.025; ///< m^2; holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed
-  double sheet_hole =
-      0.005;             ///< m^2; so are holes from this size on that have two rims or more (garment and limb): a sheet at a hem
-  void validate() const; ///< throws std::invalid_argument
+  int triangles = 5000;
+  int high_triangles = 25000;
+  int poisson_depth = 9;
+  double hole_gap = 0.004;
+  double density_drop = 0.5;
+  double narrow_hole = 0.03;
+  double large_hole = 0.025;
+  double sheet_hole = 0.005;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = TemplateOptions;
+    return Description{
+        "TemplateOptions",
+        option(&O::triangles, "triangles", at_least(100), "", "of M, as in the paper"),
+        option(&O::high_triangles, "high_triangles", at_least(100), "", "of M_high, for display; at least as many as triangles"),
+        option(&O::poisson_depth, "poisson_depth", Range{4, 12}, "",
+               "octree depth of the Poisson reconstruction; 9 = cells of 3.6 mm for a person"),
+        option(&O::hole_gap, "hole_gap", above(0), "m",
+               "a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm)"),
+        option(&O::density_drop, "density_drop", at_least(0), "octree levels",
+               "and the scan is this much sparser there than usual (one level = a quarter of the samples)"),
+        option(&O::narrow_hole, "narrow_hole", at_least(0), "m",
+               "folds narrower than this that run into the hem unseen stay valid"),
+        option(&O::large_hole, "large_hole", above(0), "m^2",
+               "holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed"),
+        option(&O::sheet_hole, "sheet_hole", above(0), "m^2",
+               "so are holes from this size on that have two rims or more (garment and limb): a sheet at a hem"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// The closed surface and its decimations.
@@ -55,7 +73,16 @@ TemplateSummary summarise_template(const Template &surface, const Mesh &scan, co
 void write_template_suggestion(const std::filesystem::path &path, const Template &surface);
 
 struct HeatWeightOptions {
-  double c = 1.0; ///< H_ii = c / d^2, Baran & Popovic 2007
+  double c = 1.0;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = HeatWeightOptions;
+    return Description{
+        "HeatWeightOptions",
+        option(&O::c, "c", above(0), "", "heat of the nearest visible bones, H_ii = c / d^2, Baran & Popovic 2007"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 /// (V, J) skin weights by heat equilibrium, nearest visible bone(s); rows sum to one, no entry is negative.
 MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const Skeleton &skeleton,

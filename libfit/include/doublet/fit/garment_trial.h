@@ -2,6 +2,7 @@
 // Which of several garments is the filmed one, before its material is known: beyond the paper.
 
 #include "doublet/fit/material_objective.h"
+#include "doublet/options/options.h"
 
 #include <vector>
 
@@ -10,10 +11,24 @@ namespace doublet {
 /// The rest shape of a garment follows from how much of the video's motion it must allow for (see the garment mesher's `spread`),
 /// and that share differs from film to film. So several are tried on the video, each with the same ordinary materials.
 struct TrialOptions {
-  /// Shares that are tried in the place of the mesher's own; the one of the lowest energy is taken. Empty = none is tried.
   std::vector<double> spreads = {0.15, 0.25, 0.35, 0.5};
-  int materials = 16;    ///< that each is tried with
-  void validate() const; ///< throws std::invalid_argument naming option, range and value
+  int materials = 16;
+  double margin = 0.1; ///< chaos alone moves what 16 materials cost by 5 to 10 %
+  static constexpr auto describe() {
+    using namespace options;
+    using O = TrialOptions;
+    return Description{
+        "TrialOptions",
+        option(&O::spreads, "spreads", Range{0, 1, Open::Both}, "",
+               "tried in the place of the mesher's own, the one of the lowest energy is taken; one = that one, untried, none = "
+               "the mesher's"),
+        option(&O::materials, "materials", Range{4, 4096}, "",
+               "that each is tried with; 16 are two groups side by side, and the mean of the lowest quarter counts"),
+        option(&O::margin, "margin", Range{0, 1}, "",
+               "share by which another must cost less than the first of the spreads to be taken in its place"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// (count, n) points of the box, spread evenly (Halton, "On the efficiency of certain quasi-random sequences of points",
@@ -24,6 +39,10 @@ MatrixRM trial_samples(const ParameterSpace &space, int count);
 /// (R) what the regions of a garment cost, pixels^2: the mean of the lowest quarter of E_fit over trial_samples(). Lower where
 /// some ordinary material moves the garment as the filmed one moves. Throws std::invalid_argument as trial_samples() does.
 Eigen::VectorXd trial_energy(const MaterialObjective &objective, int materials, const Context &context = {});
+
+/// Which of the garments to take for what they cost: the cheapest if it costs less than the first by more than the margin, else the
+/// first. Throws std::invalid_argument if there is none or a cost is not finite.
+std::size_t chosen_garment(const std::vector<double> &energies, const TrialOptions &trial = {});
 
 /// Of one garment, in one call: the sum over its regions; 0 if it has none. `performance`: dressed in it.
 double garment_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,

@@ -1,10 +1,13 @@
 #pragma once
 // Reference performance + its images -> material of every cloth region (Sect. 6.2).
 
+#include "doublet/animate/solver_settings.h"
 #include "doublet/fit/influence.h"
 #include "doublet/fit/material_objective.h"
+#include "doublet/options/options.h"
 
 #include <limits>
+#include <optional>
 
 namespace doublet {
 
@@ -12,33 +15,72 @@ struct FitResult;
 
 struct FitOptions {
   std::uint64_t seed = 1;
-  /// Searches from as many different seeds, side by side; the answer is that of the lowest energy. How far their answers lie
-  /// apart tells more than any one search can: each ends somewhere and calls it narrow. Evaluations are those of all searches.
+  /// How far the answers of several searches lie apart tells more than any one search can: each ends somewhere and calls it
+  /// narrow.
   int seeds = 1;
-  int max_evaluations = 512;  ///< the paper's
-  int population = 0;         ///< 0 = 4 + floor(3 ln n)
-  double stop_margin = 0;     ///< beyond the paper: samples that fall behind are stopped, see MaterialObjective::race; 0 = none
-  double initial_sigma = 0.3; ///< of the search, box units
-  double smallest_deviation = 0.025; ///< stop when all are below (the paper's)
-  double stagnation = 0.02;          ///< stop when the energies change by less, see CmaEsOptions; 0 = never
-  double penalty = 16.0;             ///< omega, see MinimiseOptions
-  bool relative_penalty = true;      ///< times the median energy of the first generation; false = as it is (the paper's)
-  /// The answer is, of the means of so many last generations, the one of the lowest energy; 1 = the final mean (the paper's). In
-  /// a chaotic energy the mean wanders among answers that are equally good, or less so.
+  int max_evaluations = 512;
+  int population = 0;
+  double stop_margin = 0; ///< see MaterialObjective::race
+  double initial_sigma = 0.3;
+  double smallest_deviation = 0.025;
+  double stagnation = 0.02; ///< see CmaEsOptions
+  double penalty = 16.0;    ///< see MinimiseOptions
+  bool relative_penalty = true;
+  /// In a chaotic energy the mean wanders among answers that are equally good, or less so.
   int answer_generations = 1;
-  bool answer_best = false; ///< answer the best sample seen instead of a mean
-  /// "cma-es", or "annealing" (the paper's comparison; chains = population, 4 if 0; steps from initial_sigma down to
-  /// smallest_deviation).
+  bool answer_best = false;
+  /// Annealing: chains = population, 4 if 0; steps from initial_sigma down to smallest_deviation.
   std::string optimizer = "cma-es";
-  bool influence = true; ///< measure at the end what the motion tells about each parameter: 4 n + 12 more evaluations
+  bool influence = true;
   ParameterSpace space;
   EnergyOptions energy;
-  OptimizerFactory make_optimizer; ///< empty = `optimizer`, with the options above
-  Path checkpoint;                 ///< empty = none; a killed run resumes from it to the same bits
-  Path log;                        ///< fit_log.csv, rewritten after every generation; empty = none
-  /// What there is after every generation, as an interrupted result; may be empty.
+  OptimizerFactory make_optimizer;
+  Path checkpoint;
+  Path log;
   std::function<void(const FitResult &)> on_generation;
-  void validate() const;
+  static constexpr std::array kOptimizers{"cma-es", "annealing"};
+  static constexpr auto describe() {
+    using namespace options;
+    using O = FitOptions;
+    return Description{
+        "FitOptions",
+        option(&O::seed, "seed", at_least(0), "", "region r of R uses seed + r, and of search k (from 0) seed + k R + r"),
+        option(&O::seeds, "seeds", at_least(1), "",
+               "searches from as many seeds, side by side (two of 8 samples fill 16 lanes); the answer is that of the lowest "
+               "energy"),
+        option(&O::max_evaluations, "max_evaluations", at_least(1), "",
+               "no generation begins at or beyond it; 512 is the paper's"),
+        option(&O::population, "population", at_least(0), "",
+               "samples a generation; 0 = 4 + floor(3 ln n), Hansen's: 8 for five parameters, 9 for six"),
+        option(&O::stop_margin, "stop_margin", at_least(0), "",
+               "stop samples whose energy so far is more than 1 + this times that of the middle of the ranking; 0 = never"),
+        option(&O::initial_sigma, "initial_sigma", above(0), "",
+               "of the search, box units: from the centre, the box is +-1.7 sigma"),
+        option(&O::smallest_deviation, "smallest_deviation", at_least(0), "",
+               "stop when all standard deviations are below, box units; 0.025 is the paper's"),
+        option(&O::stagnation, "stagnation", at_least(0), "",
+               "stop when best and median energy of ten generations changed by less than this share since the ten before; 0 = "
+               "never"),
+        option(&O::penalty, "penalty", at_least(0), "", "omega, of samples outside the box; 16 is the paper's"),
+        option(&O::relative_penalty, "relative_penalty",
+               "omega times the median energy of the first generation; off = omega alone (the paper's)"),
+        option(
+            &O::answer_generations, "answer_generations", at_least(1), "",
+            "answer, of the means of so many last generations, the one of the lowest energy; 1 = the final mean (the paper's)"),
+        option(&O::answer_best, "answer_best", "answer the best sample seen instead of a mean, which averages the noise"),
+        option(&O::optimizer, "optimizer", kOptimizers, "cma-es, or annealing (the paper's comparison)"),
+        option(&O::influence, "influence",
+               "measure at the end what the motion tells about each parameter: 4 n + 12 more evaluations"),
+        option(&O::space, "space", "which parameters are searched"),
+        option(&O::energy, "energy", "of E_fit"),
+        no_option(&O::make_optimizer, "make_optimizer", "empty = `optimizer`, with the options above"),
+        no_option(&O::checkpoint, "checkpoint", "empty = none; a killed run resumes from it to the same bits"),
+        no_option(&O::log, "log", "fit_log.csv, rewritten after every generation; empty = none"),
+        no_option(&O::on_generation, "on_generation",
+                  "gets what there is after every generation, as an interrupted result; may be empty"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// How well the motion tells a parameter: low if moving it changes E_fit no more than noise does; high if it does and the
@@ -72,9 +114,7 @@ struct FitResult {
   std::vector<RegionFit> regions;
   std::vector<GenerationRow> log; ///< part = region; of several searches the one whose answer is taken
   std::uint64_t seed = 0;
-  double dt = 0;                    ///< s
-  int iterations = 0, substeps = 0; ///< of the solver
-  pbd::Stiffness stiffness = pbd::Stiffness::Sweeps;
+  SolverSettings solver; ///< without which the materials mean nothing
   double seconds = 0;
   bool interrupted = false;                     ///< the search was not over: the materials are the best samples so far
   std::vector<pbd::Material> materials() const; ///< (R) the answers, as CharacterSimulator takes them
@@ -96,8 +136,10 @@ std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, co
                                          const Context &context = {});
 
 void write_materials(const Path &path, const FitResult &result); // material.json
-/// (R) throws FileNotFound, or Error naming file, region and parameter if one is missing or outside its box.
-std::vector<pbd::Material> read_materials(const Path &path);
+/// (R) throws FileNotFound, or Error naming file, region and parameter if one is missing or outside its box. Also if the file
+/// names solver settings other than `solver`: a material of one solver is another cloth in the next. Without `solver` they are
+/// not looked at; files of doublet 0.1.0 name dt, iterations, substeps and stiffness alone.
+std::vector<pbd::Material> read_materials(const Path &path, const std::optional<SolverSettings> &solver = std::nullopt);
 void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, const ParameterSpace &space); // fit_log.csv
 /// simulated.npz: T x (V + G, 3), of which the first `actor_vertices` (V) are the actor's and the others the garment's. Throws
 /// std::invalid_argument without frames, or for a wrong V.

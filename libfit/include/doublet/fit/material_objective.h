@@ -4,6 +4,7 @@
 
 #include "doublet/animate/character_simulator.h"
 #include "doublet/fit/minimise.h"
+#include "doublet/options/options.h"
 
 #include <map>
 #include <string>
@@ -12,49 +13,84 @@
 namespace doublet {
 
 struct EnergyOptions {
-  double dt = 1.0 / 40.0; ///< s, one video frame
-  double alpha = 1.0;     ///< weight of E_sil (the paper's)
-  double beta = 10.0;     ///< weight of E_sift (the paper's)
-  /// Weight of E_con, beyond the paper: mean squared distance, at most rim_cap, from the measured contour that is the outline of
-  /// the captured cloth to the outline of the simulated cloth. E_sil asks whether every simulated rim is seen, this whether every
-  /// seen rim is simulated. 1 = both count the same; 0 = off (the paper's).
+  double dt = 1.0 / 40.0;
+  double alpha = 1.0;
+  double beta = 10.0;
+  /// Mean squared distance, at most rim_cap, from the measured contour that is the outline of the captured cloth to the outline
+  /// of the simulated cloth. E_sil asks whether every simulated rim is seen, this whether every seen rim is simulated.
   double gamma = 1.0;
-  /// Beyond the paper: every sample is measured on the same features and frames, those that the *captured* cloth shows. A feature
-  /// that the simulated cloth does not show costs the distance from where it is seen to where the simulation has its point of the
-  /// captured cloth; a frame without a rim costs rim_cap; a frame in which the captured cloth shows nothing is left out for
-  /// every sample. false = each on what it shows itself, and what it does not show is free (the paper's).
+  /// A feature that the simulated cloth does not show costs the distance from where it is seen to where the simulation has its
+  /// point of the captured cloth; a frame without a rim costs rim_cap; a frame in which the captured cloth shows nothing is left
+  /// out for every sample. false: what a sample does not show is free.
   bool same_comparisons = true;
-  /// Frames of fall into place in the first pose, from the captured surface, before the first frame counts: half a second at 40
-  /// fps, long enough for the hem to come to rest under any material, short beside the sequence.
   int settle_frames = 20;
-  double rim_cap =
-      0.064; ///< longest rim distance, fraction of the larger image side (64 px at 1004): one lost fold must not rule
-  /// Longest feature distance, likewise (32 px: 3 m/s at 2.4 mm a pixel and 40 fps). A mismatched feature is this far off for
-  /// every material; the cap keeps its weight from drowning the good ones (the paper's "robust SIFT features").
+  double rim_cap = 0.064;
   double feature_cap = 0.032;
-  /// Features that the captured cloth confirms (it carries them to within feature_cap of where they are seen) are no mismatches,
-  /// however fast: their cap is their measured displacement plus half of feature_cap, if that is more. So cloth that stands
-  /// still where the video's flies at 5 m/s costs more than cloth that flies at 3. false = feature_cap for all.
+  /// Features that the captured cloth carries to within feature_cap of where they are seen are no mismatches, however fast. So
+  /// cloth that stands still where the video's flies at 5 m/s costs more than cloth that flies at 3.
   bool fast_features = true;
-  int outline_size = 251; ///< pixels along the larger side of the views in which outline and visibility are decided
-  int field_size = 502;   ///< nodes that would span the larger side of a distance field
-  /// Frames of a window: the motion is cut into windows that each start from the captured surface, at the speed that it has, and
-  /// E_fit is their mean. Beyond the paper: the motion of cloth is chaotic, so that over a long rollout noise outgrows what the
-  /// material does. 0 = one rollout over the whole motion (the paper's).
+  int outline_size = 251;
+  int field_size = 502;
+  /// The motion of cloth is chaotic, so that over a long rollout noise outgrows what the material does.
   int window = 0;
-  int window_lead = 8;   ///< frames simulated before a window counts: the captured surface is not at rest under any material
+  int window_lead = 8;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = EnergyOptions;
+    return Description{
+        "EnergyOptions",
+        option(&O::dt, "dt", above(0), "s", "one video frame"),
+        option(&O::alpha, "alpha", at_least(0), "", "weight of E_sil (1 is the paper's)"),
+        option(&O::beta, "beta", at_least(0), "",
+               "weight of E_sift (10 is the paper's); with 3 the energy tells the distance to a true garment better"),
+        option(&O::gamma, "gamma", at_least(0), "",
+               "weight of E_con, the measured contour that no simulated rim comes near; 1 = as rims that are not seen, 0 = the "
+               "paper's"),
+        option(&O::same_comparisons, "same_comparisons",
+               "every sample is measured on what the captured cloth shows; off = on what it shows itself (the paper's)"),
+        option(&O::settle_frames, "settle_frames", at_least(0), "",
+               "frames of fall into place in the first pose, before the first counts: half a second, for a hem to come to rest"),
+        option(&O::rim_cap, "rim_cap", above(0), "",
+               "longest rim distance, fraction of the larger image side (64 px at 1004): one lost fold must not rule"),
+        option(&O::feature_cap, "feature_cap", above(0), "",
+               "longest feature distance, likewise (32 px: 3 m/s at 2.4 mm a pixel and 40 fps): a mismatch costs every material "
+               "the same"),
+        option(
+            &O::fast_features, "fast_features",
+            "a feature that the captured cloth confirms costs up to its displacement plus half of feature_cap, if that is more"),
+        option(&O::outline_size, "outline_size", at_least(16), "px",
+               "along the larger side of the views in which outline and visibility are decided"),
+        option(&O::field_size, "field_size", at_least(16), "", "nodes that would span the larger side of a distance field"),
+        option(
+            &O::window, "window", at_least(0), "",
+            "frames of the windows into which the motion is cut, each from the captured surface at its speed; 0 = one rollout"),
+        option(&O::window_lead, "window_lead", at_least(0), "",
+               "frames simulated before a window counts: the captured surface is not at rest under any material"),
+    };
+  }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Which parameters are searched, and how they map to [0, 1].
 struct ParameterSpace {
-  std::vector<std::string> names = {"d_n", "d_t", "k_bend", "k_stretch", "k_friction"}; ///< of pbd::material_parameters()
-  pbd::Material fixed; ///< gives the parameters that are not searched
-  /// Spread so that equal steps of u in [0, 1] change the cloth about equally: drag = 32 u^2, for cloth has little of it, and
-  /// k_stretch = 1 - (1 - u)^4, for below 0.9 it hangs like rubber. false = the box itself (the paper's).
+  std::vector<std::string> names = {"d_n", "d_t", "k_bend", "k_stretch", "k_friction"};
+  pbd::Material fixed;
+  /// Drag is 32 u^2, for cloth has little of it, and k_stretch 1 - (1 - u)^4, for below 0.9 it hangs like rubber.
   bool even_steps = false;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = ParameterSpace;
+    return Description{
+        "ParameterSpace",
+        option(&O::names, "names", pbd::kMaterialNames, "of the material parameters that are searched"),
+        option(&O::fixed, "fixed", "gives the parameters that are not searched"),
+        option(&O::even_steps, "even_steps",
+               "search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4; off = the box "
+               "itself (the paper's)"),
+    };
+  }
 
-  void validate() const;
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
   int size() const { return static_cast<int>(names.size()); }
   pbd::Material material(const Eigen::VectorXd &unit) const; ///< (n) in [0, 1], clamped -> material
   Eigen::VectorXd unit(const pbd::Material &material) const; ///< (n) in [0, 1]

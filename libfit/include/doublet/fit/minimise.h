@@ -4,6 +4,7 @@
 #include "doublet/core/context.h"
 #include "doublet/core/files.h"
 #include "doublet/fit/optimizer.h"
+#include "doublet/options/options.h"
 
 #include <functional>
 #include <vector>
@@ -42,22 +43,39 @@ struct MinimiseResult {
 };
 
 struct MinimiseOptions {
-  OptimizerFactory make_optimizer; ///< empty = CMA-ES with its defaults
-  std::uint64_t seed = 1;          ///< part r gets seed + r
-  double penalty = 16.0;           ///< omega: energy(clamped sample) + omega scale |sample - clamped|^2
+  OptimizerFactory make_optimizer;
+  std::uint64_t seed = 1;
+  double penalty = 16.0;
   /// The scale of the penalty: the median of the energies (before any penalty) of the part's first generation, so that 0.25
   /// outside the box costs as much as an ordinary sample, whatever the unit of the energy. The absolute value of the median, 1
   /// if that is 0. false = 1 (the paper's): nothing beside energies of tens to hundreds of pixels^2, so that the mean leaves the
   /// box along what the energy does not tell.
   bool relative_penalty = true;
-  int expected_evaluations = 512; ///< for the progress bar and the time left only
-  /// Evaluations at which the optimisers stop, if that is known: the checkpoint of a search that has gone on beyond it is not
-  /// used, and the log says so. That of a search with a smaller budget goes on, to the bits of one search with the larger.
+  int expected_evaluations = 512;
+  /// The checkpoint of a search that has gone on beyond it is not used, and the log says so. That of a search with a smaller
+  /// budget goes on, to the bits of one search with the larger.
   int budget = 0;
-  Path checkpoint;     ///< empty = none; written after every generation, read at the start if it is there
-  std::string problem; ///< what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so
-  std::function<void(const MinimiseResult &)> on_generation; ///< what there is, after every generation; may be empty
-  void validate() const;
+  Path checkpoint;
+  std::string problem;
+  std::function<void(const MinimiseResult &)> on_generation;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = MinimiseOptions;
+    return Description{
+        "MinimiseOptions",
+        no_option(&O::make_optimizer, "make_optimizer", "empty = CMA-ES with its defaults"),
+        option(&O::seed, "seed", at_least(0), "", "part r gets seed + r"),
+        option(&O::penalty, "penalty", at_least(0), "", "omega: energy(clamped sample) + omega scale |sample - clamped|^2"),
+        option(&O::relative_penalty, "relative_penalty", "scale = median energy of the first generation; off = 1 (the paper's)"),
+        option(&O::expected_evaluations, "expected_evaluations", at_least(1), "", "for the progress bar and the time left only"),
+        option(&O::budget, "budget", at_least(0), "", "evaluations at which the optimisers stop; 0 = not known"),
+        no_option(&O::checkpoint, "checkpoint", "empty = none; written after every generation, read at the start if it is there"),
+        no_option(&O::problem, "problem",
+                  "what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so"),
+        no_option(&O::on_generation, "on_generation", "gets what there is, after every generation; may be empty"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Runs until every optimiser stops. A part that has stopped is evaluated at its answer while the others go on.

@@ -2,6 +2,7 @@
 // Black-box minimisation over the box [0, 1]^n in generations: ask for samples, tell their energies.
 
 #include "doublet/core/types.h"
+#include "doublet/options/options.h"
 
 #include <cstdint>
 #include <memory>
@@ -41,17 +42,35 @@ public:
 /// parameters without negative weights: weighted recombination, cumulation, rank-one and rank-mu update, cumulative step-size
 /// adaptation.
 struct CmaEsOptions {
-  int population = 0;                ///< lambda; 0 = 4 + floor(3 ln n), Hansen's default (8 for n = 5, 9 for n = 6)
-  double initial_mean = 0.5;         ///< along every axis: the centre of the box
-  double initial_sigma = 0.3;        ///< along every axis: one box is about +-1.7 sigma
-  int max_evaluations = 512;         ///< the paper's; no generation begins at or beyond it
-  double smallest_deviation = 0.025; ///< stop when all standard deviations are below it (the paper's)
-  /// Stop when neither the best nor the median energies of the generations have changed by more than this share of them: over the
-  /// last twenty, the median of the later ten against that of the earlier ten. After "TolFun" and "Stagnation" of the tutorial's
-  /// Appendix B.3, but ready within the paper's 512 evaluations. Below the noise of a chaotic energy the search only wanders:
-  /// with 3 % of noise on a quadratic in five parameters it ends after 289 evaluations instead of 359, 0.1 % higher. 0 = never.
+  int population = 0;
+  double initial_mean = 0.5;
+  double initial_sigma = 0.3;
+  int max_evaluations = 512;
+  double smallest_deviation = 0.025;
+  /// Over the last twenty generations, the median of the later ten against that of the earlier ten. After "TolFun" and
+  /// "Stagnation" of the tutorial's Appendix B.3, but ready within the paper's 512 evaluations. Below the noise of a chaotic
+  /// energy the search only wanders: with 3 % of noise on a quadratic in five parameters it ends after 289 evaluations instead of
+  /// 359, 0.1 % higher.
   double stagnation = 0.02;
   std::uint64_t seed = 1;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = CmaEsOptions;
+    return Description{
+        "CmaEsOptions",
+        option(&O::population, "population", at_least(0), "",
+               "lambda; 0 = 4 + floor(3 ln n), Hansen's default (8 for n = 5, 9 for n = 6)"),
+        option(&O::initial_mean, "initial_mean", Range{}, "", "along every axis; 0.5 = the centre of the box"),
+        option(&O::initial_sigma, "initial_sigma", above(0), "", "along every axis; 0.3: one box is about +-1.7 sigma"),
+        option(&O::max_evaluations, "max_evaluations", at_least(1), "",
+               "no generation begins at or beyond it; 512 is the paper's"),
+        option(&O::smallest_deviation, "smallest_deviation", at_least(0), "",
+               "stop when all standard deviations are below it; 0.025 is the paper's"),
+        option(&O::stagnation, "stagnation", at_least(0), "",
+               "stop when neither best nor median energies of the generations change by more than this share; 0 = never"),
+        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
+    };
+  }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options = {});
@@ -59,14 +78,30 @@ std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &opti
 /// Simulated annealing (Kirkpatrick et al. 1983; the paper's comparison): independent Metropolis chains under one geometric
 /// cooling schedule, Gaussian steps that shrink with the temperature, reflected at the box.
 struct AnnealingOptions {
-  int chains = 4;                   ///< samples a generation
-  int max_evaluations = 2048;       ///< the schedule's length; the paper: 2-4 times those of CMA-ES
-  double initial_step = 0.3;        ///< standard deviation of a step at the start, in box units
-  double final_step = 0.025;        ///< and at the end
-  double initial_temperature = 0.3; ///< as a fraction of the first generation's mean energy
-  double final_temperature = 1e-3;  ///< likewise
+  int chains = 4;
+  int max_evaluations = 2048;
+  double initial_step = 0.3;
+  double final_step = 0.025;
+  double initial_temperature = 0.3;
+  double final_temperature = 1e-3;
   std::uint64_t seed = 1;
-  void validate() const;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = AnnealingOptions;
+    return Description{
+        "AnnealingOptions",
+        option(&O::chains, "chains", at_least(1), "", "samples a generation"),
+        option(&O::max_evaluations, "max_evaluations", at_least(1), "",
+               "the schedule's length; the paper: 2-4 times those of CMA-ES"),
+        option(&O::initial_step, "initial_step", above(0), "", "standard deviation of a step at the start, box units"),
+        option(&O::final_step, "final_step", above(0), "", "and at the end"),
+        option(&O::initial_temperature, "initial_temperature", above(0), "",
+               "as a fraction of the first generation's mean energy"),
+        option(&O::final_temperature, "final_temperature", above(0), "", "likewise, at the end"),
+        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 std::unique_ptr<Optimizer> create_simulated_annealing(int dimension, const AnnealingOptions &options = {});
 

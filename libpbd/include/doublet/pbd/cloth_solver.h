@@ -1,6 +1,7 @@
 #pragma once
 // Position-based cloth (Mueller et al. 2007; Stoll et al. 2010, Sect. 6). Immutable ClothModel + copyable ClothState; no globals.
 
+#include "doublet/options/options.h"
 #include "doublet/pbd/material.h"
 
 #include <Eigen/Core>
@@ -26,20 +27,44 @@ enum class Stiffness {
               ///< the number of sweeps and substeps; 1 = rigid
 };
 
-const char *stiffness_name(Stiffness stiffness);        ///< "sweeps", "compliance"
-Stiffness stiffness_from_name(const std::string &name); ///< throws std::invalid_argument naming both if it is neither
+inline constexpr std::array kStiffnessNames{"sweeps", "compliance"}; ///< in the order of Stiffness
 
 struct ClothOptions {
-  int iterations = 24; ///< Gauss-Seidel sweeps a step, as in the paper
-  int substeps = 1;    ///< steps a frame
+  int iterations = 24;
+  int substeps = 1;
   Stiffness stiffness = Stiffness::Sweeps;
-  double rest_curvature = 1.0;              ///< share of the rest mesh's angles that bending keeps; 0 = cloth that was cut flat
-  Eigen::Vector3d gravity{0.0, -9.81, 0.0}; ///< m/s^2
-  double restitution = 0.0;                 ///< 0 = inelastic
-  double thickness = 0.004;                 ///< m, kept between cloth and proxies
-  double self_thickness = 0.004;            ///< m, kept between cloth and itself
+  double rest_curvature = 1.0;
+  Eigen::Vector3d gravity{0.0, -9.81, 0.0};
+  double restitution = 0.0;
+  double thickness = 0.004;
+  double self_thickness = 0.004;
   bool self_collision = true;
-  void validate() const; ///< throws std::invalid_argument naming option, range and value
+  static constexpr auto describe() {
+    using namespace options;
+    using O = ClothOptions;
+    return Description{
+        "ClothOptions",
+        option(&O::iterations, "iterations", Range{1, 10000}, "", "Gauss-Seidel sweeps a step; 24 as in the paper"),
+        option(&O::substeps, "substeps", Range{1, 1000}, "",
+               "steps a frame; targets and proxies are interpolated, friction and damping are shared out"),
+        option(&O::stiffness, "stiffness", kStiffnessNames,
+               "what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper"),
+        option(&O::rest_curvature, "rest_curvature", Range{0, 1}, "",
+               "share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not "
+               "sewn so"),
+        option(&O::gravity, "gravity", Range{-1000, 1000}, "m/s^2", "acceleration of free cloth"),
+        option(&O::restitution, "restitution", Range{0, 1}, "",
+               "share of the normal velocity that a contact reflects, for what arrives faster than two steps of gravity; 0 = "
+               "inelastic"),
+        option(&O::thickness, "thickness", Range{0, 1}, "m",
+               "kept between cloth and proxies: its own, the sag of an edge round a shin, and what the proxies are slimmer than "
+               "the body"),
+        option(&O::self_thickness, "self_thickness", Range{0, 1}, "m",
+               "kept between cloth and itself; pairs that rest closer are left alone"),
+        option(&O::self_collision, "self_collision", "cloth collides with itself"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Topology, rest state and constraint order of one piece of cloth. Built once, shared by any number of states.

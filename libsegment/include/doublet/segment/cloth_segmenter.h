@@ -3,6 +3,7 @@
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 #include "doublet/segment/fullness.h"
 #include "doublet/segment/opposite_distance.h"
 
@@ -11,16 +12,29 @@
 namespace doublet {
 
 struct SegmentOptions {
-  /// t_rigid, m: what markerless tracking leaves on the skin of trunk and limbs (its true sigma is 1 to 4 mm).
   double rigid_threshold = 0.003;
-  /// t_cloth, m: half way, at 6 mm, most skin stays below and the upper part of a skirt, which lies on the hips, above; loose
-  /// cloth has 20 mm and more.
   double cloth_threshold = 0.009;
-  double diffusion = 0.03; ///< m, length scale of the implicit diffusion
-  /// m^2 (28 x 28 cm, about a short sleeve): smaller islands of cloth are dropped and smaller holes filled.
+  double diffusion = 0.03;
   double smallest_region = 0.08;
-  OppositeOptions opposite; ///< the rays
-  void validate() const;
+  OppositeOptions opposite;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = SegmentOptions;
+    return Description{
+        "SegmentOptions",
+        option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m",
+               "t_rigid: below, a vertex is rigid; half way to cloth_threshold, at 6 mm, most captured skin stays below"),
+        option(&O::cloth_threshold, "cloth_threshold", at_least(0), "m",
+               "t_cloth: above, a vertex is cloth; the top of a skirt, which lies on the hips, has 3 to 10 mm, loose cloth 20 mm "
+               "and more"),
+        option(&O::diffusion, "diffusion", at_least(0), "m",
+               "length scale of the implicit diffusion; about an edge of the 5000-triangle template"),
+        option(&O::smallest_region, "smallest_region", at_least(0), "m^2",
+               "smaller islands of cloth are dropped and smaller holes filled; 28 x 28 cm, about a short sleeve"),
+        option(&O::opposite, "opposite", "the rays to the other side"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 class ClothSegmenter {

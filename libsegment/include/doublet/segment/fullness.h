@@ -4,17 +4,30 @@
 #include "doublet/core/context.h"
 #include "doublet/core/mesh_sequence.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/options/options.h"
 
 namespace doublet {
 
 struct FullnessOptions {
-  bool estimate = true; ///< off: the cloth is as wide as the scan
-  /// A width counts that the video shows for the rest of the time: a skirt is spread out in a part of the motion alone, and the
-  /// widest frames of all are those of the worst tracking.
+  bool estimate = true;
   double quantile = 0.75;
-  double largest = 1.8;    ///< more is taken for a mistake of the tracking
-  double smoothing = 0.03; ///< m, length scale of the diffusion over the surface
-  void validate() const;
+  double largest = 1.8;
+  double smoothing = 0.03;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = FullnessOptions;
+    return Description{
+        "FullnessOptions",
+        option(&O::estimate, "estimate", "off: the cloth is as wide as the scan, as in the paper"),
+        option(&O::quantile, "quantile", Range{0, 1}, "",
+               "over time, of the width that counts: a skirt is spread in a part of the motion only, and widest where tracking "
+               "is worst"),
+        option(&O::largest, "largest", at_least(1), "", "more is taken for a mistake of the tracking"),
+        option(&O::smoothing, "smoothing", at_least(0), "m",
+               "length scale of the diffusion over the surface; about an edge of the template"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// (V) at least 1: the *fullness* of the cloth, its width across gravity over that of the scan. Beyond the paper: a garment hangs

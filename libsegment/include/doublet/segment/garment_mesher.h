@@ -3,25 +3,46 @@
 
 #include "doublet/core/context.h"
 #include "doublet/core/garment.h"
+#include "doublet/options/options.h"
 
 #include <memory>
 
 namespace doublet {
 
 struct GarmentOptions {
-  bool own_mesh = true; ///< off: the cloth is the part of the template that is loose, as in the paper
-  int vertices = 1400;  ///< about, of all regions together; more fold finer and cost more
-  /// m, length scale of the diffusion that decides what is garment: slits narrower than this are closed, hems come out smooth.
+  bool own_mesh = true;
+  int vertices = 1400;
   double closing = 0.015;
-  double smallest_hole = 0.02;  ///< m^2: holes that are smaller are filled (14 x 14 cm)
-  double smallest_piece = 0.08; ///< m^2: pieces that are smaller move as skin (28 x 28 cm, about a short sleeve)
-  /// m, along the cut between garment and skin: shorter changes between hanging and free edge are noise of the template's mask.
+  double smallest_hole = 0.02;
+  double smallest_piece = 0.08;
   double smallest_edge = 0.15;
   /// Cloth hardly stretches, but folds: an edge is as long as the video shows it in this share of the time (and the mesh as
-  /// regular as it is when the garment is spread out). Less follows the tracking's errors.
+  /// regular as it is when the garment is spread out).
   double spread = 0.15;
-  double band = 0.0;     ///< m, width of the attachment: across it cloth goes from following the skeleton to free; 0 = a seam
-  void validate() const; ///< throws std::invalid_argument naming option, range and value
+  double band = 0.0;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = GarmentOptions;
+    return Description{
+        "GarmentOptions",
+        option(&O::own_mesh, "own_mesh",
+               "off: the cloth is the loose part of the template, as in the paper, and as wide as its fullness"),
+        option(&O::vertices, "vertices", Range{50, 200000}, "", "about, of all regions together; more fold finer and cost more"),
+        option(&O::closing, "closing", Range{0, 1}, "m",
+               "length scale of the diffusion that decides what is garment: narrower slits are closed, hems come out smooth"),
+        option(&O::smallest_hole, "smallest_hole", Range{0, 10}, "m^2", "smaller holes are filled; 14 x 14 cm"),
+        option(&O::smallest_piece, "smallest_piece", Range{0, 10}, "m^2",
+               "smaller pieces move as skin; 28 x 28 cm, about a short sleeve"),
+        option(&O::smallest_edge, "smallest_edge", Range{0, 10}, "m",
+               "along the cut: shorter changes between hanging and free edge are noise of the template's mask"),
+        option(&O::spread, "spread", Range{0, 1, Open::Both}, "",
+               "share of the time that a length may be exceeded; less follows the tracking's errors, more makes the garment "
+               "narrower"),
+        option(&O::band, "band", Range{0, 1}, "m",
+               "width of the attachment: across it cloth goes from following the skeleton to free; 0 = a seam"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 class GarmentMesher {

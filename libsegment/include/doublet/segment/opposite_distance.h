@@ -3,6 +3,7 @@
 
 #include "doublet/core/context.h"
 #include "doublet/core/mesh_sequence.h"
+#include "doublet/options/options.h"
 
 #include <cstdint>
 #include <vector>
@@ -10,12 +11,29 @@
 namespace doublet {
 
 struct OppositeOptions {
-  int rays = 13;      ///< per vertex: the one along -n of the paper and a ring around it; the median of their deviations counts
-  double cone = 0.35; ///< rad, half angle of the ring (20 degrees)
-  double min_distance = 0.005; ///< m, nearer hits are the vertex's own sheet (a fold), not the opposite side
-  double min_cosine = 0.5;     ///< between the ray and the outward normal where it leaves: a grazing hit slides along the surface
-  double trim = 0.05; ///< fraction of the frames left out at either end of the sorted distances (lost tracking, extreme bends)
-  void validate() const;
+  int rays = 13;
+  double cone = 0.35;
+  double min_distance = 0.005;
+  double min_cosine = 0.5;
+  double trim = 0.05;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = OppositeOptions;
+    return Description{
+        "OppositeOptions",
+        option(&O::rays, "rays", Range{1, 64}, "",
+               "a vertex: the one along -n of the paper and a ring around it; the median of their deviations counts"),
+        option(&O::cone, "cone", Range{0, 1.5, Open::Above}, "rad", "half angle of the ring"),
+        option(&O::min_distance, "min_distance", at_least(0), "m",
+               "nearer hits are the vertex's own sheet (a fold), not the opposite side"),
+        option(&O::min_cosine, "min_cosine", Range{-1, 1, Open::Above}, "",
+               "between the ray and the outward normal where it leaves: a grazing hit slides along the surface"),
+        option(
+            &O::trim, "trim", Range{0, 0.5, Open::Above}, "",
+            "share of the frames left out at either end of the sorted distances (lost tracking, extreme bends); 0 = the paper's"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Where the rays from each vertex leave the surface, as material points.

@@ -1,0 +1,33 @@
+#pragma once
+// How cloth is simulated: what travels with every material, in character.glb and in material.json.
+
+#include "doublet/pbd/cloth_solver.h"
+
+namespace doublet {
+
+/// How the cloth was simulated when its material was estimated; the parameters mean nothing without it.
+struct SolverSettings {
+  double dt = 1.0 / 40.0;
+  pbd::ClothOptions cloth;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = SolverSettings;
+    return Description{
+        "SolverSettings",
+        option(&O::dt, "dt", Range{0, 1, Open::Below}, "s", "one frame"),
+        option(&O::cloth, "cloth", "of the solver"),
+    };
+  }
+  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
+};
+
+/// Throws std::invalid_argument naming the first setting that differs: "`where`: solver setting cloth.substeps: expected 4, found
+/// 1".
+inline void require_same(const SolverSettings &expected, const SolverSettings &found, const std::string &where) {
+  const auto wanted = options::listed(expected), given = options::listed(found);
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (wanted[i] != given[i])
+      options::refuse(where + ": solver setting " + wanted[i].first, wanted[i].second, given[i].second);
+}
+
+} // namespace doublet

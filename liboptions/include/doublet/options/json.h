@@ -1,0 +1,44 @@
+#pragma once
+// Options as JSON: one key a field, enumerations by name, vectors as arrays, nested structs as objects. `Json` is nlohmann::json
+// or anything that behaves like it: which library it comes from stays out of the public headers.
+
+#include "doublet/options/options.h"
+
+namespace doublet::options {
+
+template <class Json, class T> Json to_json(const T &object) {
+  Json json = Json::object();
+  each(object, [&](const auto &field, const auto &value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (Described<Value>)
+      json[field.name] = to_json<Json>(value);
+    else if constexpr (std::is_enum_v<Value>)
+      json[field.name] = field.allowed[static_cast<std::size_t>(value)];
+    else if constexpr (requires { Value::SizeAtCompileTime; })
+      json[field.name] = std::vector<double>(value.begin(), value.end());
+    else
+      json[field.name] = value;
+  });
+  return json;
+}
+
+/// Throws what `Json` throws if an option is missing or of another type, std::invalid_argument if it is out of range.
+template <class Json, class T> void from_json(const Json &json, T &object) {
+  each(object, [&](const auto &field, auto &value) {
+    using Value = std::remove_cvref_t<decltype(value)>;
+    if constexpr (Described<Value>) {
+      from_json(json.at(field.name), value);
+    } else if constexpr (std::is_enum_v<Value>) {
+      const auto name = json.at(field.name).template get<std::string>();
+      value = static_cast<Value>(index_of(field.allowed, name, std::string(T::describe().name) + ": " + field.name));
+    } else if constexpr (requires { Value::SizeAtCompileTime; }) {
+      for (int i = 0; i < static_cast<int>(value.size()); ++i)
+        value[i] = json.at(field.name).at(static_cast<std::size_t>(i)).template get<double>();
+    } else {
+      value = json.at(field.name).template get<Value>();
+    }
+  });
+  validate(object);
+}
+
+} // namespace doublet::options

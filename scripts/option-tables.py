@@ -1,0 +1,48 @@
+"""Writes the tables between `<!-- options CLASS -->` and `<!-- /options -->` in docs/*.md: what options say of themselves."""
+
+import re
+from pathlib import Path
+
+import doublet as d
+from doublet import pipeline
+from doublet.cli import shown
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTALL)
+#: Name on the command line (`--GROUP-OPTION`) of the classes that are there.
+GROUPS = {c.__name__: g for g, c in {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
+
+
+def default_of(name: str, value, group: str, unit: str) -> str:
+    text = f"{value:g}" if isinstance(value, float) else shown(value)
+    text = {"True": "on", "False": "off"}.get(text, text)
+    own = pipeline.DEFAULTS.get(group, {})
+    if name in own:
+        text += f"; `doublet`: {default_of(name, own[name], '', '')}"
+    return f"{text} {unit}".strip()
+
+
+def table(class_name: str) -> str:
+    options_class = getattr(d, class_name)
+    group = GROUPS.get(class_name, "")
+    described = options_class.described()
+    flags = f" (`--{group}-...`)" if group else ""
+    rows = [f"| `{class_name}`{flags} | default | takes | |", "| --- | --- | --- | --- |"]
+    for name, value in options_class().to_dict().items():
+        if type(value).__name__.endswith("Options") or type(value) is d.ParameterSpace:
+            continue  # a table of its own
+        told = described[name]
+        takes = (told["takes"] or "").removeprefix("a number ").removeprefix("of ")
+        meaning = told["meaning"].replace("|", "\\|")
+        rows.append(f"| `{name}` | {default_of(name, value, group, told['unit'])} | {takes} | {meaning} |")
+    return "\n".join(rows) + "\n"
+
+
+def written(page: str) -> str:
+    """A page with its tables as they should be."""
+    return MARKED.sub(lambda m: m[1] + table(m[2]) + m[3], page)
+
+
+if __name__ == "__main__":
+    for path in DOCS.glob("*.md"):
+        path.write_text(written(path.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,18 @@
+#include "doublet/capture/performance_capture.h"
+#include "doublet/capture/rims.h"
+#include "doublet/capture/template_builder.h"
+#include "support/option_ranges.h"
+
+namespace doublet {
+namespace {
+
+TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
+  expect_ranges<CaptureOptions>();
+  expect_ranges<SilhouetteOptions>();
+  expect_ranges<TemplateOptions>();
+  expect_ranges<HeatWeightOptions>();
+  expect_ranges<RimMatchOptions>();
+}
+
+} // namespace
+} // namespace doublet

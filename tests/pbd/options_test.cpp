@@ -1,0 +1,13 @@
+#include "doublet/pbd/cloth_solver.h"
+#include "support/option_ranges.h"
+
+namespace doublet {
+namespace {
+
+TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
+  expect_ranges<pbd::ClothOptions>();
+  expect_ranges<pbd::Material>();
+}
+
+} // namespace
+} // namespace doublet

@@ -1,0 +1,167 @@
+"""Every option of every stage, set to another valid value, arrives wherever it should."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import cli, pipeline
+from doublet.pipeline import plain
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
+from seeds import World  # noqa: E402
+
+GROUPS = {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}
+CLASSES = [c for c in vars(d).values() if hasattr(c, "described")]
+FIELDS = [(c, name) for c in CLASSES for name in c.described()]
+FLAGS = [(group, name) for group, c in GROUPS.items() for name in c.described()]
+
+
+def candidates(value, told: dict):
+    """Values near one, of which some are valid."""
+    if isinstance(value, bool):
+        return [not value]
+    if isinstance(value, (int, float)):
+        return [value + 2, value + 4, value - 1] if isinstance(value, int) else [value * 1.02 + 1e-3, value * 0.98]
+    if isinstance(value, str):
+        return [c for c in told.get("choices", [value + "x"]) if c != value]
+    if isinstance(value, np.ndarray):
+        return [value * [0.9, 1.0, 0.8]]
+    if isinstance(value, dict):
+        return [{"pelvis": "Hips"}]
+    if isinstance(value, list):
+        return [value[:-1] if value else [3], ["somebody"]]
+    return [another(type(value), next(iter(type(value).described())))[0]]  # options of their own
+
+
+def another(options_class: type, name: str):
+    """Options of which one is not the default, and its value."""
+    default = getattr(options_class(), name)
+    for value in candidates(default, options_class.described()[name]):
+        try:
+            return options_class(**{name: value}), value
+        except (ValueError, TypeError):
+            pass
+    raise AssertionError(f"{options_class.__name__}.{name}: no other value near {default}")
+
+
+def others(options, name: str) -> dict:
+    return {k: v for k, v in plain(options).items() if k != name}
+
+
+@pytest.mark.parametrize(("options_class", "name"), FIELDS, ids=lambda x: getattr(x, "__name__", x))
+def test_a_keyword_is_an_attribute_and_an_entry(options_class, name):
+    changed, value = another(options_class, name)
+    assert plain(getattr(changed, name)) == plain(value)
+    assert plain(changed)[name] == plain(value)
+    assert plain(changed)[name] != plain(options_class())[name]
+    assert others(changed, name) == others(options_class(), name)
+    assigned = options_class()
+    setattr(assigned, name, value)
+    assert plain(assigned) == plain(changed)
+    told = options_class.described()[name]
+    assert told["meaning"] and told["meaning"] in getattr(options_class, name).__doc__
+    assert told["unit"] in getattr(options_class, name).__doc__
+
+
+@pytest.mark.parametrize(("options_class", "name"), FIELDS, ids=lambda x: getattr(x, "__name__", x))
+def test_numbers_outside_their_range_are_refused_by_name(options_class, name):
+    told, default = options_class.described()[name], getattr(options_class(), name)
+    if "lower" not in told:
+        return
+    for bound, step in (("lower", -1), ("upper", 1)):
+        if not np.isfinite(told[bound]) or (isinstance(default, int) and name.startswith("seed") and name != "seeds"):
+            continue
+        bad = type(default)(told[bound] + step) if isinstance(default, (int, float)) else told[bound] + step
+        bad = np.full(3, bad) if isinstance(default, np.ndarray) else [bad] if isinstance(default, list) else bad
+        if isinstance(default, list) and default == []:
+            bad = [int(b) for b in bad]
+        with pytest.raises(ValueError, match=f"^{options_class.__name__}: {name}: expected .*, found "):
+            options_class(**{name: bad})
+
+
+def flag_words(group: str, name: str, value) -> list[str]:
+    flag = f"--{group}-{name.replace('_', '-')}"
+    if isinstance(value, bool):
+        return [flag if value else flag.replace(f"--{group}", f"--no-{group}")]
+    if isinstance(value, (d.Material, dict)):
+        return [flag, *(f"{k}={v!r}".replace("'", "") for k, v in plain(value).items())]
+    if isinstance(value, (list, np.ndarray)):
+        return [flag, *(str(v) for v in value)]
+    return [flag, str(value)]
+
+
+@pytest.mark.parametrize(("group", "name"), FLAGS)
+def test_a_flag_sets_its_option(group, name):
+    options_class = GROUPS[group]
+    parser = argparse.ArgumentParser()
+    cli.add_option_flags(parser, {group: options_class})
+    _, value = another(options_class, name)
+    words = flag_words(group, name, value)
+    if pipeline.is_derived(group, name, getattr(options_class(), name)):
+        assert words[0] not in parser.format_help()
+        return
+    chosen = cli.chosen_options(parser.parse_args(words), {group: options_class})[group]
+    default = pipeline.make_options(group, options_class)
+    assert plain(chosen)[name] == plain(value)
+    assert others(chosen, name) == others(default, name)
+
+
+def test_groups_inside_groups_take_the_groups_options(tmp_path):
+    """`annealing` reaches the search for lost limbs inside the capture."""
+    job = pipeline.Job(tmp_path, tmp_path)
+    job.options["annealing"] = d.ParticleAnnealingOptions(particles=7)
+    job.options["opposite"] = d.OppositeOptions(rays=1)
+    job.options["space"] = d.ParameterSpace(names=["d_n"])
+    assert job.group("capture").limbs.annealing.particles == 7
+    assert job.group("segment").opposite.rays == 1
+    assert job.group("fit").space.names == ["d_n"]
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+def settings_of(name: str) -> d.SolverSettings:
+    """Of which one differs from the default: dt, or an option of the cloth."""
+    return d.SolverSettings(dt=1 / 30) if name == "dt" else d.SolverSettings(cloth=another(d.ClothOptions, name)[0])
+
+
+@pytest.mark.parametrize("name", ["dt", *d.ClothOptions.described()])
+def test_the_solvers_settings_travel_with_the_material(world, tmp_path, name):
+    settings = settings_of(name)
+    character = d.make_character(
+        world.actor, world.clothness, world.body, world.proxies, [world.material] * world.clothness.region_count, settings
+    )
+    character.write(tmp_path / "character.glb")
+    assert plain(d.Character.read(tmp_path / "character.glb").solver) == plain(settings)
+
+    file = tmp_path / "material.json"
+    count = len(world.actor.mesh.vertices)
+    rigid = d.Clothness(np.zeros(count), np.zeros(count), np.full(count, -1, np.int32))
+    simulator = d.CharacterSimulator(world.actor, rigid, world.proxies, settings.cloth)
+    options = d.FitOptions(energy=d.EnergyOptions(dt=settings.dt))
+    d.write_materials(file, d.estimate_material(simulator, world.performance, world.observations, options))
+    assert json.loads(file.read_text())["solver"] == plain(settings)
+    assert d.read_materials(file, settings) == []
+    where = "dt" if name == "dt" else f"cloth.{name}"
+    with pytest.raises(d.Error, match=f"material.json: solver setting {where}: expected .*, found "):
+        d.read_materials(file, d.SolverSettings())
+
+
+def test_whatever_the_energy_depends_on_changes_its_fingerprint(world):
+    def fingerprint(cloth=None, energy=None, space=None):
+        simulator = d.CharacterSimulator(world.actor, world.clothness, world.proxies, cloth or d.ClothOptions())
+        return d.MaterialObjective(
+            simulator, world.performance, world.observations, energy or d.EnergyOptions(), space or d.ParameterSpace()
+        ).fingerprint
+
+    prints = {"": fingerprint()}
+    for keyword, options_class in (("cloth", d.ClothOptions), ("energy", d.EnergyOptions), ("space", d.ParameterSpace)):
+        for name in options_class.described():
+            prints[f"{keyword}.{name}"] = fingerprint(**{keyword: another(options_class, name)[0]})
+    assert len(set(prints.values())) == len(prints), prints
