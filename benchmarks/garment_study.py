@@ -36,7 +36,7 @@ def main() -> None:
     arguments = parser.parse_args()
 
     truth, context = evaluate.Truth(arguments.truth) if arguments.truth else None, d.Context()
-    space, first = pipeline.make_options("space", d.ParameterSpace), None
+    space, first = d.ParameterSpace(), None
     materials = [space.material(unit) for unit in d.trial_samples(space, arguments.materials)]
     lowest = arguments.materials // 4
     for value in arguments.values:

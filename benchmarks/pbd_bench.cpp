@@ -38,7 +38,7 @@ void skirt_frames(benchmark::State &bench, bool narrow) {
   const int around = static_cast<int>(bench.range(0)), rows = static_cast<int>(bench.range(1));
   const int lanes = static_cast<int>(bench.range(3));
   const scenes::Sheet skirt = scenes::skirt(around, rows);
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.self_collision = bench.range(2) != 0;
   const std::vector<int> supported = ClothSolver::supported_lanes();
   if (std::find(supported.begin(), supported.end(), lanes) == supported.end()) {

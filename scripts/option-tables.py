@@ -6,6 +6,7 @@ from pathlib import Path
 import doublet as d
 from doublet import pipeline
 from doublet.cli import shown
+from doublet.pipeline import plain
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTALL)
@@ -13,19 +14,22 @@ MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTA
 GROUPS = {c.__name__: g for g, c in {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
 
 
-def default_of(name: str, value, group: str, unit: str) -> str:
+def as_text(value) -> str:
     text = f"{value:g}" if isinstance(value, float) else shown(value)
-    text = {"True": "on", "False": "off"}.get(text, text)
-    own = pipeline.DEFAULTS.get(group, {})
-    if name in own:
-        text += f"; `doublet`: {default_of(name, own[name], '', '')}"
-    return f"{text} {unit}".strip()
+    return {"True": "on", "False": "off"}.get(text, text)
+
+
+def default_of(value, papers, unit: str) -> str:
+    """A default with its unit, and the paper's if that differs."""
+    text = f"{as_text(value)} {unit}".strip()
+    return text if plain(papers) == plain(value) else f"{text}; the paper's: {as_text(papers)}"
 
 
 def table(class_name: str) -> str:
     options_class = getattr(d, class_name)
     group = GROUPS.get(class_name, "")
     described = options_class.described()
+    papers = options_class.paper().to_dict() if hasattr(options_class, "paper") else {}
     flags = f" (`--{group}-...`)" if group else ""
     rows = [f"| `{class_name}`{flags} | default | takes | |", "| --- | --- | --- | --- |"]
     for name, value in options_class().to_dict().items():
@@ -34,7 +38,7 @@ def table(class_name: str) -> str:
         told = described[name]
         takes = (told["takes"] or "").removeprefix("a number ").removeprefix("of ")
         meaning = told["meaning"].replace("|", "\\|")
-        rows.append(f"| `{name}` | {default_of(name, value, group, told['unit'])} | {takes} | {meaning} |")
+        rows.append(f"| `{name}` | {default_of(value, papers.get(name, value), told['unit'])} | {takes} | {meaning} |")
     return "\n".join(rows) + "\n"
 
 

@@ -101,7 +101,7 @@ std::vector<Material> generation(bool everything, int samples) {
 }
 
 void measure_ours(const Scene &scene, const std::string &name, bool everything, int samples) {
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.iterations = kSweeps;
   options.self_collision = everything;
   Eigen::VectorXd clothness = scene.skirt.clothness; // the waist is pinned, the next two rings are blended
@@ -185,7 +185,7 @@ void measure_bullet(const Scene &) {
 /// A curtain of 25 rows, hung by its top edge that waves, ever wider: the same cloth at every size. Median ms a frame of one
 /// simulation when `lanes` run side by side.
 double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, int lanes) {
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.self_collision = everything;
   const auto solver =
       ClothSolver::create_with_lanes(ClothModel::create(curtain.rest, curtain.faces, curtain.clothness, options), lanes);

@@ -155,6 +155,8 @@ public:
           return values;
         },
         "Name -> value of every option.");
+    if constexpr (requires { T::paper(); })
+      class_.def_static("paper", &T::paper, "The settings of the paper.");
     class_.def_static(
         "described",
         [] {

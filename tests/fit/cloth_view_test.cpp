@@ -276,7 +276,7 @@ double plain_energy(const Scene &s, const pbd::Material &material, const EnergyO
 
 TEST(MaterialObjective, RanksMaterialsAsThePlainSearchDoes) {
   const auto s = make_scene({cotton()}, {12, 2, 320, 8, 20});
-  const EnergyOptions options = papers_energy();
+  const EnergyOptions options = EnergyOptions::paper();
   NormalGenerator random(4);
   std::vector<std::vector<pbd::Material>> materials;
   std::vector<double> expected;

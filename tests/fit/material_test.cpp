@@ -236,7 +236,7 @@ TEST(MaterialObjective, ASampleWithoutClothIsTheWorstAndWasFreeInThePaper) {
   const auto [captured, without, worst] = energies({});
   EXPECT_LT(captured, 0.05 * worst);
   EXPECT_NEAR(without, worst, 1e-5 * worst);
-  EXPECT_EQ(energies(papers_energy())[1], 0);
+  EXPECT_EQ(energies(EnergyOptions::paper())[1], 0);
   // Each term by itself.
   const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
   const FrameTerms terms = objective.surface_terms(gone)[0][7];
@@ -535,7 +535,7 @@ TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
 }
 
 TEST(ParameterSpace, MapsTheBoxBothWays) {
-  ParameterSpace space;
+  ParameterSpace space = ParameterSpace::paper();
   EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Constant(5, 0.5)).d_n, 16);
   EXPECT_GT(space.material(Eigen::VectorXd::Zero(5)).k_stretch, 0);
   for (bool even : {false, true}) {
@@ -564,6 +564,10 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
 
 FitOptions quick() {
   FitOptions options;
+  options.stop_margin = 0;
+  options.smallest_deviation = 0.025;
+  options.answer_generations = 1;
+  options.space = ParameterSpace::paper();
   options.space.names = {"d_n", "k_bend"};
   options.space.fixed = cotton();
   options.max_evaluations = 48;
@@ -892,7 +896,7 @@ TEST(Synthetic, RigidSkirtOutlivesItsSwing) {
   rigid.d_n = rigid.d_t = 0;
   rigid.k_bend = rigid.k_stretch = rigid.k_friction = 1;
   for (const auto &[iterations, substeps] : {std::pair{24, 1}, {12, 2}, {6, 4}}) {
-    pbd::ClothOptions options;
+    pbd::ClothOptions options = pbd::ClothOptions::paper();
     options.iterations = iterations, options.substeps = substeps;
     const CharacterSimulator simulator(scene->actor, scene->clothness, scene->proxies, options);
     const Vertices last = simulate_reference(simulator, scene->performance, {rigid}, 1.0 / 40).back();

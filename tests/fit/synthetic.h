@@ -120,7 +120,7 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth
   auto scene = std::make_unique<Scene>();
   make_character(*scene, static_cast<int>(truth.size()), size.rings, size.segments);
   make_motion(*scene, size.frames);
-  pbd::ClothOptions options;
+  pbd::ClothOptions options = pbd::ClothOptions::paper();
   options.self_collision = size.self_collision;
   scene->simulator = std::make_unique<CharacterSimulator>(scene->actor, scene->clothness, scene->proxies, options);
   scene->performance.surface.faces = scene->actor.mesh.faces;
@@ -137,14 +137,6 @@ inline pbd::Material cotton() {
   pbd::Material material;
   material.d_n = 4.0, material.d_t = 4.9, material.k_bend = 0.3, material.k_stretch = 0.999, material.k_friction = 0.5;
   return material;
-}
-
-/// E_fit as the paper has it.
-inline EnergyOptions papers_energy() {
-  EnergyOptions options;
-  options.gamma = 0;
-  options.same_comparisons = options.fast_features = false;
-  return options;
 }
 
 } // namespace doublet::testing

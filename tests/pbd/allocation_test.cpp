@@ -63,7 +63,7 @@ TEST(Allocation, AWarmStepAllocatesNothing) {
     return in;
   };
   for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance}) {
-    ClothOptions options;
+    ClothOptions options = ClothOptions::paper();
     options.iterations = 8;
     options.substeps = 2;
     options.restitution = 0.5;

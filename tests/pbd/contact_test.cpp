@@ -19,7 +19,7 @@ Material slick(double friction = 0) {
   m.k_friction = friction;
   return m;
 }
-std::unique_ptr<ClothSolver> make(const Sheet &s, const ClothOptions &options = {}) {
+std::unique_ptr<ClothSolver> make(const Sheet &s, const ClothOptions &options = ClothOptions::paper()) {
   return ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
 }
 /// Least signed distance of all vertices to all capsules, m.
@@ -55,7 +55,7 @@ TEST(Contact, FrictionDampsTheSlideByOneMinusKEachStep) {
   in.capsules = &logs;
   for (double k : {0.0, 0.1, 0.5, 1.0})
     for (int substeps : {1, 3}) {
-      ClothOptions options;
+      ClothOptions options = ClothOptions::paper();
       options.substeps = substeps;
       const auto solver = make(s, options);
       ClothState state = resting_on(s, 0, options.thickness);
@@ -111,7 +111,7 @@ TEST(Contact, RestitutionReflectsTheStatedShare) {
   StepInputs in;
   in.capsules = &logs;
   for (double e : {0.0, 0.5, 1.0}) {
-    ClothOptions options;
+    ClothOptions options = ClothOptions::paper();
     options.restitution = e;
     const auto solver = make(s, options);
     ClothState state = resting_on(s, 0, options.thickness);
@@ -129,7 +129,7 @@ TEST(Contact, FastLegCarriesTheClothAndNeverTunnels) {
       Sheet s = scenes::grid(16, 16, 0.03);
       s.rest.col(1) = s.rest.col(2).eval();
       s.rest.col(2).setZero(); // upright in the plane z = 0
-      ClothOptions options;
+      ClothOptions options = ClothOptions::paper();
       options.gravity.setZero();
       const auto solver = make(s, options);
       ClothState state = initial_state(s.rest);
@@ -196,7 +196,7 @@ TEST(Contact, KickingLegNeverTunnels) {
 
 TEST(Contact, PenetrationAtTheStartOpensWithoutEnergy) {
   const Sheet s = scenes::grid(10, 10, 0.02);
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.gravity.setZero();
   const auto solver = make(s, options);
   const std::vector<Capsule> capsules{{{-0.3, -0.03, 0}, {0.3, -0.03, 0}, 0.08, 0.08}}; // the sheet lies 5 cm inside
@@ -266,7 +266,7 @@ TEST(SelfCollision, SwitchedOffLetsItThrough) {
   s.faces << lower.faces, (upper.faces.array() + 25).matrix();
   s.clothness = Eigen::VectorXd::Ones(34);
   s.clothness.head(25).setZero();
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.self_collision = false;
   const auto solver = make(s, options);
   ClothState state = initial_state(s.rest);
@@ -286,7 +286,7 @@ TEST(SelfCollision, LayersThatRestTogetherAreLeftAlone) {
   s.faces.resize(144, 3);
   s.faces << lower.faces, (upper.faces.array() + 49).matrix();
   s.clothness = Eigen::VectorXd::Ones(98);
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.gravity.setZero();
   const auto solver = make(s, options);
   ClothState state = initial_state(s.rest);

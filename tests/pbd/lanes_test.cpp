@@ -111,13 +111,13 @@ void expect_same_bits(const ClothOptions &options, int simulations, int frames) 
 }
 
 TEST(Lanes, EveryWidthPlaceAndThreadGivesTheSameBits) {
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.self_thickness = 0.008; // plenty of contacts
   expect_same_bits(options, 19, 150);
 }
 
 TEST(Lanes, SubstepsRestitutionAndComplianceToo) {
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.iterations = 6;
   options.substeps = 4;
   options.restitution = 0.5;

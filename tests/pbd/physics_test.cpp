@@ -22,11 +22,11 @@ Material inert(double k_stretch = 1, double k_bend = 0) {
   m.k_bend = k_bend;
   return m;
 }
-std::unique_ptr<ClothSolver> make(const Sheet &s, const ClothOptions &options = {}) {
+std::unique_ptr<ClothSolver> make(const Sheet &s, const ClothOptions &options = ClothOptions::paper()) {
   return ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
 }
 ClothOptions weightless() {
-  ClothOptions o;
+  ClothOptions o = ClothOptions::paper();
   o.gravity.setZero();
   return o;
 }
@@ -59,7 +59,7 @@ TEST(Cloth, MassesAreAThirdOfTheAreas) {
 TEST(Cloth, FullnessMakesItWiderAcrossGravityAlone) {
   Sheet s = scenes::skirt(24, 8);
   s.clothness.setOnes();
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.gravity *= 1e-6;
   options.self_collision = false;
   const Eigen::VectorXd fullness = Eigen::VectorXd::Constant(s.rest.rows(), 1.25);
@@ -95,7 +95,7 @@ TEST(Cloth, LeavesTheCallersArithmeticAsItWas) {
 TEST(Cloth, FallsFreely) {
   const Sheet s = scenes::grid(6, 5, 0.03);
   for (int substeps : {1, 4}) {
-    ClothOptions options;
+    ClothOptions options = ClothOptions::paper();
     options.substeps = substeps;
     const auto solver = make(s, options);
     ClothState state = initial_state(s.rest);
@@ -171,7 +171,7 @@ TEST(Cloth, HangingStripHangsStraightAndDoesNotStretch) {
   EXPECT_LT(state.positions.col(2).cwiseAbs().maxCoeff(), 1e-3);
   EXPECT_LT(state.velocities.rowwise().norm().maxCoeff(), 0.02);
   // stiffer in more sweeps, softer in k
-  ClothOptions more;
+  ClothOptions more = ClothOptions::paper();
   more.iterations = 200;
   ClothState stiff = initial_state(s.rest), soft = initial_state(s.rest);
   run(*make(s, more), stiff, in, m, 400);
@@ -196,7 +196,7 @@ TEST(Cloth, SlackStripHangsInACatenary) {
   }
   for (int i : {0, segments, columns, columns + segments})
     s.clothness[i] = 0;
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.iterations = 300;
   const auto solver = make(s, options);
   ClothState state = initial_state(start);
@@ -231,7 +231,7 @@ TEST(Cloth, StiffStripSwingsLikeAPendulum) {
     s.rest.row(i) << flat(i, 0), -down * std::cos(lean), down * std::sin(lean);
   }
   s.clothness.head(3).setZero();
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.iterations = 60;
   options.substeps = 8;
   const auto solver = make(s, options);
@@ -332,7 +332,7 @@ TEST(Cloth, IsEquivariant) {
   const scenes::Dancer dancer;
   const Material m;
   const auto play = [&](const Eigen::Matrix3d &r, const Eigen::RowVector3d &t) {
-    ClothOptions options;
+    ClothOptions options = ClothOptions::paper();
     options.gravity = r * options.gravity;
     const auto move = [&](const Vertices &x) { return Vertices((x * r.transpose()).rowwise() + t); };
     const auto solver = make(s, options);

@@ -22,7 +22,7 @@ std::string refusal(const std::function<void()> &act) {
   }
   return "";
 }
-std::string model_refusal(const Sheet &s, const ClothOptions &options = {}) {
+std::string model_refusal(const Sheet &s, const ClothOptions &options = ClothOptions::paper()) {
   return refusal([&] { ClothModel::create(s.rest, s.faces, s.clothness, options); });
 }
 ::testing::AssertionResult says(const std::string &message, const std::string &part) {
@@ -61,7 +61,7 @@ TEST(Robustness, RefusesBadMeshes) {
 TEST(Robustness, RefusesBadOptionsAndMaterials) {
   const Sheet s = scenes::grid(3, 3, 0.03);
   const auto with = [&](auto &&change) {
-    ClothOptions o;
+    ClothOptions o = ClothOptions::paper();
     change(o);
     return model_refusal(s, o);
   };
@@ -113,7 +113,7 @@ TEST(Robustness, RefusesBadInputs) {
   EXPECT_TRUE(says(refusal([&] { solver->step_many(states, {}, materials); }), "equally many"));
 
   struct Foreign : ClothModel {
-    ClothOptions o;
+    ClothOptions o = ClothOptions::paper();
     Eigen::VectorXd w;
     int vertex_count() const override { return 0; }
     const ClothOptions &options() const override { return o; }
@@ -187,7 +187,7 @@ TEST(Robustness, SurvivesTheCornersOfTheBox) {
       m.*p.value = random() % 2 ? p.upper : p.lower;
     if (m.k_stretch == 0)
       m.k_stretch = 1e-3;
-    ClothOptions options;
+    ClothOptions options = ClothOptions::paper();
     options.substeps = round % 3 == 0 ? 3 : 1;
     options.restitution = round % 4 == 0 ? 1 : 0;
     const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));

@@ -110,7 +110,7 @@ Profile simulated(double spin, const ClothOptions &options, const Material &mate
 }
 
 ClothOptions budget(int iterations, int substeps) {
-  ClothOptions options;
+  ClothOptions options = ClothOptions::paper();
   options.iterations = iterations, options.substeps = substeps;
   options.stiffness = Stiffness::Compliance;
   options.rest_curvature = 0;

@@ -23,7 +23,7 @@ Material damped(double k_stretch, double k_bend) {
 }
 
 std::vector<ClothOptions> budgets(Stiffness stiffness) {
-  std::vector<ClothOptions> all(4);
+  std::vector<ClothOptions> all(4, ClothOptions::paper());
   const int counts[4][2] = {{24, 1}, {12, 2}, {6, 4}, {3, 8}};
   for (int i = 0; i < 4; ++i) {
     all[i].iterations = counts[i][0];
@@ -119,7 +119,7 @@ TEST(Stiffness, RestCurvatureIsTheShareOfTheAnglesThatIsKept) {
   }
   for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance})
     for (double share : {0.0, 0.5, 1.0}) {
-      ClothOptions options;
+      ClothOptions options = ClothOptions::paper();
       options.gravity.setZero();
       options.stiffness = stiffness;
       options.rest_curvature = share;

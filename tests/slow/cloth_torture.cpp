@@ -90,7 +90,7 @@ int main(int argc, char **argv) {
         const bool soft = material.k_stretch == 0;
         if (soft)
           material.k_stretch = 1e-3; // 0 itself is outside: it would hang from nothing
-        ClothOptions options;
+        ClothOptions options = ClothOptions::paper();
         options.substeps = substeps;
         options.restitution = restitution;
         const auto solver = ClothSolver::create(ClothModel::create(skirt.rest, skirt.faces, skirt.clothness, options));

@@ -51,7 +51,7 @@ def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
     for group, options_class in groups.items():
         flags = parser.add_argument_group(f"{group} options", options_class.__doc__.splitlines()[0])
         described = options_class.described()
-        for name, default in pipeline.make_options(group, options_class).to_dict().items():
+        for name, default in options_class().to_dict().items():
             if pipeline.is_derived(group, name, default):
                 continue
             flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": flag_help(described[name], default)}

@@ -40,18 +40,6 @@ OPTION_GROUPS = {
     "fit": d.FitOptions,
     "space": d.ParameterSpace,
 }
-#: A frame is 24 sweeps, as in the paper, but in 4 substeps of 6, and a material means the same whatever they are: at equal sweeps
-#: cloth stretches far less. Cut flat; as far from the proxies as these are slimmer than the body (docs/cloth.md).
-#: Features weigh 3 instead of the paper's 10: E_fit then tells the distance to a true garment better (docs/results.md, Rivals).
-#: A little damping, not estimated: without any, cloth never comes to rest (docs/cloth.md).
-#: The search goes in even steps, gives up on materials that fall behind, stops when what it still gains is less than what chaos
-#: adds, and answers the best of its last means (docs/material-estimation.md).
-DEFAULTS = {
-    "cloth": {"iterations": 6, "substeps": 4, "stiffness": "compliance", "rest_curvature": 0.0, "thickness": 0.012},
-    "energy": {"beta": 3.0},
-    "fit": {"stop_margin": 0.1, "smallest_deviation": 0.1, "answer_generations": 14},
-    "space": {"fixed": d.Material(k_damping=0.05), "even_steps": True},
-}
 #: Set by the session, by --seed or by the command itself, not by an option of their own.
 DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("train", "command")}
 
@@ -62,8 +50,8 @@ def is_derived(group: str, name: str, value) -> bool:
 
 
 def make_options(group: str, options_class: type, **chosen):
-    """The pipeline's defaults, and what was chosen on top of them; of a material or a dict this may be NAME=X pairs."""
-    values = options_class(**DEFAULTS.get(group, {})).to_dict()
+    """The defaults, and what was chosen on top of them; of a material or a dict this may be NAME=X pairs."""
+    values = options_class().to_dict()
     for name, value in chosen.items():
         pairs = takes_pairs(values.get(name)) and isinstance(value, list)
         values[name] = with_pairs(values[name], value, f"{group}.{name}") if pairs else value
@@ -108,7 +96,7 @@ class Job:
     def __post_init__(self):
         self.session_folder, self.out = Path(self.session_folder), Path(self.out)
         for name, options_class in OPTION_GROUPS.items():
-            self.options.setdefault(name, make_options(name, options_class))
+            self.options.setdefault(name, options_class())
 
     @cached_property
     def session(self) -> d.Session:

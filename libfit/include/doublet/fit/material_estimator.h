@@ -20,14 +20,14 @@ struct FitOptions {
   int seeds = 1;
   int max_evaluations = 512;
   int population = 0;
-  double stop_margin = 0; ///< see MaterialObjective::race
+  double stop_margin = 0.1; ///< see MaterialObjective::race
   double initial_sigma = 0.3;
-  double smallest_deviation = 0.025;
-  double stagnation = 0.02; ///< see CmaEsOptions
-  double penalty = 16.0;    ///< see MinimiseOptions
+  double smallest_deviation = 0.1; ///< what is gained below is less than what chaos adds
+  double stagnation = 0.02;        ///< see CmaEsOptions
+  double penalty = 16.0;           ///< see MinimiseOptions
   bool relative_penalty = true;
   /// In a chaotic energy the mean wanders among answers that are equally good, or less so.
-  int answer_generations = 1;
+  int answer_generations = 14;
   bool answer_best = false;
   /// Annealing: chains = population, 4 if 0; steps from initial_sigma down to smallest_deviation.
   std::string optimizer = "cma-es";
@@ -79,6 +79,17 @@ struct FitOptions {
         no_option(&O::on_generation, "on_generation",
                   "gets what there is after every generation, as an interrupted result; may be empty"),
     };
+  }
+  /// CMA-ES in the box itself until all deviations are below 0.025, whose final mean is the answer, on the paper's energy.
+  static FitOptions paper() {
+    FitOptions options;
+    options.stop_margin = options.stagnation = 0;
+    options.smallest_deviation = 0.025;
+    options.relative_penalty = false;
+    options.answer_generations = 1;
+    options.space = ParameterSpace::paper();
+    options.energy = EnergyOptions::paper();
+    return options;
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };

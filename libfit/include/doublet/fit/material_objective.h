@@ -15,7 +15,7 @@ namespace doublet {
 struct EnergyOptions {
   double dt = 1.0 / 40.0;
   double alpha = 1.0;
-  double beta = 10.0;
+  double beta = 3.0;
   /// Mean squared distance, at most rim_cap, from the measured contour that is the outline of the captured cloth to the outline
   /// of the simulated cloth. E_sil asks whether every simulated rim is seen, this whether every seen rim is simulated.
   double gamma = 1.0;
@@ -68,15 +68,23 @@ struct EnergyOptions {
                "frames simulated before a window counts: the captured surface is not at rest under any material"),
     };
   }
+  /// Eq. 6 to 8 as they are.
+  static EnergyOptions paper() {
+    EnergyOptions options;
+    options.beta = 10;
+    options.gamma = 0;
+    options.same_comparisons = options.fast_features = false;
+    return options;
+  }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 /// Which parameters are searched, and how they map to [0, 1].
 struct ParameterSpace {
   std::vector<std::string> names = {"d_n", "d_t", "k_bend", "k_stretch", "k_friction"};
-  pbd::Material fixed;
+  pbd::Material fixed{.k_damping = 0.05}; ///< a little: without any, cloth never comes to rest (docs/cloth.md)
   /// Drag is 32 u^2, for cloth has little of it, and k_stretch 1 - (1 - u)^4, for below 0.9 it hangs like rubber.
-  bool even_steps = false;
+  bool even_steps = true;
   static constexpr auto describe() {
     using namespace options;
     using O = ParameterSpace;
@@ -88,6 +96,13 @@ struct ParameterSpace {
                "search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4; off = the box "
                "itself (the paper's)"),
     };
+  }
+  /// The box itself, without damping.
+  static ParameterSpace paper() {
+    ParameterSpace space;
+    space.fixed = {};
+    space.even_steps = false;
+    return space;
   }
 
   void validate() const; ///< throws std::invalid_argument naming option, range and value
