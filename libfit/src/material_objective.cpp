@@ -13,6 +13,7 @@
 #include <functional>
 #include <mutex>
 #include <span>
+#include <typeinfo>
 
 namespace doublet {
 namespace {
@@ -220,6 +221,24 @@ void check_inputs(const CharacterSimulator &simulator, const ReferencePerformanc
   require_performance(performance, simulator.actor(), "MaterialObjective");
 }
 
+/// Solvers that are not ours have no name: a frame of each tells them apart.
+void hash_solvers(Fingerprint &print, const CharacterSimulator &simulator, const ReferencePerformance &performance, double dt) {
+  const auto own = [](const ClothRegion &region) {
+    const auto ours = pbd::ClothSolver::create(region.model);
+    return typeid(*region.solver) == typeid(*ours);
+  };
+  if (std::all_of(simulator.regions().begin(), simulator.regions().end(), own))
+    return;
+  const PosedFrame first = simulator.pose(performance.dofs.row(0)), last = simulator.pose(performance.dofs.bottomRows(1));
+  CharacterState state = simulator.start(first);
+  CharacterState *const states = &state;
+  const std::vector<pbd::Material> materials(simulator.regions().size());
+  const std::vector<pbd::Material> *const lists = &materials;
+  simulator.step_each({&states, 1}, first, last, {&lists, 1}, dt);
+  for (const pbd::ClothState &region : state.regions)
+    print.add(region.positions).add(region.velocities);
+}
+
 std::string hash_problem(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                          const Observations &observations, const EnergyOptions &o, const ParameterSpace &space) {
   Fingerprint print;
@@ -234,6 +253,7 @@ std::string hash_problem(const CharacterSimulator &simulator, const ReferencePer
                cloth.self_thickness, cloth.self_collision ? 1.0 : 0.0, cloth.rest_curvature,
                cloth.stiffness == pbd::Stiffness::Compliance ? 1.0 : 0.0});
   }
+  hash_solvers(print, simulator, performance, o.dt);
   for (const pbd::Capsule &capsule : simulator.pose(performance.dofs.row(0)).capsules)
     print.add(capsule.p0).add(capsule.p1).add({capsule.r0, capsule.r1});
   for (const Camera &camera : observations.cameras)
