@@ -2,6 +2,7 @@
 // and proxies on, one core. Arguments: vertices around, rows (52 x 24: 1300 vertices, 2496 faces; 72 x 35: 2592, 5040),
 // self-collision (0, 1), simulations side by side in one register. s_a_sample: CPU time a frame of one simulation.
 
+#include "doublet/pbd/detail/lanes.h"
 #include "pbd/scenes.h"
 
 #include <algorithm>
@@ -40,13 +41,12 @@ void skirt_frames(benchmark::State &bench, bool narrow) {
   const scenes::Sheet skirt = scenes::skirt(around, rows);
   ClothOptions options = ClothOptions::paper();
   options.self_collision = bench.range(2) != 0;
-  const std::vector<int> supported = ClothSolver::supported_lanes();
+  const std::vector<int> supported = detail::supported_lanes();
   if (std::find(supported.begin(), supported.end(), lanes) == supported.end()) {
     bench.SkipWithError("this processor has no registers of that width");
     return;
   }
-  const auto solver =
-      ClothSolver::create_with_lanes(ClothModel::create(skirt.rest, skirt.faces, skirt.clothness, options), lanes);
+  const auto solver = detail::create_with_lanes(ClothModel::create(skirt.rest, skirt.faces, skirt.clothness, options), lanes);
   const scenes::Dancer dancer;
   const std::vector<Material> materials = population(lanes, narrow);
   std::vector<ClothState> states(lanes, initial_state(skirt.rest));

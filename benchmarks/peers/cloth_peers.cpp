@@ -8,6 +8,7 @@
 //   cloth_peers bullet AROUND ROWS FRAMES FOLDER
 //   cloth_peers growth                             curtains from 1000 to 100000 vertices, as CSV
 
+#include "doublet/pbd/detail/lanes.h"
 #include "pbd/scenes.h"
 
 #include <algorithm>
@@ -108,7 +109,7 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
   if (!everything)
     clothness.tail(clothness.size() - scene.around).setOnes();
   const auto solver =
-      ClothSolver::create_with_lanes(ClothModel::create(scene.skirt.rest, scene.skirt.faces, clothness, options), samples);
+      detail::create_with_lanes(ClothModel::create(scene.skirt.rest, scene.skirt.faces, clothness, options), samples);
   const std::vector<Material> materials = generation(everything, samples);
   std::vector<ClothState> states(materials.size(), initial_state(scene.skirt.rest));
   Vertices previous = scene.targets(0), current = previous;
@@ -126,7 +127,10 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
         current = scene.targets(f);
         capsules = scene.dancer.capsules(f * kH);
       },
-      [&] { solver->step_many(states, in, materials); }, samples, [&] { return states[0].positions; });
+      [&] {
+        solver->step_each(states, {&in, 1}, materials);
+      },
+      samples, [&] { return states[0].positions; });
 }
 
 #ifdef DOUBLET_WITH_BULLET
@@ -188,7 +192,7 @@ double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, in
   ClothOptions options = ClothOptions::paper();
   options.self_collision = everything;
   const auto solver =
-      ClothSolver::create_with_lanes(ClothModel::create(curtain.rest, curtain.faces, curtain.clothness, options), lanes);
+      detail::create_with_lanes(ClothModel::create(curtain.rest, curtain.faces, curtain.clothness, options), lanes);
   const std::vector<Material> materials = generation(everything, lanes);
   std::vector<ClothState> states(materials.size(), initial_state(curtain.rest));
   Vertices previous = curtain.rest, current = previous;
@@ -202,7 +206,7 @@ double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, in
     for (int c = 0; c <= columns; ++c)
       current(c, 2) += 0.05 * std::sin(6 * f * kH + 20 * curtain.rest(c, 0));
     const double start = cpu_ms();
-    solver->step_many(states, in, materials);
+    solver->step_each(states, {&in, 1}, materials);
     if (f > kSettle)
       times.push_back((cpu_ms() - start) / lanes);
   }
@@ -211,7 +215,7 @@ double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, in
 }
 
 void print_growth() {
-  const int widest = ClothSolver::supported_lanes().back();
+  const int widest = detail::supported_lanes().back();
   std::printf("vertices,faces,edges_and_bends_1,everything_1,edges_and_bends_%d,everything_%d\n", widest, widest);
   for (int columns : {39, 79, 159, 399, 799, 1599, 3999}) {
     scenes::Sheet curtain = scenes::grid(columns, 24, 0.025);

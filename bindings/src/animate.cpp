@@ -1,4 +1,4 @@
-#include "common.h"
+#include "cloth.h"
 
 #include "doublet/animate/animator.h"
 #include "doublet/animate/baked_file.h"
@@ -78,8 +78,15 @@ void bind_simulator(py::module_ &m) {
       .def(
           "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
   py::class_<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
-      .def(py::init<const RiggedMesh &, const Clothness &, const std::vector<TaperedCapsule> &, const pbd::ClothOptions &>(),
-           py::arg("actor"), py::arg("clothness"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{}, Release())
+      .def(py::init([](const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
+                       const pbd::ClothOptions &options, const py::object &make_solver) {
+             const pbd::ClothSolverFactory make = solver_factory(make_solver);
+             const py::gil_scoped_release release;
+             return std::make_unique<CharacterSimulator>(actor, clothness, proxies, options, make);
+           }),
+           py::arg("actor"), py::arg("clothness"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{},
+           py::arg("make_solver") = py::none(),
+           "make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.")
       .def_property_readonly("region_count", [](const CharacterSimulator &s) { return s.regions().size(); })
       .def_property_readonly("actor", &CharacterSimulator::actor)
       .def("pose", &CharacterSimulator::pose, py::arg("dofs"), Release(), "The PosedFrame of a pose (D).")
@@ -227,13 +234,16 @@ void bind_animator(py::module_ &m) {
           "(T, B, 3) m");
   m.def(
       "animate",
-      [](const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context) {
-        return animate(character, motion, options, context);
+      [](const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context,
+         const py::object &make_solver) {
+        const pbd::ClothSolverFactory make = solver_factory(make_solver);
+        const py::gil_scoped_release release;
+        return animate(character, motion, options, context, make);
       },
       py::arg("character"), py::arg("motion"), py::arg("options") = AnimateOptions{},
-      py::arg("context") = interruptible_context(), Release(),
+      py::arg("context") = interruptible_context(), py::arg("make_solver") = py::none(),
       "The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the "
-      "simulation leaves the finite numbers.");
+      "simulation leaves the finite numbers. make_solver: as of CharacterSimulator.");
 }
 
 void bind_streaming(py::module_ &m) {
@@ -247,9 +257,14 @@ void bind_streaming(py::module_ &m) {
   m.def(
       "animate_each",
       [](const Character &character, const Motion &motion, const std::function<void(const AnimationFrame &)> &frame,
-         const AnimateOptions &options, const Context &context) { return animate(character, motion, options, frame, context); },
+         const AnimateOptions &options, const Context &context, const py::object &make_solver) {
+        const pbd::ClothSolverFactory make = solver_factory(make_solver);
+        const py::gil_scoped_release release;
+        return animate(character, motion, options, frame, context, make);
+      },
       py::arg("character"), py::arg("motion"), py::arg("frame"), py::arg("options") = AnimateOptions{},
-      py::arg("context") = interruptible_context(), Release(), "Calls frame(AnimationFrame) in order and keeps nothing.");
+      py::arg("context") = interruptible_context(), py::arg("make_solver") = py::none(),
+      "animate(), but calls frame(AnimationFrame) in order and keeps nothing.");
   m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release(),
         "An animation as arrays (docs/formats.md), complete or not at all.");
   OptionsClass<BakedGlbOptions>(m, "Options of write_baked_glb.");

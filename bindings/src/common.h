@@ -13,6 +13,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -85,6 +86,26 @@ template <class T> std::shared_ptr<T> kept(const py::object &object) {
     const py::gil_scoped_acquire gil;
     Py_DECREF(owned);
   });
+}
+
+/// Wraps `make(arguments...) -> T` written in Python, to be called on whatever thread; None = an empty function. Throws TypeError
+/// if what comes back is not `expected`, e.g. "make_optimizer must return an Optimizer".
+template <class T, class... Arguments>
+std::function<std::shared_ptr<T>(Arguments...)> factory_from(const py::object &make, const char *expected) {
+  if (make.is_none())
+    return {};
+  // Shared, so that copies of the function made without the GIL never touch the reference count.
+  const std::shared_ptr<py::object> function(new py::object(make), [](py::object *object) {
+    const py::gil_scoped_acquire gil;
+    delete object;
+  });
+  return [function, expected](Arguments... arguments) {
+    const py::gil_scoped_acquire gil;
+    const py::object made = (*function)(arguments...);
+    if (!py::isinstance<T>(made))
+      throw py::type_error(std::string(expected) + ", found " + described(made));
+    return kept<T>(made);
+  };
 }
 
 /// An array that owns `values` without a copy.

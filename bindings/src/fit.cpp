@@ -36,7 +36,7 @@ public:
 /// Keeps the Python optimiser alive for as long as C++ owns it; every call goes through the C++ object inside.
 class KeptOptimizer : public Optimizer {
 public:
-  explicit KeptOptimizer(const py::object &object) : inner_(kept<Optimizer>(object)) {}
+  explicit KeptOptimizer(std::shared_ptr<Optimizer> inner) : inner_(std::move(inner)) {}
   MatrixRM ask() override { return inner_->ask(); }
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override { inner_->tell(samples, energies); }
   bool stop() const override { return inner_->stop(); }
@@ -48,22 +48,11 @@ private:
   std::shared_ptr<Optimizer> inner_;
 };
 
-/// Wraps `make(dimension, seed) -> Optimizer` written in Python.
-OptimizerFactory factory_from(const py::object &make) {
-  if (make.is_none())
+OptimizerFactory optimizer_factory(const py::object &make) {
+  const auto made = factory_from<Optimizer, int, std::uint64_t>(make, "make_optimizer must return an Optimizer");
+  if (!made)
     return {};
-  // Shared, so that copies of the function made without the GIL never touch the reference count.
-  const std::shared_ptr<py::object> function(new py::object(make), [](py::object *object) {
-    const py::gil_scoped_acquire gil;
-    delete object;
-  });
-  return [function](int dimension, std::uint64_t seed) -> std::unique_ptr<Optimizer> {
-    const py::gil_scoped_acquire gil;
-    const py::object made = (*function)(dimension, seed);
-    if (!py::isinstance<Optimizer>(made))
-      throw py::type_error("make_optimizer must return an Optimizer, found " + described(made));
-    return std::make_unique<KeptOptimizer>(made);
-  };
+  return [made](int dimension, std::uint64_t seed) { return std::make_unique<KeptOptimizer>(made(dimension, seed)); };
 }
 
 void bind_optimizers(py::module_ &m) {
@@ -120,7 +109,7 @@ void bind_minimise(py::module_ &m) {
       [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty, bool relative_penalty,
          const std::optional<Path> &checkpoint, const std::string &problem, const Context &context) {
         MinimiseOptions options;
-        options.make_optimizer = factory_from(make_optimizer);
+        options.make_optimizer = optimizer_factory(make_optimizer);
         options.seed = seed;
         options.penalty = penalty;
         options.relative_penalty = relative_penalty;
@@ -230,8 +219,9 @@ void bind_garment_trial(py::module_ &m) {
   OptionsClass<TrialOptions>(m, "Which rest shapes of a garment are tried on the video.");
   m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"),
         "(count, n) points of the box, spread evenly, of cloth that does not stretch.");
-  m.def("chosen_garment", &chosen_garment, py::arg("energies"), py::arg("trial") = TrialOptions{},
-        "Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.");
+  m.def(
+      "chosen_garment", &chosen_garment, py::arg("energies"), py::arg("trial") = TrialOptions{},
+      "Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.");
   m.def("garment_energy", &garment_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
         py::arg("trial") = TrialOptions{}, py::arg("energy") = EnergyOptions{}, py::arg("space") = ParameterSpace{},
         py::arg("context") = interruptible_context(), Release(),
@@ -286,7 +276,7 @@ void bind_fit(py::module_ &m) {
       .def_readwrite("log", &FitOptions::log)
       .def_property(
           "make_optimizer", [](const FitOptions &) { return py::none(); },
-          [](FitOptions &options, const py::object &make) { options.make_optimizer = factory_from(make); },
+          [](FitOptions &options, const py::object &make) { options.make_optimizer = optimizer_factory(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
   py::class_<FitResult>(m, "FitResult", "The estimated material of every region.")
       .def_property_readonly("materials", &FitResult::materials, "one a region")

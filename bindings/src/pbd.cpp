@@ -1,6 +1,7 @@
-#include "common.h"
+#include "cloth.h"
+#include "doublet/testing/cloth_solver_conformance.h"
 
-#include "doublet/pbd/cloth_solver.h"
+#include <set>
 
 namespace doublet::python {
 namespace {
@@ -50,21 +51,35 @@ struct OwnedInputs {
 
 class PyClothSolver : public ClothSolver {
 public:
-  explicit PyClothSolver(std::shared_ptr<const ClothModel> model) : model_(std::move(model)) {
-    if (!model_)
-      throw std::invalid_argument("ClothSolver: expected a ClothModel, found None");
-  }
-  const ClothModel &model() const override { return *model_; }
-  void step(ClothState &state, const StepInputs &inputs, const Material &material) const override {
-    const py::gil_scoped_acquire gil;
-    const py::function override = py::get_override(static_cast<const ClothSolver *>(this), "step");
-    if (!override)
-      throw std::runtime_error("a ClothSolver must define step(state, inputs, material)");
-    override(py::cast(&state, py::return_value_policy::reference), OwnedInputs::copy_of(inputs), material);
-  }
+  using ClothSolver::ClothSolver;
 
 private:
-  std::shared_ptr<const ClothModel> model_;
+  /// Python gets states of its own, which it may keep; what comes back finite is taken over.
+  std::vector<int> advance(std::span<ClothState> states, std::span<const StepInputs> inputs, std::span<const Material> materials,
+                           int threads) const override {
+    const py::gil_scoped_acquire gil;
+    py::list own_states, own_inputs, own_materials;
+    py::object shared;
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      if (i < inputs.size())
+        shared = py::cast(OwnedInputs::copy_of(inputs[i]));
+      own_states.append(py::cast(states[i]));
+      own_inputs.append(shared);
+      own_materials.append(py::cast(materials[i]));
+    }
+    const auto named = call_override<std::optional<std::vector<int>>>(
+        static_cast<const ClothSolver *>(this), "ClothSolver.advance", "indices of simulations that are not finite, or None",
+        own_states, own_inputs, own_materials, threads);
+    std::set<int> failed(named ? std::set<int>(named->begin(), named->end()) : std::set<int>());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto &state = own_states[i].cast<const ClothState &>();
+      if (!state.positions.allFinite() || !state.velocities.allFinite())
+        failed.insert(static_cast<int>(i));
+      else if (!failed.contains(static_cast<int>(i)))
+        states[i] = state;
+    }
+    return {failed.begin(), failed.end()};
+  }
 };
 
 /// States lie one behind the other in C++; Python holds each on its own.
@@ -99,6 +114,14 @@ void bind_material(py::module_ &m) {
           "Name -> (lower, upper) of every parameter.");
 }
 
+/// Never in another size: NumPy may hold a view of the old values.
+void replace(Vertices &values, const Vertices &with, const char *name) {
+  if (values.rows() != with.rows())
+    throw std::invalid_argument(std::string("ClothState.") + name + " must have " + std::to_string(values.rows()) +
+                                " rows, found " + std::to_string(with.rows()));
+  values = with;
+}
+
 void bind_state(py::module_ &m) {
   py::class_<Capsule>(m, "Capsule", "Tapered capsule in the world, m.")
       .def(py::init([](Eigen::Vector3d p0, Eigen::Vector3d p1, double r0, double r1) {
@@ -114,10 +137,10 @@ void bind_state(py::module_ &m) {
       // Through a plain reference, so that the arrays may be written to in place.
       .def_property(
           "positions", [](ClothState &state) -> Vertices & { return state.positions; },
-          [](ClothState &state, const Vertices &positions) { state.positions = positions; })
+          [](ClothState &state, const Vertices &positions) { replace(state.positions, positions, "positions"); })
       .def_property(
           "velocities", [](ClothState &state) -> Vertices & { return state.velocities; },
-          [](ClothState &state, const Vertices &velocities) { state.velocities = velocities; })
+          [](ClothState &state, const Vertices &velocities) { replace(state.velocities, velocities, "velocities"); })
       .def(
           "copy", [](const ClothState &state) { return state; }, "A state of its own.");
   py::class_<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
@@ -143,7 +166,8 @@ void bind_pbd(py::module_ &m) {
   bind_material(m);
   bind_state(m);
   OptionsClass<ClothOptions>(m, "Settings of the cloth solver.");
-  py::class_<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "Topology and rest state of a piece of cloth; immutable.")
+  py::class_<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel",
+                                                      "What a piece of cloth is: arrays that cannot be written to.")
       .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
                        const Eigen::VectorXd &fullness) {
              return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options, fullness));
@@ -151,11 +175,21 @@ void bind_pbd(py::module_ &m) {
            py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{},
            py::arg("fullness") = Eigen::VectorXd(), Release())
       .def_property_readonly("vertex_count", &ClothModel::vertex_count)
-      .def_property_readonly("options", &ClothModel::options)
-      .def_property_readonly("inverse_masses", &ClothModel::inverse_masses);
-  py::class_<ClothSolver, PyClothSolver, std::shared_ptr<ClothSolver>>(m, "ClothSolver",
-                                                                       "Advances a state by a frame. Subclass to replace it.")
-      .def(py::init([](std::shared_ptr<ClothModel> model) { return new PyClothSolver(std::move(model)); }), py::arg("model"))
+      .def_property_readonly("rest", &ClothModel::rest, "(N, 3) m: rest lengths and angles come from here")
+      .def_property_readonly("faces", &ClothModel::faces, "(F, 3)")
+      .def_property_readonly("clothness", &ClothModel::clothness, "(N) in [0, 1]: 0 = follows its target, 1 = free")
+      .def_property_readonly("fullness", &ClothModel::fullness,
+                             "(N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis")
+      .def_property_readonly("fullness_axis", &ClothModel::fullness_axis, "(3) that of gravity; 0 = no length grows")
+      .def_property_readonly(
+          "options", [](const ClothModel &model) { return model.options(); }, "A copy.")
+      .def_property_readonly("inverse_masses", &ClothModel::inverse_masses, "(N) 1/m^2, 0 = pinned");
+  py::class_<ClothSolver, PyClothSolver, std::shared_ptr<ClothSolver>>(
+      m, "ClothSolver",
+      "Advances simulations of one model by a frame. To replace it, define advance(states, inputs, materials, threads) in a "
+      "subclass: one of each for every simulation, checked; it changes the states in place, and may return the indices of those "
+      "that came out not finite. What is not finite is left as it was.")
+      .def(py::init_alias<std::shared_ptr<ClothModel>>(), py::arg("model"))
       .def_static(
           "create",
           [](std::shared_ptr<ClothModel> model) { return std::shared_ptr<ClothSolver>(ClothSolver::create(std::move(model))); },
@@ -172,6 +206,25 @@ void bind_pbd(py::module_ &m) {
           "step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], "
           "or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were "
           "left as they were.");
+  m.def(
+      "cloth_solver_violations",
+      [](const py::object &make_solver) {
+        const pbd::ClothSolverFactory make = solver_factory(make_solver);
+        const py::gil_scoped_release release;
+        return testing::cloth_solver_violations(make);
+      },
+      py::arg("make_solver"),
+      "One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth "
+      "falls, "
+      "pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay "
+      "finite, wrong input is refused.");
+}
+
+pbd::ClothSolverFactory solver_factory(const py::object &make) {
+  const auto made = factory_from<ClothSolver, std::shared_ptr<ClothModel>>(make, "make_solver must return a ClothSolver");
+  if (!made)
+    return &ClothSolver::create;
+  return [made](std::shared_ptr<const ClothModel> model) { return made(std::const_pointer_cast<ClothModel>(std::move(model))); };
 }
 
 } // namespace doublet::python

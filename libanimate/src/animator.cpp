@@ -54,7 +54,8 @@ Vertices tuck_body(const Character &character, const Vertices &surface, Vertices
 }
 
 int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
-            const std::function<void(const AnimationFrame &)> &frame, const Context &context) {
+            const std::function<void(const AnimationFrame &)> &frame, const Context &context,
+            const pbd::ClothSolverFactory &make_solver) {
   options.validate();
   validate_character(character);
   if (motion.dofs.rows() == 0 || motion.dofs.cols() != character.actor.skeleton.dof_count() || !motion.dofs.allFinite() ||
@@ -64,7 +65,8 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
                                 std::to_string(motion.fps) + " 1/s");
   const Motion poses = at_character_rate(character, motion);
-  const CharacterSimulator simulator(character.actor, character.clothness, character.proxies, character.solver.cloth);
+  const CharacterSimulator simulator(character.actor, character.clothness, character.proxies, character.solver.cloth,
+                                     make_solver);
   std::optional<DisplaySurface> display;
   if (options.high && character.high.faces.rows() > 0)
     display.emplace(character);
@@ -101,7 +103,8 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
   return frames;
 }
 
-AnimationResult animate(const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context) {
+AnimationResult animate(const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context,
+                        const pbd::ClothSolverFactory &make_solver) {
   AnimationResult result;
   result.fps = 1 / character.solver.dt;
   std::vector<Eigen::VectorXd> dofs;
@@ -116,7 +119,7 @@ AnimationResult animate(const Character &character, const Motion &motion, const 
         if (frame.body.rows() > 0)
           result.body.push_back(frame.body);
       },
-      context);
+      context, make_solver);
   result.dofs.resize(dofs.size(), dofs[0].size());
   for (std::size_t t = 0; t < dofs.size(); ++t)
     result.dofs.row(t) = dofs[t];

@@ -33,7 +33,7 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
 }
 
 ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region,
-                        const pbd::ClothOptions &options) {
+                        const pbd::ClothOptions &options, const pbd::ClothSolverFactory &make_solver) {
   const std::vector<int> faces = region_faces(actor, clothness, areas, region);
   if (faces.empty())
     throw Error("CharacterSimulator: cloth region " + std::to_string(region) + " has no valid triangle");
@@ -48,7 +48,10 @@ ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, con
   }
   const Vertices rest = clothness.rest.rows() > 0 ? gather(clothness.rest, result.vertex_from_cloth) : sub.vertices;
   result.model = pbd::ClothModel::create(rest, sub.faces, delta, options, fullness);
-  result.solver = pbd::ClothSolver::create(result.model);
+  result.solver = make_solver ? make_solver(result.model) : pbd::ClothSolver::create(result.model);
+  if (!result.solver || &result.solver->model() != result.model.get())
+    throw std::invalid_argument("CharacterSimulator: make_solver must return a solver of the model that it is given, found " +
+                                std::string(result.solver ? "one of another" : "none"));
   return result;
 }
 
@@ -78,14 +81,15 @@ struct RegionInputs {
 } // namespace
 
 CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
-                                       const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options)
+                                       const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options,
+                                       const pbd::ClothSolverFactory &make_solver)
     : actor_(actor), proxies_(proxies), options_(options), rest_(clothness.rest) {
   require_actor(actor, "CharacterSimulator");
   require_clothness(clothness, actor.mesh.vertices.rows(), "CharacterSimulator");
   require_proxies(proxies, actor.skeleton, "CharacterSimulator");
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
   for (int r = 0; r < clothness.region_count; ++r)
-    regions_.push_back(make_region(actor, clothness, areas, r, options));
+    regions_.push_back(make_region(actor, clothness, areas, r, options, make_solver));
 }
 
 PosedFrame CharacterSimulator::pose(const Eigen::VectorXd &dofs) const {

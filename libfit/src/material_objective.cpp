@@ -76,14 +76,15 @@ void check_inputs(const CharacterSimulator &simulator, const ReferencePerformanc
   require_performance(performance, simulator.actor(), "MaterialObjective");
 }
 
-/// One frame of all cloth, from rest: what its model was made of (rest shape, fullness, blend weights) shows in nothing else.
-std::vector<pbd::ClothState> first_step(const CharacterSimulator &simulator, const PosedFrame &frame,
-                                        const pbd::Material &material, double dt) {
-  CharacterState state = simulator.start(frame);
+/// One frame of all cloth, from rest in the first pose to the last: what its model was made of (rest shape, fullness, blend
+/// weights), and whose solver it is, shows in nothing else.
+std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const PosedFrame &first, const PosedFrame &last,
+                                      const pbd::Material &material, double dt) {
+  CharacterState state = simulator.start(first);
   CharacterState *const states[] = {&state};
   const std::vector<pbd::Material> materials(simulator.regions().size(), material);
   const std::vector<pbd::Material> *const lists[] = {&materials};
-  simulator.step_each(states, frame, frame, lists, dt);
+  simulator.step_each(states, first, last, lists, dt);
   return state.regions;
 }
 
@@ -102,7 +103,7 @@ std::string hash_problem(const CharacterSimulator &simulator, const std::vector<
     print.add(surface);
   for (const ClothRegion &region : simulator.regions())
     print.add(region.vertex_from_cloth);
-  for (const pbd::ClothState &state : first_step(simulator, poses.front(), space.fixed, options.dt))
+  for (const pbd::ClothState &state : one_step(simulator, poses.front(), poses.back(), space.fixed, options.dt))
     print.add(state.positions).add(state.velocities);
   for (const Camera &camera : observations.cameras)
     print.add(camera.K).add(camera.distortion).add(camera.R).add(camera.t).add(Eigen::Vector2i(camera.width, camera.height));

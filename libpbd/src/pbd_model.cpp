@@ -15,37 +15,9 @@ namespace {
 
 constexpr double kMaxSpan = 12; ///< mean edges, see LaneModel::largest_extent
 
-[[noreturn]] void refuse(const std::string &what) {
-  throw std::invalid_argument("cloth model: " + what);
-}
-
-void check_mesh(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness) {
-  if (rest.rows() == 0 || faces.rows() == 0)
-    refuse("the mesh is empty (" + std::to_string(rest.rows()) + " vertices, " + std::to_string(faces.rows()) + " faces)");
-  if (clothness.size() != rest.rows())
-    refuse("clothness must have one value a vertex (" + std::to_string(rest.rows()) + "), found " +
-           std::to_string(clothness.size()));
-  for (int i = 0; i < rest.rows(); ++i) {
-    if (!rest.row(i).allFinite() || rest.row(i).cwiseAbs().maxCoeff() > 1e6)
-      refuse("rest position of vertex " + std::to_string(i) + " is not a finite point within 1e6 m");
-    if (!(clothness[i] >= 0 && clothness[i] <= 1))
-      refuse("clothness must lie in [0, 1], found " + std::to_string(clothness[i]) + " at vertex " + std::to_string(i));
-  }
-  for (int f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      if (faces(f, k) < 0 || faces(f, k) >= rest.rows())
-        refuse("face " + std::to_string(f) + " has index " + std::to_string(faces(f, k)) + ", expected 0.." +
-               std::to_string(rest.rows() - 1));
-}
-
-double face_area(const Vertices &rest, const Triangle &face) {
-  const Eigen::Vector3d a = rest.row(face.v[0]), b = rest.row(face.v[1]), c = rest.row(face.v[2]);
-  return 0.5 * (b - a).cross(c - a).norm();
-}
-
-/// (N, 3) the horizontal direction in the surface, a unit vector; 0 where the surface lies (almost) flat, or nothing pulls.
-Vertices directions_across(const Vertices &rest, const std::vector<Triangle> &faces, const Eigen::Vector3d &gravity) {
-  constexpr double kUpright = 0.2; // sine between normal and gravity
+/// (N, 3) the direction in the surface across the axis, a unit vector; 0 where the surface lies (almost) flat, or there is none.
+Vertices directions_across(const Vertices &rest, const std::vector<Triangle> &faces, const Eigen::Vector3d &axis) {
+  constexpr double kUpright = 0.2; // sine between normal and axis
   Vertices normals = Vertices::Zero(rest.rows(), 3);
   for (const Triangle &face : faces) {
     const Eigen::Vector3d a = rest.row(face.v[0]), b = rest.row(face.v[1]), c = rest.row(face.v[2]);
@@ -54,9 +26,9 @@ Vertices directions_across(const Vertices &rest, const std::vector<Triangle> &fa
   }
   Vertices across = Vertices::Zero(rest.rows(), 3);
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-    const Eigen::Vector3d horizontal = gravity.cross(Eigen::Vector3d(normals.row(v)));
+    const Eigen::Vector3d horizontal = axis.cross(Eigen::Vector3d(normals.row(v)));
     const double size = horizontal.norm();
-    if (size > kUpright * gravity.norm() * normals.row(v).norm())
+    if (size > kUpright * axis.norm() * normals.row(v).norm())
       across.row(v) = horizontal.transpose() / size;
   }
   return across;
@@ -161,52 +133,21 @@ double kept_in_substep(double clothness, const ClothOptions &options) {
 
 } // namespace
 
-std::shared_ptr<const ClothModel> ClothModel::create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                                     const ClothOptions &options, const Eigen::VectorXd &fullness) {
-  return std::make_shared<PbdModel>(rest, faces, clothness, options, fullness);
-}
-
-PbdModel::PbdModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
-                   const Eigen::VectorXd &fullness)
-    : options_(options), fullness_(fullness.size() > 0 ? fullness : Eigen::VectorXd::Ones(rest.rows())) {
-  options.validate();
-  check_mesh(rest, faces, clothness);
-  if (fullness_.size() != rest.rows() || !(fullness_.array() >= 1).all() || !fullness_.allFinite())
-    refuse("fullness must have one finite value of at least 1 a vertex (" + std::to_string(rest.rows()) + ")");
-  for (int f = 0; f < faces.rows(); ++f)
-    faces_.push_back({{faces(f, 0), faces(f, 1), faces(f, 2)}});
-  set_masses(rest, clothness);
-  set_constraints(rest);
-  set_followers(clothness);
-  if (options.self_collision)
-    set_tree(rest);
+PbdModel::PbdModel(std::shared_ptr<const ClothModel> cloth) : cloth_(std::move(cloth)) {
+  for (Eigen::Index f = 0; f < cloth_->faces().rows(); ++f)
+    faces_.push_back({{cloth_->faces()(f, 0), cloth_->faces()(f, 1), cloth_->faces()(f, 2)}});
+  weights_.assign(cloth_->inverse_masses().begin(), cloth_->inverse_masses().end());
+  set_constraints(cloth_->rest());
+  set_followers(cloth_->clothness());
+  if (options().self_collision)
+    set_tree(cloth_->rest());
   set_arrays();
-}
-
-void PbdModel::set_masses(const Vertices &rest, const Eigen::VectorXd &clothness) {
-  Eigen::VectorXd mass = Eigen::VectorXd::Zero(rest.rows());
-  for (const Triangle &face : faces_) {
-    const double area = face_area(rest, face);
-    if (!(area > 1e-12))
-      refuse("face " + std::to_string(&face - faces_.data()) + " is degenerate: its area must exceed 1e-12 m^2, found " +
-             std::to_string(area));
-    for (int v : face.v)
-      mass[v] += fullness_[v] * area / 3;
-  }
-  inverse_mass_ = Eigen::VectorXd::Zero(rest.rows());
-  for (int i = 0; i < rest.rows(); ++i) {
-    if (mass[i] == 0)
-      refuse("vertex " + std::to_string(i) + " belongs to no face and has no mass");
-    if (clothness[i] > 0)
-      inverse_mass_[i] = 1 / mass[i];
-  }
-  weights_.assign(inverse_mass_.data(), inverse_mass_.data() + inverse_mass_.size());
 }
 
 void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
-  const Eigen::VectorXd &w = inverse_mass_;
-  const Vertices across = directions_across(rest, faces_, options_.gravity);
+  const Eigen::VectorXd &w = cloth_->inverse_masses();
+  const Vertices across = directions_across(rest, faces_, cloth_->fullness_axis());
   std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
   for (const auto &[edge, opposite] : edges) {
@@ -229,7 +170,7 @@ void PbdModel::set_constraints(const Vertices &rest) {
         c.w[i] = static_cast<float>(w[v[i]] / largest);
       }
       const BendTerms<double> at_rest = bend_terms<double>(x(0), x(1), x(2), x(3), {c.w[0], c.w[1], c.w[2], c.w[3], 1, 0, 0, 0});
-      const double angle = options_.rest_curvature * bend_value(at_rest);
+      const double angle = options().rest_curvature * bend_value(at_rest);
       c.cos = static_cast<float>(std::cos(angle));
       c.sin = static_cast<float>(std::sin(angle));
       // Never 0: faces too small to bend have no gradient, and 0 / 0 would not leave them alone. 1 belongs to faces a metre high.
@@ -244,10 +185,11 @@ void PbdModel::set_constraints(const Vertices &rest) {
   blocks_ = in_blocks(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), vertex_count());
 }
 
-/// Of an edge: its part across gravity is wider than in `rest`.
+/// Of an edge: its part across the axis of fullness is wider than in `rest`.
 double PbdModel::full_length(const Vertices &rest, const Vertices &across, int a, int b) const {
   const Eigen::Vector3d d = (rest.row(b) - rest.row(a)).transpose();
-  const auto square = [&](int v) { return std::pow(across.row(v).dot(d), 2) * (fullness_[v] * fullness_[v] - 1); };
+  const Eigen::VectorXd &fullness = cloth_->fullness();
+  const auto square = [&](int v) { return std::pow(across.row(v).dot(d), 2) * (fullness[v] * fullness[v] - 1); };
   return std::sqrt(d.squaredNorm() + 0.5 * (square(a) + square(b)));
 }
 
@@ -256,8 +198,8 @@ void PbdModel::set_followers(const Eigen::VectorXd &clothness) {
     if (clothness[i] == 1)
       continue;
     if (clothness[i] > 0) { // the sweeps of a substep share what it removes of the way to the target
-      const double kept = kept_in_substep(clothness[i], options_);
-      const double share = 1 - std::pow(kept, 1.0 / options_.iterations);
+      const double kept = kept_in_substep(clothness[i], options());
+      const double share = 1 - std::pow(kept, 1.0 / options().iterations);
       blends_.push_back({i, static_cast<int>(followers_.size()), static_cast<float>(share)});
     }
     followers_.push_back(i);
@@ -272,7 +214,7 @@ void PbdModel::set_tree(const Vertices &rest) {
     points.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
   nodes_ = build_tree(points, faces_);
-  resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options_.self_thickness));
+  resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options().self_thickness));
 }
 
 void PbdModel::set_arrays() {
@@ -291,21 +233,21 @@ void PbdModel::set_arrays() {
   a.followers = followers_.data(), a.follower_count = size(followers_);
   a.nodes = nodes_.data(), a.node_count = size(nodes_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
-  a.iterations = options_.iterations;
-  a.thickness = static_cast<float>(options_.thickness);
-  a.self_thickness = static_cast<float>(options_.self_thickness);
-  a.restitution = static_cast<float>(options_.restitution);
+  a.iterations = options().iterations;
+  a.thickness = static_cast<float>(options().thickness);
+  a.self_thickness = static_cast<float>(options().self_thickness);
+  a.restitution = static_cast<float>(options().restitution);
   for (int k = 0; k < 3; ++k)
-    a.gravity[k] = static_cast<float>(options_.gravity[k]);
+    a.gravity[k] = static_cast<float>(options().gravity[k]);
   double sum = 0, longest = 0;
   for (const StretchConstraint &c : stretches_) {
     sum += c.length;
     longest = std::max(longest, static_cast<double>(c.length));
   }
   const double mean = sum / static_cast<double>(std::max<size_t>(1, stretches_.size()));
-  a.largest_extent = static_cast<float>(std::max(kMaxSpan * mean, 2 * longest) + 48 * options_.self_thickness);
-  a.self_collision = options_.self_collision;
-  a.compliant = options_.stiffness == Stiffness::Compliance;
+  a.largest_extent = static_cast<float>(std::max(kMaxSpan * mean, 2 * longest) + 48 * options().self_thickness);
+  a.self_collision = options().self_collision;
+  a.compliant = options().stiffness == Stiffness::Compliance;
 }
 
 } // namespace doublet::pbd

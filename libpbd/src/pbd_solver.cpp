@@ -1,6 +1,7 @@
 // Simulations into lanes, lanes through the frame, and back.
 
 #include "capsule_motion.h"
+#include "doublet/pbd/detail/lanes.h"
 #include "lane_group.h"
 #include "pbd_model.h"
 
@@ -36,47 +37,6 @@ float compliance_of(double k, double h) {
   return static_cast<float>((1 / std::max(k, 1e-6) - 1) * std::pow(kComplianceStep / h, 2));
 }
 
-[[noreturn]] void refuse(const std::string &what) {
-  throw std::invalid_argument("cloth step: " + what);
-}
-
-void check_vertices(const Vertices *m, int n, const char *name) {
-  if (m->rows() != n)
-    refuse(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m->rows()));
-  if (!((0 * m->array()).sum() == 0)) // one that is not finite makes it not a number
-    refuse(std::string(name) + " holds a value that is not finite");
-}
-
-void check_state(const PbdModel &model, const ClothState &state) {
-  check_vertices(&state.positions, model.vertex_count(), "state.positions");
-  check_vertices(&state.velocities, model.vertex_count(), "state.velocities");
-}
-
-void check_inputs(const PbdModel &model, const StepInputs &in) {
-  const int n = model.vertex_count();
-  if (!in.targets && model.arrays().follower_count > 0)
-    refuse("targets are missing, and the model has vertices that follow them");
-  if (in.targets)
-    check_vertices(in.targets, n, "targets");
-  if (in.previous_targets)
-    check_vertices(in.previous_targets, n, "previous_targets");
-  if (!(in.dt > 0 && in.dt <= 1))
-    refuse("dt must lie in (0, 1] s, found " + std::to_string(in.dt));
-  if (!in.wind.allFinite())
-    refuse("wind is not finite");
-  if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
-    refuse("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
-           std::to_string(in.previous_capsules->size()));
-  for (const std::vector<Capsule> *list : {in.capsules, in.previous_capsules})
-    if (list)
-      for (size_t i = 0; i < list->size(); ++i) {
-        const Capsule &c = (*list)[i];
-        if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
-          refuse("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
-                 std::to_string(c.r0) + " and " + std::to_string(c.r1));
-      }
-}
-
 /// One simulation of a group.
 struct Lane {
   ClothState *state;
@@ -85,10 +45,6 @@ struct Lane {
   int bad_vertex; ///< the first that came out not finite, else -1
 };
 constexpr int kMostLanes = 16;
-
-int capsule_count(const StepInputs &in) {
-  return in.capsules ? static_cast<int>(in.capsules->size()) : 0;
-}
 
 /// Value j of `value`, which holds floats alone, to row[j lanes + l].
 template <class Value> void put(const Value &value, float *row, int lanes, int l) {
@@ -202,7 +158,8 @@ private:
 
   /// Proxies at both ends of the substep.
   void set_capsules(std::span<const Lane> lanes, double begin, double end) {
-    const int count = capsule_count(*lanes[0].in);
+    const std::vector<Capsule> *capsules = lanes[0].in->capsules;
+    const int count = capsules ? static_cast<int>(capsules->size()) : 0;
     motions_.resize(count);
     float *values = group_->capsules(count);
     for (int l = 0; l < group_->lanes(); ++l) {
@@ -278,28 +235,15 @@ std::vector<Width> supported_widths() {
 
 class PbdSolver final : public ClothSolver {
 public:
-  PbdSolver(std::shared_ptr<const PbdModel> model, std::vector<Width> widths)
-      : model_(std::move(model)), widths_(std::move(widths)), idle_(widths_.size()) {}
-  const ClothModel &model() const override { return *model_; }
-
-  void step(ClothState &state, const StepInputs &inputs, const Material &material) const override {
-    validate(material);
-    check_state(*model_, state);
-    check_inputs(*model_, inputs);
-    Lane lane{&state, &inputs, &material, -1};
-    step_group({&lane, 1});
-    if (lane.bad_vertex >= 0)
-      throw std::runtime_error("cloth step: vertex " + std::to_string(lane.bad_vertex) +
-                               " came out with a position or velocity that is not finite");
-  }
-
-  std::vector<int> step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
-                             std::span<const Material> materials, int threads) const override;
+  PbdSolver(std::shared_ptr<const ClothModel> cloth, std::vector<Width> widths)
+      : ClothSolver(cloth), model_(std::move(cloth)), widths_(std::move(widths)), idle_(widths_.size()) {}
 
 private:
+  std::vector<int> advance(std::span<ClothState> states, std::span<const StepInputs> inputs, std::span<const Material> materials,
+                           int threads) const override;
   void step_group(std::span<Lane> lanes) const;
 
-  std::shared_ptr<const PbdModel> model_;
+  PbdModel model_;
   std::vector<Width> widths_;
   /// Groups are lent to running steps and reused: no allocation once warm, any number of threads.
   mutable std::mutex mutex_;
@@ -319,16 +263,10 @@ void PbdSolver::step_group(std::span<Lane> lanes) const {
     }
   }
   if (!group)
-    group = std::make_unique<RunningGroup>(widths_[width].make(model_->arrays()));
-  group->step(*model_, lanes);
+    group = std::make_unique<RunningGroup>(widths_[width].make(model_.arrays()));
+  group->step(model_, lanes);
   const std::lock_guard lock(mutex_);
   idle_[width].push_back(std::move(group));
-}
-
-void check_counts(size_t states, size_t inputs, size_t materials) {
-  if (states != materials || (inputs != states && inputs != 1))
-    throw std::invalid_argument("step_each: states, inputs (or one for all) and materials must be equally many, found " +
-                                std::to_string(states) + ", " + std::to_string(inputs) + " and " + std::to_string(materials));
 }
 
 /// Calls work(i) for i in [0, count) on up to `threads` threads.
@@ -354,20 +292,9 @@ template <class Work> void share_out(int count, int threads, const Work &work) {
     std::rethrow_exception(error);
 }
 
-std::vector<int> PbdSolver::step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
-                                      std::span<const Material> materials, int threads) const {
-  check_counts(states.size(), inputs.size(), materials.size());
+std::vector<int> PbdSolver::advance(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                                    std::span<const Material> materials, int threads) const {
   const auto input_of = [&](size_t i) -> const StepInputs & { return inputs[inputs.size() == 1 ? 0 : i]; };
-  for (const StepInputs &in : inputs) {
-    check_inputs(*model_, in);
-    if (capsule_count(in) != capsule_count(inputs[0]))
-      refuse("inputs of one call must have equally many capsules, found " + std::to_string(capsule_count(inputs[0])) + " and " +
-             std::to_string(capsule_count(in)));
-  }
-  for (size_t i = 0; i < states.size(); ++i) {
-    validate(materials[i]);
-    check_state(*model_, states[i]);
-  }
   // Full registers first, but no idle thread for their sake.
   const int count = static_cast<int>(states.size()), widest = widths_.back().lanes;
   threads = std::clamp(threads, 1, std::max(1, count));
@@ -390,57 +317,25 @@ std::vector<int> PbdSolver::step_each(std::span<ClothState> states, std::span<co
   return failed;
 }
 
-std::unique_ptr<ClothSolver> make_solver(std::shared_ptr<const ClothModel> model, std::vector<Width> widths) {
-  auto own = std::dynamic_pointer_cast<const PbdModel>(model);
-  if (!own)
-    throw std::invalid_argument("ClothSolver::create: the model must come from ClothModel::create");
-  return std::make_unique<PbdSolver>(std::move(own), std::move(widths));
-}
-
 } // namespace
 
-std::vector<int> ClothSolver::supported_lanes() {
+std::unique_ptr<ClothSolver> ClothSolver::create(std::shared_ptr<const ClothModel> model) {
+  return std::make_unique<PbdSolver>(std::move(model), supported_widths());
+}
+
+std::vector<int> detail::supported_lanes() {
   std::vector<int> lanes;
   for (const Width &w : supported_widths())
     lanes.push_back(w.lanes);
   return lanes;
 }
 
-std::unique_ptr<ClothSolver> ClothSolver::create(std::shared_ptr<const ClothModel> model) {
-  return make_solver(std::move(model), supported_widths());
-}
-
-std::unique_ptr<ClothSolver> ClothSolver::create_with_lanes(std::shared_ptr<const ClothModel> model, int lanes) {
+std::unique_ptr<ClothSolver> detail::create_with_lanes(std::shared_ptr<const ClothModel> model, int lanes) {
   std::vector<Width> widths = supported_widths();
   std::erase_if(widths, [&](const Width &w) { return w.lanes != lanes; });
   if (widths.empty())
-    throw std::invalid_argument("ClothSolver::create_with_lanes: lanes must be one of supported_lanes(), found " +
-                                std::to_string(lanes));
-  return make_solver(std::move(model), std::move(widths));
-}
-
-std::vector<int> ClothSolver::step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
-                                        std::span<const Material> materials, int) const {
-  check_counts(states.size(), inputs.size(), materials.size());
-  std::vector<int> failed;
-  for (size_t i = 0; i < states.size(); ++i)
-    try {
-      step(states[i], inputs[inputs.size() == 1 ? 0 : i], materials[i]);
-    } catch (const std::runtime_error &) {
-      failed.push_back(static_cast<int>(i));
-    }
-  return failed;
-}
-
-void ClothSolver::step_many(std::span<ClothState> states, const StepInputs &inputs, std::span<const Material> materials) const {
-  const std::vector<int> failed = step_each(states, {&inputs, 1}, materials);
-  if (!failed.empty())
-    throw std::runtime_error("cloth step: simulation " + std::to_string(failed[0]) +
-                             " came out with a position or velocity that is not finite");
-}
-
-ClothState initial_state(const Vertices &positions) {
-  return {positions, Vertices::Zero(positions.rows(), 3)};
+    throw std::invalid_argument("create_with_lanes: lanes must be one of supported_lanes(), found " + std::to_string(lanes));
+  return std::make_unique<PbdSolver>(std::move(model), std::move(widths));
 }
 
 } // namespace doublet::pbd

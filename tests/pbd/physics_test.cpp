@@ -404,7 +404,8 @@ TEST(Cloth, CompanyChangesNoBit) {
                          i % 4 ? 0 : unit(random)});
   const auto play = [&](std::vector<ClothState> &states, const std::vector<Material> &with) {
     for (int f = 0; f < 25; ++f) {
-      solver->step_many(states, scenes::DancerFrame(dancer, s.rest, f * kH).inputs, with);
+      const scenes::DancerFrame frame(dancer, s.rest, f * kH);
+      solver->step_each(states, {&frame.inputs, 1}, with);
     }
   };
   std::vector<ClothState> together(count, initial_state(s.rest));

@@ -4,6 +4,7 @@
 #include "doublet/animate/character.h"
 #include "doublet/animate/motion.h"
 #include "doublet/options/options.h"
+#include "doublet/pbd/cloth_solver.h"
 
 #include <functional>
 
@@ -41,10 +42,11 @@ struct AnimationFrame {
 };
 
 /// Calls `frame` once a frame, in order, and keeps nothing. The motion is resampled to the character's own rate 1/dt first,
-/// because its material holds for that step only. Throws Error naming the frame if the simulation leaves the finite numbers.
-/// Returns the number of frames.
+/// because its material holds for that step only. make_solver: as of CharacterSimulator. Throws Error naming the frame if the
+/// simulation leaves the finite numbers. Returns the number of frames.
 int animate(const Character &character, const Motion &motion, const AnimateOptions &options,
-            const std::function<void(const AnimationFrame &)> &frame, const Context &context = {});
+            const std::function<void(const AnimationFrame &)> &frame, const Context &context = {},
+            const pbd::ClothSolverFactory &make_solver = {});
 
 /// The body of a frame with the vertices of its drawn faces brought under the surface (V, 3) where they stand out of it: 10 mm
 /// deep and from up to 6 cm outside under cloth; 3 mm deep and from up to 12 mm outside under skin, where the two are the same
@@ -61,6 +63,6 @@ struct AnimationResult {
   std::vector<Vertices> body;    ///< T x (B, 3), or empty
 };
 AnimationResult animate(const Character &character, const Motion &motion, const AnimateOptions &options = {},
-                        const Context &context = {});
+                        const Context &context = {}, const pbd::ClothSolverFactory &make_solver = {});
 
 } // namespace doublet

@@ -5,6 +5,7 @@
 #include "doublet/pbd/material.h"
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -79,20 +80,35 @@ struct ClothOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// Topology, rest state and constraint order of one piece of cloth. Built once, shared by any number of states.
+/// What a piece of cloth is: plain data that never changes, shared by any number of solvers and states. What a solver derives
+/// from it (constraints, their order, neighbours) is the solver's own.
 class ClothModel {
 public:
-  /// rest (N, 3): rest lengths and angles come from here. clothness (N) in [0, 1]: 0 = follows its target (infinite mass), 1 =
-  /// free, between = blended with stiffness 1 - clothness. Masses are one third of the adjacent areas. fullness (N) >= 1, empty =
-  /// 1: how many times as wide as `rest` the cloth is across gravity (gathered cloth, whose folds the mesh does not show);
-  /// lengths and masses grow with it, angles do not. Throws std::invalid_argument on an empty or non-finite mesh, bad indices,
-  /// degenerate faces, wrong lengths.
+  /// rest (N, 3) m: rest lengths and angles come from here. faces (F, 3). clothness (N) in [0, 1]: 0 = follows its target
+  /// (infinite mass), 1 = free, between = blended with stiffness 1 - clothness. fullness (N) >= 1, empty = 1: see fullness().
+  /// Throws std::invalid_argument on an empty or non-finite mesh, bad indices, degenerate faces, vertices without a face, wrong
+  /// lengths.
   static std::shared_ptr<const ClothModel> create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
                                                   const ClothOptions &options = {}, const Eigen::VectorXd &fullness = {});
-  virtual ~ClothModel() = default;
-  virtual int vertex_count() const = 0;
-  virtual const ClothOptions &options() const = 0;
-  virtual const Eigen::VectorXd &inverse_masses() const = 0; ///< (N) 1/m^2, 0 = pinned
+  int vertex_count() const { return static_cast<int>(rest_.rows()); }
+  const Vertices &rest() const { return rest_; }                  ///< (N, 3) m
+  const Faces &faces() const { return faces_; }                   ///< (F, 3)
+  const Eigen::VectorXd &clothness() const { return clothness_; } ///< (N) in [0, 1]
+  /// (N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis() (gathered cloth, whose folds the mesh does
+  /// not show). Lengths and masses grow with it, angles do not.
+  const Eigen::VectorXd &fullness() const { return fullness_; }
+  const Eigen::Vector3d &fullness_axis() const { return options_.gravity; } ///< 0: no length grows
+  const ClothOptions &options() const { return options_; }
+  /// (N) 1/m^2, 0 = pinned. A mass is one third of the areas around, each as wide as it is full.
+  const Eigen::VectorXd &inverse_masses() const { return inverse_masses_; }
+
+private:
+  ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
+             const Eigen::VectorXd &fullness);
+  Vertices rest_;
+  Faces faces_;
+  Eigen::VectorXd clothness_, fullness_, inverse_masses_;
+  ClothOptions options_;
 };
 
 /// Everything that changes; copy it to save, assign it to restore.
@@ -111,30 +127,39 @@ struct StepInputs {
   Eigen::Vector3d wind{0.0, 0.0, 0.0};                     ///< m/s, drag acts on the velocity relative to it
 };
 
-/// The swap point: advances a state by one frame. Implementations are immutable after construction and safe to call from many
-/// threads with different states.
+/// The swap point: advances simulations of one model by a frame. Derive and define advance(). Implementations are immutable after
+/// construction and safe to call from many threads with different states.
 class ClothSolver {
 public:
+  /// Throws std::invalid_argument if there is no model.
+  explicit ClothSolver(std::shared_ptr<const ClothModel> model);
   virtual ~ClothSolver() = default;
-  /// external forces -> predict -> collisions -> iterations x project -> velocities -> friction and restitution.
-  virtual void step(ClothState &state, const StepInputs &inputs, const Material &material) const = 0;
-  virtual const ClothModel &model() const = 0;
+  /// Steps simulations side by side in the lanes of the widest registers that this processor has.
+  static std::unique_ptr<ClothSolver> create(std::shared_ptr<const ClothModel> model);
+
+  const ClothModel &model() const { return *model_; }
   /// One frame of several simulations that differ in state and material, or in inputs, too (windows of one motion): states[i] is
   /// stepped with inputs[i], or inputs[0] if there is but one, and materials[i]. The same bits as one step each, in any company
   /// and on any number of threads. Returns, ascending, the simulations that came out not finite, whose states are left alone.
-  /// Throws std::invalid_argument, and steps none, if counts differ or an input is wrong. The default steps one by one.
-  virtual std::vector<int> step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
-                                     std::span<const Material> materials, int threads = 1) const;
-  /// The same for one input; throws std::runtime_error if a simulation comes out not finite (the others have been stepped).
-  virtual void step_many(std::span<ClothState> states, const StepInputs &inputs, std::span<const Material> materials) const;
-  /// Steps simulations side by side in the lanes of the widest registers that this processor has.
-  static std::unique_ptr<ClothSolver> create(std::shared_ptr<const ClothModel> model);
-  /// In registers of one width alone, for tests: results do not depend on it. Throws std::invalid_argument unless `lanes` is one
-  /// of supported_lanes().
-  static std::unique_ptr<ClothSolver> create_with_lanes(std::shared_ptr<const ClothModel> model, int lanes);
-  /// Ascending, of 1, 4, 8 (AVX2) and 16 (AVX-512).
-  static std::vector<int> supported_lanes();
+  /// Throws std::invalid_argument, and steps none, if counts differ or an input is wrong; std::logic_error if the solver itself
+  /// breaks its word (see advance()).
+  std::vector<int> step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                             std::span<const Material> materials, int threads = 1) const;
+  /// The same for one simulation; throws std::runtime_error if it comes out not finite.
+  void step(ClothState &state, const StepInputs &inputs, const Material &material) const;
+
+private:
+  /// What step_each() promises, of arguments that have been checked: as many materials as states, sizes those of the model, all
+  /// finite, targets there if a vertex follows them, equally many capsules at both ends of a frame and in all inputs. Must keep
+  /// the sizes of the states and return ascending indices into them.
+  virtual std::vector<int> advance(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                                   std::span<const Material> materials, int threads) const = 0;
+
+  std::shared_ptr<const ClothModel> model_;
 };
+
+/// Makes the solver of a model: what those take who let the solver be swapped. Empty = ClothSolver::create.
+using ClothSolverFactory = std::function<std::shared_ptr<const ClothSolver>(std::shared_ptr<const ClothModel>)>;
 
 /// positions = rest positions of the model's targets, velocities zero.
 ClothState initial_state(const Vertices &positions);

@@ -3,15 +3,14 @@
 
 #include "doublet/pbd/cloth_solver.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
+#include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace doublet::testing {
-
-/// Makes the solver under test for a model.
-using ClothSolverFactory = std::function<std::unique_ptr<pbd::ClothSolver>(std::shared_ptr<const pbd::ClothModel>)>;
 
 namespace detail {
 
@@ -33,102 +32,215 @@ struct Banner {
   }
 };
 
-inline pbd::StepInputs inputs(const pbd::Vertices &previous, const pbd::Vertices &targets,
-                              const std::vector<pbd::Capsule> &previous_capsules, const std::vector<pbd::Capsule> &capsules) {
-  pbd::StepInputs in;
-  in.targets = &targets;
-  in.previous_targets = &previous;
-  in.capsules = &capsules;
-  in.previous_capsules = &previous_capsules;
-  return in;
+/// One frame of the banner's world, which lives as long as this: the rail that it hangs from sways, a rod beats through it.
+struct BannerFrame {
+  pbd::Vertices before, after;
+  std::vector<pbd::Capsule> rod_before, rod_after;
+  pbd::StepInputs inputs;
+  BannerFrame(const pbd::Vertices &rest, int frame) : before(rail(rest, frame)), after(rail(rest, frame + 1)) {
+    rod_before = rod(frame), rod_after = rod(frame + 1);
+    inputs.previous_targets = &before, inputs.targets = &after;
+    inputs.previous_capsules = &rod_before, inputs.capsules = &rod_after;
+  }
+  BannerFrame(const BannerFrame &) = delete;
+
+private:
+  static pbd::Vertices rail(const pbd::Vertices &rest, int f) {
+    return rest.rowwise() + Eigen::RowVector3d(0.1 * std::sin(0.5 * f), 0, 0.2 * std::sin(0.35 * f));
+  }
+  static std::vector<pbd::Capsule> rod(int f) {
+    const double z = 0.3 * std::cos(0.4 * f);
+    return {{{-0.2, 0.8, z}, {0.6, 0.8, z}, 0.04, 0.03}};
+  }
+};
+
+inline bool same(const pbd::ClothState &a, const pbd::ClothState &b) {
+  return a.positions == b.positions && a.velocities == b.velocities;
+}
+inline bool finite(const pbd::ClothState &state) {
+  return state.positions.allFinite() && state.velocities.allFinite();
 }
 
-/// Shakes the banner for `frames` frames from frame `first` on while a rod beats through it.
-inline void shake(const pbd::ClothSolver &solver, pbd::ClothState &state, const pbd::Vertices &rest,
-                  const pbd::Material &material, int first, int frames) {
-  const auto targets_at = [&](int f) {
-    return pbd::Vertices(rest.rowwise() + Eigen::RowVector3d(0.1 * std::sin(0.5 * f), 0, 0.2 * std::sin(0.35 * f)));
-  };
-  const auto capsules_at = [](int f) {
-    const double z = 0.3 * std::cos(0.4 * f);
-    return std::vector<pbd::Capsule>{{{-0.2, 0.8, z}, {0.6, 0.8, z}, 0.04, 0.03}};
-  };
-  for (int f = first; f < first + frames; ++f) {
-    const pbd::Vertices a = targets_at(f), b = targets_at(f + 1);
-    const std::vector<pbd::Capsule> ca = capsules_at(f), cb = capsules_at(f + 1);
-    solver.step(state, inputs(a, b, ca, cb), material);
+/// What the rules share, and what they found.
+class ClothSolverKit {
+public:
+  explicit ClothSolverKit(const pbd::ClothSolverFactory &make) : make_(make) {
+    check("the rest state rests", [this] { rests(); });
+    check("cloth falls", [this] { falls(); });
+    check("pinned vertices obey", [this] { obeys(); });
+    check("a copied state replays", [this] { replays(); });
+    check("company and threads change nothing", [this] { keeps_to_itself(); });
+    check("the corners of the material box stay finite", [this] { stays_finite(); });
+    check("wrong input is refused", [this] { refuses(); });
   }
-}
+  const std::vector<std::string> &broken() const { return broken_; }
+
+private:
+  template <class Rule> void check(const std::string &rule, const Rule &holds) {
+    try {
+      holds();
+    } catch (const std::exception &error) {
+      broken_.push_back(rule + ": the solver threw: " + error.what());
+    }
+  }
+  std::shared_ptr<const pbd::ClothSolver> solver(const Eigen::VectorXd &clothness, const pbd::ClothOptions &options = {}) const {
+    return make_(pbd::ClothModel::create(banner_.rest, banner_.faces, clothness, options));
+  }
+
+  void rests() {
+    pbd::ClothOptions weightless;
+    weightless.gravity.setZero();
+    const auto tested = solver(banner_.clothness, weightless);
+    pbd::ClothState state = pbd::initial_state(banner_.rest);
+    pbd::StepInputs still;
+    still.targets = &banner_.rest;
+    for (int f = 0; f < 40; ++f)
+      tested->step(state, still, {});
+    const double moved = (state.positions - banner_.rest).rowwise().norm().maxCoeff();
+    if (!(moved < 1e-4))
+      broken_.push_back("the rest state does not rest: without gravity a vertex moved " + std::to_string(moved) +
+                        " m in 40 frames");
+  }
+
+  void falls() {
+    const auto tested = solver(Eigen::VectorXd::Ones(banner_.clothness.size()));
+    pbd::ClothState state = pbd::initial_state(banner_.rest);
+    for (int f = 0; f < 8; ++f)
+      tested->step(state, {}, {});
+    const double fallen = (banner_.rest - state.positions).col(1).mean(), freely = 0.5 * 9.81 * 0.2 * 0.2;
+    if (!(fallen > 0.2 * freely && fallen < 1.5 * freely))
+      broken_.push_back("cloth does not fall: free cloth came down by " + std::to_string(fallen) + " m in 0.2 s, a stone by " +
+                        std::to_string(freely));
+  }
+
+  void obeys() {
+    pbd::ClothState state = pbd::initial_state(banner_.rest);
+    const pbd::Vertices moved = banner_.rest.rowwise() + Eigen::RowVector3d(0.02, 0.01, -0.03);
+    pbd::StepInputs move;
+    move.previous_targets = &banner_.rest, move.targets = &moved;
+    solver(banner_.clothness)->step(state, move, {});
+    const double off = (state.positions - moved).topRows(9).rowwise().norm().maxCoeff();
+    if (!(off < 1e-5))
+      broken_.push_back("pinned vertices do not obey: one is " + std::to_string(off) + " m from its target");
+  }
+
+  void replays() {
+    const auto tested = solver(banner_.clothness);
+    pbd::ClothState state = pbd::initial_state(banner_.rest), copy;
+    for (int f = 0; f < 40; ++f) {
+      if (f == 20)
+        copy = state;
+      tested->step(state, BannerFrame(banner_.rest, f).inputs, {});
+    }
+    for (int f = 20; f < 40; ++f)
+      tested->step(copy, BannerFrame(banner_.rest, f).inputs, {});
+    if (!same(state, copy))
+      broken_.push_back("a copied state does not replay to the same bits");
+  }
+
+  /// Simulations with inputs and a material each, one of them thrown off at 1e38 m/s: alone, together, on three threads.
+  void keeps_to_itself() {
+    constexpr int kCount = 5, kWild = 2;
+    const auto tested = solver(banner_.clothness);
+    std::vector<pbd::Material> materials(kCount);
+    for (int i = 0; i < kCount; ++i)
+      materials[i].d_n = 1 + i, materials[i].k_bend = 0.2 * i;
+    std::vector<pbd::ClothState> alone(kCount, pbd::initial_state(banner_.rest));
+    alone[kWild].velocities.setConstant(1e38);
+    std::vector<pbd::ClothState> together = alone, threaded = alone;
+    for (int f = 0; f < 10; ++f) {
+      std::vector<std::unique_ptr<BannerFrame>> frames;
+      std::vector<pbd::StepInputs> inputs;
+      std::vector<int> failed;
+      const std::vector<pbd::ClothState> before = together;
+      for (int i = 0; i < kCount; ++i) {
+        frames.push_back(std::make_unique<BannerFrame>(banner_.rest, f + 3 * i));
+        inputs.push_back(frames.back()->inputs);
+        if (!tested->step_each({&alone[i], 1}, {&inputs[i], 1}, {&materials[i], 1}).empty())
+          failed.push_back(i);
+      }
+      if (tested->step_each(together, inputs, materials) != failed || tested->step_each(threaded, inputs, materials, 3) != failed)
+        broken_.push_back("other simulations are named as not finite in company, or on several threads, than alone");
+      for (int i = 0; i < kCount; ++i)
+        if (!same(together[i], alone[i]) || !same(threaded[i], alone[i]))
+          return broken_.push_back("simulation " + std::to_string(i) + " differs in company, or on several threads, from alone");
+      for (int i : failed)
+        if (!same(together[i], before[i]))
+          return broken_.push_back("a simulation that came out not finite was not left as it was");
+    }
+  }
+
+  void stays_finite() {
+    const auto tested = solver(banner_.clothness);
+    std::vector<pbd::Material> corners(64);
+    for (int corner = 0; corner < 64; ++corner) {
+      for (int k = 0; k < 6; ++k) {
+        const pbd::MaterialParameter &p = pbd::material_parameters()[k];
+        corners[corner].*p.value = corner >> k & 1 ? p.upper : p.lower;
+      }
+      if (corners[corner].k_stretch == 0)
+        corners[corner].k_stretch = 0.01;
+    }
+    std::vector<pbd::ClothState> states(64, pbd::initial_state(banner_.rest));
+    std::vector<int> failed;
+    for (int f = 0; f < 30 && failed.empty() && std::all_of(states.begin(), states.end(), finite); ++f)
+      failed = shaken(*tested, states, f, corners);
+    for (int corner = 0; corner < 64; ++corner)
+      if (!finite(states[corner]) || std::find(failed.begin(), failed.end(), corner) != failed.end())
+        broken_.push_back("corner " + std::to_string(corner) + " of the material box gives values that are not finite");
+  }
+
+  std::vector<int> shaken(const pbd::ClothSolver &tested, std::vector<pbd::ClothState> &states, int f,
+                          const std::vector<pbd::Material> &materials) const {
+    const BannerFrame frame(banner_.rest, f);
+    return tested.step_each(states, {&frame.inputs, 1}, materials);
+  }
+
+  /// Each wrong in one thing; nothing may have moved.
+  void refuses() {
+    const auto tested = solver(banner_.clothness);
+    const BannerFrame frame(banner_.rest, 0);
+    const pbd::ClothState start = pbd::initial_state(banner_.rest);
+    pbd::ClothState few = start, wild = start;
+    few.positions.conservativeResize(5, 3);
+    wild.velocities(7, 1) = std::nan("");
+    pbd::StepInputs no_targets = frame.inputs, still_time = frame.inputs;
+    no_targets.targets = no_targets.previous_targets = nullptr;
+    still_time.dt = 0;
+    pbd::Material negative;
+    negative.d_n = -1;
+    refuse(*tested, "a state with too few vertices", few, frame.inputs, {});
+    refuse(*tested, "a velocity that is not a number", wild, frame.inputs, {});
+    refuse(*tested, "targets that are missing", start, no_targets, {});
+    refuse(*tested, "a frame of 0 s", start, still_time, {});
+    refuse(*tested, "negative drag", start, frame.inputs, negative);
+  }
+  void refuse(const pbd::ClothSolver &tested, const std::string &what, const pbd::ClothState &state,
+              const pbd::StepInputs &inputs, const pbd::Material &material) {
+    // In company: the good one must not have moved either.
+    std::vector<pbd::ClothState> states{pbd::initial_state(banner_.rest), state};
+    const BannerFrame frame(banner_.rest, 0);
+    const std::vector<pbd::StepInputs> both{frame.inputs, inputs};
+    try {
+      tested.step_each(states, both, std::vector<pbd::Material>{{}, material});
+    } catch (const std::invalid_argument &) {
+      if (!same(states[0], pbd::initial_state(banner_.rest)))
+        broken_.push_back(what + " was refused too late: another simulation has been stepped");
+      return;
+    }
+    broken_.push_back(what + " is not refused with std::invalid_argument");
+  }
+
+  const pbd::ClothSolverFactory &make_;
+  const Banner banner_;
+  std::vector<std::string> broken_;
+};
 
 } // namespace detail
 
-/// One sentence for each rule the solver breaks: rest state rests, pinned vertices obey, a copied state replays to the same bits,
-/// step_many equals step, nothing becomes NaN at any corner of the material box.
-inline std::vector<std::string> cloth_solver_violations(const ClothSolverFactory &make) {
-  using namespace pbd;
-  std::vector<std::string> broken;
-  const detail::Banner banner;
-  const std::vector<Capsule> none;
-  const Material material;
-
-  ClothOptions weightless;
-  weightless.gravity.setZero();
-  {
-    const auto solver = make(ClothModel::create(banner.rest, banner.faces, banner.clothness, weightless));
-    ClothState state = initial_state(banner.rest);
-    for (int f = 0; f < 40; ++f)
-      solver->step(state, detail::inputs(banner.rest, banner.rest, none, none), material);
-    const double moved = (state.positions - banner.rest).rowwise().norm().maxCoeff();
-    if (!(moved < 1e-4))
-      broken.push_back("the rest state does not rest: without gravity a vertex moved " + std::to_string(moved) +
-                       " m in 40 frames");
-  }
-  const auto model = ClothModel::create(banner.rest, banner.faces, banner.clothness);
-  const auto solver = make(model);
-  {
-    ClothState state = initial_state(banner.rest);
-    const Vertices moved = banner.rest.rowwise() + Eigen::RowVector3d(0.02, 0.01, -0.03);
-    solver->step(state, detail::inputs(banner.rest, moved, none, none), material);
-    const double off = (state.positions - moved).topRows(9).rowwise().norm().maxCoeff();
-    if (!(off < 1e-5))
-      broken.push_back("pinned vertices do not obey: one is " + std::to_string(off) + " m from its target");
-  }
-  {
-    ClothState state = initial_state(banner.rest);
-    detail::shake(*solver, state, banner.rest, material, 0, 20);
-    ClothState copy = state;
-    detail::shake(*solver, state, banner.rest, material, 20, 20);
-    detail::shake(*solver, copy, banner.rest, material, 20, 20);
-    if (state.positions != copy.positions || state.velocities != copy.velocities)
-      broken.push_back("a copied state does not replay to the same bits");
-  }
-  {
-    std::vector<ClothState> many(3, initial_state(banner.rest));
-    std::vector<Material> materials(3, material);
-    materials[1].d_n = 3;
-    materials[2].k_bend = 0.1;
-    solver->step_many(many, detail::inputs(banner.rest, banner.rest, none, none), materials);
-    for (int i = 0; i < 3; ++i) {
-      ClothState one = initial_state(banner.rest);
-      solver->step(one, detail::inputs(banner.rest, banner.rest, none, none), materials[i]);
-      if (one.positions != many[i].positions || one.velocities != many[i].velocities)
-        broken.push_back("step_many differs from step for simulation " + std::to_string(i));
-    }
-  }
-  for (int corner = 0; corner < 64; ++corner) {
-    Material wild;
-    for (int k = 0; k < 6; ++k) {
-      const MaterialParameter &p = material_parameters()[k];
-      wild.*p.value = corner >> k & 1 ? p.upper : p.lower;
-    }
-    if (wild.k_stretch == 0)
-      wild.k_stretch = 0.01;
-    ClothState state = initial_state(banner.rest);
-    detail::shake(*solver, state, banner.rest, wild, 0, 30);
-    if (!state.positions.allFinite() || !state.velocities.allFinite())
-      broken.push_back("corner " + std::to_string(corner) + " of the material box gives values that are not finite");
-  }
-  return broken;
+/// One sentence for each rule that the solvers of `make` break; the rules are the names in detail::ClothSolverKit.
+inline std::vector<std::string> cloth_solver_violations(const pbd::ClothSolverFactory &make) {
+  return detail::ClothSolverKit(make).broken();
 }
 
 } // namespace doublet::testing

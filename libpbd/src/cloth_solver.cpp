@@ -1,0 +1,109 @@
+// What every solver shares: the checks before and after a step.
+
+#include "doublet/pbd/cloth_solver.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace doublet::pbd {
+namespace {
+
+[[noreturn]] void refuse(const std::string &what) {
+  throw std::invalid_argument("cloth step: " + what);
+}
+
+void check_vertices(const Vertices *m, int n, const char *name) {
+  if (m->rows() != n)
+    refuse(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m->rows()));
+  if (!((0 * m->array()).sum() == 0)) // one that is not finite makes it not a number
+    refuse(std::string(name) + " holds a value that is not finite");
+}
+
+void check_state(const ClothModel &model, const ClothState &state) {
+  check_vertices(&state.positions, model.vertex_count(), "state.positions");
+  check_vertices(&state.velocities, model.vertex_count(), "state.velocities");
+}
+
+void check_inputs(const ClothModel &model, const StepInputs &in) {
+  const int n = model.vertex_count();
+  if (!in.targets && (model.clothness().array() < 1).any())
+    refuse("targets are missing, and the model has vertices that follow them");
+  if (in.targets)
+    check_vertices(in.targets, n, "targets");
+  if (in.previous_targets)
+    check_vertices(in.previous_targets, n, "previous_targets");
+  if (!(in.dt > 0 && in.dt <= 1))
+    refuse("dt must lie in (0, 1] s, found " + std::to_string(in.dt));
+  if (!in.wind.allFinite())
+    refuse("wind is not finite");
+  if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
+    refuse("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
+           std::to_string(in.previous_capsules->size()));
+  for (const std::vector<Capsule> *list : {in.capsules, in.previous_capsules})
+    if (list)
+      for (size_t i = 0; i < list->size(); ++i) {
+        const Capsule &c = (*list)[i];
+        if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
+          refuse("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
+                 std::to_string(c.r0) + " and " + std::to_string(c.r1));
+      }
+}
+
+int capsule_count(const StepInputs &in) {
+  return in.capsules ? static_cast<int>(in.capsules->size()) : 0;
+}
+
+void check_counts(size_t states, size_t inputs, size_t materials) {
+  if (states != materials || (inputs != states && inputs != 1))
+    refuse("states, inputs (or one for all) and materials must be equally many, found " + std::to_string(states) + ", " +
+           std::to_string(inputs) + " and " + std::to_string(materials));
+}
+
+/// The word that advance() gave.
+void check_outcome(int vertices, std::span<const ClothState> states, const std::vector<int> &failed) {
+  for (size_t i = 0; i < states.size(); ++i)
+    if (states[i].positions.rows() != vertices || states[i].velocities.rows() != vertices)
+      throw std::logic_error("cloth step: the solver left simulation " + std::to_string(i) + " with " +
+                             std::to_string(states[i].positions.rows()) + " positions and " +
+                             std::to_string(states[i].velocities.rows()) + " velocities, expected " + std::to_string(vertices));
+  for (size_t k = 0; k < failed.size(); ++k)
+    if (failed[k] < 0 || failed[k] >= static_cast<int>(states.size()) || (k > 0 && failed[k] <= failed[k - 1]))
+      throw std::logic_error("cloth step: the solver must return ascending indices of " + std::to_string(states.size()) +
+                             " simulations, found " + std::to_string(failed[k]));
+}
+
+} // namespace
+
+ClothSolver::ClothSolver(std::shared_ptr<const ClothModel> model) : model_(std::move(model)) {
+  if (!model_)
+    throw std::invalid_argument("ClothSolver: expected a model, found none");
+}
+
+std::vector<int> ClothSolver::step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                                        std::span<const Material> materials, int threads) const {
+  check_counts(states.size(), inputs.size(), materials.size());
+  for (const StepInputs &in : inputs) {
+    check_inputs(*model_, in);
+    if (capsule_count(in) != capsule_count(inputs[0]))
+      refuse("inputs of one call must have equally many capsules, found " + std::to_string(capsule_count(inputs[0])) + " and " +
+             std::to_string(capsule_count(in)));
+  }
+  for (size_t i = 0; i < states.size(); ++i) {
+    validate(materials[i]);
+    check_state(*model_, states[i]);
+  }
+  std::vector<int> failed = advance(states, inputs, materials, threads);
+  check_outcome(model_->vertex_count(), states, failed);
+  return failed;
+}
+
+void ClothSolver::step(ClothState &state, const StepInputs &inputs, const Material &material) const {
+  if (!step_each({&state, 1}, {&inputs, 1}, {&material, 1}).empty())
+    throw std::runtime_error("cloth step: it came out with a position or velocity that is not finite");
+}
+
+ClothState initial_state(const Vertices &positions) {
+  return {positions, Vertices::Zero(positions.rows(), 3)};
+}
+
+} // namespace doublet::pbd
