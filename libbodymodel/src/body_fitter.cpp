@@ -477,11 +477,6 @@ private:
   BodyFitOptions options_;
 };
 
-void require_positive(double value, const char *name) {
-  if (!(value > 0))
-    throw std::invalid_argument(std::string("BodyFitOptions: ") + name + " must be > 0, found " + std::to_string(value));
-}
-
 } // namespace
 
 std::unique_ptr<BodyFitter> BodyFitter::create(const BodyFitOptions &options) {

@@ -382,7 +382,8 @@ TEST(MaterialObjective, TheFingerprintSeesWhateverTheEnergyDependsOn) {
   change_each(s->simulator->options(), [&](const char *name, const pbd::ClothOptions &changed) {
     prints.add(name, [&](auto &, auto &, auto &, auto &cloth, auto &, auto &) { cloth = changed; });
   });
-  const int cloth_vertex = s->simulator->regions()[0].vertex_from_cloth.back();
+  Eigen::Index cloth_vertex = 0;
+  s->clothness.clothness.maxCoeff(&cloth_vertex);
   prints.add("skin weights", [](auto &actor, auto &, auto &, auto &, auto &, auto &) { actor.weights(1, 0) += 1e-6; });
   prints.add("invalid face", [](auto &actor, auto &, auto &, auto &, auto &, auto &) {
     actor.face_valid.assign(actor.mesh.faces.rows(), 1);

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace doublet {
 
 /// The numbers next to a range, of the type that the option has; not finite ones where it can hold them.
@@ -40,7 +42,9 @@ template <class T> void expect_refused(const T &object, const std::string &field
 template <class T> void expect_ranges() {
   T defaults;
   options::validate(defaults);
-  options::each(defaults, [](const auto &field, auto &value) {
+  std::set<const void *> described;
+  options::each(defaults, [&](const auto &field, auto &value) {
+    EXPECT_TRUE(described.insert(&value).second) << field.name << " is described twice";
     using Value = std::remove_cvref_t<decltype(value)>;
     T object;
     auto &member = object.*field.member;
