@@ -2,18 +2,100 @@
 
 #include "doublet/bodymodel/body_fitter.h"
 #include "doublet/bodymodel/train_body_model.h"
+#include "doublet/testing/body_model_conformance.h"
+
+#include <algorithm>
 
 namespace doublet::python {
 namespace {
 
 using Landmarks = std::map<std::string, Eigen::Vector3d>;
 
+using Linearised = std::pair<Vertices, MatrixRM>;
+
+/// What never changes comes from the constructor, so that C++ may keep references to it; the rest asks Python.
+class PyBodyModel : public BodyModel {
+public:
+  PyBodyModel(int vertex_count, int component_count, Faces faces, std::map<std::string, int> landmarks, std::string name,
+              std::optional<int> shape_count, std::vector<std::string> joint_names)
+      : vertex_count_(vertex_count), component_count_(component_count), shape_count_(shape_count.value_or(component_count)),
+        faces_(std::move(faces)), landmarks_(std::move(landmarks)), name_(std::move(name)), joint_names_(std::move(joint_names)) {
+    const auto inside = [&](int v) { return v >= 0 && v < vertex_count; };
+    if (vertex_count < 1 || component_count < 0 || shape_count_ < 0 || shape_count_ > component_count)
+      throw std::invalid_argument("BodyModel: expected vertices, and 0 <= shape_count <= component_count, found " +
+                                  std::to_string(vertex_count) + ", " + std::to_string(shape_count_) + " and " +
+                                  std::to_string(component_count));
+    if (!std::all_of(faces_.data(), faces_.data() + faces_.size(), inside))
+      throw std::invalid_argument("BodyModel: faces must have indices in [0, " + std::to_string(vertex_count) + ")");
+    for (const auto &[landmark, vertex] : landmarks_)
+      if (!inside(vertex))
+        throw std::invalid_argument("BodyModel: landmark '" + landmark + "' must be a vertex in [0, " +
+                                    std::to_string(vertex_count) + "), found " + std::to_string(vertex));
+  }
+  int vertex_count() const override { return vertex_count_; }
+  int component_count() const override { return component_count_; }
+  int shape_count() const override { return shape_count_; }
+  const Faces &faces() const override { return faces_; }
+  const std::map<std::string, int> &landmarks() const override { return landmarks_; }
+  std::string name() const override { return name_; }
+  std::vector<std::string> joint_names() const override { return joint_names_; }
+  Vertices vertices(const Eigen::VectorXd &coefficients) const override {
+    return checked("vertices", call<Vertices>("vertices", "positions (B, 3)", coefficients), vertex_count_);
+  }
+  Vertices component(int k) const override {
+    return checked("component", call<Vertices>("component", "displacements (B, 3)", k), vertex_count_);
+  }
+  BodyLinearisation linearise(const Eigen::VectorXd &coefficients, const std::vector<int> &chosen) const override {
+    if (!defines("linearise"))
+      return BodyModel::linearise(coefficients, chosen);
+    return checked("linearise", call<Linearised>("linearise", kPair, coefficients, chosen), chosen.size());
+  }
+  BodyLinearisation joints(const Eigen::VectorXd &coefficients) const override {
+    if (!defines("joints"))
+      return BodyModel::joints(coefficients);
+    return checked("joints", call<Linearised>("joints", kPair, coefficients), joint_names_.size());
+  }
+
+private:
+  static constexpr const char *kPair = "points (n, 3) and their jacobian (3n, K)";
+  bool defines(const char *method) const {
+    const py::gil_scoped_acquire gil;
+    return static_cast<bool>(py::get_override(static_cast<const BodyModel *>(this), method));
+  }
+  template <class R, class... Arguments>
+  R call(const std::string &method, const char *expected, const Arguments &...arguments) const {
+    return call_override<R>(static_cast<const BodyModel *>(this), "BodyModel." + method, expected, arguments...);
+  }
+  static void require_rows(const std::string &method, const char *what, Eigen::Index found, std::size_t expected) {
+    if (found != static_cast<Eigen::Index>(expected))
+      throw std::invalid_argument("BodyModel." + method + " must return " + std::to_string(expected) + " " + what + ", found " +
+                                  std::to_string(found));
+  }
+  static Vertices checked(const std::string &method, Vertices points, std::size_t count) {
+    require_rows(method, "points", points.rows(), count);
+    return points;
+  }
+  BodyLinearisation checked(const std::string &method, Linearised result, std::size_t count) const {
+    require_rows(method, "points", result.first.rows(), count);
+    require_rows(method, "rows of the jacobian", result.second.rows(), 3 * count);
+    require_rows(method, "columns of the jacobian", result.second.cols(), component_count_);
+    return {std::move(result.first), std::move(result.second)};
+  }
+
+  int vertex_count_, component_count_, shape_count_;
+  Faces faces_;
+  std::map<std::string, int> landmarks_;
+  std::string name_;
+  std::vector<std::string> joint_names_;
+};
+
 class PyBodyFitter : public BodyFitter {
 public:
   BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model, const Landmarks &landmarks,
               const Context &context) const override {
     // The model by pointer: it is passed on, not copied.
-    PYBIND11_OVERRIDE_PURE(BodyFit, BodyFitter, fit, actor, clothness, &model, landmarks, context);
+    return call_override<BodyFit>(static_cast<const BodyFitter *>(this), "BodyFitter.fit", "a BodyFit", actor, clothness, &model,
+                                  landmarks, context);
   }
   std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
                                     const Context &context) const override {
@@ -61,7 +143,17 @@ void bind_training(py::module_ &m) {
 } // namespace
 
 void bind_bodymodel(py::module_ &m) {
-  py::class_<BodyModel, std::shared_ptr<BodyModel>>(m, "BodyModel", "vertices = mean + components s, s ~ N(0, I).")
+  py::class_<BodyModel, PyBodyModel, std::shared_ptr<BodyModel>>(
+      m, "BodyModel",
+      "vertices = mean + components s, s ~ N(0, I). To replace it, define vertices(coefficients) and component(k) in a subclass; "
+      "a "
+      "model that is not linear also linearise(coefficients, chosen), one with a skeleton joints(coefficients).")
+      .def(
+          py::init<int, int, Faces, std::map<std::string, int>, std::string, std::optional<int>, std::vector<std::string>>(),
+          py::kw_only(), py::arg("vertex_count"), py::arg("component_count"), py::arg("faces"),
+          py::arg("landmarks") = std::map<std::string, int>(), py::arg("name") = "python", py::arg("shape_count") = std::nullopt,
+          py::arg("joint_names") = std::vector<std::string>(),
+          "What a subclass is made of. faces (F, 3); landmarks: name -> vertex; shape_count: the first coefficients, None = all.")
       .def_static(
           "read", [](const std::filesystem::path &path) { return std::const_pointer_cast<BodyModel>(BodyModel::read(path)); },
           py::arg("path"), Release(),
@@ -72,8 +164,26 @@ void bind_bodymodel(py::module_ &m) {
       .def_property_readonly("faces", &BodyModel::faces)
       .def_property_readonly("landmarks", &BodyModel::landmarks)
       .def_property_readonly("name", &BodyModel::name, "name and hash of the file")
-      .def("vertices", &BodyModel::vertices, py::arg("coefficients"), "(B, 3) m")
-      .def("component", &BodyModel::component, py::arg("k"), "(B, 3) m per standard deviation");
+      .def_property_readonly("joint_names", &BodyModel::joint_names, "of the model's own skeleton; empty = none")
+      .def("vertices", &BodyModel::vertices, py::arg("coefficients"), Release(), "(B, 3) m")
+      .def("component", &BodyModel::component, py::arg("k"), Release(), "(B, 3) m per standard deviation")
+      .def(
+          "linearise",
+          [](const BodyModel &model, const Eigen::VectorXd &coefficients, const std::vector<int> &chosen) {
+            const BodyLinearisation at = model.linearise(coefficients, chosen);
+            return std::pair(at.points, at.jacobian);
+          },
+          py::arg("coefficients"), py::arg("chosen"), Release(),
+          "The chosen vertices (n, 3) m and their derivatives (3n, K) m per standard deviation.")
+      .def(
+          "joints",
+          [](const BodyModel &model, const Eigen::VectorXd &coefficients) {
+            const BodyLinearisation at = model.joints(coefficients);
+            return std::pair(at.points, at.jacobian);
+          },
+          py::arg("coefficients"), Release(), "The same of the model's own joints, in the order of joint_names.");
+  m.def("body_model_violations", &testing::body_model_violations, py::arg("model"), Release(),
+        "One sentence for each rule that a BodyModel breaks: counts, indices, derivatives, the same bits twice, refusals.");
   OptionsClass<BodyFitOptions>(m, "Options of BodyFitter.");
   OptionsClass<ProxyOptions>(m, "Options of fit_proxies.");
   py::class_<DressedScan>(m, "DressedScan", "One of several scans of the same person.")

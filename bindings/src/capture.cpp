@@ -33,7 +33,8 @@ public:
   CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
                         const Context &context) override {
     // By pointer: frames and extractor are passed on, not copied.
-    PYBIND11_OVERRIDE_PURE(CaptureResult, PerformanceCapture, capture, actor, rig, &frames, extractor, context);
+    return call_override<CaptureResult>(static_cast<const PerformanceCapture *>(this), "PerformanceCapture.capture",
+                                        "a CaptureResult", actor, rig, &frames, extractor, context);
   }
 };
 

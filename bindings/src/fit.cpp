@@ -2,6 +2,7 @@
 
 #include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"
+#include "doublet/testing/optimizer_conformance.h"
 
 namespace doublet::python {
 namespace {
@@ -123,6 +124,19 @@ void bind_minimise(py::module_ &m) {
       py::arg("context") = interruptible_context(),
       "Runs one optimiser a part of the objective until all stop. Goes on from `checkpoint` if it is there and belongs to "
       "`problem`; raises Error if it is damaged.");
+}
+
+void bind_conformance(py::module_ &m) {
+  m.def(
+      "optimizer_violations",
+      [](const py::object &make_optimizer) {
+        const OptimizerFactory make = optimizer_factory(make_optimizer);
+        const py::gil_scoped_release release;
+        return testing::optimizer_violations(make);
+      },
+      py::arg("make_optimizer"),
+      "One sentence for each rule that the optimisers of make_optimizer(dimension, seed) break: shapes, seeds, a paraboloid is "
+      "brought down, refusals.");
 }
 
 void bind_influence(py::module_ &m) {
@@ -266,6 +280,7 @@ py::dict result_dict(const FitResult &result) {
 void bind_fit(py::module_ &m) {
   bind_optimizers(m);
   bind_minimise(m);
+  bind_conformance(m);
   bind_influence(m);
   bind_energy(m);
   bind_garment_trial(m);

@@ -3,6 +3,7 @@
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/fullness.h"
 #include "doublet/segment/garment_mesher.h"
+#include "doublet/testing/cloth_segmenter_conformance.h"
 
 namespace doublet::python {
 namespace {
@@ -11,7 +12,8 @@ class PyClothSegmenter : public ClothSegmenter {
 public:
   Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                     const Context &context) const override {
-    PYBIND11_OVERRIDE_PURE(Clothness, ClothSegmenter, segment, sequence, face_valid, context);
+    return call_override<Clothness>(static_cast<const ClothSegmenter *>(this), "ClothSegmenter.segment", "a Clothness", sequence,
+                                    face_valid, context);
   }
 };
 
@@ -19,7 +21,8 @@ class PyGarmentMesher : public GarmentMesher {
 public:
   Garment mesh(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
                const Context &context) const override {
-    PYBIND11_OVERRIDE_PURE(Garment, GarmentMesher, mesh, actor, clothness, body, captured, context);
+    return call_override<Garment>(static_cast<const GarmentMesher *>(this), "GarmentMesher.mesh", "a Garment", actor, clothness,
+                                  body, captured, context);
   }
 };
 
@@ -43,6 +46,8 @@ void bind_segment(py::module_ &m) {
   m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
         py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");
+  m.def("cloth_segmenter_violations", &testing::cloth_segmenter_violations, py::arg("segmenter"), Release(),
+        "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");
   py::class_<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher",
                                              "Stage: clothness -> the garment's mesh. Subclass to replace it.")

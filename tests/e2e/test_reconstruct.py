@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import runpy
 import shutil
 import signal
 import subprocess
@@ -27,6 +28,7 @@ OPTIONS = [
     "--fit-max-evaluations",
     16,
 ]
+ROOT = Path(__file__).parents[2]
 VALIDATE = Path(__file__).with_name("validate_gltf.mjs")
 FILES = [
     "actor.npz", "template.ply", "template_high.ply", "performance.npz", "observations.npz", "segmentation.npz", "body.npz",
@@ -229,6 +231,13 @@ def test_cpp_example_animates_the_character(made, shipped, tmp_path):
     done = subprocess.run([program, made[0] / "character.glb", shipped / "motion.bvh", out], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert np.isfinite(np.load(out)["vertices"]).all()
+
+
+def test_numpy_example_animates_and_fits(made):
+    broken, apart, energy, frozen = runpy.run_path(str(ROOT / "examples" / "numpy_solver.py"))["main"](made[0])
+    assert broken == []
+    assert apart < 6  # cm
+    assert np.isfinite(energy).all() and np.less(energy, frozen).all()
 
 
 def test_video_plays(animations):

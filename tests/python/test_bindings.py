@@ -171,17 +171,6 @@ def test_objective_and_optimizer_in_python():
     np.testing.assert_allclose(result.answer, 0.7, atol=0.2)
 
 
-def test_cloth_solver_written_in_python():
-    class Lift(d.ClothSolver):
-        def step(self, state, inputs, material):
-            state.positions[:, 1] += material.d_n * inputs.dt
-
-    model = d.ClothModel(TETRAHEDRON[:3], FACES[:1], np.ones(3))
-    state = d.ClothState(TETRAHEDRON[:3])
-    d.ClothSolver.step(Lift(model), state, d.StepInputs(dt=0.5), d.Material(d_n=2))
-    np.testing.assert_allclose(state.positions[:, 1], TETRAHEDRON[:3, 1] + 1)
-
-
 def test_cloth_falls_freely():
     model = d.ClothModel(TETRAHEDRON[:3], FACES[:1], np.ones(3), d.ClothOptions(self_collision=False))
     solver, state = d.ClothSolver.create(model), d.ClothState(TETRAHEDRON[:3])

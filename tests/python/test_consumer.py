@@ -42,9 +42,15 @@ def test_installed_package(installed, tmp_path):
     assert "no such session" in run(program)
 
 
+OTHERS = ("OpenCV", "Open3D", "OpenMesh", "embree", "nlohmann_json", "TinyGLTF", "PkgConfig")  # all that is not Eigen
+
+
 def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
-    program = build(CONSUMERS / "pbd", tmp_path, f"-DCMAKE_PREFIX_PATH={installed}")
+    """Where none of the others can be found. A solver of a stranger's passes the kit there."""
+    hidden = [f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in OTHERS]
+    program = build(CONSUMERS / "pbd", tmp_path, f"-DCMAKE_PREFIX_PATH={installed}", *hidden)
     run(program, tmp_path / "cloth.obj")
+    run(program.with_name("mass_spring"))
     libraries = run("ldd", program)
     assert not any(name in libraries for name in ("opencv", "Open3D", "embree", "flann", "tinygltf"))
 
@@ -65,6 +71,9 @@ def configured(folder: Path, prefix: Path, *lines: str) -> subprocess.CompletedP
 def test_components_are_looked_for(installed, tmp_path):
     wrong = configured(tmp_path / "wrong", installed, "find_package(doublet REQUIRED COMPONENTS pbd nonsense)")
     assert wrong.returncode != 0 and "no component 'nonsense'" in wrong.stderr, wrong.stderr
+    hidden = [f"set(CMAKE_DISABLE_FIND_PACKAGE_{name} ON)" for name in OTHERS]
+    needs = configured(tmp_path / "needs", installed, *hidden, "find_package(doublet REQUIRED COMPONENTS segment)")
+    assert needs.returncode != 0 and "embree" in needs.stderr, needs.stderr
     right = configured(
         tmp_path / "right",
         installed,

@@ -44,6 +44,13 @@ def test_pbd_needs_no_library_but_eigen():
 
 
 @pytest.mark.parametrize("room", MAY_USE)
+def test_the_package_asks_for_what_a_room_links(room):
+    text = (ROOT / "cmake" / "doubletConfig.cmake.in").read_text(encoding="utf-8")
+    found = re.findall(rf"set\(doublet_{room}_links ([^)]*)\)", text)
+    assert set(" ".join(found).split()) == MAY_USE[room]
+
+
+@pytest.mark.parametrize("room", MAY_USE)
 def test_public_headers_show_no_third_party_types_but_eigens(room):
     for path in SOURCES[room]:
         if "include" not in path.parts:

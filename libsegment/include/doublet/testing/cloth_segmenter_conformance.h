@@ -1,0 +1,90 @@
+#pragma once
+// What every ClothSegmenter must do, for those who write their own: call it in a test of any framework and expect an empty list.
+
+#include "doublet/segment/cloth_segmenter.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace doublet::testing {
+
+namespace detail {
+
+/// A closed column, 1.6 m high and 0.3 m wide, whose upper half sways; the last vertex is on no face.
+inline MeshSequence swaying_column() {
+  constexpr int kAround = 16, kRows = 25, kSide = kAround * kRows;
+  MeshSequence sequence;
+  std::vector<Eigen::Vector3i> faces;
+  for (int r = 0; r < kRows; ++r)
+    for (int a = 0; a < kAround; ++a) {
+      const int b = (a + 1) % kAround, here = r * kAround;
+      if (r + 1 < kRows) {
+        faces.emplace_back(here + a, here + b, here + kAround + b);
+        faces.emplace_back(here + a, here + kAround + b, here + kAround + a);
+      } else {
+        faces.emplace_back(b, a, kSide);
+        faces.emplace_back(here + a, here + b, kSide + 1);
+      }
+    }
+  sequence.faces.resize(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t f = 0; f < faces.size(); ++f)
+    sequence.faces.row(static_cast<Eigen::Index>(f)) = faces[f];
+  for (int t = 0; t < 6; ++t) {
+    Vertices frame(kSide + 3, 3);
+    for (int i = 0; i < kSide; ++i) {
+      const double y = 1.6 * (i / kAround) / (kRows - 1), turn = 2 * std::numbers::pi * (i % kAround) / kAround;
+      const double radius = 0.15 + (y > 0.8 ? 0.04 * std::sin(t + 3 * turn) : 0);
+      frame.row(i) << radius * std::sin(turn), y, radius * std::cos(turn);
+    }
+    frame.bottomRows(3) << 0, 0, 0, 0, 1.6, 0, 0, 3, 0;
+    sequence.frames.push_back(frame);
+  }
+  return sequence;
+}
+
+} // namespace detail
+
+/// One sentence for each rule the segmenter breaks: sizes are those of the mesh, clothness lies in [0, 1], regions are what is
+/// cloth, what is on no face is rigid, two calls give the same bits, a single frame is refused.
+inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter &segmenter) {
+  std::vector<std::string> broken;
+  const MeshSequence sequence = detail::swaying_column();
+  const Eigen::Index n = sequence.frames[0].rows();
+  const std::vector<std::uint8_t> valid(static_cast<std::size_t>(sequence.faces.rows()), 1);
+  try {
+    const Clothness found = segmenter.segment(sequence, valid, {}), again = segmenter.segment(sequence, valid, {});
+    if (found.clothness.size() != n || found.region.size() != n)
+      return {"expected a clothness and a region for each of " + std::to_string(n) + " vertices, found " +
+              std::to_string(found.clothness.size()) + " and " + std::to_string(found.region.size())};
+    if (!((found.clothness.array() >= 0).all() && (found.clothness.array() <= 1).all()))
+      broken.push_back("clothness leaves [0, 1]");
+    for (Eigen::Index v = 0; v < n; ++v) {
+      const int region = found.region[v];
+      if (region < -1 || region >= found.region_count || (region >= 0) != (found.clothness[v] > 0)) {
+        broken.push_back("vertex " + std::to_string(v) + " of clothness " + std::to_string(found.clothness[v]) +
+                         " has the region " + std::to_string(region) + " of " + std::to_string(found.region_count) +
+                         "; expected -1 where clothness is 0, an index elsewhere");
+        break;
+      }
+    }
+    if (found.clothness[n - 1] != 0)
+      broken.push_back("a vertex on no face is not rigid");
+    if (found.clothness != again.clothness || found.region != again.region)
+      broken.push_back("a second call gives other bits");
+  } catch (const std::exception &error) {
+    broken.push_back(std::string("the segmenter threw: ") + error.what());
+  }
+  try {
+    MeshSequence single = sequence;
+    single.frames.resize(1);
+    segmenter.segment(single, valid, {});
+    broken.push_back("a sequence of one frame is not refused with std::invalid_argument");
+  } catch (const std::invalid_argument &) {
+  }
+  return broken;
+}
+
+} // namespace doublet::testing

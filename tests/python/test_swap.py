@@ -1,0 +1,275 @@
+"""Parts written in Python in the place of ours: cloth solvers, body models; and the kits that try them."""
+
+import runpy
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "tests" / "fuzz"))
+from seeds import World, smpl_arrays  # noqa: E402
+
+NumpySolver = runpy.run_path(str(ROOT / "examples" / "numpy_solver.py"))["NumpySolver"]
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+class Passing(d.ClothSolver):
+    """Ours, by way of Python."""
+
+    def __init__(self, model):
+        super().__init__(model)
+        self.inner = d.ClothSolver.create(model)
+
+    def advance(self, states, inputs, materials, threads):
+        return self.inner.step_each(states, inputs, materials, threads)
+
+
+def played(world, make_solver):
+    """Two characters side by side over three frames."""
+    simulator = d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=make_solver)
+    frames = [simulator.pose(dofs) for dofs in world.dofs]
+    states = [simulator.start(frames[0]) for _ in range(2)]
+    for before, after in zip(frames, frames[1:]):
+        assert simulator.step_each(states, before, after, [[d.Material()], [d.Material(d_n=9)]], 0.025) == []
+    return [np.array(s.regions[0].positions) for s in states]
+
+
+@pytest.mark.parametrize("make", [None, NumpySolver, Passing, lambda model: d.ClothSolver.create(model)])
+def test_solvers_keep_the_rules(make):
+    assert d.cloth_solver_violations(make) == []
+
+
+def test_a_solver_that_passes_the_call_on_gives_the_same_bits(world):
+    np.testing.assert_array_equal(played(world, Passing), played(world, None))
+    quick = d.AnimateOptions(settle_seconds=0.1)
+    ours = d.animate(world.character, world.motion, quick).surface
+    np.testing.assert_array_equal(d.animate(world.character, world.motion, quick, make_solver=Passing).surface, ours)
+    one_by_one = []
+    d.animate_each(world.character, world.motion, lambda f: one_by_one.append(f.surface.copy()), quick, make_solver=Passing)
+    np.testing.assert_array_equal(one_by_one, ours)
+
+
+def test_the_search_runs_on_the_solver_it_is_given(world):
+    space, energy = d.ParameterSpace(names=["d_n"]), d.EnergyOptions(dt=1 / 40, settle_frames=1)
+    objectives = [
+        d.MaterialObjective(
+            d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=make),
+            world.performance,
+            world.observations,
+            energy,
+            space,
+        )
+        for make in (None, NumpySolver)
+    ]
+    ours, numpy = (o.energies([[d.Material()]]) for o in objectives)
+    assert np.isfinite(numpy).all() and (numpy != ours).any()
+    assert objectives[0].fingerprint != objectives[1].fingerprint  # a checkpoint of one is none of the other
+
+
+def test_a_model_is_arrays_that_cannot_be_written_to(world):
+    v, f = np.array(world.mesh.vertices), np.array(world.mesh.faces)
+    model = d.ClothModel(v, f, world.cloth, d.ClothOptions(gravity=[0, 0, -2]), np.full(len(v), 1.5))
+    for name, expected in (
+        ("rest", v), ("faces", f), ("clothness", world.cloth), ("fullness", np.full(len(v), 1.5)), ("fullness_axis", [0, 0, -2]),
+    ):  # fmt: skip
+        np.testing.assert_array_equal(getattr(model, name), expected)
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(model, name)[0] = 0
+    corners = f[np.isin(f, np.flatnonzero(world.cloth)).any(axis=1)]
+    assert (
+        len(corners)
+        and (model.inverse_masses[world.cloth == 0] == 0).all()
+        and (model.inverse_masses[world.cloth == 1] > 0).all()
+    )
+    model.options.substeps = 7
+    assert model.options.substeps == 1
+
+
+def one_step(advance):
+    """A solver whose advance() is given steps one free triangle, and the state afterwards."""
+    solver = type("Own", (d.ClothSolver,), {"advance": advance} if advance else {})
+    model = d.ClothModel(np.eye(3), np.array([[0, 1, 2]]), np.ones(3))
+    state = d.ClothState(np.eye(3))
+    try:
+        return solver(model).step_each([state], [d.StepInputs()], [d.Material()]), state
+    finally:
+        np.testing.assert_array_equal(state.velocities, 0)
+
+
+def too_small(self, states, inputs, materials, threads):
+    states[0].positions = np.zeros((2, 3))
+
+
+def raising(self, states, inputs, materials, threads):
+    raise LookupError("from the solver")
+
+
+@pytest.mark.parametrize(
+    ("advance", "error", "says"),
+    [
+        (None, RuntimeError, "ClothSolver.advance is not defined"),
+        (too_small, ValueError, "ClothState.positions must have 3 rows, found 2"),
+        (raising, LookupError, "from the solver"),
+        (lambda *_: "done", TypeError, "ClothSolver.advance must return indices .* found"),
+        (lambda *_: [3], RuntimeError, "must return ascending indices of 1 simulations, found 3"),
+        (lambda *_: [-1], RuntimeError, "must return ascending indices of 1 simulations, found -1"),
+    ],
+)
+def test_a_solver_that_breaks_its_word_gets_a_sentence(advance, error, says):
+    with pytest.raises(error, match=says):
+        one_step(advance)
+
+
+def test_what_is_not_finite_is_named_and_left_alone(world):
+    def explode(self, states, inputs, materials, threads):
+        states[0].positions[1] = np.nan
+
+    failed, state = one_step(explode)
+    assert failed == [0]
+    np.testing.assert_array_equal(state.positions, np.eye(3))
+    with pytest.raises(RuntimeError, match="not finite"):
+        played_once = d.CharacterSimulator(
+            world.actor, world.clothness, world.proxies, make_solver=type("Own", (d.ClothSolver,), {"advance": explode})
+        )
+        posed = played_once.pose(world.dofs[0])
+        played_once.step(played_once.start(posed), posed, posed, [d.Material()], 0.025)
+
+
+def test_what_a_solver_keeps_stays_valid():
+    kept = []
+
+    def keep(self, states, inputs, materials, threads):
+        states[0].positions[:] += 1
+        kept.append((states[0].positions, inputs[0].targets, materials[0]))
+
+    _, state = one_step(keep)
+    state.positions[:] = 5
+    np.testing.assert_array_equal(kept[0][0], np.eye(3) + 1)
+    assert kept[0][1].shape == (0, 3) and kept[0][2].d_n == d.Material().d_n
+
+
+def test_make_solver_must_make_solvers_of_its_model(world):
+    other = d.ClothModel(np.eye(3), np.array([[0, 1, 2]]), np.ones(3))
+    for make, error, says in (
+        (lambda model: None, TypeError, "make_solver must return a ClothSolver, found"),
+        (lambda model: d.ClothSolver.create(other), ValueError, "of the model that it is given, found one of another"),
+        (lambda: None, TypeError, "positional argument"),
+    ):
+        with pytest.raises(error, match=says):
+            d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=make)
+
+
+class Straight(d.BodyModel):
+    """A model of the SMPL family by way of Python, without the derivatives of its bends."""
+
+    def __init__(self, inner):
+        super().__init__(
+            vertex_count=inner.vertex_count,
+            component_count=inner.component_count,
+            faces=inner.faces,
+            landmarks=inner.landmarks,
+            name="own",
+            shape_count=inner.shape_count,
+            joint_names=inner.joint_names,
+        )
+        self.inner = inner
+
+    def vertices(self, coefficients):
+        return self.inner.vertices(coefficients)
+
+    def component(self, k):
+        return self.inner.component(k)
+
+
+class OwnBody(Straight):
+    """The whole model."""
+
+    def linearise(self, coefficients, chosen):
+        return self.inner.linearise(coefficients, chosen)
+
+    def joints(self, coefficients):
+        return self.inner.joints(coefficients)
+
+
+@pytest.fixture(scope="module")
+def body(tmp_path_factory):
+    path = tmp_path_factory.mktemp("body") / "model.npz"
+    np.savez(path, **smpl_arrays())
+    return d.BodyModel.read(path)
+
+
+def test_body_models_keep_the_rules(body):
+    assert d.body_model_violations(body) == []
+    assert d.body_model_violations(OwnBody(body)) == []
+
+
+def test_wrong_derivatives_are_caught(body):
+    broken = d.body_model_violations(Straight(body))
+    assert any("jacobian of linearise()" in sentence for sentence in broken)
+    assert any("joints() has another number" in sentence for sentence in broken)
+
+    class Linear(d.BodyModel):
+        def __init__(self):
+            super().__init__(vertex_count=3, component_count=1, faces=np.array([[0, 1, 2]]))
+
+        def vertices(self, coefficients):
+            if len(coefficients) != 1:
+                raise ValueError("one coefficient")
+            return np.eye(3) * (1 + coefficients[0])
+
+        def component(self, k):
+            return np.eye(3)
+
+    class Wrong(Linear):
+        def component(self, k):
+            return 2 * np.eye(3)
+
+    assert d.body_model_violations(Linear()) == []
+    assert any("not the derivative" in sentence for sentence in d.body_model_violations(Wrong()))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"vertex_count": 3, "component_count": 1, "faces": [[0, 1, 3]]}, "faces must have indices in"),
+        ({"vertex_count": 3, "component_count": 1, "faces": [[0, 1, 2]], "landmarks": {"toe": 9}}, "landmark 'toe'"),
+        ({"vertex_count": 3, "component_count": 1, "faces": [[0, 1, 2]], "shape_count": 2}, "shape_count"),
+    ],
+)
+def test_a_body_model_is_checked(arguments, says):
+    with pytest.raises(ValueError, match=says):
+        d.BodyModel(**arguments)
+
+
+def test_a_body_model_of_the_wrong_size_gets_a_sentence():
+    class Short(d.BodyModel):
+        def __init__(self):
+            super().__init__(vertex_count=3, component_count=1, faces=np.array([[0, 1, 2]]))
+
+        def vertices(self, coefficients):
+            return np.zeros((2, 3))
+
+        def component(self, k):
+            return "none"
+
+    with pytest.raises(ValueError, match="BodyModel.vertices must return 3 points, found 2"):
+        d.BodyModel.vertices(Short(), np.zeros(1))
+    assert any("must return 3 points" in s for s in d.body_model_violations(Short()))
+
+
+def test_the_other_kits():
+    assert d.cloth_segmenter_violations(d.ClothSegmenter.create()) == []
+    assert d.optimizer_violations(lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(seed=seed))) == []
+
+    class Wrong(d.ClothSegmenter):
+        def segment(self, sequence, face_valid, context):
+            return "cloth"
+
+    assert any("ClothSegmenter.segment must return a Clothness" in s for s in d.cloth_segmenter_violations(Wrong()))
