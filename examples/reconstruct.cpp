@@ -6,6 +6,8 @@
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/texture_baker.h"
 #include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/proxies.h"
+#include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"

@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/proxies.h"
 #include "doublet/bodymodel/train_body_model.h"
 #include "doublet/testing/body_model_conformance.h"
 

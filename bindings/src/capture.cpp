@@ -1,5 +1,7 @@
 #include "common.h"
 
+#include "doublet/capture/heat_weights.h"
+#include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/template_builder.h"
 

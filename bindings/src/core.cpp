@@ -3,9 +3,9 @@
 #include "doublet/core/error.h"
 #include "doublet/core/files.h"
 #include "doublet/core/garment.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/ray_scene.h"
-#include "doublet/core/self_intersection.h"
 #include "doublet/core/skinning.h"
 #include "doublet/core/surface_distance.h"
 

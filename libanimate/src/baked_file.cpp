@@ -1,6 +1,6 @@
 #include "doublet/animate/baked_file.h"
 
-#include "doublet/animate/image_file.h"
+#include "doublet/animate/parts/image_file.h"
 #include "doublet/core/error.h"
 #include "doublet/core/files.h"
 #include "doublet/core/npz.h"

@@ -1,9 +1,9 @@
 #include "doublet/animate/character.h"
 
-#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/closest_point.h"
+#include "doublet/core/parts/sparse_solve.h"
 #include "doublet/core/ray_scene.h"
-#include "doublet/core/sparse_solve.h"
 #include "garment_part.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "doublet/animate/display_surface.h"
 
-#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/closest_point.h"
 #include "doublet/core/ray_scene.h"
 #include "garment_part.h"
 

@@ -1,4 +1,4 @@
-#include "doublet/animate/image_file.h"
+#include "doublet/animate/parts/image_file.h"
 
 #include "doublet/core/error.h"
 

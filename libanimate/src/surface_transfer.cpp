@@ -1,4 +1,4 @@
-#include "doublet/animate/surface_transfer.h"
+#include "doublet/animate/parts/surface_transfer.h"
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"

@@ -4,7 +4,7 @@
 #include "doublet/animate/texture_baker.h"
 
 #include "doublet/animate/display_surface.h"
-#include "doublet/animate/image_file.h"
+#include "doublet/animate/parts/image_file.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 #include "garment_part.h"

@@ -1,6 +1,6 @@
 #include "anatomy.h"
 
-#include "doublet/core/closest_point.h"
+#include "doublet/core/parts/closest_point.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,9 +1,9 @@
 // Tapered capsules for the fitted body: Levenberg-Marquardt on signed distances, all capsules together.
-#include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/proxies.h"
 
 #include "anatomy.h"
-#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/closest_point.h"
 #include "doublet/core/ray_scene.h"
 
 #include <Eigen/Cholesky>

@@ -1,7 +1,7 @@
-#include "doublet/capture/template_builder.h"
+#include "doublet/capture/heat_weights.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/sparse_solve.h"
 #include "doublet/core/ray_scene.h"
-#include "doublet/core/sparse_solve.h"
 #include "face_mask.h"
 
 #include <algorithm>

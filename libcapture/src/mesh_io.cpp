@@ -1,4 +1,4 @@
-#include "doublet/capture/template_builder.h"
+#include "doublet/capture/mesh_file.h"
 #include "doublet/core/error.h"
 #include "doublet/core/files.h"
 #include "mesh_formats.h"

@@ -1,6 +1,6 @@
-#include "doublet/capture/particle_annealing.h"
+#include "doublet/capture/parts/particle_annealing.h"
 
-#include "doublet/core/normal_generator.h"
+#include "doublet/core/parts/normal_generator.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

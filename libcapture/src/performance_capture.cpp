@@ -1,7 +1,7 @@
 #include "doublet/capture/performance_capture.h"
 
 #include "camera_choice.h"
-#include "doublet/capture/smoothing.h"
+#include "doublet/capture/parts/smoothing.h"
 #include "feature_map.h"
 #include "first_pose.h"
 #include "packed_mask.h"

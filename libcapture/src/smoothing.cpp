@@ -1,4 +1,4 @@
-#include "doublet/capture/smoothing.h"
+#include "doublet/capture/parts/smoothing.h"
 
 #include <Eigen/QR>
 #include <algorithm>

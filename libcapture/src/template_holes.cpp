@@ -1,6 +1,6 @@
 #include "doublet/core/error.h"
+#include "doublet/core/parts/sparse_solve.h"
 #include "doublet/core/ray_scene.h"
-#include "doublet/core/sparse_solve.h"
 #include "holes.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "tracked_actor.h"
 
-#include "doublet/core/sheets.h"
+#include "doublet/core/parts/sheets.h"
 
 namespace doublet {
 namespace {

@@ -1,4 +1,4 @@
-#include "doublet/core/normal_generator.h"
+#include "doublet/core/parts/normal_generator.h"
 
 #include "doublet/core/error.h"
 

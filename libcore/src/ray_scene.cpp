@@ -2,8 +2,8 @@
 
 #include "doublet/core/ray_scene.h"
 
-#include "doublet/core/closest_point.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/closest_point.h"
 
 #include <embree3/rtcore.h>
 

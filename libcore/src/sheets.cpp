@@ -1,4 +1,4 @@
-#include "doublet/core/sheets.h"
+#include "doublet/core/parts/sheets.h"
 
 namespace doublet {
 namespace {

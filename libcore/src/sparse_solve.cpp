@@ -1,4 +1,4 @@
-#include "doublet/core/sparse_solve.h"
+#include "doublet/core/parts/sparse_solve.h"
 
 #include "doublet/core/error.h"
 

@@ -1,7 +1,7 @@
 #include "captured_cloth.h"
 
 #include "doublet/core/rasterizer.h"
-#include "doublet/fit/distance_field.h"
+#include "doublet/fit/parts/distance_field.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Hansen, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772; equation numbers are its.
 
-#include "doublet/core/normal_generator.h"
+#include "doublet/core/parts/normal_generator.h"
 #include "doublet/fit/optimizer.h"
 #include "median.h"
 #include "optimizer_checks.h"

@@ -1,4 +1,4 @@
-#include "doublet/fit/influence.h"
+#include "doublet/fit/parts/influence.h"
 
 #include "doublet/core/error.h"
 #include "median.h"

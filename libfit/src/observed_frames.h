@@ -4,8 +4,8 @@
 
 #include "captured_cloth.h"
 #include "cpu_times.h"
-#include "doublet/fit/distance_field.h"
 #include "doublet/fit/material_objective.h"
+#include "doublet/fit/parts/distance_field.h"
 
 #include <functional>
 

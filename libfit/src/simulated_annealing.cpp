@@ -1,4 +1,4 @@
-#include "doublet/core/normal_generator.h"
+#include "doublet/core/parts/normal_generator.h"
 #include "doublet/fit/optimizer.h"
 #include "optimizer_checks.h"
 #include "state_json.h"

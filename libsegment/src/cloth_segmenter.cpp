@@ -1,7 +1,7 @@
 #include "doublet/segment/cloth_segmenter.h"
 
-#include "doublet/core/sheets.h"
-#include "doublet/segment/diffusion.h"
+#include "doublet/core/parts/sheets.h"
+#include "doublet/segment/parts/diffusion.h"
 
 #include <algorithm>
 #include <cmath>

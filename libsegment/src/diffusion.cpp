@@ -1,6 +1,6 @@
-#include "doublet/segment/diffusion.h"
+#include "doublet/segment/parts/diffusion.h"
 
-#include "doublet/core/sparse_solve.h"
+#include "doublet/core/parts/sparse_solve.h"
 
 #include <cmath>
 #include <limits>

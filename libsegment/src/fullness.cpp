@@ -1,6 +1,6 @@
 #include "doublet/segment/fullness.h"
 
-#include "doublet/segment/diffusion.h"
+#include "doublet/segment/parts/diffusion.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "garment_field.h"
 
 #include "doublet/core/surface_distance.h"
-#include "doublet/segment/diffusion.h"
+#include "doublet/segment/parts/diffusion.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "doublet/segment/opposite_distance.h"
+#include "doublet/segment/parts/opposite_distance.h"
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"

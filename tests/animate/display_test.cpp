@@ -1,5 +1,5 @@
 #include "doublet/animate/baked_file.h"
-#include "doublet/animate/image_file.h"
+#include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/texture_baker.h"
 #include "doublet/core/error.h"

@@ -1,4 +1,5 @@
 #include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/proxies.h"
 #include "doublet/bodymodel/train_body_model.h"
 #include "support/option_ranges.h"
 

@@ -1,4 +1,5 @@
 #include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/proxies.h"
 #include "doublet/core/error.h"
 #include "support/figure.h"
 

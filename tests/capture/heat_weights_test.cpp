@@ -1,5 +1,6 @@
 // Heat equilibrium skin weights on tubes, where the answer is known.
 #include "capture/capture_shapes.h"
+#include "doublet/capture/heat_weights.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
 

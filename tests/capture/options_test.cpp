@@ -1,5 +1,6 @@
+#include "doublet/capture/heat_weights.h"
+#include "doublet/capture/parts/rims.h"
 #include "doublet/capture/performance_capture.h"
-#include "doublet/capture/rims.h"
 #include "doublet/capture/template_builder.h"
 #include "support/option_ranges.h"
 

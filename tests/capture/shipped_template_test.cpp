@@ -1,4 +1,5 @@
 // The template of the shipped session against its ground truth; prints what docs/capture-template.md states.
+#include "doublet/capture/mesh_file.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/npz.h"

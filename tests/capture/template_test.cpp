@@ -1,5 +1,6 @@
 // Scan -> closed template: known shapes with known holes.
 #include "capture/capture_shapes.h"
+#include "doublet/capture/mesh_file.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"

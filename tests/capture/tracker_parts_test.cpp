@@ -1,6 +1,6 @@
 // Outlines, rims, Jacobians, smoothing, features: each against a known answer.
 
-#include "doublet/capture/smoothing.h"
+#include "doublet/capture/parts/smoothing.h"
 #include "tracker_scene.h"
 
 #include <gtest/gtest.h>

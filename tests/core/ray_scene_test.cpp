@@ -1,6 +1,6 @@
 #include "doublet/core/ray_scene.h"
 
-#include "doublet/core/closest_point.h"
+#include "doublet/core/parts/closest_point.h"
 
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"

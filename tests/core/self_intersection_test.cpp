@@ -1,4 +1,4 @@
-#include "doublet/core/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 
 #include "doublet/core/error.h"
 #include "doublet/core/ray_scene.h"

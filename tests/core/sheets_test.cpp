@@ -1,6 +1,6 @@
 // The sheets that close a scan.
 
-#include "doublet/core/sheets.h"
+#include "doublet/core/parts/sheets.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-#include "doublet/core/normal_generator.h"
-#include "doublet/fit/distance_field.h"
+#include "doublet/core/parts/normal_generator.h"
+#include "doublet/fit/parts/distance_field.h"
 #include "fit/plain_view.h"
 #include "fit/synthetic.h"
 

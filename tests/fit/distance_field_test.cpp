@@ -1,4 +1,4 @@
-#include "doublet/fit/distance_field.h"
+#include "doublet/fit/parts/distance_field.h"
 
 #include <gtest/gtest.h>
 

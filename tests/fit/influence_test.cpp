@@ -1,6 +1,6 @@
 #include "doublet/core/error.h"
-#include "doublet/core/normal_generator.h"
-#include "doublet/fit/influence.h"
+#include "doublet/core/parts/normal_generator.h"
+#include "doublet/fit/parts/influence.h"
 
 #include <gtest/gtest.h>
 

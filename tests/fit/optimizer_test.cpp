@@ -1,5 +1,5 @@
 #include "doublet/core/error.h"
-#include "doublet/core/normal_generator.h"
+#include "doublet/core/parts/normal_generator.h"
 #include "doublet/fit/optimizer.h"
 #include "fit/functions.h"
 

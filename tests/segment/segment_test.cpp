@@ -2,7 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/segment/cloth_segmenter.h"
-#include "doublet/segment/diffusion.h"
+#include "doublet/segment/parts/diffusion.h"
 
 #include <gtest/gtest.h>
 

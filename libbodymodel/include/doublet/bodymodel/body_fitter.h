@@ -1,5 +1,5 @@
 #pragma once
-// The body under the clothes (Sect. 5): fit of the statistical model to the exposed skin, collision proxies.
+// The body under the clothes (Sect. 5): fit of the statistical model to the exposed skin.
 
 #include "doublet/bodymodel/body_model.h"
 #include "doublet/core/context.h"
@@ -67,43 +67,6 @@ public:
                                             const Context &context) const;
   static std::unique_ptr<BodyFitter> create(const BodyFitOptions &options = {});
 };
-
-struct ProxyOptions {
-  double clearance = 0.0;
-  double cloth_margin = 0.004;
-  int capsules_per_bone = 2;
-  int iterations = 40;
-  static constexpr auto describe() {
-    using namespace options;
-    using O = ProxyOptions;
-    return Description{
-        "ProxyOptions",
-        option(&O::clearance, "clearance", Range{-0.1, 0.1, Open::Both}, "m",
-               "the capsules stand this much inside the body on average"),
-        option(&O::cloth_margin, "cloth_margin", Range{0, 0.1, Open::Above}, "m",
-               "at least this far inside the cloth of the scan pose: resting cloth is never pushed"),
-        option(&O::capsules_per_bone, "capsules_per_bone", Range{1, 3}, "", "tapered capsules along one bone"),
-        option(&O::iterations, "iterations", at_least(0), "", "of the least squares"),
-    };
-  }
-  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
-};
-/// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, and the next bones down the
-/// chain. Empty if nothing is cloth.
-std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
-                                        const ProxyOptions &options = {});
-
-/// How well the capsules stand for the body.
-struct ProxyStatistics {
-  int capsules = 0;
-  int samples = 0;            ///< body vertices under cloth
-  double mean_distance = 0;   ///< m, mean |signed distance| of body vertices under cloth to the union of capsules
-  double percentile95 = 0;    ///< m, of the same
-  double largest_bulge = 0;   ///< m, how far a capsule stands out of the body at most (0 = nowhere)
-  double cloth_clearance = 0; ///< m, smallest signed distance of the resting cloth to the capsules (negative = pushed)
-};
-ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
-                                 const Clothness &clothness);
 
 /// How far a fit can be trusted along one bone.
 struct BodyRegion {

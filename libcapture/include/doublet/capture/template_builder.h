@@ -1,5 +1,5 @@
 #pragma once
-// Scan -> rigged template (Sect. 4): Poisson closing, suggestion of invalid triangles, decimation, skeleton, heat weights.
+// Scan -> rigged template (Sect. 4): Poisson closing, suggestion of invalid triangles, decimation, skeleton and weights.
 
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
@@ -72,29 +72,7 @@ TemplateSummary summarise_template(const Template &surface, const Mesh &scan, co
 /// template_suggestion.npz (docs/formats.md): the masks of both surfaces.
 void write_template_suggestion(const std::filesystem::path &path, const Template &surface);
 
-struct HeatWeightOptions {
-  double c = 1.0;
-  static constexpr auto describe() {
-    using namespace options;
-    using O = HeatWeightOptions;
-    return Description{
-        "HeatWeightOptions",
-        option(&O::c, "c", above(0), "", "heat of the nearest visible bones, H_ii = c / d^2, Baran & Popovic 2007"),
-    };
-  }
-  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
-};
-/// (V, J) skin weights by heat equilibrium, nearest visible bone(s); rows sum to one, no entry is negative.
-MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const Skeleton &skeleton,
-                      const HeatWeightOptions &options = {}, const Context &context = {});
-
 /// Everything at once: template, skeleton from the marks, weights.
 RiggedMesh rig_template(const Template &surface, const std::vector<JointMark> &joints, const Context &context = {});
-
-/// .ply, .obj, .stl, .off: vertices and faces, nothing else; polygons become fans of triangles. Throws FileNotFound, or Error
-/// naming the file if it is malformed, truncated or longer than it says, or unless the mesh is usable (require_usable).
-Mesh read_mesh(const std::filesystem::path &path);
-/// Complete or not at all. Throws Error naming the file if the mesh is not usable, or the disk is full.
-void write_mesh(const std::filesystem::path &path, const Mesh &mesh);
 
 } // namespace doublet

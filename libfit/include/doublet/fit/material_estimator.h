@@ -2,8 +2,8 @@
 // Reference performance + its images -> material of every cloth region (Sect. 6.2).
 
 #include "doublet/animate/solver_settings.h"
-#include "doublet/fit/influence.h"
 #include "doublet/fit/material_objective.h"
+#include "doublet/fit/parts/influence.h"
 #include "doublet/options/options.h"
 
 #include <limits>
