@@ -69,12 +69,12 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   const FitResult result = estimate_material(simulator, motion, observations, fit, context);
   write_materials(out / "material.json", result);
   // Sect. 7: the character
-  const auto simulated = simulate_reference(simulator, motion, result.materials(), result.dt, fit.energy.settle_frames, context);
+  const auto simulated =
+      simulate_reference(simulator, motion, result.materials(), result.solver.dt, fit.energy.settle_frames, context);
   write_simulated(out / "simulated.npz", simulated, actor.mesh.vertices.rows());
   const Display display = make_display(dressed.actor, dressed.clothness, read_mesh(out / "template_high.ply"));
-  Character character =
-      make_character(dressed.actor, dressed.clothness, body, proxies, result.materials(), {result.dt, simulator.options()},
-                     display.mesh, display.valid, display.garment_subdivisions);
+  Character character = make_character(dressed.actor, dressed.clothness, body, proxies, result.materials(), result.solver,
+                                       display.mesh, display.valid, display.garment_subdivisions);
   character.name = session.name;
   std::vector<Image> images, masks;
   for (int camera = 0; camera < frames->camera_count(); ++camera) {

@@ -22,13 +22,6 @@ py::object stacked_once(const py::object &self, const char *key, const std::vect
   return self.attr(key);
 }
 
-/// What a caller gave as a list of objects; None is no object.
-template <class T> std::vector<T *> require_objects(const std::vector<T *> &objects, const char *what) {
-  if (std::find(objects.begin(), objects.end(), nullptr) != objects.end())
-    throw py::type_error(std::string(what) + ": expected objects, found None");
-  return objects;
-}
-
 SourceMotion source_motion(const std::vector<std::string> &names, const std::vector<int> &parents, const Vertices &offsets,
                            const py::array_t<double, py::array::c_style | py::array::forcecast> &positions,
                            const py::array_t<double, py::array::c_style | py::array::forcecast> &rotations, double fps,
@@ -69,64 +62,7 @@ py::array_t<double> as_quaternions(const SourceMotion &motion) {
   return result;
 }
 
-void bind_simulator(py::module_ &m) {
-  py::class_<PosedFrame>(m, "PosedFrame", "A pose worked out once: skinned surface and proxies.")
-      .def_readonly("skinned", &PosedFrame::skinned, "(V, 3) m")
-      .def_readonly("capsules", &PosedFrame::capsules);
-  py::class_<CharacterState>(m, "CharacterState", "Simulated state of all cloth regions; copy() saves it.")
-      .def_readwrite("regions", &CharacterState::regions)
-      .def(
-          "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
-  py::class_<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
-      .def(py::init([](const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
-                       const pbd::ClothOptions &options, const py::object &make_solver) {
-             const pbd::ClothSolverFactory make = solver_factory(make_solver);
-             const py::gil_scoped_release release;
-             return std::make_unique<CharacterSimulator>(actor, clothness, proxies, options, make);
-           }),
-           py::arg("actor"), py::arg("clothness"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{},
-           py::arg("make_solver") = py::none(),
-           "make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.")
-      .def_property_readonly("region_count", [](const CharacterSimulator &s) { return s.regions().size(); })
-      .def_property_readonly("actor", &CharacterSimulator::actor)
-      .def("pose", &CharacterSimulator::pose, py::arg("dofs"), Release(), "The PosedFrame of a pose (D).")
-      .def(
-          "start",
-          [](const CharacterSimulator &simulator, const PosedFrame &frame, const std::optional<Vertices> &surface) {
-            return simulator.start(frame, surface ? &*surface : nullptr);
-          },
-          py::arg("frame"), py::arg("surface") = std::nullopt, Release(),
-          "Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.")
-      .def("settle", &CharacterSimulator::settle, py::arg("state"), py::arg("frame"), py::arg("materials"), py::arg("dt"),
-           py::arg("frames"), Release(),
-           "Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.")
-      .def("step", &CharacterSimulator::step, py::arg("state"), py::arg("previous"), py::arg("current"), py::arg("materials"),
-           py::arg("dt"), Release(), "Advances every cloth region from one posed frame to the next; materials: one a region.")
-      .def(
-          "step_each",
-          [](const CharacterSimulator &simulator, const std::vector<CharacterState *> &states, const PosedFrame &previous,
-             const PosedFrame &current, const std::vector<std::vector<pbd::Material>> &materials, double dt) {
-            std::vector<const std::vector<pbd::Material> *> lists;
-            for (const std::vector<pbd::Material> &list : materials)
-              lists.push_back(&list);
-            std::vector<std::pair<int, int>> failed;
-            for (const FailedRegion &one : simulator.step_each(require_objects(states, "states"), previous, current, lists, dt))
-              failed.emplace_back(one.character, one.region);
-            return failed;
-          },
-          py::arg("states"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
-          "step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region "
-          "of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.")
-      .def("surface", &CharacterSimulator::surface, py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");
-}
-
 void bind_character(py::module_ &m) {
-  OptionsClass<SolverSettings>(m, "How the cloth was simulated when its material was estimated.")
-      .get()
-      .def(py::init([](double dt, const pbd::ClothOptions &cloth) {
-             return SolverSettings{dt, cloth};
-           }),
-           py::arg("dt"), py::arg("cloth") = pbd::ClothOptions{});
   py::class_<Character>(m, "Character", "The animatable character: everything that a new animation needs (character.glb).")
       .def_static("read", &read_character, py::arg("path"), Release(),
                   "character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.")
@@ -330,7 +266,6 @@ void bind_texture(py::module_ &m) {
 } // namespace
 
 void bind_animate(py::module_ &m) {
-  bind_simulator(m);
   bind_character(m);
   bind_motion(m);
   bind_animator(m);

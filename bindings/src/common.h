@@ -212,6 +212,7 @@ void bind_capture_parts(py::module_ &m);
 void bind_segment(py::module_ &m);
 void bind_bodymodel(py::module_ &m);
 void bind_pbd(py::module_ &m);
+void bind_simulate(py::module_ &m);
 void bind_animate(py::module_ &m);
 void bind_fit(py::module_ &m);
 

@@ -19,6 +19,9 @@ PYBIND11_MODULE(_doublet, m) {
 #ifdef DOUBLET_WITH_PBD
   bind_pbd(m);
 #endif
+#ifdef DOUBLET_WITH_SIMULATE
+  bind_simulate(m);
+#endif
 #ifdef DOUBLET_WITH_ANIMATE
   bind_animate(m);
 #endif

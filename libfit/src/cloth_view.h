@@ -1,7 +1,7 @@
 #pragma once
 // The simulated cloth as one camera sees it: which vertices make the outline, and where features lie.
 
-#include "doublet/animate/character_simulator.h"
+#include "doublet/simulate/character_simulator.h"
 #include "doublet/core/camera.h"
 #include "lane_kernels.h"
 

@@ -2,7 +2,6 @@
 #include "doublet/animate/baked_file.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/retarget.h"
-#include "doublet/animate/solver_settings.h"
 #include "doublet/animate/texture_baker.h"
 #include "support/option_ranges.h"
 
@@ -15,7 +14,6 @@ TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<RenderOptions>();
   expect_ranges<RetargetOptions>();
   expect_ranges<TextureOptions>();
-  expect_ranges<SolverSettings>();
 }
 
 } // namespace

@@ -1,7 +1,7 @@
 #pragma once
 // A small character in a swinging skirt, filmed by perfect cameras: its own simulation under a known material is the truth.
 
-#include "doublet/animate/character_simulator.h"
+#include "doublet/simulate/character_simulator.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/fit/material_estimator.h"
 #include "support/figure.h"

@@ -13,8 +13,9 @@ MAY_USE = {
     "segment": {"options", "core"},
     "bodymodel": {"options", "core"},
     "pbd": {"options"},
-    "animate": {"options", "core", "pbd"},
-    "fit": {"options", "core", "pbd", "animate"},
+    "simulate": {"options", "core", "pbd"},
+    "animate": {"options", "core", "pbd", "simulate"},
+    "fit": {"options", "core", "pbd", "simulate"},
 }
 SOURCES = {name: sorted(p for p in (ROOT / f"lib{name}").rglob("*") if p.suffix in {".h", ".cpp"}) for name in MAY_USE}
 

@@ -1,10 +1,10 @@
 #pragma once
 // The animatable character: everything that a new animation needs, as one value. File: character.glb (character_file.h).
 
-#include "doublet/animate/character_simulator.h"
-#include "doublet/animate/solver_settings.h"
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
+#include "doublet/simulate/character_simulator.h"
+#include "doublet/simulate/solver_settings.h"
 
 #include <string>
 

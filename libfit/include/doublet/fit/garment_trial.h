@@ -40,8 +40,8 @@ MatrixRM trial_samples(const ParameterSpace &space, int count);
 /// some ordinary material moves the garment as the filmed one moves. Throws std::invalid_argument as trial_samples() does.
 Eigen::VectorXd trial_energy(const MaterialObjective &objective, int materials, const Context &context = {});
 
-/// Which of the garments to take for what they cost: the cheapest if it costs less than the first by more than the margin, else the
-/// first. Throws std::invalid_argument if there is none or a cost is not finite.
+/// Which of the garments to take for what they cost: the cheapest if it costs less than the first by more than the margin, else
+/// the first. Throws std::invalid_argument if there is none or a cost is not finite.
 std::size_t chosen_garment(const std::vector<double> &energies, const TrialOptions &trial = {});
 
 /// Of one garment, in one call: the sum over its regions; 0 if it has none. `performance`: dressed in it.

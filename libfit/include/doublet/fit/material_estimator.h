@@ -1,10 +1,10 @@
 #pragma once
 // Reference performance + its images -> material of every cloth region (Sect. 6.2).
 
-#include "doublet/animate/solver_settings.h"
 #include "doublet/fit/material_objective.h"
 #include "doublet/fit/parts/influence.h"
 #include "doublet/options/options.h"
+#include "doublet/simulate/solver_settings.h"
 
 #include <limits>
 #include <optional>

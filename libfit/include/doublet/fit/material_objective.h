@@ -2,9 +2,9 @@
 // E_fit of Sect. 6.2 (eq. 6-8): how well the simulated character explains the images of the reference performance. Beyond the
 // paper it also asks what of the images the character does not explain, so that showing nothing is not free.
 
-#include "doublet/animate/character_simulator.h"
 #include "doublet/fit/minimise.h"
 #include "doublet/options/options.h"
+#include "doublet/simulate/character_simulator.h"
 
 #include <map>
 #include <string>

@@ -1,4 +1,4 @@
-#include "doublet/animate/character_simulator.h"
+#include "doublet/simulate/character_simulator.h"
 
 #include "doublet/core/error.h"
 #include "doublet/core/skinning.h"
