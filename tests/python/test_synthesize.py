@@ -3,9 +3,9 @@
 import doublet as d
 import numpy as np
 import pytest
-from doublet.cli import changed
 from doublet.console import Console
 from doublet.evaluate import Truth
+from doublet.pipeline import with_pairs
 from doublet.synthesize import Surfaces, SynthesisOptions, photograph, read_motion, ring_of_cameras, synthesize, write_calibration
 
 MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
@@ -130,5 +130,5 @@ def test_wrong_input_is_one_sentence(made, character, motion, tmp_path):
     with pytest.raises(ValueError, match=r"expected finite 'dofs' of shape \(T, 9\), found \(5, 3\)"):
         read_motion(tmp_path / "other.npz", character, FPS, d.RetargetOptions())
     with pytest.raises(ValueError, match="expected one of .*, found 'stiffness'"):
-        changed(d.Material(), ["stiffness=1"])
-    assert changed(d.Material(), ["k_bend=0.25"]).k_bend == 0.25
+        with_pairs(d.Material(), ["stiffness=1"], "--material")
+    assert with_pairs(d.Material(), ["k_bend=0.25"], "--material").k_bend == 0.25
