@@ -1,4 +1,5 @@
 // Tapered capsules for the fitted body: Levenberg-Marquardt on signed distances, all capsules together.
+#include "doublet/bodymodel/body_fitter.h"
 #include "doublet/bodymodel/proxies.h"
 
 #include "anatomy.h"
