@@ -6,7 +6,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <charconv>
 #include <cmath>
 
 namespace doublet {
@@ -25,12 +24,6 @@ void add_confidence(Json &entry, const RegionFit &region, const std::vector<std:
     entry["influence"][parameters[i]] = {{"energy_change", region.influence.change[static_cast<Eigen::Index>(i)]},
                                          {"rank", region.influence.rank[i]},
                                          {"confidence", confidence_name(confidence[i])}};
-}
-
-std::string number(double value) {
-  char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value); // shortest that reads back
-  return {text, end.ptr};
 }
 
 double read_parameter(const Json &region, const char *name, const std::string &where) {
@@ -64,13 +57,16 @@ void check_version(const Json &json, const std::string &file) {
 }
 
 void check_solver(const Json &json, const SolverSettings &expected, const std::string &file) {
+  SolverSettings named;
   try {
-    require_same(expected, read_solver(json, json.value("version", 1), expected), file);
-  } catch (const std::invalid_argument &error) {
-    const std::string text = error.what();
-    throw Error(text.rfind(file, 0) == 0 ? text : file + ": " + text);
-  } catch (const Json::exception &error) {
+    named = read_solver(json, json.value("version", 1), expected);
+  } catch (const std::exception &error) { // of JSON, or out of range
     throw Error(file + ": solver: " + error.what());
+  }
+  try {
+    require_same(expected, named, file);
+  } catch (const std::invalid_argument &error) {
+    throw Error(error.what());
   }
 }
 
@@ -142,15 +138,15 @@ void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, cons
   text += ",seconds\n";
   for (const GenerationRow &row : log) {
     text += std::to_string(row.part) + "," + std::to_string(row.generation) + "," + std::to_string(row.evaluations) + "," +
-            number(row.best) + "," + number(row.generation_best);
+            options::shown(row.best) + "," + options::shown(row.generation_best);
     const pbd::Material mean = space.material(row.mean);
     for (const std::string &name : space.names)
       for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
         if (name == parameter.name)
-          text += ',' + number(mean.*parameter.value);
+          text += ',' + options::shown(mean.*parameter.value);
     for (Eigen::Index i = 0; i < row.deviation.size(); ++i)
-      text += ',' + number(row.deviation[i]);
-    text += ',' + number(std::round(row.seconds * 1000) / 1000) + "\n";
+      text += ',' + options::shown(row.deviation[i]);
+    text += ',' + options::shown(std::round(row.seconds * 1000) / 1000) + "\n";
   }
   write_text(path, text);
 }
