@@ -229,7 +229,8 @@ void hash_solvers(Fingerprint &print, const CharacterSimulator &simulator, const
   };
   if (std::all_of(simulator.regions().begin(), simulator.regions().end(), own))
     return;
-  const PosedFrame first = simulator.pose(performance.dofs.row(0)), last = simulator.pose(performance.dofs.bottomRows(1));
+  const PosedFrame first = simulator.pose(performance.dofs.row(0)),
+                   last = simulator.pose(performance.dofs.row(performance.dofs.rows() - 1));
   CharacterState state = simulator.start(first);
   CharacterState *const states = &state;
   const std::vector<pbd::Material> materials(simulator.regions().size());
