@@ -81,8 +81,8 @@ inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter 
     MeshSequence single = sequence;
     single.frames.resize(1);
     segmenter.segment(single, valid, {});
-    broken.push_back("a sequence of one frame is not refused with std::invalid_argument");
-  } catch (const std::invalid_argument &) {
+    broken.push_back("a sequence of one frame is not refused");
+  } catch (const std::exception &) { // of whatever kind: Python has its own
   }
   return broken;
 }
