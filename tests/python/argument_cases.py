@@ -234,6 +234,7 @@ def calls(world, folder) -> dict:
 #: Functions without arrays, or whose damaged input is a file (tests/fuzz) or an object of ours.
 ELSEWHERE = {
     "minimise", "retarget", "session_silhouettes", "train_body_model", "write_materials",
+    "body_model_violations", "cloth_segmenter_violations", "cloth_solver_violations", "optimizer_violations",
     "read_actor", "read_body", "read_clothness", "read_garment", "read_materials", "read_mesh", "read_observations",
     "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip

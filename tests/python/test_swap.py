@@ -57,20 +57,24 @@ def test_a_solver_that_passes_the_call_on_gives_the_same_bits(world):
 
 
 def test_the_search_runs_on_the_solver_it_is_given(world):
+    calls = []
+
+    class Counting(Passing):
+        def advance(self, states, inputs, materials, threads):
+            calls.append(len(states))
+            return super().advance(states, inputs, materials, threads)
+
     space, energy = d.ParameterSpace(names=["d_n"]), d.EnergyOptions(dt=1 / 40, settle_frames=1)
-    objectives = [
-        d.MaterialObjective(
-            d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=make),
-            world.performance,
-            world.observations,
-            energy,
-            space,
-        )
-        for make in (None, NumpySolver)
+    simulators = [
+        d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=m) for m in (None, Counting, NumpySolver)
     ]
-    ours, numpy = (o.energies([[d.Material()]]) for o in objectives)
-    assert np.isfinite(numpy).all() and (numpy != ours).any()
-    assert objectives[0].fingerprint != objectives[1].fingerprint  # a checkpoint of one is none of the other
+    objectives = [d.MaterialObjective(s, world.performance, world.observations, energy, space) for s in simulators]
+    samples = [[d.Material(d_n=n)] for n in range(3)]
+    ours, passed, numpy = (o.energies(samples) for o in objectives)
+    np.testing.assert_array_equal(passed, ours)
+    assert 3 in calls  # the generation in one call
+    assert np.isfinite(numpy).all()
+    assert len({o.fingerprint for o in objectives}) == 3  # a checkpoint of one is none of another
 
 
 def test_a_model_is_arrays_that_cannot_be_written_to(world):

@@ -48,8 +48,8 @@ inline std::vector<std::string> optimizer_violations(const OptimizerFactory &mak
     const auto refused = [&](const Eigen::VectorXd &energies, const std::string &what) {
       try {
         other->tell(samples, energies);
-        broken.push_back(what + " are not refused with std::invalid_argument");
-      } catch (const std::invalid_argument &) {
+        broken.push_back(what + " are not refused");
+      } catch (const std::exception &) { // of whatever kind: Python has its own
       }
     };
     refused(Eigen::VectorXd::Zero(samples.rows() + 1), "more energies than samples");

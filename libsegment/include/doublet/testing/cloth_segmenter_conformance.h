@@ -13,7 +13,7 @@ namespace doublet::testing {
 
 namespace detail {
 
-/// A closed column, 1.6 m high and 0.3 m wide, whose upper half sways; the last vertex is on no face.
+/// A closed column, 1.6 m high and 0.3 m wide, whose lower half sways; the last vertex is on no face.
 inline MeshSequence swaying_column() {
   constexpr int kAround = 16, kRows = 25, kSide = kAround * kRows;
   MeshSequence sequence;
@@ -36,7 +36,7 @@ inline MeshSequence swaying_column() {
     Vertices frame(kSide + 3, 3);
     for (int i = 0; i < kSide; ++i) {
       const double y = 1.6 * (i / kAround) / (kRows - 1), turn = 2 * std::numbers::pi * (i % kAround) / kAround;
-      const double radius = 0.15 + (y > 0.8 ? 0.04 * std::sin(t + 3 * turn) : 0);
+      const double radius = 0.15 + (y < 0.8 ? 0.04 * std::sin(t + 2 * turn) : 0);
       frame.row(i) << radius * std::sin(turn), y, radius * std::cos(turn);
     }
     frame.bottomRows(3) << 0, 0, 0, 0, 1.6, 0, 0, 3, 0;
@@ -81,8 +81,8 @@ inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter 
     MeshSequence single = sequence;
     single.frames.resize(1);
     segmenter.segment(single, valid, {});
-    broken.push_back("a sequence of one frame is not refused with std::invalid_argument");
-  } catch (const std::invalid_argument &) {
+    broken.push_back("a sequence of one frame is not refused");
+  } catch (const std::exception &) { // of whatever kind: Python has its own
   }
   return broken;
 }
