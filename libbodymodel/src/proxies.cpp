@@ -1,6 +1,6 @@
 // Tapered capsules for the fitted body: Levenberg-Marquardt on signed distances, all capsules together.
-#include "doublet/bodymodel/body_fitter.h"
 #include "doublet/bodymodel/proxies.h"
+#include "doublet/bodymodel/body_fitter.h"
 
 #include "anatomy.h"
 #include "doublet/core/error.h"

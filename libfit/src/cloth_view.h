@@ -1,8 +1,8 @@
 #pragma once
 // The simulated cloth as one camera sees it: which vertices make the outline, and where features lie.
 
-#include "doublet/simulate/character_simulator.h"
 #include "doublet/core/camera.h"
+#include "doublet/simulate/character_simulator.h"
 #include "lane_kernels.h"
 
 #include <algorithm>

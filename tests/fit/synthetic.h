@@ -1,9 +1,9 @@
 #pragma once
 // A small character in a swinging skirt, filmed by perfect cameras: its own simulation under a known material is the truth.
 
-#include "doublet/simulate/character_simulator.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/fit/material_estimator.h"
+#include "doublet/simulate/character_simulator.h"
 #include "support/figure.h"
 #include "support/meshes.h"
 

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_regions', 'build_template', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'render', 'retarget', 'rig_template', 'segment_cloth', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'garment_energy', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -605,6 +605,9 @@ class Session:
     def __init__(self, folder: os.PathLike | str | bytes) -> None:
         ...
     @property
+    def calibration(self) -> pathlib.Path:
+        ...
+    @property
     def cameras(self) -> list[SessionCamera]:
         ...
     @property
@@ -621,6 +624,9 @@ class Session:
         ...
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
+        ...
+    @property
+    def markers(self) -> pathlib.Path:
         ...
     @property
     def name(self) -> str:
@@ -821,6 +827,20 @@ class SilhouetteExtractor:
     def train(self, camera: typing.SupportsInt | typing.SupportsIndex, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
         """
         Looks at images of one camera before the first mask is made.
+        """
+class CameraView:
+    """
+    What a camera shows at a frame.
+    """
+    @property
+    def image(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+        """
+        (H, W, 3) uint8, BGR; (0, 0) = nothing
+        """
+    @property
+    def mask(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+        """
+        (H, W) uint8, 255 = actor; (0, 0) = none
         """
 class TemplateOptions:
     """
@@ -2464,16 +2484,28 @@ class GarmentSummary:
         ...
 class BodyModel:
     """
-    vertices = mean + components s, s ~ N(0, I).
+    vertices = mean + components s, s ~ N(0, I). To replace it, define vertices(coefficients) and component(k) in a subclass; a model that is not linear also linearise(coefficients, chosen), one with a skeleton joints(coefficients).
     """
     @staticmethod
     def read(path: os.PathLike | str | bytes) -> BodyModel:
         """
         A model in this library's format or SMPL's (.npz). Raises FileNotFoundError, or Error naming file and array.
         """
+    def __init__(self, *, vertex_count: typing.SupportsInt | typing.SupportsIndex, component_count: typing.SupportsInt | typing.SupportsIndex, faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], landmarks: collections.abc.Mapping[str, typing.SupportsInt | typing.SupportsIndex] = {}, name: str = 'python', shape_count: typing.SupportsInt | typing.SupportsIndex | None = None, joint_names: collections.abc.Sequence[str] = []) -> None:
+        """
+        What a subclass is made of. faces (F, 3); landmarks: name -> vertex; shape_count: the first coefficients, None = all.
+        """
     def component(self, k: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
         (B, 3) m per standard deviation
+        """
+    def joints(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+        """
+        The same of the model's own joints, in the order of joint_names.
+        """
+    def linearise(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+        """
+        The chosen vertices (n, 3) m and their derivatives (3n, K) m per standard deviation.
         """
     def vertices(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
@@ -2485,6 +2517,11 @@ class BodyModel:
     @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
         ...
+    @property
+    def joint_names(self) -> list[str]:
+        """
+        of the model's own skeleton; empty = none
+        """
     @property
     def landmarks(self) -> dict[str, int]:
         ...
@@ -2991,6 +3028,11 @@ class ClothOptions:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
+    @staticmethod
+    def paper() -> ClothOptions:
+        """
+        The settings of the paper.
+        """
     def __init__(self, **kwargs) -> None:
         """
         Every field may be given by keyword.
@@ -3075,22 +3117,51 @@ class ClothOptions:
         ...
 class ClothModel:
     """
-    Topology and rest state of a piece of cloth; immutable.
+    What a piece of cloth is: arrays that cannot be written to.
     """
     def __init__(self, rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: ClothOptions = ..., fullness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...) -> None:
         ...
     @property
+    def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (N) in [0, 1]: 0 = follows its target, 1 = free
+        """
+    @property
+    def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
+        """
+        (F, 3)
+        """
+    @property
+    def fullness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis
+        """
+    @property
+    def fullness_axis(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3) that of gravity; 0 = no length grows
+        """
+    @property
     def inverse_masses(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (N) 1/m^2, 0 = pinned
+        """
     @property
     def options(self) -> ClothOptions:
-        ...
+        """
+        A copy.
+        """
+    @property
+    def rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (N, 3) m: rest lengths and angles come from here
+        """
     @property
     def vertex_count(self) -> int:
         ...
 class ClothSolver:
     """
-    Advances a state by a frame. Subclass to replace it.
+    Advances simulations of one model by a frame. To replace it, define advance(states, inputs, materials, threads) in a subclass: one of each for every simulation, checked; it changes the states in place, and may return the indices of those that came out not finite. What is not finite is left as it was.
     """
     @staticmethod
     def create(model: ClothModel) -> ClothSolver:
@@ -3109,68 +3180,6 @@ class ClothSolver:
         """
     @property
     def model(self) -> ClothModel:
-        ...
-class PosedFrame:
-    """
-    A pose worked out once: skinned surface and proxies.
-    """
-    @property
-    def capsules(self) -> list[Capsule]:
-        ...
-    @property
-    def skinned(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        """
-        (V, 3) m
-        """
-class CharacterState:
-    """
-    Simulated state of all cloth regions; copy() saves it.
-    """
-    def copy(self) -> CharacterState:
-        """
-        A state of its own.
-        """
-    @property
-    def regions(self) -> list[ClothState]:
-        ...
-    @regions.setter
-    def regions(self, arg0: collections.abc.Sequence[ClothState]) -> None:
-        ...
-class CharacterSimulator:
-    """
-    The forward model: pose in, surface out.
-    """
-    def __init__(self, actor: RiggedMesh, clothness: Clothness, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ...) -> None:
-        ...
-    def pose(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> PosedFrame:
-        """
-        The PosedFrame of a pose (D).
-        """
-    def settle(self, state: CharacterState, frame: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, frames: typing.SupportsInt | typing.SupportsIndex) -> None:
-        """
-        Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.
-        """
-    def start(self, frame: PosedFrame, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None) -> CharacterState:
-        """
-        Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.
-        """
-    def step(self, state: CharacterState, previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        """
-        Advances every cloth region from one posed frame to the next; materials: one a region.
-        """
-    def step_each(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: typing.SupportsFloat | typing.SupportsIndex) -> list[tuple[int, int]]:
-        """
-        step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.
-        """
-    def surface(self, state: CharacterState, frame: PosedFrame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        """
-        (V, 3) m
-        """
-    @property
-    def actor(self) -> RiggedMesh:
-        ...
-    @property
-    def region_count(self) -> int:
         ...
 class SolverSettings:
     """
@@ -3210,6 +3219,70 @@ class SolverSettings:
         """
     @dt.setter
     def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class PosedFrame:
+    """
+    A pose worked out once: skinned surface and proxies.
+    """
+    @property
+    def capsules(self) -> list[Capsule]:
+        ...
+    @property
+    def skinned(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m
+        """
+class CharacterState:
+    """
+    Simulated state of all cloth regions; copy() saves it.
+    """
+    def copy(self) -> CharacterState:
+        """
+        A state of its own.
+        """
+    @property
+    def regions(self) -> list[ClothState]:
+        ...
+    @regions.setter
+    def regions(self, arg0: collections.abc.Sequence[ClothState]) -> None:
+        ...
+class CharacterSimulator:
+    """
+    The forward model: pose in, surface out.
+    """
+    def __init__(self, actor: RiggedMesh, clothness: Clothness, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
+        """
+        make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.
+        """
+    def pose(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> PosedFrame:
+        """
+        The PosedFrame of a pose (D).
+        """
+    def settle(self, state: CharacterState, frame: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, frames: typing.SupportsInt | typing.SupportsIndex) -> None:
+        """
+        Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.
+        """
+    def start(self, frame: PosedFrame, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None) -> CharacterState:
+        """
+        Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.
+        """
+    def step(self, state: CharacterState, previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        """
+        Advances every cloth region from one posed frame to the next; materials: one a region.
+        """
+    def step_each(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: typing.SupportsFloat | typing.SupportsIndex) -> list[tuple[int, int]]:
+        """
+        step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.
+        """
+    def surface(self, state: CharacterState, frame: PosedFrame) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (V, 3) m
+        """
+    @property
+    def actor(self) -> RiggedMesh:
+        ...
+    @property
+    def region_count(self) -> int:
         ...
 class Character:
     """
@@ -4114,6 +4187,11 @@ class EnergyOptions:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
+    @staticmethod
+    def paper() -> EnergyOptions:
+        """
+        The settings of the paper.
+        """
     def __init__(self, **kwargs) -> None:
         """
         Every field may be given by keyword.
@@ -4213,14 +4291,6 @@ class EnergyOptions:
     def settle_frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
-    def stop_margin(self) -> float:
-        """
-        stop samples whose energy so far is more than 1 + this times that of the middle of the ranking; 0 = never: a number of at least 0
-        """
-    @stop_margin.setter
-    def stop_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
     def window(self) -> int:
         """
         frames of the windows into which the motion is cut, each from the captured surface at its speed; 0 = one rollout: a number of at least 0
@@ -4244,6 +4314,11 @@ class ParameterSpace:
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    @staticmethod
+    def paper() -> ParameterSpace:
+        """
+        The settings of the paper.
         """
     def __init__(self, **kwargs) -> None:
         """
@@ -4297,6 +4372,10 @@ class MaterialObjective(Objective):
         """
         (S, regions) pixels^2 of materials[sample][region], on all threads
         """
+    def race(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], margin: typing.SupportsFloat | typing.SupportsIndex, context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        samples (S, regions * n) in [0, 1] -> energies (S, regions); those that fall behind by more than `margin` are stopped.
+        """
     def surface_energy(self, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> list[float]:
         """
         (regions) E_fit of such surfaces, pixels^2
@@ -4342,6 +4421,14 @@ class TrialOptions:
         Name -> value of every option.
         """
     @property
+    def margin(self) -> float:
+        """
+        share by which another must cost less than the first of the spreads to be taken in its place: a number in [0, 1]
+        """
+    @margin.setter
+    def margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def materials(self) -> int:
         """
         that each is tried with; 16 are two groups side by side, and the mean of the lowest quarter counts: a number in [4, 4096]
@@ -4352,7 +4439,7 @@ class TrialOptions:
     @property
     def spreads(self) -> list[float]:
         """
-        tried in the place of the mesher's own; the one of the lowest energy is taken. From a skirt that flies in one frame of six to one that is as wide as in the median frame; one = that one, untried, none = the mesher's: a number in (0, 1)
+        tried in the place of the mesher's own, the one of the lowest energy is taken; one = that one, untried, none = the mesher's: a number in (0, 1)
         """
     @spreads.setter
     def spreads(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
@@ -4365,6 +4452,11 @@ class FitOptions:
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    @staticmethod
+    def paper() -> FitOptions:
+        """
+        The settings of the paper.
         """
     def __init__(self, **kwargs) -> None:
         """
@@ -4524,6 +4616,14 @@ class FitOptions:
     @stagnation.setter
     def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+    @property
+    def stop_margin(self) -> float:
+        """
+        stop samples whose energy so far is more than 1 + this times that of the middle of the ranking; 0 = never: a number of at least 0
+        """
+    @stop_margin.setter
+    def stop_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class FitResult:
     """
     The estimated material of every region.
@@ -4551,13 +4651,17 @@ class FitResult:
     @property
     def solver(self) -> SolverSettings:
         ...
-def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ...) -> AnimationResult:
+def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> AnimationResult:
     """
-    The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers.
+    The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers. make_solver: as of CharacterSimulator.
     """
-def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ...) -> int:
+def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> int:
     """
-    Calls frame(AnimationFrame) in order and keeps nothing.
+    animate(), but calls frame(AnimationFrame) in order and keeps nothing.
+    """
+def body_model_violations(model: BodyModel) -> list[str]:
+    """
+    One sentence for each rule that a BodyModel breaks: counts, indices, derivatives, the same bits twice, refusals.
     """
 def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> list[BodyRegion]:
     """
@@ -4566,6 +4670,22 @@ def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> list[
 def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context = ...) -> Template:
     """
     The closed surface of a scan, its two decimations and the faces that were invented over holes.
+    """
+def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: typing.SupportsFloat | typing.SupportsIndex, r1: typing.SupportsFloat | typing.SupportsIndex) -> Mesh:
+    """
+    Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.
+    """
+def chosen_garment(energies: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], trial: TrialOptions = ...) -> int:
+    """
+    Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.
+    """
+def cloth_segmenter_violations(segmenter: ClothSegmenter) -> list[str]:
+    """
+    One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.
+    """
+def cloth_solver_violations(make_solver: typing.Any) -> list[str]:
+    """
+    One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth falls, pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay finite, wrong input is refused.
     """
 def create_cma_es(dimension: typing.SupportsInt | typing.SupportsIndex, options: CmaEsOptions = ...) -> Optimizer:
     """
@@ -4617,6 +4737,10 @@ def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Clothness, options: 
     """
     Tapered capsules along the bones, inside the body: what cloth collides with.
     """
+def garment_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, trial: TrialOptions = ..., energy: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> float:
+    """
+    pixels^2: trial_energy() of one garment in one call, summed over its regions. performance: dressed in it.
+    """
 def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
     (V, J) skin weights by heat equilibrium; rows sum to one.
@@ -4644,6 +4768,10 @@ def mesh_garment(actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: 
 def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, relative_penalty: bool = True, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
     """
     Runs one optimiser a part of the objective until all stop. Goes on from `checkpoint` if it is there and belongs to `problem`; raises Error if it is damaged.
+    """
+def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
+    """
+    One sentence for each rule that the optimisers of make_optimizer(dimension, seed) break: shapes, seeds, a paraboloid is brought down, refusals.
     """
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
     """
@@ -4697,6 +4825,14 @@ def read_proxies(path: os.PathLike | str | bytes, skeleton: Skeleton) -> list[Ta
     """
     proxies.json of this skeleton. Raises FileNotFoundError, or Error naming file and capsule.
     """
+def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.
+    """
+def read_view(frames: FrameSource, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex, extractor: SilhouetteExtractor = None) -> CameraView:
+    """
+    The image, and the ready mask or, where there is none, the extractor's -> CameraView.
+    """
 def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
     """
     (H, W, 3) uint8, BGR
@@ -4712,6 +4848,10 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark],
 def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Clothness:
     """
     ClothSegmenter.create(options).segment(sequence, face_valid, context).
+    """
+def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, fullness: FullnessOptions = ..., context: Context = ...) -> Clothness:
+    """
+    The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.
     """
 def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> list[int]:
     """
@@ -4812,5 +4952,13 @@ def write_performance(path: os.PathLike | str | bytes, performance: ReferencePer
 def write_proxies(path: os.PathLike | str | bytes, capsules: collections.abc.Sequence[TaperedCapsule], skeleton: Skeleton) -> None:
     """
     proxies.json, complete or not at all.
+    """
+def write_simulated(path: os.PathLike | str | bytes, frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], actor_vertices: typing.SupportsInt | typing.SupportsIndex) -> None:
+    """
+    simulated.npz: frames (T, V + G, 3), of which the first actor_vertices (V) are the actor's, the others the garment's.
+    """
+def write_template_suggestion(path: os.PathLike | str | bytes, surface: Template) -> None:
+    """
+    template_suggestion.npz: the masks of both surfaces.
     """
 __version__: str = '0.1.0'
