@@ -172,6 +172,8 @@ MatrixRM MaterialObjective::race(const MatrixRM &samples, double margin, const C
                                                                         std::to_string(n * regions) + " columns, found " +
                                                                         std::to_string(samples.cols()));
   require(samples.allFinite(), "MaterialObjective: samples: expected finite numbers, found NaN or infinity");
+  if (samples.rows() == 0)
+    return MatrixRM(0, regions);
   std::vector<std::vector<pbd::Material>> materials(static_cast<std::size_t>(samples.rows()));
   for (Eigen::Index s = 0; s < samples.rows(); ++s)
     for (int r = 0; r < regions; ++r)

@@ -476,7 +476,8 @@ TEST(MaterialObjective, AFrameWithoutObservationsCountsForNoSample) {
     sum.silhouette += terms[t].silhouette / 31, sum.contour += terms[t].contour / 31; // of 32
     sum.feature += terms[t].feature / 30;                                             // none at the first frame either
   }
-  EXPECT_NEAR(objective.energies({{with_drag(32)}}, {})(0, 0), sum.silhouette + sum.contour + 10 * sum.feature, 1e-9);
+  EXPECT_NEAR(objective.energies({{with_drag(32)}}, {})(0, 0), sum.silhouette + sum.contour + EnergyOptions{}.beta * sum.feature,
+              1e-9);
 }
 
 TEST(MaterialObjective, AWindowsFirstFrameHasFeaturesWhereverItsLeadEnds) {
@@ -871,6 +872,7 @@ TEST(MaterialFiles, AreReadBack) {
   // Version 1 knew these four alone.
   write_text(folder / "first.json",
              R"({"solver": {"dt": 0.025, "n_iter": 24, "substeps": 1, "stiffness": "sweeps"}, "regions": []})");
+  other.cloth = pbd::ClothOptions::paper();
   EXPECT_EQ(refusal("first.json"), "");
   other.cloth.stiffness = pbd::Stiffness::Compliance;
   EXPECT_NE(refusal("first.json").find("cloth.stiffness: expected compliance, found sweeps"), std::string::npos);
