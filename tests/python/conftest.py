@@ -67,7 +67,7 @@ def bell(tmp_path_factory):
     performance.joints = np.zeros((FRAMES, 1, 3))
     performance.surface = d.MeshSequence(faces, vertices[None])
     truth = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
-    simulator = d.CharacterSimulator(actor, clothness, [])
+    simulator = d.CharacterSimulator(actor, clothness, [], d.ClothOptions.paper())
     frames = d.simulate_reference(simulator, performance, [truth], 1 / MOVED)
     performance.surface = d.MeshSequence(faces, np.concatenate([vertices[None], frames[1:]]))
     observations = d.Observations()

@@ -50,6 +50,7 @@ MAY = (
     ("orbit_camera", "azimuth|elevation", "-1"),
     ("RayScene.cast|FeatureTracker.match|visible_vertices", "min_distance|reach|tolerance", "-1|inf"),
     ("SourceMotion", "joint_parents", "first: -1"),  # as it was
+    ("chosen_garment", "energies", "shorter|longer"),  # of any number of garments
 )  # fmt: skip
 
 

@@ -74,7 +74,7 @@ def test_the_pipeline_wears_what_the_file_says(bell):
     assert len(job.dressed.actor.mesh.vertices) == len(job.actor.mesh.vertices)
     np.testing.assert_array_equal(job.dressed.clothness.clothness, job.clothness().clothness)
     assert job.dressed_performance().surface.frames.shape == job.performance().surface.frames.shape
-    assert job.options["cloth"].stiffness == "compliance" and d.ClothOptions().stiffness == "sweeps"
+    assert job.options["cloth"].stiffness == "compliance" and d.ClothOptions.paper().stiffness == "sweeps"
 
     class Shown:
         pass

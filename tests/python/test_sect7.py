@@ -57,7 +57,7 @@ def reconstruction(bell, shapes, folder, own_mesh=False):
     d.write_garment(folder / "garment.npz", garment)
     dressed = d.dress(bare, clothness, d.read_garment(folder / "garment.npz", bare))
     own = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
-    solver = d.SolverSettings(1 / FPS, d.ClothOptions(iterations=12))
+    solver = d.SolverSettings(1 / FPS, d.ClothOptions(**{**d.ClothOptions.paper().to_dict(), "iterations": 12}))
     character = d.make_character(dressed.actor, dressed.clothness, d.BodyFit(), [], [own], solver)
     character.write(folder / "character.glb")
     surfaces = captured.surface.frames

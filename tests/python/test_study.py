@@ -100,9 +100,10 @@ def test_energies_of_given_materials(bell):
     right, wrong = study.run(study.energy, jobs, study.local_workers(1))
     assert right["result"][0] < 0.2 * wrong["result"][0]
     actor = d.read_actor(bell / "actor.npz")
-    simulator = d.CharacterSimulator(actor, d.read_clothness(bell / "segmentation.npz"), [])
+    simulator = d.CharacterSimulator(actor, d.read_clothness(bell / "segmentation.npz"), [], d.ClothOptions.paper())
     observations = d.read_observations(bell / "observations.npz")
-    objective = d.MaterialObjective(simulator, d.read_performance(bell / "performance.npz", actor), observations)
+    performance, space = d.read_performance(bell / "performance.npz", actor), d.ParameterSpace.paper()
+    objective = d.MaterialObjective(simulator, performance, observations, space=space)
     assert objective.energies([[truth], [d.Material(**other)]]).tolist() == [right["result"], wrong["result"]]
     unit = objective.space.unit(truth)
     assert objective.evaluate(unit[None])[0, 0] == pytest.approx(right["result"][0])

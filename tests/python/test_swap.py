@@ -74,7 +74,8 @@ def test_the_search_runs_on_the_solver_it_is_given(world):
     np.testing.assert_array_equal(passed, ours)
     assert 3 in Passing.calls  # the generation in one call
     assert np.isfinite(numpy).all()
-    assert len({o.fingerprint for o in objectives}) == 3  # a checkpoint of one is none of another
+    same, also, other = (o.fingerprint for o in objectives)
+    assert same == also != other  # a checkpoint goes on with whoever steps to the same bits, and with nobody else
 
 
 def test_a_model_is_arrays_that_cannot_be_written_to(world):
@@ -93,7 +94,7 @@ def test_a_model_is_arrays_that_cannot_be_written_to(world):
         and (model.inverse_masses[world.cloth == 1] > 0).all()
     )
     model.options.substeps = 7
-    assert model.options.substeps == 1
+    assert model.options.substeps == d.ClothOptions().substeps
 
 
 def one_step(advance):
