@@ -129,7 +129,7 @@ template <class Field> std::string docstring(const Field &field) {
 }
 
 /// What a field says about itself: unit, meaning, and what it takes.
-template <class Field> py::dict told(const Field &field) {
+template <class Field> py::dict described_field(const Field &field) {
   py::dict result;
   result["unit"] = field.unit;
   result["meaning"] = field.meaning;
@@ -183,7 +183,7 @@ public:
         [] {
           py::dict fields;
           const T object;
-          options::each(object, [&](const auto &field, const auto &) { fields[field.name] = told(field); });
+          options::each(object, [&](const auto &field, const auto &) { fields[field.name] = described_field(field); });
           return fields;
         },
         "Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.");

@@ -145,12 +145,12 @@ void bind_influence(py::module_ &m) {
       .def_readonly("noise", &Influence::noise, "standard deviation of the energy at the answer")
       .def_readonly("rank", &Influence::rank, "(n) 1 = changes the energy most")
       .def_property_readonly(
-          "told",
+          "exceeds_noise",
           [](const Influence &influence) {
-            std::vector<bool> told;
+            std::vector<bool> beyond;
             for (int i = 0; i < influence.change.size(); ++i)
-              told.push_back(influence.told(i));
-            return told;
+              beyond.push_back(influence.exceeds_noise(i));
+            return beyond;
           },
           "(n) whether the change is beyond the noise");
   m.def("measure_influence", &measure_influence, py::arg("objective"), py::arg("answers"),

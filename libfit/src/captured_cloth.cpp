@@ -71,11 +71,11 @@ CapturedFeatures CapturedCloth::features(const CoarseCamera &camera, const Verti
                                          const Vertices &now, const std::vector<FeatureMatch> &matches) {
   LocatedFeatures located;
   place_surface(*topology_, before, view_);
-  view_.look(camera);
+  view_.set_camera(camera);
   view_.locate(matches, others, located);
   place_surface(*topology_, now, view_);
   const std::vector<float> unlimited(located.count, std::numeric_limits<float>::max());
-  const std::vector<float> &residual = view_.carry(located, unlimited);
+  const std::vector<float> &residual = view_.squared_errors(located, unlimited);
   const float cap = static_cast<float>(options_->feature_cap) * larger_side(camera.camera);
   const int lanes = view_.lanes();
   CapturedFeatures result;
@@ -127,7 +127,7 @@ CapturedContour CapturedCloth::contour(const CoarseCamera &camera, const Vertice
 
 std::vector<std::uint8_t> CapturedCloth::rims(const CoarseCamera &camera, const Vertices &surface, const CoarseBuffer &others) {
   place_surface(*topology_, surface, view_);
-  view_.look(camera);
+  view_.set_camera(camera);
   std::vector<Rim> found;
   view_.outline(others, found);
   std::vector<std::uint8_t> result(region_count(), 0);

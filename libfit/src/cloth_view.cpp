@@ -144,7 +144,7 @@ ClothView::ClothView(const ClothTopology &topology, int samples, const LaneKerne
   rim_.resize(topology.vertex_count());
 }
 
-void ClothView::look(const CoarseCamera &camera) {
+void ClothView::set_camera(const CoarseCamera &camera) {
   camera_ = &camera;
   kernels_->project(camera.lens, topology_->vertex_count(), positions_.data(), image_.data(), box_.data());
   kernels_->turn(topology_->face_count(), topology_->corners.data(), image_.data(), facing_.data());
@@ -355,10 +355,10 @@ void ClothView::locate(const std::vector<FeatureMatch> &matches, const CoarseBuf
                    {nearest_.data(), result.face.data(), result.weight.data()});
 }
 
-const std::vector<float> &ClothView::carry(const LocatedFeatures &located, const std::vector<float> &largest) {
+const std::vector<float> &ClothView::squared_errors(const LocatedFeatures &located, const std::vector<float> &largest) {
   squared_.resize(static_cast<std::size_t>(located.count) * lanes());
-  kernels_->carry(camera_->lens, located.count, located.seen_x.data(), located.seen_y.data(), topology_->corners.data(),
-                  positions_.data(), located.face.data(), located.weight.data(), largest.data(), squared_.data());
+  kernels_->squared_errors(camera_->lens, located.count, located.seen_x.data(), located.seen_y.data(), topology_->corners.data(),
+                           positions_.data(), located.face.data(), located.weight.data(), largest.data(), squared_.data());
   return squared_;
 }
 

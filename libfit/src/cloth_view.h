@@ -90,7 +90,7 @@ public:
   /// [D][3][lanes] world, m; lanes beyond the samples must be filled, too (with a copy of another).
   std::vector<float> &positions() { return positions_; }
   /// Everything below is about this camera.
-  void look(const CoarseCamera &camera);
+  void set_camera(const CoarseCamera &camera);
   /// [D][3][lanes] pixels of the full image and inverse depth, 1/m; all 0 where it cannot be drawn.
   const std::vector<float> &image() const { return image_; }
   /// Rims by vertex, then lane: free vertices between a front and a back face or on a hem, inside the image, not hidden by
@@ -105,7 +105,7 @@ public:
   void locate(const std::vector<FeatureMatch> &matches, const CoarseBuffer &others, LocatedFeatures &result);
   /// [count][lanes] squared distances between where the located features are now and where they are seen, pixels^2, at most
   /// `largest` [count]; -1 = not on the cloth.
-  const std::vector<float> &carry(const LocatedFeatures &located, const std::vector<float> &largest);
+  const std::vector<float> &squared_errors(const LocatedFeatures &located, const std::vector<float> &largest);
 
 private:
   /// An edge of one sample between a front and a back face, or on a hem.

@@ -51,7 +51,7 @@ void FrameEnergy::measure_contour(std::span<Rollout> group, int t, std::size_t c
 /// Eq. (7).
 void FrameEnergy::measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const {
   const LocatedFeatures &located = measure.located[c];
-  const std::vector<float> &squared = measure.view.carry(located, measure.largest[c]);
+  const std::vector<float> &squared = measure.view.squared_errors(located, measure.largest[c]);
   for (int i = 0; i < located.count; ++i)
     for (std::size_t s = 0; s < group.size(); ++s) {
       const std::size_t at = static_cast<std::size_t>(i) * measure.view.lanes() + s;
@@ -97,7 +97,7 @@ void FrameEnergy::locate(int t, std::size_t c, Measure &measure) const {
 void FrameEnergy::find(std::span<Rollout> group, int t, Measure &measure) const {
   place(group, t, measure.view);
   for (std::size_t c = 0; c < observed_.cameras.size(); ++c) {
-    measure.view.look(observed_.cameras[c]);
+    measure.view.set_camera(observed_.cameras[c]);
     locate(t, c, measure);
   }
   measure.watch.lap(&EnergyTimes::features);
@@ -105,7 +105,7 @@ void FrameEnergy::find(std::span<Rollout> group, int t, Measure &measure) const 
 
 void FrameEnergy::measure(std::span<Rollout> group, int t, Measure &measure) const {
   for (std::size_t c = 0; c < observed_.cameras.size(); ++c) {
-    measure.view.look(observed_.cameras[c]);
+    measure.view.set_camera(observed_.cameras[c]);
     measure.watch.lap(&EnergyTimes::project);
     measure_features(group, t, c, measure);
     locate(t, c, measure);

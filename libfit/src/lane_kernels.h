@@ -50,8 +50,8 @@ struct LaneKernels {
                  Places places);
   /// The squared distance in the image between where each place is now and where it was seen (x, y), at most `largest` [count];
   /// -1 = the feature is not on the cloth. squared [count][lanes], pixels^2.
-  void (*carry)(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
-                const int *face, const float *weight, const float *largest, float *squared);
+  void (*squared_errors)(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
+                         const int *face, const float *weight, const float *largest, float *squared);
   /// Lowers squared [count], pixels^2, to the squared distance of each point (x, y) to the segment between two ends. The lanes
   /// are the points here: a sample has outlines of its own.
   void (*approach)(int count, const float *x, const float *y, Segment segment, float *squared);

@@ -191,8 +191,8 @@ void carry_all(const Lens &lens, int count, const float *x, const float *y, cons
 }
 
 template <int L>
-void carry(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
-           const int *face, const float *weight, const float *largest, float *squared) {
+void squared_errors(const Lens &lens, int count, const float *x, const float *y, const int *corners, const float *positions,
+                    const int *face, const float *weight, const float *largest, float *squared) {
   if (lens.distorted)
     carry_all<L, true>(lens, count, x, y, corners, positions, face, weight, largest, squared);
   else
@@ -212,9 +212,9 @@ inline void approach(int count, const float *__restrict x, const float *__restri
   }
 }
 
-static const LaneKernels kWidths[3] = {{4, project<4>, turn<4>, locate<4>, carry<4>, approach},
-                                       {8, project<8>, turn<8>, locate<8>, carry<8>, approach},
-                                       {16, project<16>, turn<16>, locate<16>, carry<16>, approach}};
+static const LaneKernels kWidths[3] = {{4, project<4>, turn<4>, locate<4>, squared_errors<4>, approach},
+                                       {8, project<8>, turn<8>, locate<8>, squared_errors<8>, approach},
+                                       {16, project<16>, turn<16>, locate<16>, squared_errors<16>, approach}};
 
 } // namespace DOUBLET_FIT_ISA
 } // namespace doublet::fit

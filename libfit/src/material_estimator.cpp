@@ -326,9 +326,9 @@ std::vector<Confidence> RegionFit::confidence() const {
   for (int i = 0; i < influence.change.size(); ++i) {
     const bool found = deviations[i] < kWellSearched;
     const bool disputed = spread.size() > 0 && spread[i] > kDisputed;
-    result.push_back(!influence.told(i) || (!found && disputed) ? Confidence::kLow
-                     : found && !disputed                       ? Confidence::kHigh
-                                                                : Confidence::kMedium);
+    result.push_back(!influence.exceeds_noise(i) || (!found && disputed) ? Confidence::kLow
+                     : found && !disputed                                ? Confidence::kHigh
+                                                                         : Confidence::kMedium);
   }
   return result;
 }
@@ -343,7 +343,7 @@ std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &name
     if (low || high)
       result.push_back(value + " lies at the " + (low ? "lower" : "upper") + " bound of its box, " +
                        short_number(low ? parameter.lower : parameter.upper) + ": the search would go further if it could.");
-    if (i < influence.change.size() && !influence.told(static_cast<int>(i)))
+    if (i < influence.change.size() && !influence.exceeds_noise(static_cast<int>(i)))
       result.push_back(value + " is a guess: the motion does not tell it (moved alone it changes the energy by " +
                        short_number(influence.change[i]) + " pixels^2, noise by " + short_number(influence.noise) + ").");
     if (i < spread.size() && spread[i] > kDisputed)

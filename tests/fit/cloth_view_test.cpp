@@ -58,10 +58,10 @@ struct Findings {
   bool operator==(const Findings &) const = default;
 };
 
-std::vector<Findings> look(const Moment &moment, const std::vector<int> &samples, const fit::LaneKernels *kernels = nullptr) {
+std::vector<Findings> found_in(const Moment &moment, const std::vector<int> &samples, const fit::LaneKernels *kernels = nullptr) {
   fit::ClothView view(moment.topology, static_cast<int>(samples.size()), kernels);
   moment.fill(view, samples);
-  view.look(moment.camera);
+  view.set_camera(moment.camera);
   std::vector<fit::Rim> rims;
   view.outline(moment.others, rims);
   std::vector<Findings> found(samples.size());
@@ -80,8 +80,8 @@ std::vector<Findings> look(const Moment &moment, const std::vector<int> &samples
   for (int &sample : later)
     ++sample;
   moment.fill(view, later);
-  view.look(moment.camera);
-  const std::vector<float> &squared = view.carry(located, std::vector<float>(located.count, 900.f));
+  view.set_camera(moment.camera);
+  const std::vector<float> &squared = view.squared_errors(located, std::vector<float>(located.count, 900.f));
   const int lanes = view.lanes();
   for (int i = 0; i < located.count; ++i)
     for (std::size_t l = 0; l < samples.size(); ++l) {
@@ -111,7 +111,7 @@ TEST(ClothView, FindsWhatAPlainSearchFinds) {
   for (bool distorted : {false, true}) {
     const Moment moment(distorted);
     const std::vector<int> samples{0, 1, 2, 3, 4, 5};
-    const std::vector<Findings> found = look(moment, samples);
+    const std::vector<Findings> found = found_in(moment, samples);
     int rims = 0, missed = 0, others = 0, features = 0, wrong = 0;
     for (int s : samples) {
       const PlainView plain(moment.topology, moment.surface(s), moment.camera, moment.others),
@@ -145,7 +145,7 @@ TEST(ClothView, FindsWhatAPlainSearchFinds) {
 
 TEST(ClothView, CarriesFeaturesWithTheCloth) {
   const Moment moment(true);
-  const std::vector<Findings> found = look(moment, {0, 1, 2});
+  const std::vector<Findings> found = found_in(moment, {0, 1, 2});
   const Camera &camera = moment.camera.camera;
   for (int s : {0, 1, 2}) {
     std::vector<double> expected;
@@ -175,19 +175,19 @@ TEST(ClothView, SameBitsInAnyCompanyAndForEveryInstructionSet) {
     const Moment moment(distorted);
     std::vector<int> samples(16);
     std::iota(samples.begin(), samples.end(), 0);
-    const std::vector<Findings> expected = look(moment, samples, fit::baseline_kernels(2));
+    const std::vector<Findings> expected = found_in(moment, samples, fit::baseline_kernels(2));
     for (int s : {0, 7, 15})
-      EXPECT_EQ(look(moment, {s}, fit::baseline_kernels(0))[0], expected[s]);
-    EXPECT_EQ(look(moment, {3, 11, 15, 1, 0}, fit::baseline_kernels(1))[2], expected[15]);
+      EXPECT_EQ(found_in(moment, {s}, fit::baseline_kernels(0))[0], expected[s]);
+    EXPECT_EQ(found_in(moment, {3, 11, 15, 1, 0}, fit::baseline_kernels(1))[2], expected[15]);
 #ifdef __x86_64__
     for (int width : {0, 1, 2}) {
       const std::vector<int> some(samples.begin(), samples.begin() + (4 << width) - 1);
       const std::vector<Findings> part(expected.begin(), expected.begin() + (4 << width) - 1);
       if (__builtin_cpu_supports("avx2") && fit::avx2_kernels(width)) {
-        EXPECT_EQ(look(moment, some, fit::avx2_kernels(width)), part) << width;
+        EXPECT_EQ(found_in(moment, some, fit::avx2_kernels(width)), part) << width;
       }
       if (__builtin_cpu_supports("avx512f") && fit::avx512_kernels(width)) {
-        EXPECT_EQ(look(moment, some, fit::avx512_kernels(width)), part) << width;
+        EXPECT_EQ(found_in(moment, some, fit::avx512_kernels(width)), part) << width;
       }
     }
 #endif
@@ -204,10 +204,10 @@ TEST(ClothView, TellsHowFarTheOutlineIs) {
   const Moment moment(false);
   fit::ClothView view(moment.topology, 1);
   moment.fill(view, {2});
-  view.look(moment.camera);
+  view.set_camera(moment.camera);
   std::vector<fit::Rim> rims;
   view.outline(moment.others, rims);
-  const Findings found = look(moment, {0, 1, 2})[2];
+  const Findings found = found_in(moment, {0, 1, 2})[2];
   ASSERT_GT(view.outline_edges().size(), 40u);
   int near = 0;
   for (std::size_t i = 0; i < moment.matches.size(); ++i) {

@@ -54,9 +54,9 @@ TEST(Influence, RanksTheParametersAndSaysWhichTheEnergyIgnores) {
   EXPECT_NEAR(found[0].change[0], 1.6, 0.5);
   EXPECT_NEAR(found[0].change[1], 1.12, 0.5);
   EXPECT_EQ(found[0].rank[2], 3);
-  EXPECT_TRUE(found[0].told(0));
-  EXPECT_TRUE(found[0].told(1));
-  EXPECT_FALSE(found[0].told(2));
+  EXPECT_TRUE(found[0].exceeds_noise(0));
+  EXPECT_TRUE(found[0].exceeds_noise(1));
+  EXPECT_FALSE(found[0].exceeds_noise(2));
 }
 
 TEST(Influence, ACliffBesideTheAnswerIsNoNoiseAndTheBoxHasEdges) {
@@ -66,9 +66,9 @@ TEST(Influence, ACliffBesideTheAnswerIsNoNoiseAndTheBoxHasEdges) {
   EXPECT_LT(found.noise, 0.1); // four of the twelve repeats fall off the cliff
   EXPECT_EQ(found.rank, (std::vector<int>{3, 2, 1}));
   EXPECT_NEAR(found.change[1], 3 * std::sqrt((0.05 * 0.05 + 0.15 * 0.15 + 0.25 * 0.25 + 0.35 * 0.35) / 4), 0.05);
-  EXPECT_FALSE(found.told(0));
-  EXPECT_TRUE(found.told(1));
-  EXPECT_TRUE(found.told(2));
+  EXPECT_FALSE(found.exceeds_noise(0));
+  EXPECT_TRUE(found.exceeds_noise(1));
+  EXPECT_TRUE(found.exceeds_noise(2));
 }
 
 TEST(Influence, WithoutNoiseWhatIsIgnoredHasNone) {
@@ -76,7 +76,7 @@ TEST(Influence, WithoutNoiseWhatIsIgnoredHasNone) {
   const Influence found = measure_influence(objective, answers())[0];
   EXPECT_LT(found.change[2], 0.01);
   EXPECT_EQ(found.rank, (std::vector<int>{1, 2, 3}));
-  EXPECT_FALSE(found.told(2));
+  EXPECT_FALSE(found.exceeds_noise(2));
 }
 
 TEST(Influence, ScalingTheEnergyChangesNoRank) {
@@ -89,7 +89,7 @@ TEST(Influence, ScalingTheEnergyChangesNoRank) {
     EXPECT_EQ(1024 * a[r].change, b[r].change);
     EXPECT_EQ(1024 * a[r].noise, b[r].noise);
     for (int i = 0; i < 3; ++i)
-      EXPECT_EQ(a[r].told(i), b[r].told(i));
+      EXPECT_EQ(a[r].exceeds_noise(i), b[r].exceeds_noise(i));
   }
 }
 

@@ -598,7 +598,7 @@ TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulation) {
   EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
   EXPECT_LT(fit.deviations[0], 0.1);
   EXPECT_LE(fit.best_energy, fit.energy_at_centre);
-  EXPECT_TRUE(fit.influence.told(0));
+  EXPECT_TRUE(fit.influence.exceeds_noise(0));
   EXPECT_EQ(fit.confidence()[0], Confidence::kHigh);
   EXPECT_GT(fit.influence.change[0], fit.influence.noise);
 }

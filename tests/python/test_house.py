@@ -64,3 +64,19 @@ def test_public_headers_show_no_third_party_types_but_eigens(room):
 def test_every_room_has_tests():
     for room in MAY_USE:
         assert list((ROOT / "tests" / room).glob("*.cpp")), f"tests/{room} is empty"
+
+
+def test_python_modules_do_not_import_in_circles():
+    """Wherever in the module the import stands; what the package itself exports is none of them."""
+    folder = ROOT / "bindings" / "python" / "doublet"
+    modules = {p.stem: p.read_text(encoding="utf-8") for p in folder.glob("*.py") if not p.stem.startswith("__")}
+    pattern = re.compile(r"^\s*from (?:\.(\w+) import|\. import ([\w, ]+))", re.MULTILINE)
+    uses = {name: set(re.findall(r"\w+", str(pattern.findall(text)))) & modules.keys() for name, text in modules.items()}
+    for start in modules:
+        reached, left = set(), list(uses[start])
+        while left:
+            name = left.pop()
+            if name not in reached:
+                reached.add(name)
+                left += uses[name]
+        assert start not in reached, f"{start}.py imports itself by way of others"

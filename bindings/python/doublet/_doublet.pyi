@@ -4164,6 +4164,11 @@ class Influence:
         (n) root mean square change of the energy over 0.4 of the box
         """
     @property
+    def exceeds_noise(self) -> list[bool]:
+        """
+        (n) whether the change is beyond the noise
+        """
+    @property
     def noise(self) -> float:
         """
         standard deviation of the energy at the answer
@@ -4172,11 +4177,6 @@ class Influence:
     def rank(self) -> list[int]:
         """
         (n) 1 = changes the energy most
-        """
-    @property
-    def told(self) -> list[bool]:
-        """
-        (n) whether the change is beyond the noise
         """
 class EnergyOptions:
     """

@@ -33,13 +33,13 @@ SECONDS_BETWEEN = 10  # at least; and drawing takes a twentieth of the time at m
 def sections(out: Path) -> str:
     """What material.json and fit_log.csv of OUT say. Raises RuntimeError if they are not what `doublet fit` writes."""
     try:
-        return told(out)
+        return results(out)
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:  # anybody may have written them
         files = f"{out / 'material.json'} and {out / 'fit_log.csv'}"
         raise RuntimeError(f"{files}: expected what the stage 'fit' writes, found {type(error).__name__}: {error}") from error
 
 
-def told(out: Path) -> str:
+def results(out: Path) -> str:
     fitted = json.loads((out / "material.json").read_text(encoding="utf-8"))
     if not fitted["regions"]:
         return "<p>No cloth, so there was no material to estimate.</p>"
