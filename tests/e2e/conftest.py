@@ -1,3 +1,4 @@
+import os
 import shutil
 import subprocess
 import sys
@@ -29,3 +30,12 @@ def broken_session(tmp_path):
 @pytest.fixture(scope="session")
 def shipped():
     return SESSION
+
+
+@pytest.fixture(scope="session")
+def cpp_examples():
+    """The folder of the C++ examples that were built."""
+    build = os.environ.get("DOUBLET_BUILD_DIR")
+    if not build:
+        pytest.skip("DOUBLET_BUILD_DIR does not name a build folder (tests/run_tests.sh sets it)")
+    return Path(build) / "examples"

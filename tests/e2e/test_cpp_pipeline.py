@@ -1,13 +1,10 @@
 """The pipeline composed in C++ (examples/reconstruct.cpp) and the command line make the same of a session."""
 
 import json
-import os
 import subprocess
-from pathlib import Path
 
 import doublet as d
 import numpy as np
-import pytest
 from conftest import doublet
 
 FRAMES = 12
@@ -18,24 +15,16 @@ ARCHIVES = (
 SAME_BYTES = ("template.ply", "template_high.ply", "proxies.json", "character.glb")
 
 
-@pytest.fixture(scope="module")
-def example():
-    folder = os.environ.get("DOUBLET_BUILD_DIR")
-    if not folder:
-        pytest.skip("DOUBLET_BUILD_DIR does not name a build folder (tests/run_tests.sh sets it)")
-    return Path(folder) / "examples" / "example_reconstruct"
-
-
 def without_times(path):
     """material.json, but for how long the search took."""
     return {name: value for name, value in json.loads(path.read_text()).items() if name != "seconds"}
 
 
-def test_the_cpp_example_writes_what_the_command_writes(broken_session, example, tmp_path):
+def test_the_cpp_example_writes_what_the_command_writes(broken_session, cpp_examples, tmp_path):
     described = broken_session / "session.json"
     described.write_text(json.dumps({**json.loads(described.read_text()), "frame_count": FRAMES}))
     here, there = tmp_path / "cpp", tmp_path / "python"
-    command = [str(part) for part in (example, broken_session, here, d.body_model_path())]
+    command = [str(part) for part in (cpp_examples / "example_reconstruct", broken_session, here, d.body_model_path())]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900)
     assert done.returncode == 0, done.stderr
     done = doublet("reconstruct", broken_session, "-o", there, "--keep-going", "--quiet")

@@ -223,11 +223,8 @@ def test_new_animation_is_finite_and_keeps_its_shape(made, animations):
     assert np.linalg.norm(edges, axis=-1).max() < 4 * longest  # no explosion
 
 
-def test_cpp_example_animates_the_character(made, shipped, tmp_path):
-    build = os.environ.get("DOUBLET_BUILD_DIR")
-    if not build:
-        pytest.skip("DOUBLET_BUILD_DIR does not name a build folder (tests/run_tests.sh sets it)")
-    program, out = Path(build) / "examples" / "example_animate_character", tmp_path / "new.npz"
+def test_cpp_example_animates_the_character(made, shipped, cpp_examples, tmp_path):
+    program, out = cpp_examples / "example_animate_character", tmp_path / "new.npz"
     done = subprocess.run([program, made[0] / "character.glb", shipped / "motion.bvh", out], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert np.isfinite(np.load(out)["vertices"]).all()

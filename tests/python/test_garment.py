@@ -123,3 +123,12 @@ def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
     job.options["trial"] = d.TrialOptions(spreads=[])
     monkeypatch.setattr(pipeline, "trial_energy", None)  # nothing to choose from
     assert pipeline.filmed_garment(job)[1] == {}
+
+
+def test_another_rest_shape_must_be_clearly_cheaper():
+    trial = d.TrialOptions(margin=0.1)
+    assert d.chosen_garment([100, 95, 91], trial) == 0  # what chaos does
+    assert d.chosen_garment([100, 95, 89, 92], trial) == 2
+    assert d.chosen_garment([100, 95, 91], d.TrialOptions(margin=0)) == 2
+    with pytest.raises(ValueError, match="expected at least one"):
+        d.chosen_garment([])
