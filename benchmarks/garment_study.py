@@ -25,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path, help="a reconstruction up to stage 'body'")
     parser.add_argument(
-        "--option", default="spread", choices=d.GarmentOptions.fields(), help="of GarmentOptions (default: spread)"
+        "--option", default="spread", choices=list(d.GarmentOptions.described()), help="of GarmentOptions (default: spread)"
     )
     parser.add_argument(
         "--values", type=float, nargs="+", required=True, help="of the option; the first is what others are set against"
@@ -47,7 +47,7 @@ def main() -> None:
         simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()
         observations = d.read_observations(job.path("observations.npz"))
         objective = d.MaterialObjective(simulator, performance, observations, energy, space)
-        each = [[material] * len(simulator.regions) for material in materials]
+        each = [[material] * simulator.region_count for material in materials]
         costs = np.sum(objective.energies(each, context), axis=1)
         first = costs if first is None else first
         ratio = np.log(costs / first)
