@@ -9,7 +9,9 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
-SECONDS = 10  # for a call
+CPU_SECONDS = 10  # for a call
+SECONDS = 60  # for a call that waits: a busy machine stands still for a while, a deadlock for ever
+TOO_LONG = {"SIGALRM": f"more than {SECONDS} s", "SIGPROF": f"more than {CPU_SECONDS} s of CPU"}
 MEMORY = 768 << 20  # bytes more than at the start; threads' stacks count
 
 
@@ -29,7 +31,7 @@ def outcomes(count: int, call: Callable[[int], tuple[str, str]], keep_stderr: bo
         _, status = os.waitpid(child, 0)
         if len(results) < count:
             how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else f"exit {os.WEXITSTATUS(status)}"
-            results.append(("crash", f"more than {SECONDS} s" if how == "SIGALRM" else how))
+            results.append(("crash", TOO_LONG.get(how, how)))
     return results
 
 
@@ -40,14 +42,17 @@ def work(numbers: range, call, to_parent: int, keep_stderr: bool) -> None:
     if not keep_stderr:
         os.dup2(quiet, 2)
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)
     limit_memory()
     for number in numbers:
         signal.alarm(SECONDS)
+        signal.setitimer(signal.ITIMER_PROF, CPU_SECONDS)
         try:
             kind, text = call(number)
         except BaseException as error:
             kind, text = "wrong", f"{type(error).__name__}: {error}"
         signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
         os.write(to_parent, f"{kind}\t{' '.join(text.split())}\n".encode(errors="replace"))
     os._exit(0)
 
