@@ -59,7 +59,7 @@ def measure(subject: Subject, model, rng) -> dict[str, float]:
     found |= {"surface": surface.mean(), "vertex": vertex.mean()}
     if subject.hidden.any():
         found |= {"hidden surface": surface[subject.hidden].mean(), "hidden vertex": vertex[subject.hidden].mean()}
-    if (subject.clothness > 0).any():
+    if (subject.segmentation > 0).any():
         capsules = d.proxy_statistics(d.fit_proxies(fit, actor, clothness), fit, actor, clothness)
         found |= {"capsules": 1000 * capsules.mean_distance, "capsules 95 %": 1000 * capsules.percentile95}
         found["clearance"] = 1000 * capsules.cloth_clearance

@@ -92,7 +92,7 @@ class Subject:
     landmarks: dict[str, np.ndarray] = field(default_factory=dict)
     marks_off: float = 0.004  # m, how far marks on the skin are off
 
-    def actor(self, rng: np.random.Generator) -> tuple[d.RiggedMesh, d.Clothness, dict]:
+    def actor(self, rng: np.random.Generator) -> tuple[d.RiggedMesh, d.Segmentation, dict]:
         """As a session gives it: joints 10 mm off (they lie inside), marks marks_off, the surface 0.4 mm."""
         names = self.people.joint_names
         off = {name: away(rng, max(0.01, self.marks_off)) for name in names}
@@ -105,7 +105,7 @@ class Subject:
         count = len(noisy.vertices)
         weights = np.zeros((count, len(names)))
         weights[:, 0] = 1
-        clothness = d.Clothness(np.zeros(count), self.clothness, np.where(self.clothness > 0, 0, -1))
+        clothness = d.Segmentation(np.zeros(count), self.clothness, np.where(self.clothness > 0, 0, -1))
         landmarks = {n: p + away(rng, self.marks_off) for n, p in self.landmarks.items()}
         return d.RiggedMesh(noisy, self.face_valid.astype(np.uint8), weights, skeleton), clothness, landmarks
 

@@ -34,7 +34,7 @@ class Watcher:
     def __init__(self, character: d.Character, drawn: Drawn, motion_frames: int, every: int):
         self.drawn, self.motion_frames, self.every, self.fps = drawn, motion_frames, every, 1 / character.solver.dt
         actor = character.actor
-        clothness, region = np.asarray(character.clothness.clothness), np.asarray(character.clothness.region)
+        clothness, region = np.asarray(character.segmentation.clothness), np.asarray(character.segmentation.region)
         self.free = clothness > 0.5
         self.worn = actor.mesh.faces[(region[actor.mesh.faces] >= 0).all(axis=1)]
         faces = drawn.faces[drawn.cloth]

@@ -1,8 +1,8 @@
 // What the stages do thousands of times: draw, skin, cast, find closest points. build/benchmarks/core_bench
 
 #include "doublet/core/rasterizer.h"
-#include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
+#include "doublet/rays/ray_scene.h"
 #include "support/figure.h"
 
 #include <benchmark/benchmark.h>

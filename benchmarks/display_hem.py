@@ -66,7 +66,7 @@ class Drawn:
 
     def __init__(self, character: d.Character):
         self.character, actor = character, character.actor
-        clothness, region = np.asarray(character.clothness.clothness), np.asarray(character.clothness.region)
+        clothness, region = np.asarray(character.segmentation.clothness), np.asarray(character.segmentation.region)
         worn = actor.mesh.faces[(region[actor.mesh.faces] >= 0).all(axis=1)]
         rim = border(worn)
         free = (clothness[rim] > 0).any(axis=1)

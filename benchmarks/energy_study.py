@@ -42,7 +42,7 @@ def main() -> None:
     job = pipeline.Job(pipeline.recorded_session(arguments.out), arguments.out)
     simulator, performance, dt = job.simulator(), job.dressed_performance(), 1 / job.session.fps
     made, truth, context = evaluate.Reconstruction(arguments.out), evaluate.Truth(arguments.truth), Console(quiet=True).context()
-    regions = job.dressed.clothness.region_count
+    regions = job.dressed.segmentation.region_count
     materials, distances = random_materials(arguments.materials, arguments.seed), []
     for material in materials:
         settle = job.options["energy"].settle_frames

@@ -43,7 +43,7 @@ def main() -> None:
         job = pipeline.Job(pipeline.recorded_session(arguments.out), arguments.out)
         options = d.GarmentOptions(**{**job.options["garment"].to_dict(), arguments.option: value})
         body, captured = d.read_body(job.path("body.npz")).body, job.performance().surface
-        job.garment = d.GarmentMesher.create(options).mesh(job.actor, job.clothness(), body, captured, context)
+        job.garment = d.GarmentMesher.create(options).mesh(job.actor, job.segmentation(), body, captured, context)
         simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()
         observations = d.read_observations(job.path("observations.npz"))
         objective = d.MaterialObjective(simulator, performance, observations, energy, space)

@@ -53,7 +53,7 @@ def overview(chosen: argparse.Namespace) -> np.ndarray:
 
     photo = d.FrameSource.open(job.session).image(chosen.camera, performance.frames[row])[..., ::-1]
     filmed = picture.draw_outline(photo, picture.outline(captured, faces, camera))
-    colours = picture.cloth_colours(job.clothness().clothness)
+    colours = picture.cloth_colours(job.segmentation().clothness)
     tracked = picture.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
     renderer, white = d.CharacterRenderer(character), d.RenderOptions(background=[1, 1, 1], floor=False)
     again = frames_of(character, d.Motion(job.session.fps, performance.dofs), [row])[row]

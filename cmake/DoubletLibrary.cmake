@@ -3,10 +3,10 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # doublet_library(NAME [PUBLIC targets...] [PRIVATE targets...])
-# Target doublet_NAME, alias doublet::NAME, from src/*.cpp and include/.
+# Target doublet_NAME, alias doublet::NAME, from src/ and include/.
 function(doublet_library name)
   cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
   add_library(doublet_${name} STATIC ${sources})
   add_library(doublet::${name} ALIAS doublet_${name})
   set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name})
@@ -49,6 +49,10 @@ function(doublet_tests name)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE DOUBLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   doublet_warnings(test_${name})
+  # Scenes and constants of these tests share their names, each for its own file.
+  if(name MATCHES "^(capture|pbd)$")
+    set_target_properties(test_${name} PROPERTIES UNITY_BUILD OFF)
+  endif()
   include(GoogleTest)
   gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600)
 endfunction()

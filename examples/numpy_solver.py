@@ -151,13 +151,13 @@ def main(out, frames=40):
     quick = d.AnimateOptions(high=False, body=False, settle_seconds=0.5)
     ours = d.animate(character, motion, quick).surface
     numpy = d.animate(character, motion, quick, make_solver=NumpySolver).surface
-    cloth = np.array(character.clothness.clothness) > 0
+    cloth = np.array(character.segmentation.clothness) > 0
     apart = 100 * np.linalg.norm(numpy - ours, axis=2)[:, cloth].mean()
     print(f"{frames} frames of {cloth.sum()} vertices of cloth, {apart:.1f} cm from the built-in solver's on average")
 
     part, seen = part_of(performance, d.read_observations(out / "observations.npz"), frames, frames + 12)
     simulator = d.CharacterSimulator(
-        character.actor, character.clothness, character.proxies, character.solver.cloth, make_solver=NumpySolver
+        character.actor, character.segmentation, character.proxies, character.solver.cloth, make_solver=NumpySolver
     )
     fit = d.FitOptions(max_evaluations=8, population=4, influence=False)
     fit.energy, fit.space = d.EnergyOptions(dt=dt, settle_frames=4), d.ParameterSpace(names=["d_n", "d_t"])

@@ -11,7 +11,7 @@
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"
 #include "doublet/segment/cloth_segmenter.h"
@@ -38,11 +38,11 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   const ReferencePerformance performance = read_performance(out / "performance.npz", actor);
   const Observations observations = read_observations(out / "observations.npz");
   // Sect. 5: cloth and body
-  write_clothness(out / "segmentation.npz", segment_performance(actor, performance, *ClothSegmenter::create(), {}, context));
-  const Clothness clothness = read_clothness(out / "segmentation.npz");
-  const BodyFit fitted = BodyFitter::create()->fit(actor, clothness, *BodyModel::read(body_model), session.landmarks, context);
+  write_segmentation(out / "segmentation.npz", segment_performance(actor, performance, *ClothSegmenter::create(), {}, context));
+  const Segmentation segmentation = read_segmentation(out / "segmentation.npz");
+  const BodyFit fitted = BodyFitter::create()->fit(actor, segmentation, *BodyModel::read(body_model), session.landmarks, context);
   write_body(out / "body.npz", fitted);
-  write_proxies(out / "proxies.json", fit_proxies(fitted, actor, clothness), actor.skeleton);
+  write_proxies(out / "proxies.json", fit_proxies(fitted, actor, segmentation), actor.skeleton);
   const BodyFit body = read_body(out / "body.npz");
   const std::vector<TaperedCapsule> proxies = read_proxies(out / "proxies.json", actor.skeleton);
   // The garment whose rest shape moves most like the filmed one
@@ -53,18 +53,18 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   std::vector<double> energies;
   for (const double spread : TrialOptions{}.spreads) {
     options.spread = spread;
-    garments.push_back(mesh_garment(actor, clothness, body.body, performance.surface, options, context));
-    const DressedActor dressed = dress(actor, clothness, garments.back());
-    const CharacterSimulator simulator(dressed.actor, dressed.clothness, proxies);
+    garments.push_back(mesh_garment(actor, segmentation, body.body, performance.surface, options, context));
+    const DressedActor dressed = dress(actor, segmentation, garments.back());
+    const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
     const ReferencePerformance motion = dress(performance, actor, garments.back());
     energies.push_back(garment_energy(simulator, motion, observations, {}, fit.energy, fit.space, context));
   }
   write_garment(out / "garment.npz", garments[chosen_garment(energies)]);
   const Garment garment = read_garment(out / "garment.npz", actor);
-  const DressedActor dressed = dress(actor, clothness, garment);
+  const DressedActor dressed = dress(actor, segmentation, garment);
   const ReferencePerformance motion = dress(performance, actor, garment);
   // Sect. 6: material
-  const CharacterSimulator simulator(dressed.actor, dressed.clothness, proxies);
+  const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
   fit.log = out / "fit_log.csv";
   const FitResult result = estimate_material(simulator, motion, observations, fit, context);
   write_materials(out / "material.json", result);
@@ -72,8 +72,8 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   const auto simulated =
       simulate_reference(simulator, motion, result.materials(), result.solver.dt, fit.energy.settle_frames, context);
   write_simulated(out / "simulated.npz", simulated, actor.mesh.vertices.rows());
-  const Display display = make_display(dressed.actor, dressed.clothness, read_mesh(out / "template_high.ply"));
-  Character character = make_character(dressed.actor, dressed.clothness, body, proxies, result.materials(), result.solver,
+  const Display display = make_display(dressed.actor, dressed.segmentation, read_mesh(out / "template_high.ply"));
+  Character character = make_character(dressed.actor, dressed.segmentation, body, proxies, result.materials(), result.solver,
                                        display.mesh, display.valid, display.garment_subdivisions);
   character.name = session.name;
   std::vector<Image> images, masks;

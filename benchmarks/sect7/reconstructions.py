@@ -81,7 +81,7 @@ def simulate(made: pipeline.Job, materials: list[d.Material]) -> np.ndarray:
 
 def rms_cm(a: np.ndarray, b: np.ndarray, made: pipeline.Job) -> float:
     """Over the cloth's vertices (clothness > 0.5) and all frames."""
-    apart = (a - b)[:, made.dressed.clothness.clothness > 0.5]
+    apart = (a - b)[:, made.dressed.segmentation.clothness > 0.5]
     return 100 * float(np.sqrt(np.square(apart).sum(axis=2).mean()))
 
 

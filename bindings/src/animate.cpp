@@ -71,7 +71,7 @@ void bind_character(py::module_ &m) {
           py::arg("path"), Release(), "character.glb, complete or not at all.")
       .def_readwrite("name", &Character::name)
       .def_readwrite("actor", &Character::actor)
-      .def_readwrite("clothness", &Character::clothness)
+      .def_readwrite("segmentation", &Character::segmentation)
       .def_readwrite("proxies", &Character::proxies)
       .def_readwrite("materials", &Character::materials)
       .def_readwrite("solver", &Character::solver)
@@ -85,7 +85,7 @@ void bind_character(py::module_ &m) {
       .def_property_readonly("texture", [](const Character &character) {
         return py::bytes(reinterpret_cast<const char *>(character.texture.data()), character.texture.size());
       });
-  m.def("make_character", &make_character, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("proxies"),
+  m.def("make_character", &make_character, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("proxies"),
         py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{}, py::arg("high_valid") = std::vector<std::uint8_t>{},
         py::arg("garment_subdivisions") = -1, Release(),
         "Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.");
@@ -251,7 +251,7 @@ void bind_texture(py::module_ &m) {
       .def_readonly("mesh", &Display::mesh)
       .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")
       .def_readonly("garment_subdivisions", &Display::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
-  m.def("make_display", &make_display, py::arg("actor"), py::arg("clothness"), py::arg("high"), Release(),
+  m.def("make_display", &make_display, py::arg("actor"), py::arg("segmentation"), py::arg("high"), Release(),
         "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
   py::class_<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
       .def(py::init<const Character &>(), py::arg("character"), Release())

@@ -3,6 +3,7 @@
 #include "doublet/bodymodel/body_fitter.h"
 #include "doublet/bodymodel/proxies.h"
 #include "doublet/bodymodel/train_body_model.h"
+#include "doublet/testing/body_fitter_conformance.h"
 #include "doublet/testing/body_model_conformance.h"
 
 #include <algorithm>
@@ -92,11 +93,11 @@ private:
 
 class PyBodyFitter : public BodyFitter {
 public:
-  BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model, const Landmarks &landmarks,
+  BodyFit fit(const RiggedMesh &actor, const Segmentation &segmentation, const BodyModel &model, const Landmarks &landmarks,
               const Context &context) const override {
     // The model by pointer: it is passed on, not copied.
-    return call_override<BodyFit>(static_cast<const BodyFitter *>(this), "BodyFitter.fit", "a BodyFit", actor, clothness, &model,
-                                  landmarks, context);
+    return call_override<BodyFit>(static_cast<const BodyFitter *>(this), "BodyFitter.fit", "a BodyFit", actor, segmentation,
+                                  &model, landmarks, context);
   }
   std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
                                     const Context &context) const override {
@@ -112,7 +113,7 @@ void bind_regions(py::module_ &m) {
       .def_readonly("exposed", &BodyRegion::exposed, "share of it whose nearest surface is skin")
       .def_readonly("residual", &BodyRegion::residual, "m, mean distance of that skin to the body")
       .def_readonly("deviation", &BodyRegion::deviation, "m, expected RMS error");
-  m.def("body_regions", &body_regions, py::arg("fit"), py::arg("actor"), py::arg("clothness"), Release(),
+  m.def("body_regions", &body_regions, py::arg("fit"), py::arg("actor"), py::arg("segmentation"), Release(),
         "One BodyRegion a bone: how far the fit can be trusted there.");
 }
 
@@ -124,7 +125,7 @@ void bind_proxy_statistics(py::module_ &m) {
       .def_readonly("percentile95", &ProxyStatistics::percentile95)
       .def_readonly("largest_bulge", &ProxyStatistics::largest_bulge)
       .def_readonly("cloth_clearance", &ProxyStatistics::cloth_clearance);
-  m.def("proxy_statistics", &proxy_statistics, py::arg("capsules"), py::arg("fit"), py::arg("actor"), py::arg("clothness"),
+  m.def("proxy_statistics", &proxy_statistics, py::arg("capsules"), py::arg("fit"), py::arg("actor"), py::arg("segmentation"),
         Release(), "How far capsules and body are apart under the cloth.");
 }
 
@@ -188,24 +189,28 @@ void bind_bodymodel(py::module_ &m) {
   OptionsClass<BodyFitOptions>(m, "Options of BodyFitter.");
   OptionsClass<ProxyOptions>(m, "Options of fit_proxies.");
   py::class_<DressedScan>(m, "DressedScan", "One of several scans of the same person.")
-      .def(py::init([](const RiggedMesh &actor, const Clothness &clothness, const Landmarks &landmarks) {
-             return DressedScan{&actor, &clothness, landmarks};
+      .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const Landmarks &landmarks) {
+             return DressedScan{&actor, &segmentation, landmarks};
            }),
-           py::arg("actor"), py::arg("clothness"), py::arg("landmarks"), py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
+           py::arg("actor"), py::arg("segmentation"), py::arg("landmarks"), py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
       .def_property_readonly(
           "actor", [](const DressedScan &scan) { return scan.actor; }, py::return_value_policy::reference)
       .def_property_readonly(
-          "clothness", [](const DressedScan &scan) { return scan.clothness; }, py::return_value_policy::reference)
+          "segmentation", [](const DressedScan &scan) { return scan.segmentation; }, py::return_value_policy::reference)
       .def_readonly("landmarks", &DressedScan::landmarks, "name -> point on the surface, m");
   py::class_<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{}, "The built-in fitter.")
-      .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("clothness"), py::arg("model"), py::arg("landmarks"),
+      .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("segmentation"), py::arg("model"), py::arg("landmarks"),
            py::arg("context") = interruptible_context(), Release(), "The body under the clothes. landmarks: name -> point, m.")
       .def("fit_together", &BodyFitter::fit_together, py::arg("scans"), py::arg("model"),
            py::arg("context") = interruptible_context(), Release(), "One shape, a pose a scan; a list of BodyFit.");
-  m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("clothness"), py::arg("options") = ProxyOptions{},
-        Release(), "Tapered capsules along the bones, inside the body: what cloth collides with.");
+  m.def("body_fitter_violations", &testing::body_fitter_violations, py::arg("fitter"), py::arg("actor"), py::arg("segmentation"),
+        py::arg("model"), py::arg("landmarks"), Release(),
+        "One sentence for each rule that a BodyFitter breaks on a scan of yours: sizes, finite, the same bits twice, refusals.");
+  m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("segmentation"),
+        py::arg("options") = ProxyOptions{}, Release(),
+        "Tapered capsules along the bones, inside the body: what cloth collides with.");
   bind_regions(m);
   bind_proxy_statistics(m);
   bind_training(m);

@@ -2,6 +2,7 @@
 #include "common.h"
 
 #include "doublet/capture/performance_capture.h"
+#include "doublet/testing/capture_conformance.h"
 
 namespace doublet::python {
 namespace {
@@ -235,6 +236,19 @@ template <class T> void bind_piece(py::class_<CaptureParts> &parts, const char *
       [piece](CaptureParts &self, const py::object &object) { self.*piece = kept<T>(object); });
 }
 
+void bind_conformance(py::module_ &m) {
+  m.def("frame_source_violations", &testing::frame_source_violations, py::arg("frames"), Release(),
+        "One sentence for each rule that a FrameSource breaks: channels, masks, sizes, the same frame again.");
+  m.def("silhouette_extractor_violations", &testing::silhouette_extractor_violations, py::arg("extractor"), py::arg("training"),
+        py::arg("image"), Release(), "The same of a SilhouetteExtractor, trained and tried with images of yours.");
+  m.def("feature_tracker_violations", &testing::feature_tracker_violations, py::arg("tracker"), py::arg("image"), py::arg("mask"),
+        py::arg("reach"), Release(), "The same of a FeatureTracker, on an image of yours; reach in pixels.");
+  m.def("pose_optimizer_violations", &testing::pose_optimizer_violations, py::arg("optimizer"), py::arg("problem"), Release(),
+        "The same of a PoseOptimizer, on a problem that it was given.");
+  m.def("surface_refiner_violations", &testing::surface_refiner_violations, py::arg("refiner"), py::arg("problem"), Release(),
+        "The same of a SurfaceRefiner, on a problem that it was given.");
+}
+
 } // namespace
 
 void bind_capture_parts(py::module_ &m) {
@@ -254,6 +268,7 @@ void bind_capture_parts(py::module_ &m) {
   bind_piece(parts, "pose", &CaptureParts::pose);
   bind_piece(parts, "limbs", &CaptureParts::limbs);
   bind_piece(parts, "surface", &CaptureParts::surface);
+  bind_conformance(m);
 }
 
 } // namespace doublet::python

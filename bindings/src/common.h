@@ -207,6 +207,8 @@ private:
 };
 
 void bind_core(py::module_ &m);
+void bind_rays(py::module_ &m);
+void bind_files(py::module_ &m);
 void bind_capture(py::module_ &m);
 void bind_capture_parts(py::module_ &m);
 void bind_segment(py::module_ &m);

@@ -1,13 +1,9 @@
 #include "common.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
 #include "doublet/core/garment.h"
-#include "doublet/core/parts/self_intersection.h"
 #include "doublet/core/rasterizer.h"
-#include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
-#include "doublet/core/surface_distance.h"
 
 #include <cstring>
 
@@ -190,50 +186,6 @@ void bind_camera(py::module_ &m) {
       "(face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).");
 }
 
-void bind_rays(py::module_ &m) {
-  py::class_<RayScene>(m, "RayScene", "Rays and closest points against one mesh.")
-      .def(py::init<const Mesh &, const std::vector<std::uint8_t> &>(), py::arg("mesh"),
-           py::arg("skip_face") = std::vector<std::uint8_t>{}, Release())
-      .def(
-          "cast",
-          [](const RayScene &scene, const Vertices &origins, const Vertices &directions, double min_distance) {
-            if (origins.rows() != directions.rows())
-              throw std::invalid_argument("origins and directions differ in length");
-            Eigen::VectorXi faces(origins.rows());
-            Eigen::VectorXd distances(origins.rows());
-            parallel_for({}, static_cast<int>(origins.rows()), [&](int i) {
-              const auto hit = scene.cast(origins.row(i), directions.row(i), min_distance);
-              faces[i] = hit ? hit->face : -1;
-              distances[i] = hit ? hit->distance : std::numeric_limits<double>::infinity();
-            });
-            return std::make_pair(faces, distances);
-          },
-          py::arg("origins"), py::arg("directions"), py::arg("min_distance") = 0.0, Release(),
-          "(face, distance) of the first hits of N rays; face -1 and distance inf where there is none.")
-      .def(
-          "closest",
-          [](const RayScene &scene, const Vertices &points) {
-            Eigen::VectorXi faces(points.rows());
-            Eigen::VectorXd distances(points.rows());
-            Vertices closest(points.rows(), 3);
-            parallel_for({}, static_cast<int>(points.rows()), [&](int i) {
-              const ClosestPoint nearest = scene.closest(points.row(i));
-              faces[i] = nearest.face;
-              distances[i] = nearest.distance;
-              closest.row(i) = nearest.point;
-            });
-            return std::make_tuple(faces, distances, closest);
-          },
-          py::arg("points"), Release(), "(face, distance, point) of the closest surface point of N points.");
-  m.def("self_intersecting_faces", &self_intersecting_faces, py::arg("mesh"), py::arg("context") = interruptible_context(),
-        Release(), "(F) 1 for the faces that pass through another face");
-  m.def("distances_to_surface", &distances_to_surface, py::arg("points"), py::arg("surface"),
-        py::arg("skip_face") = std::vector<std::uint8_t>{}, py::arg("context") = interruptible_context(), Release(),
-        "(N) unsigned distances, m");
-  m.def("visible_vertices", &visible_vertices, py::arg("vertices"), py::arg("faces"), py::arg("cameras"), py::arg("tolerance"),
-        Release(), "(V) 1 where at least one camera sees the vertex; tolerance in m");
-}
-
 void bind_skeleton(py::module_ &m) {
   py::class_<JointMark>(m, "JointMark", "A joint as the user marks it.")
       .def(py::init([](std::string name, std::string parent, Eigen::Vector3d position, std::optional<int> dof) {
@@ -363,20 +315,20 @@ void bind_stage_values(py::module_ &m) {
       },
       py::arg("actor"), py::arg("performance"), py::arg("context") = interruptible_context(),
       "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
-  py::class_<Clothness>(m, "Clothness", "Which vertices are loose cloth (segmentation.npz).")
+  py::class_<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
       .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region, Eigen::VectorXd fullness) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
-             return Clothness{std::move(sigma),    std::move(clothness), std::move(region), count,
-                              std::move(fullness), Vertices(0, 3)};
+             return Segmentation{std::move(sigma),    std::move(clothness), std::move(region), count,
+                                 std::move(fullness), Vertices(0, 3)};
            }),
            py::arg("sigma"), py::arg("clothness"), py::arg("region"), py::arg("fullness") = Eigen::VectorXd())
-      .def_readwrite("sigma", &Clothness::sigma, "(V) m")
-      .def_readwrite("clothness", &Clothness::clothness, "(V) in [0, 1]")
-      .def_readwrite("region", &Clothness::region, "(V), -1 = rigid")
-      .def_readwrite("fullness", &Clothness::fullness, "(V) width across gravity over the scan's; empty = 1")
-      .def_readwrite("rest", &Clothness::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
-      .def_readwrite("region_count", &Clothness::region_count);
+      .def_readwrite("sigma", &Segmentation::sigma, "(V) m")
+      .def_readwrite("clothness", &Segmentation::clothness, "(V) in [0, 1]")
+      .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
+      .def_readwrite("fullness", &Segmentation::fullness, "(V) width across gravity over the scan's; empty = 1")
+      .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
+      .def_readwrite("region_count", &Segmentation::region_count);
   py::class_<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
       .def(py::init<>())
       .def_readwrite("mesh", &Garment::mesh, "scan pose, m")
@@ -389,9 +341,9 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("region_count", &Garment::region_count);
   py::class_<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
       .def_readwrite("actor", &DressedActor::actor, "V + G vertices: the actor's, then the garment's")
-      .def_readwrite("clothness", &DressedActor::clothness);
-  m.def("dress", py::overload_cast<const RiggedMesh &, const Clothness &, const Garment &>(&dress), py::arg("actor"),
-        py::arg("clothness"), py::arg("garment"), Release(), "The actor in the garment.");
+      .def_readwrite("segmentation", &DressedActor::segmentation);
+  m.def("dress", py::overload_cast<const RiggedMesh &, const Segmentation &, const Garment &>(&dress), py::arg("actor"),
+        py::arg("segmentation"), py::arg("garment"), Release(), "The actor in the garment.");
   m.def("dress", py::overload_cast<const ReferencePerformance &, const RiggedMesh &, const Garment &>(&dress),
         py::arg("performance"), py::arg("actor"), py::arg("garment"), Release(),
         "The captured surface on the dressed actor's mesh.");
@@ -421,34 +373,6 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("deviation", &BodyFit::deviation, "(B) m, expected RMS error of each vertex; empty = not known");
 }
 
-void bind_files(py::module_ &m) {
-  m.def("write_garment", &write_garment, py::arg("path"), py::arg("garment"), Release(), "garment.npz, complete or not at all.");
-  m.def("read_garment", &read_garment, py::arg("path"), py::arg("actor"), Release(),
-        "garment.npz of this actor. Raises FileNotFoundError, or Error naming file and array.");
-  m.def("write_actor", &write_actor, py::arg("path"), py::arg("actor"), Release(), "actor.npz, complete or not at all.");
-  m.def("read_actor", &read_actor, py::arg("path"), Release(),
-        "actor.npz. Raises FileNotFoundError, or Error naming file and array.");
-  m.def("write_performance", &write_performance, py::arg("path"), py::arg("performance"), Release(),
-        "performance.npz, complete or not at all.");
-  m.def("read_performance", &read_performance, py::arg("path"), py::arg("actor"), Release(),
-        "performance.npz of this actor. Raises FileNotFoundError, or Error naming file and array.");
-  m.def("write_clothness", &write_clothness, py::arg("path"), py::arg("clothness"), Release(),
-        "segmentation.npz, complete or not at all.");
-  m.def("read_clothness", &read_clothness, py::arg("path"), Release(),
-        "segmentation.npz. Raises FileNotFoundError, or Error naming file and array.");
-  m.def("write_body", &write_body, py::arg("path"), py::arg("fit"), Release(), "body.npz, complete or not at all.");
-  m.def("read_body", &read_body, py::arg("path"), Release(),
-        "body.npz. Raises FileNotFoundError, or Error naming file and array.");
-  m.def("write_proxies", &write_proxies, py::arg("path"), py::arg("capsules"), py::arg("skeleton"), Release(),
-        "proxies.json, complete or not at all.");
-  m.def("read_proxies", &read_proxies, py::arg("path"), py::arg("skeleton"), Release(),
-        "proxies.json of this skeleton. Raises FileNotFoundError, or Error naming file and capsule.");
-  m.def("write_observations", &write_observations, py::arg("path"), py::arg("observations"), Release(),
-        "observations.npz, complete or not at all.");
-  m.def("read_observations", &read_observations, py::arg("path"), Release(),
-        "observations.npz. Raises FileNotFoundError, or Error naming file and array.");
-}
-
 } // namespace
 
 Context interruptible_context() {
@@ -462,11 +386,9 @@ void bind_core(py::module_ &m) {
   bind_context(m);
   bind_mesh(m);
   bind_camera(m);
-  bind_rays(m);
   bind_skeleton(m);
   bind_observations(m);
   bind_stage_values(m);
-  bind_files(m);
 }
 
 } // namespace doublet::python

@@ -7,6 +7,12 @@ PYBIND11_MODULE(_doublet, m) {
   m.doc() = "Native half of doublet; use the package `doublet`.";
   m.attr("__version__") = DOUBLET_VERSION;
   bind_core(m);
+#ifdef DOUBLET_WITH_RAYS
+  bind_rays(m);
+#endif
+#ifdef DOUBLET_WITH_FILES
+  bind_files(m);
+#endif
 #ifdef DOUBLET_WITH_CAPTURE
   bind_capture(m);
 #endif

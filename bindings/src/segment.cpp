@@ -4,25 +4,26 @@
 #include "doublet/segment/fullness.h"
 #include "doublet/segment/garment_mesher.h"
 #include "doublet/testing/cloth_segmenter_conformance.h"
+#include "doublet/testing/garment_mesher_conformance.h"
 
 namespace doublet::python {
 namespace {
 
 class PyClothSegmenter : public ClothSegmenter {
 public:
-  Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                    const Context &context) const override {
-    return call_override<Clothness>(static_cast<const ClothSegmenter *>(this), "ClothSegmenter.segment", "a Clothness", sequence,
-                                    face_valid, context);
+  Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                       const Context &context) const override {
+    return call_override<Segmentation>(static_cast<const ClothSegmenter *>(this), "ClothSegmenter.segment", "a Segmentation",
+                                       sequence, face_valid, context);
   }
 };
 
 class PyGarmentMesher : public GarmentMesher {
 public:
-  Garment mesh(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
+  Garment mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
                const Context &context) const override {
-    return call_override<Garment>(static_cast<const GarmentMesher *>(this), "GarmentMesher.mesh", "a Garment", actor, clothness,
-                                  body, captured, context);
+    return call_override<Garment>(static_cast<const GarmentMesher *>(this), "GarmentMesher.mesh", "a Garment", actor,
+                                  segmentation, body, captured, context);
   }
 };
 
@@ -32,10 +33,11 @@ void bind_segment(py::module_ &m) {
   OptionsClass<OppositeOptions>(m, "The rays by which ClothSegmenter measures.");
   OptionsClass<SegmentOptions>(m, "Options of ClothSegmenter.");
   OptionsClass<FullnessOptions>(m, "Options of estimate_fullness.");
-  m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("clothness"),
+  m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("segmentation"),
         py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
-  py::class_<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: mesh sequence -> clothness. Subclass to replace it.")
+  py::class_<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter",
+                                               "Stage: mesh sequence -> segmentation. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")
       .def("segment", &ClothSegmenter::segment, py::arg("sequence"), py::arg("face_valid"),
@@ -50,12 +52,15 @@ void bind_segment(py::module_ &m) {
         "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");
   py::class_<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher",
-                                             "Stage: clothness -> the garment's mesh. Subclass to replace it.")
+                                             "Stage: segmentation -> the garment's mesh. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &GarmentMesher::create, py::arg("options") = GarmentOptions{}, "The built-in mesher.")
-      .def("mesh", &GarmentMesher::mesh, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("captured"),
+      .def("mesh", &GarmentMesher::mesh, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("captured"),
            py::arg("context") = interruptible_context(), Release(), "All cloth as a mesh of its own.");
-  m.def("mesh_garment", &mesh_garment, py::arg("actor"), py::arg("clothness"), py::arg("body"), py::arg("captured"),
+  m.def("garment_mesher_violations", &testing::garment_mesher_violations, py::arg("mesher"), py::arg("actor"),
+        py::arg("segmentation"), Release(),
+        "One sentence for each rule that a GarmentMesher breaks on an actor of yours: it fits, the same bits twice, refusals.");
+  m.def("mesh_garment", &mesh_garment, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("captured"),
         py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release(),
         "All cloth of the actor as a mesh of its own, in one call.");
   py::class_<GarmentSummary>(m, "GarmentSummary", "What the mesher made.")

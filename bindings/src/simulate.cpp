@@ -32,13 +32,13 @@ void bind_simulate(py::module_ &m) {
       .def(
           "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
   py::class_<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
-      .def(py::init([](const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
+      .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const std::vector<TaperedCapsule> &proxies,
                        const pbd::ClothOptions &options, const py::object &make_solver) {
              const pbd::ClothSolverFactory make = solver_factory(make_solver);
              const py::gil_scoped_release release;
-             return std::make_unique<CharacterSimulator>(actor, clothness, proxies, options, make);
+             return std::make_unique<CharacterSimulator>(actor, segmentation, proxies, options, make);
            }),
-           py::arg("actor"), py::arg("clothness"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{},
+           py::arg("actor"), py::arg("segmentation"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{},
            py::arg("make_solver") = py::none(),
            "make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.")
       .def_property_readonly("region_count", [](const CharacterSimulator &s) { return s.regions().size(); })

@@ -2,8 +2,8 @@
 
 #include "doublet/animate/display_surface.h"
 #include "doublet/core/error.h"
-#include "doublet/core/ray_scene.h"
 #include "doublet/core/skinning.h"
+#include "doublet/rays/ray_scene.h"
 
 #include <cmath>
 #include <optional>
@@ -27,7 +27,7 @@ Vertices tuck_body(const Character &character, const Vertices &surface, Vertices
   // m; deeper under cloth, because the body's triangles are flat where the cloth folds inward between their corners
   constexpr double kDeepUnderSkin = 0.003, kDeepUnderCloth = 0.010, kReachUnderSkin = 0.012, kReachUnderCloth = 0.06;
   const Faces &faces = character.actor.mesh.faces;
-  const Eigen::VectorXd &delta = character.clothness.clothness;
+  const Eigen::VectorXd &delta = character.segmentation.clothness;
   const RayScene scene({surface, faces}, character.actor.skip_invalid());
   const Vertices normals = vertex_normals(surface, faces);
   std::vector<std::uint8_t> drawn(body.rows(), 0);
@@ -65,7 +65,7 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
                                 std::to_string(motion.fps) + " 1/s");
   const Motion poses = at_character_rate(character, motion);
-  const CharacterSimulator simulator(character.actor, character.clothness, character.proxies, character.solver.cloth,
+  const CharacterSimulator simulator(character.actor, character.segmentation, character.proxies, character.solver.cloth,
                                      make_solver);
   std::optional<DisplaySurface> display;
   if (options.high && character.high.faces.rows() > 0)

@@ -1,10 +1,10 @@
 #include "doublet/animate/character.h"
 
+#include "display/garment_part.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
 #include "doublet/core/parts/sparse_solve.h"
-#include "doublet/core/ray_scene.h"
-#include "garment_part.h"
+#include "doublet/rays/ray_scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,9 +91,9 @@ void expect(const std::string &what, std::size_t found, std::size_t expected) {
     throw Error("character: " + what + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
 }
 
-void require_inputs(const RiggedMesh &actor, const Clothness &clothness) {
+void require_inputs(const RiggedMesh &actor, const Segmentation &segmentation) {
   require_actor(actor, "character");
-  require_clothness(clothness, actor.mesh.vertices.rows(), "character");
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "character");
 }
 
 /// (L + A H) w = A H p on the free vertices, w given on the others.
@@ -133,8 +133,8 @@ MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::
 
 } // namespace
 
-std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body) {
-  require_inputs(actor, clothness);
+std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body) {
+  require_inputs(actor, segmentation);
   require_usable(body, "body");
   const RayScene scene(actor.mesh, actor.skip_invalid());
   const Vertices normals = vertex_normals(body.vertices, body.faces);
@@ -142,23 +142,23 @@ std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Clothne
   for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) {
     const Vector3d p = body.vertices.row(v), n = normals.row(v);
     const ClosestPoint at = scene.closest(p);
-    if (interpolate(clothness.clothness, actor.mesh.faces, at) > 0)
+    if (interpolate(segmentation.clothness, actor.mesh.faces, at) > 0)
       hidden[v] = 1;
-    else if (at.distance > kTouching && n.squaredNorm() > 0 && runs_into_cloth(scene, actor, clothness.clothness, p, n))
+    else if (at.distance > kTouching && n.squaredNorm() > 0 && runs_into_cloth(scene, actor, segmentation.clothness, p, n))
       hidden[v] = 1;
   }
   return majority(hidden, body.faces);
 }
 
-MatrixRM transfer_weights(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body) {
-  std::vector<std::uint8_t> exposed = hidden_by_cloth(actor, clothness, body);
+MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body) {
+  std::vector<std::uint8_t> exposed = hidden_by_cloth(actor, segmentation, body);
   const RayScene scene(actor.mesh, actor.skip_invalid());
   const Vertices surface_normals = face_normals(actor.mesh.vertices, actor.mesh.faces);
   const Vertices normals = vertex_normals(body.vertices, body.faces);
   MatrixRM weights = MatrixRM::Zero(body.vertices.rows(), actor.skeleton.joint_count());
   for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) {
     const ClosestPoint at = scene.closest(body.vertices.row(v));
-    exposed[v] = !exposed[v] && at.distance < kExposed && !touches_cloth(clothness.clothness, actor.mesh.faces, at.face) &&
+    exposed[v] = !exposed[v] && at.distance < kExposed && !touches_cloth(segmentation.clothness, actor.mesh.faces, at.face) &&
                  surface_normals.row(at.face).dot(normals.row(v)) > 0;
     for (int k = 0; k < 3 && exposed[v]; ++k)
       weights.row(v) += at.barycentric[k] * actor.weights.row(actor.mesh.faces(at.face, k));
@@ -175,8 +175,8 @@ MatrixRM transfer_weights(const RiggedMesh &actor, const Clothness &clothness, c
 }
 
 void validate_character(const Character &c) {
-  require_inputs(c.actor, c.clothness);
-  expect("materials", c.materials.size(), c.clothness.region_count);
+  require_inputs(c.actor, c.segmentation);
+  expect("materials", c.materials.size(), c.segmentation.region_count);
   for (const pbd::Material &material : c.materials)
     pbd::validate(material);
   c.solver.validate();
@@ -203,13 +203,13 @@ void validate_character(const Character &c) {
     throw Error("character: texcoords: expected finite numbers, found NaN or infinity");
 }
 
-Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
+Character make_character(const RiggedMesh &actor, const Segmentation &segmentation, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
                          const SolverSettings &solver, const Mesh &high, const std::vector<std::uint8_t> &high_valid,
                          int garment_subdivisions) {
   Character c;
   c.actor = actor;
-  c.clothness = clothness;
+  c.segmentation = segmentation;
   c.proxies = proxies;
   c.materials = materials;
   c.solver = solver;
@@ -220,8 +220,8 @@ Character make_character(const RiggedMesh &actor, const Clothness &clothness, co
     require_body(body, "character");
     c.body = body.body;
     c.body_model = body.model;
-    c.body_weights = transfer_weights(actor, clothness, body.body);
-    std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, clothness, body.body);
+    c.body_weights = transfer_weights(actor, segmentation, body.body);
+    std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, segmentation, body.body);
     if (garment_subdivisions >= 0)
       add_uncovered(c, hidden);
     c.body_shown.resize(c.body.faces.rows());

@@ -2,8 +2,8 @@
 // Which bone each point of a body belongs to.
 
 #include "doublet/core/mesh.h"
-#include "doublet/core/ray_scene.h"
 #include "doublet/core/skeleton.h"
+#include "doublet/rays/ray_scene.h"
 
 #include <vector>
 

@@ -10,10 +10,6 @@ namespace {
 
 constexpr int kFormat = 1;
 
-[[noreturn]] void reject(const Npz &file, const std::string &what) {
-  throw Error(file.source + ": " + what);
-}
-
 /// (n, k) from an array (k, ...) of n values each, times scale[k].
 MatrixRM columns(const Npz &file, const std::string &name, int n, int k, const std::vector<double> &scale = {}) {
   const std::vector<double> values = file.values(name);
@@ -21,27 +17,27 @@ MatrixRM columns(const Npz &file, const std::string &name, int n, int k, const s
   for (int c = 0; c < k && !scale.empty(); ++c)
     result.col(c) *= scale[c];
   if (!result.allFinite())
-    reject(file, "array '" + name + "' holds values that are not finite");
+    file.reject("array '" + name + "' holds values that are not finite");
   return result;
 }
 
 MatrixRM dense_weights(const Npz &file, int vertices, int joints) {
   const auto shape = file.shape("skin_indices");
   if (shape.size() != 2 || shape[0] != vertices)
-    reject(file, "array 'skin_indices': expected shape (" + std::to_string(vertices) + ", n)");
+    file.reject("array 'skin_indices': expected shape (" + std::to_string(vertices) + ", n)");
   file.require_shape("skin_weights", shape);
   const std::vector<int> indices = file.integers("skin_indices");
   const std::vector<double> values = file.values("skin_weights");
   MatrixRM weights = MatrixRM::Zero(vertices, joints);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] < 0 || indices[i] >= joints)
-      reject(file, "array 'skin_indices': joint " + std::to_string(indices[i]) + " of " + std::to_string(joints));
+      file.reject("array 'skin_indices': joint " + std::to_string(indices[i]) + " of " + std::to_string(joints));
     weights(static_cast<long>(i) / shape[1], indices[i]) += values[i];
   }
   for (int v = 0; v < vertices; ++v) {
     const double sum = weights.row(v).sum();
     if (!(sum > 0.5 && weights.row(v).minCoeff() >= 0))
-      reject(file, "array 'skin_weights': row " + std::to_string(v) + " is not a set of weights");
+      file.reject("array 'skin_weights': row " + std::to_string(v) + " is not a set of weights");
     weights.row(v) /= sum;
   }
   return weights;
@@ -50,14 +46,14 @@ MatrixRM dense_weights(const Npz &file, int vertices, int joints) {
 void check_topology(const Npz &file, const SkinnedBodyData &data) {
   const int vertices = static_cast<int>(data.mean.rows());
   if (data.faces.rows() == 0 || data.faces.minCoeff() < 0 || data.faces.maxCoeff() >= vertices)
-    reject(file, "array 'faces': expected indices in [0, " + std::to_string(vertices) + ")");
+    file.reject("array 'faces': expected indices in [0, " + std::to_string(vertices) + ")");
   for (std::size_t j = 0; j < data.joint_parents.size(); ++j)
     if (j == 0 ? data.joint_parents[j] != -1 : data.joint_parents[j] < 0 || data.joint_parents[j] >= static_cast<int>(j))
-      reject(file, "array 'joint_parents': expected -1 first and then parents before children, found " +
-                       std::to_string(data.joint_parents[j]) + " at " + std::to_string(j));
+      file.reject("array 'joint_parents': expected -1 first and then parents before children, found " +
+                  std::to_string(data.joint_parents[j]) + " at " + std::to_string(j));
   for (const auto &[name, vertex] : data.landmarks)
     if (vertex < 0 || vertex >= vertices)
-      reject(file, "array 'landmark_indices': landmark '" + name + "' is vertex " + std::to_string(vertex));
+      file.reject("array 'landmark_indices': landmark '" + name + "' is vertex " + std::to_string(vertex));
 }
 
 } // namespace
@@ -84,11 +80,11 @@ SkinnedBodyData read_body_data(const std::filesystem::path &path) {
   const Npz file = Npz::read(path);
   const std::vector<int> format = file.integers("body_model_format");
   if (format.size() != 1 || format[0] != kFormat)
-    reject(file, "expected body model format " + std::to_string(kFormat) + ", found " +
-                     (format.empty() ? std::string("nothing") : std::to_string(format[0])));
+    file.reject("expected body model format " + std::to_string(kFormat) + ", found " +
+                (format.empty() ? std::string("nothing") : std::to_string(format[0])));
   const auto shape = file.shape("components_q");
   if (shape.size() != 3 || shape[2] != 3)
-    reject(file, "array 'components_q': expected shape (K, V, 3)");
+    file.reject("array 'components_q': expected shape (K, V, 3)");
   const int k = static_cast<int>(shape[0]), v = static_cast<int>(shape[1]);
   SkinnedBodyData data;
   file.require_shape("mean", {v, 3});
@@ -117,7 +113,7 @@ SkinnedBodyData read_body_data(const std::filesystem::path &path) {
   for (std::size_t i = 0; i < names.size(); ++i)
     data.landmarks[names[i]] = indices[i];
   if (!data.mean.allFinite() || !data.joint_mean.allFinite() || !data.pose_mean.allFinite())
-    reject(file, "arrays 'mean', 'joint_mean', 'pose_mean' must be finite");
+    file.reject("arrays 'mean', 'joint_mean', 'pose_mean' must be finite");
   check_topology(file, data);
   const std::vector<std::string> name = file.text("name");
   data.name = (name.empty() ? std::string("body") : name[0]) + " " + content_hash(file);

@@ -2,7 +2,7 @@
 
 #include "anatomy.h"
 #include "doublet/core/error.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 #include "nearest_points.h"
 
 #include <Eigen/Cholesky>
@@ -200,14 +200,14 @@ struct Scan {
   RayScene scene;
 };
 
-Scan prepare_scan(const RiggedMesh &actor, const Clothness &clothness) {
+Scan prepare_scan(const RiggedMesh &actor, const Segmentation &segmentation) {
   require_usable(actor.mesh, "actor mesh"); // weights and regions do not matter here
   const Faces &faces = actor.mesh.faces;
   const int v = static_cast<int>(actor.mesh.vertices.rows()), f = static_cast<int>(faces.rows());
-  if (clothness.clothness.size() != v)
+  if (segmentation.clothness.size() != v)
     throw std::invalid_argument("clothness: expected " + std::to_string(v) + " entries, one a vertex, found " +
-                                std::to_string(clothness.clothness.size()));
-  if (!clothness.clothness.allFinite())
+                                std::to_string(segmentation.clothness.size()));
+  if (!segmentation.clothness.allFinite())
     throw Error("clothness: expected values in [0, 1], found NaN or infinity");
   if (static_cast<int>(actor.face_valid.size()) != f)
     throw std::invalid_argument("face_valid: expected " + std::to_string(f) + " entries, one a face, found " +
@@ -218,7 +218,7 @@ Scan prepare_scan(const RiggedMesh &actor, const Clothness &clothness) {
   int valid_count = 0;
   for (int i = 0; i < f; ++i) {
     for (int k = 0; k < 3; ++k)
-      if (clothness.clothness[faces(i, k)] > 0)
+      if (segmentation.clothness[faces(i, k)] > 0)
         label[i] = Label::Cloth;
     if (!actor.face_valid[i])
       label[i] = Label::Ignored;
@@ -352,9 +352,9 @@ class IcpBodyFitter : public BodyFitter {
 public:
   explicit IcpBodyFitter(const BodyFitOptions &options) : options_(options) { options_.validate(); }
 
-  BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model,
+  BodyFit fit(const RiggedMesh &actor, const Segmentation &segmentation, const BodyModel &model,
               const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const override {
-    return fit_together({{&actor, &clothness, landmarks}}, model, context)[0];
+    return fit_together({{&actor, &segmentation, landmarks}}, model, context)[0];
   }
 
   std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
@@ -383,7 +383,7 @@ private:
     std::vector<Subject> subjects;
     for (std::size_t i = 0; i < scans.size(); ++i)
       try {
-        Scan scan = prepare_scan(*scans[i].actor, *scans[i].clothness);
+        Scan scan = prepare_scan(*scans[i].actor, *scans[i].segmentation);
         if (std::count(scan.exposed.begin(), scan.exposed.end(), 1) == 0)
           throw Error("body fit: no vertex of the actor is exposed (valid and clothness 0), nothing to fit to");
         std::vector<NamedPoint> named = match_names(*scans[i].actor, model, scans[i].landmarks, options_);
@@ -487,8 +487,8 @@ std::vector<BodyFit> BodyFitter::fit_together(const std::vector<DressedScan> &, 
   throw std::logic_error("this body fitter takes one scan at a time");
 }
 
-std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness) {
-  const Scan scan = prepare_scan(actor, clothness);
+std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation) {
+  const Scan scan = prepare_scan(actor, segmentation);
   require_body(fit, "body_regions");
   const RayScene scene(fit.body);
   const Anatomy anatomy = find_bones(fit.body, vertex_normals(fit.body.vertices, fit.body.faces), scene, actor.skeleton);
@@ -523,8 +523,8 @@ std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor
   return regions;
 }
 
-std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Clothness &clothness) {
-  const Scan scan = prepare_scan(actor, clothness);
+std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation) {
+  const Scan scan = prepare_scan(actor, segmentation);
   std::vector<std::uint8_t> under(body.vertices.rows(), 0);
   for (std::size_t i = 0; i < under.size(); ++i) {
     const ClosestPoint at = scan.scene.closest(body.vertices.row(i).transpose());

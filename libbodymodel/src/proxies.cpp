@@ -5,7 +5,7 @@
 #include "anatomy.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 
 #include <Eigen/Cholesky>
 
@@ -365,7 +365,7 @@ void keep_out_of_cloth(Capsules &capsules, const Target &target, double margin) 
 /// Cloth that could rest on the body: vertices and centroids of the valid faces whose corners are all cloth, where it faces the
 /// way the body under it faces. In an arm pit the sleeve and the trunk's cloth run through each other and through the body; there
 /// it bounds nothing.
-std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body,
+std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body,
                                            const Vertices &normals, const RayScene &scene) {
   std::vector<Eigen::Vector3d> points;
   const Mesh &mesh = actor.mesh;
@@ -373,7 +373,8 @@ std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothn
   std::vector<char> used(mesh.vertices.rows(), 0);
   for (int f = 0; f < mesh.faces.rows(); ++f) {
     const Eigen::RowVector3i corners = mesh.faces.row(f);
-    if (!actor.face_valid[f] || std::any_of(corners.begin(), corners.end(), [&](int i) { return !(clothness.clothness[i] > 0); }))
+    if (!actor.face_valid[f] ||
+        std::any_of(corners.begin(), corners.end(), [&](int i) { return !(segmentation.clothness[i] > 0); }))
       continue;
     const Eigen::Vector3d centre =
         (mesh.vertices.row(corners[0]) + mesh.vertices.row(corners[1]) + mesh.vertices.row(corners[2])).transpose() / 3;
@@ -393,14 +394,14 @@ std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Clothn
 
 } // namespace
 
-std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
+std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation,
                                         const ProxyOptions &options) {
   options.validate();
   require_body(fit, "fit_proxies");
-  const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
+  const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, segmentation);
   const Eigen::VectorXd areas = vertex_areas(fit.body.vertices, fit.body.faces);
   Target target{fit.body, RayScene(fit.body), vertex_normals(fit.body.vertices, fit.body.faces), {}, {}, {}, {}};
-  target.cloth = resting_cloth(actor, clothness, target.body, target.normals, target.scene);
+  target.cloth = resting_cloth(actor, segmentation, target.body, target.normals, target.scene);
   Anatomy anatomy = find_bones(fit.body, target.normals, target.scene, actor.skeleton);
   choose_bones(anatomy, actor.skeleton, under, areas);
   for (std::size_t v = 0; v < under.size(); ++v)
@@ -427,7 +428,7 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
 }
 
 ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
-                                 const Clothness &clothness) {
+                                 const Segmentation &segmentation) {
   ProxyStatistics statistics;
   require_proxies(capsules, actor.skeleton, "proxy_statistics");
   require_body(fit, "proxy_statistics");
@@ -436,7 +437,7 @@ ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, co
     return statistics;
   const Transforms rest(actor.skeleton.joint_count(), Eigen::Isometry3d::Identity());
   Capsules posed{pose_capsules(capsules, actor.skeleton, rest), {}};
-  const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, clothness);
+  const std::vector<std::uint8_t> under = body_under_cloth(fit.body, actor, segmentation);
   std::vector<double> distances;
   double distance;
   for (std::size_t v = 0; v < under.size(); ++v)
@@ -458,7 +459,7 @@ ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, co
       statistics.largest_bulge = std::max(statistics.largest_bulge, body_distance(scene, fit.body, normals, point, outward));
     });
   statistics.cloth_clearance = std::numeric_limits<double>::infinity();
-  for (const Eigen::Vector3d &point : resting_cloth(actor, clothness, fit.body, normals, scene)) {
+  for (const Eigen::Vector3d &point : resting_cloth(actor, segmentation, fit.body, normals, scene)) {
     nearest_capsule(posed, point, distance);
     statistics.cloth_clearance = std::min(statistics.cloth_clearance, distance);
   }

@@ -3,7 +3,7 @@
 // construction.
 
 #include "doublet/bodymodel/body_model.h"
-#include "doublet/core/npz.h"
+#include "doublet/files/npz.h"
 
 namespace doublet {
 

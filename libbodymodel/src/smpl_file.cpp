@@ -20,10 +20,6 @@ const std::vector<std::string> kBodyJoints = {"pelvis",  "l_hip",      "r_hip", 
                                               "neck",    "l_clavicle", "r_clavicle", "head",   "l_shoulder", "r_shoulder",
                                               "l_elbow", "r_elbow",    "l_wrist",    "r_wrist"};
 
-[[noreturn]] void reject(const Npz &file, const std::string &what) {
-  throw Error(file.source + ": " + what);
-}
-
 /// (J, V) from a dense array, or from the three arrays of SciPy's compressed sparse rows or columns.
 MatrixRM joint_regressor(const Npz &file, int vertices) {
   if (file.has("J_regressor")) {
@@ -32,25 +28,25 @@ MatrixRM joint_regressor(const Npz &file, int vertices) {
   }
   for (const char *part : {"J_regressor_data", "J_regressor_indices", "J_regressor_indptr", "J_regressor_shape"})
     if (!file.has(part))
-      reject(file, "expected an array 'J_regressor', dense, or 'J_regressor_data', '_indices', '_indptr' and '_shape' of a SciPy "
-                   "sparse matrix; '" +
-                       std::string(part) + "' is missing");
+      file.reject("expected an array 'J_regressor', dense, or 'J_regressor_data', '_indices', '_indptr' and '_shape' of a SciPy "
+                  "sparse matrix; '" +
+                  std::string(part) + "' is missing");
   const std::vector<double> data = file.values("J_regressor_data");
   const std::vector<int> indices = file.integers("J_regressor_indices"), starts = file.integers("J_regressor_indptr"),
                          shape = file.integers("J_regressor_shape");
   if (shape.size() != 2 || shape[0] < 1 || shape[0] > 1000 || shape[1] != vertices || indices.size() != data.size() ||
       starts.empty() || starts.front() != 0 || starts.back() != static_cast<int>(data.size()) ||
       !std::is_sorted(starts.begin(), starts.end()))
-    reject(file, "arrays 'J_regressor_*' are no sparse matrix of (joints, " + std::to_string(vertices) + ")");
+    file.reject("arrays 'J_regressor_*' are no sparse matrix of (joints, " + std::to_string(vertices) + ")");
   const int lines = static_cast<int>(starts.size()) - 1;
   const bool by_rows = lines == shape[0];
   if (!by_rows && lines != shape[1])
-    reject(file, "array 'J_regressor_indptr': expected one entry more than the matrix has rows or columns");
+    file.reject("array 'J_regressor_indptr': expected one entry more than the matrix has rows or columns");
   MatrixRM matrix = MatrixRM::Zero(shape[0], shape[1]);
   for (int line = 0; line < lines; ++line)
     for (int i = starts[line]; i < starts[line + 1]; ++i) {
       if (indices[i] < 0 || indices[i] >= (by_rows ? shape[1] : shape[0]))
-        reject(file, "array 'J_regressor_indices': index " + std::to_string(indices[i]) + " lies outside the matrix");
+        file.reject("array 'J_regressor_indices': index " + std::to_string(indices[i]) + " lies outside the matrix");
       matrix(by_rows ? line : indices[i], by_rows ? indices[i] : line) += data[i];
     }
   return matrix;
@@ -61,13 +57,13 @@ std::vector<int> parents(const Npz &file, int joints) {
   const auto shape = file.shape("kintree_table");
   const bool table = shape.size() == 2 && shape[0] == 2 && shape[1] == joints;
   if (!table && !(shape.size() == 1 && shape[0] == joints))
-    reject(file, "array 'kintree_table': expected shape (2, " + std::to_string(joints) + "), the joints of the regressor");
+    file.reject("array 'kintree_table': expected shape (2, " + std::to_string(joints) + "), the joints of the regressor");
   const std::vector<double> values = file.values("kintree_table");
   std::vector<int> result(joints, -1);
   for (int j = 1; j < joints; ++j) {
     if (!(values[j] >= 0 && values[j] < j))
-      reject(file, "array 'kintree_table': expected parents before children, found parent " + std::to_string(values[j]) +
-                       " of joint " + std::to_string(j));
+      file.reject("array 'kintree_table': expected parents before children, found parent " + std::to_string(values[j]) +
+                  " of joint " + std::to_string(j));
     result[j] = static_cast<int>(values[j]);
   }
   return result;
@@ -77,12 +73,12 @@ std::vector<std::string> joint_names(const Npz &file, int joints) {
   if (file.has("joint_names")) {
     std::vector<std::string> names = file.text("joint_names");
     if (static_cast<int>(names.size()) != joints)
-      reject(file, "array 'joint_names': expected " + std::to_string(joints) + " names, found " + std::to_string(names.size()));
+      file.reject("array 'joint_names': expected " + std::to_string(joints) + " names, found " + std::to_string(names.size()));
     return names;
   }
   if (joints != 24 && joints != 52 && joints != 55) // SMPL and STAR, SMPL-H, SMPL-X
-    reject(file, "expected 24, 52 or 55 joints, as SMPL, SMPL-H and SMPL-X have, or an array 'joint_names'; found " +
-                     std::to_string(joints) + " joints without names");
+    file.reject("expected 24, 52 or 55 joints, as SMPL, SMPL-H and SMPL-X have, or an array 'joint_names'; found " +
+                std::to_string(joints) + " joints without names");
   std::vector<std::string> names = kBodyJoints;
   for (int j = static_cast<int>(names.size()); j < joints; ++j)
     names.push_back("detail_" + std::to_string(j));
@@ -99,14 +95,14 @@ Eigen::Matrix3d upright(const Npz &file, const Vertices &vertices, const Vertice
   const auto head = std::find(names.begin(), names.end(), "head");
   const Eigen::RowVector3d extent = vertices.colwise().maxCoeff() - vertices.colwise().minCoeff();
   if (!(extent.maxCoeff() > 0))
-    reject(file, "array 'v_template': all vertices are in one place");
+    file.reject("array 'v_template': all vertices are in one place");
   if (head == names.end())
     return Eigen::Matrix3d::Identity();
   const Eigen::RowVector3d up = joints.row(head - names.begin()) - joints.row(0);
   int axis;
   up.cwiseAbs().maxCoeff(&axis);
   if (extent[axis] < kLeastStature * extent.maxCoeff())
-    reject(file, "the model does not stand: its head is not above its pelvis");
+    file.reject("the model does not stand: its head is not above its pelvis");
   const Eigen::Vector3d from = (up[axis] > 0 ? 1 : -1) * Eigen::Vector3d::Unit(axis);
   return Eigen::Quaterniond::FromTwoVectors(from, Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
@@ -116,7 +112,7 @@ MatrixRM turned_directions(const Npz &file, const std::string &name, int vertice
   file.require_shape(name, {vertices, 3, -1});
   const int all = static_cast<int>(file.shape(name)[2]), kept = std::min(all, kMostShapes);
   if (kept < 1)
-    reject(file, "array '" + name + "': expected at least one direction");
+    file.reject("array '" + name + "': expected at least one direction");
   const std::vector<double> values = file.values(name);
   MatrixRM result = Eigen::Map<const MatrixRM>(values.data(), 3 * vertices, all).leftCols(kept);
   for (int v = 0; v < vertices; ++v)
@@ -138,7 +134,7 @@ SkinnedBodyData read_smpl_data(const std::filesystem::path &path) {
                                     "J_regressor_indptr", "J_regressor_shape", "weights", "kintree_table", "f", "joint_names",
                                     "landmark_names", "landmark_indices"});
   if (!file.has("v_template"))
-    reject(file, "is no body model: expected array 'body_model_format', or 'v_template' of the SMPL family");
+    file.reject("is no body model: expected array 'body_model_format', or 'v_template' of the SMPL family");
   file.require_shape("v_template", {-1, 3});
   file.require_shape("f", {-1, 3});
   SkinnedBodyData data;
@@ -147,7 +143,7 @@ SkinnedBodyData read_smpl_data(const std::filesystem::path &path) {
   const std::vector<int> faces = file.integers("f");
   data.faces = Eigen::Map<const Faces>(faces.data(), faces.size() / 3, 3);
   if (faces.empty() || data.faces.minCoeff() < 0 || data.faces.maxCoeff() >= v)
-    reject(file, "array 'f': expected indices in [0, " + std::to_string(v) + ")");
+    file.reject("array 'f': expected indices in [0, " + std::to_string(v) + ")");
   const MatrixRM regressor = joint_regressor(file, v);
   const int j = static_cast<int>(regressor.rows());
   data.joint_parents = parents(file, j);
@@ -162,10 +158,10 @@ SkinnedBodyData read_smpl_data(const std::filesystem::path &path) {
   data.weights = file.matrix("weights").cwiseMax(0.0);
   const Eigen::VectorXd sums = data.weights.rowwise().sum();
   if (!(sums.minCoeff() > 0.5))
-    reject(file, "array 'weights': a row is not a set of weights");
+    file.reject("array 'weights': a row is not a set of weights");
   data.weights.array().colwise() /= sums.array();
   if (!data.mean.allFinite() || !data.shape.allFinite() || !data.joint_shape.allFinite() || !data.joint_mean.allFinite())
-    reject(file, "arrays 'v_template', 'shapedirs' and 'J_regressor' must be finite");
+    file.reject("arrays 'v_template', 'shapedirs' and 'J_regressor' must be finite");
   data.pose_mean = Eigen::VectorXd::Zero(3 * j);
   data.pose = MatrixRM::Zero(3 * j, 3 * (j - 1));
   for (int k = 0; k < 3 * (j - 1); ++k)
@@ -176,7 +172,7 @@ SkinnedBodyData read_smpl_data(const std::filesystem::path &path) {
     const std::vector<int> indices = file.integers("landmark_indices");
     for (std::size_t i = 0; i < names.size(); ++i) {
       if (indices[i] < 0 || indices[i] >= v)
-        reject(file, "array 'landmark_indices': landmark '" + names[i] + "' is vertex " + std::to_string(indices[i]));
+        file.reject("array 'landmark_indices': landmark '" + names[i] + "' is vertex " + std::to_string(indices[i]));
       data.landmarks[names[i]] = indices[i];
     }
   }

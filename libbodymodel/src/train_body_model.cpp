@@ -1,9 +1,9 @@
 #include "doublet/bodymodel/train_body_model.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/npz.h"
 #include "doublet/core/skeleton.h"
 #include "doublet/core/skinning.h"
+#include "doublet/files/npz.h"
 
 #include <Eigen/Eigenvalues>
 

@@ -1,5 +1,6 @@
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/quantile.h"
 #include "doublet/core/types.h"
 #include "mask_cleaning.h"
 
@@ -74,11 +75,6 @@ std::vector<Form> border_pixels(const std::vector<Image> &images) {
           x = image.width - mx - 1; // skip the inside of the row
   }
   return pixels;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 /// The hue that most saturated border pixels share, within 20 degrees.

@@ -1,7 +1,7 @@
 #include "doublet/capture/heat_weights.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/sparse_solve.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 #include "face_mask.h"
 
 #include <algorithm>

@@ -49,14 +49,14 @@ std::vector<int> limb_of_face(const RiggedMesh &actor, const std::vector<Limb> &
   return of_face;
 }
 
-struct Bone {
+struct SeenBone {
   int limb;
   Eigen::Vector2d from, to; // pixels
 };
 
-std::vector<Bone> bones_in_view(const Skeleton &skeleton, const Vertices &joints, const std::vector<int> &limb_of_joint,
-                                const Camera &camera) {
-  std::vector<Bone> bones;
+std::vector<SeenBone> bones_in_view(const Skeleton &skeleton, const Vertices &joints, const std::vector<int> &limb_of_joint,
+                                    const Camera &camera) {
+  std::vector<SeenBone> bones;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     const int parent = skeleton.joints[j].parent;
     if (parent < 0 || limb_of_joint[parent] < 0 || camera.depth(joints.row(j)) <= 0 || camera.depth(joints.row(parent)) <= 0)
@@ -66,7 +66,7 @@ std::vector<Bone> bones_in_view(const Skeleton &skeleton, const Vertices &joints
   return bones;
 }
 
-double squared_distance(const Bone &bone, const Eigen::Vector2d &p) {
+double squared_distance(const SeenBone &bone, const Eigen::Vector2d &p) {
   const Eigen::Vector2d way = bone.to - bone.from;
   const double along = way.squaredNorm() > 0 ? std::clamp((p - bone.from).dot(way) / way.squaredNorm(), 0.0, 1.0) : 0;
   return (bone.from + along * way - p).squaredNorm();
@@ -102,7 +102,7 @@ public:
   }
 
   /// Mask pixels that the rendering does not explain, a connected piece at a time.
-  void add_uncovered(const std::vector<Bone> &bones, LimbSums &sums) const {
+  void add_uncovered(const std::vector<SeenBone> &bones, LimbSums &sums) const {
     if (bones.empty() || cv::countNonZero(covered_) == 0)
       return;
     cv::Mat distance, nearest, pieces;
@@ -125,7 +125,7 @@ public:
           continue;
         const cv::Point &edge = pixel_of_label[nearest.at<int>(y, x)];
         weight[piece] += reliability_[rendered_.face_at(edge.x, edge.y)] * metres(distance.at<float>(y, x), edge.x, edge.y);
-        for (const Bone &bone : bones)
+        for (const SeenBone &bone : bones)
           if (const double d = squared_distance(bone, {x, y}); d < least[piece]) {
             least[piece] = d;
             limb[piece] = bone.limb;

@@ -1,6 +1,6 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "mesh_formats.h"
 
 namespace doublet {

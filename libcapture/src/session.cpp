@@ -1,7 +1,7 @@
 #include "doublet/capture/session.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "frame_reader.h"
 
 #include <cmath>

@@ -1,6 +1,7 @@
 #include "doublet/core/error.h"
+#include "doublet/core/parts/quantile.h"
 #include "doublet/core/parts/sparse_solve.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 #include "holes.h"
 
 #include <algorithm>
@@ -19,11 +20,6 @@ constexpr double kLongRim = 0.1; // m
 /// Mean cosine: a sheet has the garment's back on both sides (towards -1), the bottom of a fold walls that face it (towards 1),
 /// the wall of an undercut fold one of each.
 constexpr double kBehind = -0.15;
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
 
 /// (V) 1 where the vertex is far from the scan and the scan is sparse, or where the surface turns away from a scan that is rather
 /// near: a sheet between a leg and a hem that nearly touch is nowhere far from both.

@@ -1,6 +1,6 @@
 #include "doublet/capture/template_builder.h"
-#include "doublet/core/parts/self_intersection.h"
-#include "doublet/core/surface_distance.h"
+#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/rays/surface_distance.h"
 #include "face_mask.h"
 
 #include <algorithm>

@@ -60,11 +60,11 @@ MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const Matr
   return result;
 }
 
-DressedActor dress(const RiggedMesh &actor, const Clothness &clothness, const Garment &garment) {
+DressedActor dress(const RiggedMesh &actor, const Segmentation &segmentation, const Garment &garment) {
   require_actor(actor, "dress");
-  require_clothness(clothness, actor.mesh.vertices.rows(), "dress");
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "dress");
   if (garment.region_count == 0)
-    return {actor, clothness};
+    return {actor, segmentation};
   validate_garment(garment, actor, "garment");
   const Eigen::Index bare = actor.mesh.vertices.rows(), count = garment.mesh.vertices.rows(), faces = actor.mesh.faces.rows();
   DressedActor dressed;
@@ -80,10 +80,11 @@ DressedActor dress(const RiggedMesh &actor, const Clothness &clothness, const Ga
       mesh.face_valid[f] = 0;
   mesh.face_valid.resize(faces + garment.mesh.faces.rows(), 1);
 
-  Clothness &cloth = dressed.clothness;
+  Segmentation &cloth = dressed.segmentation;
   cloth.region_count = garment.region_count;
   cloth.sigma = Eigen::VectorXd::Constant(bare + count, std::numeric_limits<double>::quiet_NaN());
-  cloth.sigma.head(std::min(bare, clothness.sigma.size())) = clothness.sigma.head(std::min(bare, clothness.sigma.size()));
+  cloth.sigma.head(std::min(bare, segmentation.sigma.size())) =
+      segmentation.sigma.head(std::min(bare, segmentation.sigma.size()));
   cloth.clothness = stacked<Eigen::VectorXd>(Eigen::VectorXd::Zero(bare), garment.clothness);
   cloth.region = stacked<Eigen::VectorXi>(Eigen::VectorXi::Constant(bare, -1), garment.region);
   cloth.rest = stacked<Vertices>(actor.mesh.vertices, garment.rest);

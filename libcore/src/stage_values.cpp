@@ -57,20 +57,20 @@ void require_performance(const ReferencePerformance &performance, const RiggedMe
   expect_all(what + ": performance.frames", static_cast<Eigen::Index>(performance.frames.size()), count);
 }
 
-void require_clothness(const Clothness &clothness, Eigen::Index vertices, const std::string &what) {
-  expect(what + ": clothness.clothness", clothness.clothness.size(), vertices);
-  expect(what + ": clothness.region", clothness.region.size(), vertices);
-  expect_all(what + ": clothness.sigma", clothness.sigma.size(), vertices);
-  expect_all(what + ": clothness.fullness", clothness.fullness.size(), vertices);
-  expect_all(what + ": clothness.rest", clothness.rest.rows(), vertices);
-  if (!(clothness.clothness.array() >= 0).all() || !(clothness.clothness.array() <= 1).all())
-    throw Error(what + ": clothness.clothness: expected values in [0, 1], found others");
-  if (vertices > 0 && (clothness.region.minCoeff() < -1 || clothness.region.maxCoeff() >= clothness.region_count))
-    throw Error(what + ": clothness.region: expected numbers from -1 to below region_count " +
-                std::to_string(clothness.region_count) + ", found " + std::to_string(clothness.region.minCoeff()) + " to " +
-                std::to_string(clothness.region.maxCoeff()));
-  expect_finite(what + ": clothness.fullness", clothness.fullness);
-  expect_finite(what + ": clothness.rest", clothness.rest);
+void require_segmentation(const Segmentation &segmentation, Eigen::Index vertices, const std::string &what) {
+  expect(what + ": segmentation.clothness", segmentation.clothness.size(), vertices);
+  expect(what + ": segmentation.region", segmentation.region.size(), vertices);
+  expect_all(what + ": segmentation.sigma", segmentation.sigma.size(), vertices);
+  expect_all(what + ": segmentation.fullness", segmentation.fullness.size(), vertices);
+  expect_all(what + ": segmentation.rest", segmentation.rest.rows(), vertices);
+  if (!(segmentation.clothness.array() >= 0).all() || !(segmentation.clothness.array() <= 1).all())
+    throw Error(what + ": segmentation.clothness: expected values in [0, 1], found others");
+  if (vertices > 0 && (segmentation.region.minCoeff() < -1 || segmentation.region.maxCoeff() >= segmentation.region_count))
+    throw Error(what + ": segmentation.region: expected numbers from -1 to below region_count " +
+                std::to_string(segmentation.region_count) + ", found " + std::to_string(segmentation.region.minCoeff()) + " to " +
+                std::to_string(segmentation.region.maxCoeff()));
+  expect_finite(what + ": segmentation.fullness", segmentation.fullness);
+  expect_finite(what + ": segmentation.rest", segmentation.rest);
 }
 
 void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton &skeleton, const std::string &what) {

@@ -9,7 +9,7 @@
 namespace doublet::fit {
 namespace {
 
-constexpr int kMargin = 2;      // coarse pixels around the cloth, so that the background beside the outline is there to be seen
+constexpr int kViewMargin = 2;  // coarse pixels around the cloth, so that the background beside the outline is there to be seen
 constexpr int kGridCells = 128; // along the larger side of an image
 /// What is not cloth hides it only from this far in front, m: coarse depths are those of pixel centres, and the cloth lies on the
 /// body.
@@ -153,10 +153,10 @@ void ClothView::set_camera(const CoarseCamera &camera) {
 /// False if there is no cloth in the image.
 bool ClothView::coarse_box() {
   const auto [x0, y0, x1, y1] = box_;
-  x0_ = std::max(-kMargin, floor_int(camera_->coarse_x(x0)) - kMargin);
-  y0_ = std::max(-kMargin, floor_int(camera_->coarse_y(y0)) - kMargin);
-  width_ = std::min(camera_->width + kMargin, ceil_int(camera_->coarse_x(x1)) + kMargin + 1) - x0_;
-  height_ = std::min(camera_->height + kMargin, ceil_int(camera_->coarse_y(y1)) + kMargin + 1) - y0_;
+  x0_ = std::max(-kViewMargin, floor_int(camera_->coarse_x(x0)) - kViewMargin);
+  y0_ = std::max(-kViewMargin, floor_int(camera_->coarse_y(y0)) - kViewMargin);
+  width_ = std::min(camera_->width + kViewMargin, ceil_int(camera_->coarse_x(x1)) + kViewMargin + 1) - x0_;
+  height_ = std::min(camera_->height + kViewMargin, ceil_int(camera_->coarse_y(y1)) + kViewMargin + 1) - y0_;
   return width_ > 0 && height_ > 0;
 }
 

@@ -1,8 +1,8 @@
 // Hansen, "The CMA Evolution Strategy: A Tutorial", arXiv:1604.00772; equation numbers are its.
 
 #include "doublet/core/parts/normal_generator.h"
+#include "doublet/core/parts/quantile.h"
 #include "doublet/fit/optimizer.h"
-#include "median.h"
 #include "optimizer_checks.h"
 #include "state_json.h"
 
@@ -14,7 +14,7 @@
 namespace doublet {
 namespace {
 
-constexpr const char *kKind = "cma-es";
+constexpr const char *kCmaEs = "cma-es";
 constexpr std::size_t kHalf = 10;          // generations that are compared with as many before them, see stagnation
 constexpr double kLargestCondition = 1e14; // beyond it the eigenvalues are rounding errors
 
@@ -94,7 +94,7 @@ public:
   }
 
   std::string save() const override {
-    state::Json json = {{"kind", kKind},
+    state::Json json = {{"kind", kCmaEs},
                         {"n", n_},
                         {"lambda", strategy_.lambda},
                         {"random", random_.state()},
@@ -113,7 +113,7 @@ public:
   }
 
   void restore(const std::string &text) override {
-    state::read(text, kKind, [&](const state::Json &json) {
+    state::read(text, kCmaEs, [&](const state::Json &json) {
       if (json.at("n") != n_ || json.at("lambda") != strategy_.lambda)
         throw Error("optimiser state: expected dimension " + std::to_string(n_) + " and population " +
                     std::to_string(strategy_.lambda) + ", found " + json.at("n").dump() + " and " + json.at("lambda").dump());

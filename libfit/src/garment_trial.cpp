@@ -9,8 +9,8 @@
 namespace doublet {
 namespace {
 
-constexpr int kBestOf = 4;      // the mean is over the lowest of so many: one sample's energy is chaotic
-constexpr double kMargin = 0.1; // of the race: half of the samples is beyond what counts
+constexpr int kBestOf = 4;          // the mean is over the lowest of so many: one sample's energy is chaotic
+constexpr double kRaceMargin = 0.1; // of the race: half of the samples is beyond what counts
 
 /// Van der Corput's sequence: the digits of `i` in `base`, mirrored at the point; in (0, 1) for i > 0.
 double radical_inverse(int i, int base) {
@@ -43,7 +43,7 @@ MatrixRM trial_samples(const ParameterSpace &space, int count) {
 Eigen::VectorXd trial_energy(const MaterialObjective &objective, int materials, const Context &context) {
   require_materials(materials, "trial_energy: materials");
   const MatrixRM samples = trial_samples(objective.space(), materials).replicate(1, objective.part_count());
-  MatrixRM energies = objective.race(samples, kMargin, context);
+  MatrixRM energies = objective.race(samples, kRaceMargin, context);
   const Eigen::Index lowest = materials / kBestOf;
   for (auto region : energies.colwise())
     std::nth_element(region.begin(), region.begin() + lowest - 1, region.end());

@@ -1,7 +1,7 @@
 #include "doublet/fit/parts/influence.h"
 
 #include "doublet/core/error.h"
-#include "median.h"
+#include "doublet/core/parts/quantile.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>

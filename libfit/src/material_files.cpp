@@ -1,6 +1,6 @@
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
-#include "doublet/core/npz.h"
+#include "doublet/files/files.h"
+#include "doublet/files/npz.h"
 #include "doublet/fit/material_estimator.h"
 #include "doublet/options/json.h"
 

@@ -1,6 +1,6 @@
 #include "doublet/fit/minimise.h"
 
-#include "median.h"
+#include "doublet/core/parts/quantile.h"
 #include "optimizer_checks.h"
 #include "state_json.h"
 
@@ -11,7 +11,7 @@
 namespace doublet {
 namespace {
 
-constexpr const char *kKind = "minimise";
+constexpr const char *kMinimise = "minimise";
 
 class Run {
 public:
@@ -152,7 +152,7 @@ private:
   void save() const {
     if (options_.checkpoint.empty())
       return;
-    state::Json json = {{"kind", kKind}, {"problem", options_.problem}, {"seconds", seconds()}, {"penalties", penalties_}};
+    state::Json json = {{"kind", kMinimise}, {"problem", options_.problem}, {"seconds", seconds()}, {"penalties", penalties_}};
     for (const auto &optimizer : optimizers_) {
       json["optimizers"].push_back(optimizer->save());
       if (json["optimizers"].back() == "")
@@ -190,7 +190,7 @@ private:
   void resume(const Context &context) try {
     if (options_.checkpoint.empty() || !std::filesystem::exists(options_.checkpoint))
       return;
-    state::read(read_json_text(options_.checkpoint), kKind, [&](const state::Json &json) {
+    state::read(read_json_text(options_.checkpoint), kMinimise, [&](const state::Json &json) {
       if (json.at("problem") != options_.problem || json.at("optimizers").size() != optimizers_.size() ||
           json.value("penalties", state::Json()).size() != penalties_.size()) {
         context.say("fit: " + options_.checkpoint.string() + " belongs to other data or options; starting over");

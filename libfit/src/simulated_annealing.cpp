@@ -8,7 +8,7 @@
 namespace doublet {
 namespace {
 
-constexpr const char *kKind = "annealing";
+constexpr const char *kAnnealing = "annealing";
 
 /// Folds a coordinate back into [0, 1].
 double reflect(double x) {
@@ -64,7 +64,7 @@ public:
   }
 
   std::string save() const override {
-    state::Json json = {{"kind", kKind},
+    state::Json json = {{"kind", kAnnealing},
                         {"n", n_},
                         {"chains", options_.chains},
                         {"random", random_.state()},
@@ -79,7 +79,7 @@ public:
   }
 
   void restore(const std::string &text) override {
-    state::read(text, kKind, [&](const state::Json &json) {
+    state::read(text, kAnnealing, [&](const state::Json &json) {
       if (json.at("n") != n_ || json.at("chains") != options_.chains)
         throw Error("optimiser state: expected dimension " + std::to_string(n_) + " and " + std::to_string(options_.chains) +
                     " chains, found " + json.at("n").dump() + " and " + json.at("chains").dump());

@@ -6,27 +6,27 @@
 namespace doublet::pbd {
 namespace {
 
-[[noreturn]] void refuse(const std::string &what) {
+[[noreturn]] void refuse_model(const std::string &what) {
   throw std::invalid_argument("cloth model: " + what);
 }
 
 void check_mesh(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness) {
   if (rest.rows() == 0 || faces.rows() == 0)
-    refuse("the mesh is empty (" + std::to_string(rest.rows()) + " vertices, " + std::to_string(faces.rows()) + " faces)");
+    refuse_model("the mesh is empty (" + std::to_string(rest.rows()) + " vertices, " + std::to_string(faces.rows()) + " faces)");
   if (clothness.size() != rest.rows())
-    refuse("clothness must have one value a vertex (" + std::to_string(rest.rows()) + "), found " +
-           std::to_string(clothness.size()));
+    refuse_model("clothness must have one value a vertex (" + std::to_string(rest.rows()) + "), found " +
+                 std::to_string(clothness.size()));
   for (int i = 0; i < rest.rows(); ++i) {
     if (!rest.row(i).allFinite() || rest.row(i).cwiseAbs().maxCoeff() > 1e6)
-      refuse("rest position of vertex " + std::to_string(i) + " is not a finite point within 1e6 m");
+      refuse_model("rest position of vertex " + std::to_string(i) + " is not a finite point within 1e6 m");
     if (!(clothness[i] >= 0 && clothness[i] <= 1))
-      refuse("clothness must lie in [0, 1], found " + std::to_string(clothness[i]) + " at vertex " + std::to_string(i));
+      refuse_model("clothness must lie in [0, 1], found " + std::to_string(clothness[i]) + " at vertex " + std::to_string(i));
   }
   for (int f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k)
       if (faces(f, k) < 0 || faces(f, k) >= rest.rows())
-        refuse("face " + std::to_string(f) + " has index " + std::to_string(faces(f, k)) + ", expected 0.." +
-               std::to_string(rest.rows() - 1));
+        refuse_model("face " + std::to_string(f) + " has index " + std::to_string(faces(f, k)) + ", expected 0.." +
+                     std::to_string(rest.rows() - 1));
 }
 
 double face_area(const Vertices &rest, const Faces &faces, int f) {
@@ -41,14 +41,14 @@ Eigen::VectorXd inverse_masses_of(const Vertices &rest, const Faces &faces, cons
   for (int f = 0; f < faces.rows(); ++f) {
     const double area = face_area(rest, faces, f);
     if (!(area > 1e-12))
-      refuse("face " + std::to_string(f) + " is degenerate: its area must exceed 1e-12 m^2, found " + std::to_string(area));
+      refuse_model("face " + std::to_string(f) + " is degenerate: its area must exceed 1e-12 m^2, found " + std::to_string(area));
     for (int v : faces.row(f))
       mass[v] += fullness[v] * area / 3;
   }
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(rest.rows());
   for (int i = 0; i < rest.rows(); ++i) {
     if (mass[i] == 0)
-      refuse("vertex " + std::to_string(i) + " belongs to no face and has no mass");
+      refuse_model("vertex " + std::to_string(i) + " belongs to no face and has no mass");
     if (clothness[i] > 0)
       inverse[i] = 1 / mass[i];
   }
@@ -69,7 +69,7 @@ ClothModel::ClothModel(const Vertices &rest, const Faces &faces, const Eigen::Ve
   options.validate();
   check_mesh(rest, faces, clothness);
   if (fullness_.size() != rest.rows() || !(fullness_.array() >= 1).all() || !fullness_.allFinite())
-    refuse("fullness must have one finite value of at least 1 a vertex (" + std::to_string(rest.rows()) + ")");
+    refuse_model("fullness must have one finite value of at least 1 a vertex (" + std::to_string(rest.rows()) + ")");
   inverse_masses_ = inverse_masses_of(rest, faces, clothness, fullness_);
 }
 

@@ -8,15 +8,15 @@
 namespace doublet::pbd {
 namespace {
 
-[[noreturn]] void refuse(const std::string &what) {
+[[noreturn]] void refuse_step(const std::string &what) {
   throw std::invalid_argument("cloth step: " + what);
 }
 
 void check_vertices(const Vertices *m, int n, const char *name) {
   if (m->rows() != n)
-    refuse(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m->rows()));
+    refuse_step(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m->rows()));
   if (!((0 * m->array()).sum() == 0)) // one that is not finite makes it not a number
-    refuse(std::string(name) + " holds a value that is not finite");
+    refuse_step(std::string(name) + " holds a value that is not finite");
 }
 
 void check_state(const ClothModel &model, const ClothState &state) {
@@ -27,25 +27,25 @@ void check_state(const ClothModel &model, const ClothState &state) {
 void check_inputs(const ClothModel &model, const StepInputs &in) {
   const int n = model.vertex_count();
   if (!in.targets && (model.clothness().array() < 1).any())
-    refuse("targets are missing, and the model has vertices that follow them");
+    refuse_step("targets are missing, and the model has vertices that follow them");
   if (in.targets)
     check_vertices(in.targets, n, "targets");
   if (in.previous_targets)
     check_vertices(in.previous_targets, n, "previous_targets");
   if (!(in.dt > 0 && in.dt <= 1))
-    refuse("dt must lie in (0, 1] s, found " + std::to_string(in.dt));
+    refuse_step("dt must lie in (0, 1] s, found " + std::to_string(in.dt));
   if (!in.wind.allFinite())
-    refuse("wind is not finite");
+    refuse_step("wind is not finite");
   if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
-    refuse("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
-           std::to_string(in.previous_capsules->size()));
+    refuse_step("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
+                std::to_string(in.previous_capsules->size()));
   for (const std::vector<Capsule> *list : {in.capsules, in.previous_capsules})
     if (list)
       for (size_t i = 0; i < list->size(); ++i) {
         const Capsule &c = (*list)[i];
         if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
-          refuse("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
-                 std::to_string(c.r0) + " and " + std::to_string(c.r1));
+          refuse_step("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
+                      std::to_string(c.r0) + " and " + std::to_string(c.r1));
       }
 }
 
@@ -55,8 +55,8 @@ int capsule_count(const StepInputs &in) {
 
 void check_counts(size_t states, size_t inputs, size_t materials) {
   if (states != materials || (inputs != states && inputs != 1))
-    refuse("states, inputs (or one for all) and materials must be equally many, found " + std::to_string(states) + ", " +
-           std::to_string(inputs) + " and " + std::to_string(materials));
+    refuse_step("states, inputs (or one for all) and materials must be equally many, found " + std::to_string(states) + ", " +
+                std::to_string(inputs) + " and " + std::to_string(materials));
 }
 
 /// The word that advance() gave.
@@ -85,8 +85,8 @@ std::vector<int> ClothSolver::step_each(std::span<ClothState> states, std::span<
   for (const StepInputs &in : inputs) {
     check_inputs(*model_, in);
     if (capsule_count(in) != capsule_count(inputs[0]))
-      refuse("inputs of one call must have equally many capsules, found " + std::to_string(capsule_count(inputs[0])) + " and " +
-             std::to_string(capsule_count(in)));
+      refuse_step("inputs of one call must have equally many capsules, found " + std::to_string(capsule_count(inputs[0])) +
+                  " and " + std::to_string(capsule_count(in)));
   }
   for (size_t i = 0; i < states.size(); ++i) {
     validate(materials[i]);

@@ -171,7 +171,7 @@ void snap(Eigen::VectorXd &delta) {
     value = std::isfinite(value) ? std::clamp((value - kSnap) / (1 - 2 * kSnap), 0.0, 1.0) : 0.0;
 }
 
-void label_regions(const Surface &surface, Clothness &result) {
+void label_regions(const Surface &surface, Segmentation &result) {
   result.region = Eigen::VectorXi::Constant(surface.size(), -1);
   result.region_count = 0;
   for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return result.clothness[i] > 0; }))) {
@@ -185,8 +185,8 @@ class OppositeRaySegmenter : public ClothSegmenter {
 public:
   explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
 
-  Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                    const Context &context) const override {
+  Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                       const Context &context) const override {
     if (sequence.frames.size() < 2)
       throw std::invalid_argument("segment: expected a sequence of at least 2 frames, found " +
                                   std::to_string(sequence.frames.size()));
@@ -205,7 +205,7 @@ public:
       sigma = sigma.cwiseMin(opposite_distance_deviation(unposed, points, options_.opposite, context));
     }
     context.report("segment", 0.8);
-    Clothness result = clothness_from_deviation(pose, face_valid, sigma, options_);
+    Segmentation result = segmentation_from_deviation(pose, face_valid, sigma, options_);
     context.report("segment", 1.0);
     return result;
   }
@@ -223,8 +223,8 @@ void SegmentOptions::validate() const {
                     options::shown(rigid_threshold));
 }
 
-Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
-                                   const SegmentOptions &options) {
+Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
+                                         const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   options.validate();
   require_usable(pose, "first frame of the mesh sequence");
   const int n = static_cast<int>(pose.vertices.rows());
@@ -239,7 +239,7 @@ Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint
   const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
                         seam_vertices(pose.faces, scanned, n)};
 
-  Clothness result;
+  Segmentation result;
   result.sigma = sigma;
   // Eq. 1; NaN stays NaN and is filled in by the diffusion.
   Eigen::VectorXd delta = (sigma.array() - options.rigid_threshold) / (options.cloth_threshold - options.rigid_threshold);
@@ -256,19 +256,20 @@ Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint
   return result;
 }
 
-SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness) {
+SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
+                                      const Segmentation &segmentation) {
   const Eigen::VectorXd areas = vertex_areas(pose.vertices, valid_faces(pose.faces, face_valid));
   SegmentSummary summary;
-  summary.regions = clothness.region_count;
+  summary.regions = segmentation.region_count;
   int valid = 0, known = 0;
   for (int i = 0; i < areas.size(); ++i) {
     if (areas[i] <= 0)
       continue;
     ++valid;
-    known += std::isfinite(clothness.sigma[i]);
-    if (clothness.clothness[i] > 0.5)
+    known += std::isfinite(segmentation.sigma[i]);
+    if (segmentation.clothness[i] > 0.5)
       summary.cloth_area += areas[i];
-    else if (clothness.clothness[i] > 0)
+    else if (segmentation.clothness[i] > 0)
       summary.transition_area += areas[i];
   }
   summary.known_fraction = valid ? static_cast<double>(known) / valid : 0;
@@ -279,19 +280,19 @@ std::unique_ptr<ClothSegmenter> ClothSegmenter::create(const SegmentOptions &opt
   return std::make_unique<OppositeRaySegmenter>(options);
 }
 
-Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid, const SegmentOptions &options,
-                        const Context &context) {
+Segmentation segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                           const SegmentOptions &options, const Context &context) {
   return ClothSegmenter::create(options)->segment(sequence, face_valid, context);
 }
 
-Clothness segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
-                              const FullnessOptions &fullness, const Context &context) {
+Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
+                                 const ClothSegmenter &segmenter, const FullnessOptions &fullness, const Context &context) {
   require_actor(actor, "segment_performance");
   MeshSequence sequence = performance.surface;
   sequence.unposed = unposed_frames(actor, performance, context);
-  Clothness clothness = segmenter.segment(sequence, actor.face_valid, context);
-  clothness.fullness = estimate_fullness(actor.mesh, actor.face_valid, clothness, performance.surface, fullness, context);
-  return clothness;
+  Segmentation segmentation = segmenter.segment(sequence, actor.face_valid, context);
+  segmentation.fullness = estimate_fullness(actor.mesh, actor.face_valid, segmentation, performance.surface, fullness, context);
+  return segmentation;
 }
 
 } // namespace doublet

@@ -1,5 +1,6 @@
 #include "doublet/segment/fullness.h"
 
+#include "doublet/core/parts/quantile.h"
 #include "doublet/segment/parts/diffusion.h"
 
 #include <Eigen/Dense>
@@ -56,12 +57,6 @@ std::vector<int> surroundings(const Edges &edges, int vertex) {
   return {chosen.begin(), chosen.end()};
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto last = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), last, values.end());
-  return *last;
-}
-
 /// Lengths across and along gravity over those of the scan, one a frame; empty if they cannot be told.
 struct Stretches {
   std::vector<double> across, along;
@@ -102,26 +97,26 @@ Stretches stretches(const Mesh &scan, const Edges &edges, int vertex, const Eige
 
 } // namespace
 
-Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness,
+Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8_t> &face_valid, const Segmentation &segmentation,
                                   const MeshSequence &sequence, const FullnessOptions &options, const Context &context) {
   options.validate();
   const Eigen::Index count = scan.vertices.rows();
   require_usable(scan, "estimate_fullness: scan");
-  require_clothness(clothness, count, "estimate_fullness");
+  require_segmentation(segmentation, count, "estimate_fullness");
   if (sequence.frames.empty())
     throw std::invalid_argument("estimate_fullness: expected at least one frame, found none");
   require_frames(sequence.frames, count, "estimate_fullness: a frame");
   if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != scan.faces.rows())
     throw std::invalid_argument("estimate_fullness: face_valid: expected " + std::to_string(scan.faces.rows()) +
                                 " entries, one a face, found " + std::to_string(face_valid.size()));
-  if (!options.estimate || clothness.region_count == 0)
+  if (!options.estimate || segmentation.region_count == 0)
     return Eigen::VectorXd::Ones(count);
   const Faces faces = valid_faces(scan.faces, face_valid);
   const Edges edges = edges_of(faces, count);
   const Vertices normals = vertex_normals(scan.vertices, faces);
   Eigen::VectorXd wide = Eigen::VectorXd::Ones(count);
   parallel_for(context, static_cast<int>(count), [&](int v) {
-    if (clothness.region[v] < 0)
+    if (segmentation.region[v] < 0)
       return;
     const Stretches found = stretches(scan, edges, v, normals.row(v).transpose(), sequence);
     if (found.across.empty()) {
@@ -134,7 +129,7 @@ Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8
   });
   wide = diffuse_on_surface(scan.vertices, faces, wide, options.smoothing);
   for (Eigen::Index v = 0; v < count; ++v)
-    wide[v] = clothness.region[v] >= 0 && wide[v] > 1 ? std::min(wide[v], options.largest) : 1.0;
+    wide[v] = segmentation.region[v] >= 0 && wide[v] > 1 ? std::min(wide[v], options.largest) : 1.0;
   return wide;
 }
 

@@ -1,6 +1,6 @@
 #include "garment_field.h"
 
-#include "doublet/core/surface_distance.h"
+#include "doublet/rays/surface_distance.h"
 #include "doublet/segment/parts/diffusion.h"
 
 #include <algorithm>
@@ -83,7 +83,7 @@ struct Surroundings {
   std::vector<char> skin;               ///< [F] the rest but the sheet
 };
 
-Surroundings surroundings(const RiggedMesh &actor, const std::vector<char> &sheet, const Clothness &clothness) {
+Surroundings surroundings(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation) {
   const Faces &faces = actor.mesh.faces;
   Surroundings result{faces_beside(faces),
                       joint_of_faces(actor),
@@ -95,7 +95,7 @@ Surroundings surroundings(const RiggedMesh &actor, const std::vector<char> &shee
     double sum = 0;
     result.centres.row(f).setZero();
     for (int k = 0; k < 3; ++k) {
-      sum += clothness.clothness[faces(f, k)];
+      sum += segmentation.clothness[faces(f, k)];
       result.centres.row(f) += actor.mesh.vertices.row(faces(f, k)) / 3;
     }
     result.cloth[f] = !sheet[f] && sum > 1.5;
@@ -143,13 +143,13 @@ std::vector<std::vector<int>> patches(const std::vector<std::vector<int>> &besid
 }
 
 /// What of each face is cloth of the region, [0, 1]; what is `excluded` (the sheet below the hem, bare skin) is not.
-Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness,
+Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
                                int region) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(actor.mesh.faces.rows());
   for (Eigen::Index f = 0; f < result.size(); ++f)
     for (int k = 0; k < 3 && !excluded[f]; ++k) {
       const int v = actor.mesh.faces(f, k);
-      result[f] += clothness.region[v] == region ? clothness.clothness[v] / 3 : 0.0;
+      result[f] += segmentation.region[v] == region ? segmentation.clothness[v] / 3 : 0.0;
     }
   return result;
 }
@@ -207,12 +207,12 @@ std::vector<char> closing_sheet(const RiggedMesh &actor) {
   return seen;
 }
 
-std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Clothness &clothness,
+std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                             const Mesh &body) {
   std::vector<char> bare(actor.mesh.faces.rows(), 0);
   if (body.faces.rows() == 0)
     return bare;
-  const Surroundings at = surroundings(actor, sheet, clothness);
+  const Surroundings at = surroundings(actor, sheet, segmentation);
   const Eigen::VectorXd distance = distances_to_surface(at.centres, body);
   std::vector<char> on_body = at.cloth;
   for (std::size_t f = 0; f < on_body.size(); ++f)
@@ -224,9 +224,9 @@ std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sh
   return bare;
 }
 
-Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness, int region,
-                              const GarmentOptions &options) {
-  Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, excluded, clothness, region));
+Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
+                              int region, const GarmentOptions &options) {
+  Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, excluded, segmentation, region));
   field = diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, field, options.closing);
   for (double &value : field)
     value = std::isfinite(value) ? value : 0.0;

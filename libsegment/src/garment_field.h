@@ -12,12 +12,12 @@ std::vector<char> closing_sheet(const RiggedMesh &actor);
 
 /// (F) 1 for skin that moved as if it were cloth: what lies on the body beyond a garment's end (a knee below a hem that brushes
 /// it), or at the end of a limb. A waistband lies on the body, too, but on the side where the garment hangs. None without a body.
-std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Clothness &clothness,
+std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                             const Mesh &body);
 
 /// (V) above kCut where the region's garment is, below elsewhere; `excluded` (F): the sheet and bare skin.
-Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Clothness &clothness, int region,
-                              const GarmentOptions &options);
+Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
+                              int region, const GarmentOptions &options);
 
 /// (N) at the vertices of the piece: 1 where the cut runs along skin, 0 where the surface beyond it is invented (a hem).
 /// `smoothing`, m.

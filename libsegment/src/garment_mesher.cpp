@@ -2,7 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 #include "garment_field.h"
 #include "isotropic.h"
 #include "rest_shape.h"
@@ -269,11 +269,11 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
 
 /// Does the cut run through this face between garment and skin? Such faces stay, under the garment's edge, or there would be a
 /// gap.
-bool is_waistband(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &field, int f) {
+bool is_waistband(const RiggedMesh &actor, const Segmentation &segmentation, const Eigen::VectorXd &field, int f) {
   bool skin = false;
   for (int k = 0; k < 3; ++k) {
     const int v = actor.mesh.faces(f, k);
-    skin |= field[v] <= detail::kCut && clothness.clothness[v] < 0.5;
+    skin |= field[v] <= detail::kCut && segmentation.clothness[v] < 0.5;
   }
   return skin && actor.face_valid[f];
 }
@@ -294,9 +294,9 @@ void append(Garment &all, const Garment &part) {
   all.mesh.faces.bottomRows(part.mesh.faces.rows()) = part.mesh.faces.array() + static_cast<int>(before);
 }
 
-void check_inputs(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured) {
+void check_inputs(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured) {
   require_actor(actor, "garment");
-  require_clothness(clothness, actor.mesh.vertices.rows(), "garment");
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "garment");
   require_frames(captured.frames, actor.mesh.vertices.rows(), "garment: a captured frame");
   if (body.vertices.rows() > 0)
     require_usable(body, "garment: body");
@@ -317,9 +317,9 @@ class IsotropicMesher : public GarmentMesher {
 public:
   explicit IsotropicMesher(const GarmentOptions &options) : options_(options) { options_.validate(); }
 
-  Garment mesh(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
+  Garment mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
                const Context &context) const override {
-    check_inputs(actor, clothness, body, captured);
+    check_inputs(actor, segmentation, body, captured);
     Garment garment;
     garment.mesh = {Vertices(0, 3), Faces(0, 3)};
     garment.barycentric.resize(0, 3);
@@ -328,7 +328,7 @@ public:
     if (!options_.own_mesh)
       return garment;
     const std::vector<char> sheet = detail::closing_sheet(actor);
-    std::vector<char> excluded = detail::bare_ends(actor, sheet, clothness, body);
+    std::vector<char> excluded = detail::bare_ends(actor, sheet, segmentation, body);
     for (std::size_t f = 0; f < excluded.size(); ++f)
       excluded[f] |= sheet[f];
     std::vector<Eigen::VectorXd> fields;
@@ -336,8 +336,8 @@ public:
     std::vector<SpreadOut> spread;
     std::vector<std::vector<char>> hangs; // [R][N]
     std::vector<double> areas;            // [R] m^2, spread out
-    for (int r = 0; r < clothness.region_count; ++r) {
-      fields.push_back(detail::garment_field(actor, excluded, clothness, r, options_));
+    for (int r = 0; r < segmentation.region_count; ++r) {
+      fields.push_back(detail::garment_field(actor, excluded, segmentation, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
       const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing);
       hangs.push_back(hanging_vertices(whole, skin, options_.smallest_edge));
@@ -347,15 +347,15 @@ public:
       areas.push_back(face_areas(spread.back().mesh.vertices, spread.back().mesh.faces).sum());
     }
     const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
-    for (int r = 0; r < clothness.region_count; ++r) {
-      context.report("garment", static_cast<double>(r) / clothness.region_count);
+    for (int r = 0; r < segmentation.region_count; ++r) {
+      context.report("garment", static_cast<double>(r) / segmentation.region_count);
       if (pieces[r].mesh.faces.rows() == 0)
         continue;
       const Garment part = mesh_region(actor, captured, pieces[r], spread[r], hangs[r], garment.region_count,
                                        options_.vertices * areas[r] / area, options_);
       append(garment, part);
       for (int f : pieces[r].actor_face)
-        garment.covers[f] = !is_waistband(actor, clothness, fields[r], f);
+        garment.covers[f] = !is_waistband(actor, segmentation, fields[r], f);
       ++garment.region_count;
     }
     context.report("garment", 1.0);
@@ -372,9 +372,9 @@ std::unique_ptr<GarmentMesher> GarmentMesher::create(const GarmentOptions &optio
   return std::make_unique<IsotropicMesher>(options);
 }
 
-Garment mesh_garment(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
+Garment mesh_garment(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
                      const GarmentOptions &options, const Context &context) {
-  return GarmentMesher::create(options)->mesh(actor, clothness, body, captured, context);
+  return GarmentMesher::create(options)->mesh(actor, segmentation, body, captured, context);
 }
 
 GarmentSummary summarise_garment(const Garment &garment) {

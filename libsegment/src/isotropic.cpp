@@ -1,7 +1,7 @@
 #include "isotropic.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 

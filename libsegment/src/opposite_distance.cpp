@@ -1,7 +1,7 @@
 #include "doublet/segment/parts/opposite_distance.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 
 #include <algorithm>
 #include <cmath>

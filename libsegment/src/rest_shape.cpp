@@ -1,5 +1,7 @@
 #include "rest_shape.h"
 
+#include "doublet/core/parts/quantile.h"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -9,12 +11,6 @@ namespace doublet::detail {
 namespace {
 
 constexpr int kSmoothing = 20; // double steps of Taubin's filter: takes what is shorter than about four edges
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 /// Neighbours that a vertex is smoothed with: a boundary vertex with those along the boundary alone, so that hems stay.
 std::vector<std::vector<int>> smoothing_neighbours(const Faces &faces, Eigen::Index count) {

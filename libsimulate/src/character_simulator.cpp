@@ -11,13 +11,14 @@ namespace {
 constexpr double kDegenerateArea = 1e-14; // m^2, as in MeshReport
 
 /// Valid, non-degenerate faces with at least one vertex of the region.
-std::vector<int> region_faces(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region) {
+std::vector<int> region_faces(const RiggedMesh &actor, const Segmentation &segmentation, const Eigen::VectorXd &areas,
+                              int region) {
   std::vector<int> chosen;
   for (int f = 0; f < actor.mesh.faces.rows(); ++f) {
     if (!actor.face_valid[f] || areas[f] < kDegenerateArea)
       continue;
     for (int k = 0; k < 3; ++k)
-      if (clothness.region[actor.mesh.faces(f, k)] == region) {
+      if (segmentation.region[actor.mesh.faces(f, k)] == region) {
         chosen.push_back(f);
         break;
       }
@@ -32,9 +33,9 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
   return part;
 }
 
-ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, const Eigen::VectorXd &areas, int region,
+ClothRegion make_region(const RiggedMesh &actor, const Segmentation &segmentation, const Eigen::VectorXd &areas, int region,
                         const pbd::ClothOptions &options, const pbd::ClothSolverFactory &make_solver) {
-  const std::vector<int> faces = region_faces(actor, clothness, areas, region);
+  const std::vector<int> faces = region_faces(actor, segmentation, areas, region);
   if (faces.empty())
     throw Error("CharacterSimulator: cloth region " + std::to_string(region) + " has no valid triangle");
   ClothRegion result;
@@ -42,11 +43,11 @@ ClothRegion make_region(const RiggedMesh &actor, const Clothness &clothness, con
   Eigen::VectorXd delta(sub.vertices.rows()), fullness = Eigen::VectorXd::Ones(sub.vertices.rows());
   for (Eigen::Index i = 0; i < delta.size(); ++i) {
     const int v = result.vertex_from_cloth[i];
-    delta[i] = clothness.region[v] == region ? clothness.clothness[v] : 0.0;
-    if (clothness.fullness.size() > 0)
-      fullness[i] = clothness.fullness[v];
+    delta[i] = segmentation.region[v] == region ? segmentation.clothness[v] : 0.0;
+    if (segmentation.fullness.size() > 0)
+      fullness[i] = segmentation.fullness[v];
   }
-  const Vertices rest = clothness.rest.rows() > 0 ? gather(clothness.rest, result.vertex_from_cloth) : sub.vertices;
+  const Vertices rest = segmentation.rest.rows() > 0 ? gather(segmentation.rest, result.vertex_from_cloth) : sub.vertices;
   result.model = pbd::ClothModel::create(rest, sub.faces, delta, options, fullness);
   result.solver = make_solver ? make_solver(result.model) : pbd::ClothSolver::create(result.model);
   if (!result.solver || &result.solver->model() != result.model.get())
@@ -80,16 +81,16 @@ struct RegionInputs {
 
 } // namespace
 
-CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness,
+CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Segmentation &segmentation,
                                        const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options,
                                        const pbd::ClothSolverFactory &make_solver)
-    : actor_(actor), proxies_(proxies), options_(options), rest_(clothness.rest) {
+    : actor_(actor), proxies_(proxies), options_(options), rest_(segmentation.rest) {
   require_actor(actor, "CharacterSimulator");
-  require_clothness(clothness, actor.mesh.vertices.rows(), "CharacterSimulator");
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "CharacterSimulator");
   require_proxies(proxies, actor.skeleton, "CharacterSimulator");
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
-  for (int r = 0; r < clothness.region_count; ++r)
-    regions_.push_back(make_region(actor, clothness, areas, r, options, make_solver));
+  for (int r = 0; r < segmentation.region_count; ++r)
+    regions_.push_back(make_region(actor, segmentation, areas, r, options, make_solver));
 }
 
 PosedFrame CharacterSimulator::pose(const Eigen::VectorXd &dofs) const {

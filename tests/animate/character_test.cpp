@@ -2,7 +2,7 @@
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/parts/surface_transfer.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "figure_character.h"
 #include "support/temp_folder.h"
 
@@ -45,10 +45,10 @@ void expect_same(const Character &a, const Character &b) {
     EXPECT_EQ(a.actor.skeleton.joints[j].rest, b.actor.skeleton.joints[j].rest);
     EXPECT_EQ(a.actor.skeleton.joints[j].axes, b.actor.skeleton.joints[j].axes);
   }
-  EXPECT_TRUE(std::isnan(b.clothness.sigma[0]));
-  EXPECT_TRUE(as_float(a.clothness.clothness) == b.clothness.clothness);
-  EXPECT_TRUE(a.clothness.region == b.clothness.region);
-  EXPECT_EQ(a.clothness.region_count, b.clothness.region_count);
+  EXPECT_TRUE(std::isnan(b.segmentation.sigma[0]));
+  EXPECT_TRUE(as_float(a.segmentation.clothness) == b.segmentation.clothness);
+  EXPECT_TRUE(a.segmentation.region == b.segmentation.region);
+  EXPECT_EQ(a.segmentation.region_count, b.segmentation.region_count);
   ASSERT_EQ(a.proxies.size(), b.proxies.size());
   for (std::size_t i = 0; i < a.proxies.size(); ++i) {
     EXPECT_EQ(a.proxies[i].joint, b.proxies[i].joint);
@@ -57,8 +57,8 @@ void expect_same(const Character &a, const Character &b) {
   }
   ASSERT_EQ(a.materials.size(), b.materials.size());
   EXPECT_EQ(options::listed(a.materials[0]), options::listed(b.materials[0]));
-  EXPECT_EQ(a.clothness.fullness, b.clothness.fullness);
-  EXPECT_TRUE(as_float(a.clothness.rest) == b.clothness.rest);
+  EXPECT_EQ(a.segmentation.fullness, b.segmentation.fullness);
+  EXPECT_TRUE(as_float(a.segmentation.rest) == b.segmentation.rest);
   EXPECT_EQ(options::listed(a.solver), options::listed(b.solver));
   EXPECT_TRUE(as_float(a.body.vertices) == b.body.vertices);
   EXPECT_TRUE(as_float(a.body_weights) == b.body_weights);
@@ -76,8 +76,8 @@ void expect_same(const Character &a, const Character &b) {
 TEST(CharacterFile, ComesBackAsItWas) {
   const TempFolder folder;
   Character c = textured_character();
-  c.clothness.fullness = Eigen::VectorXd::Constant(c.clothness.clothness.size(), 1.25);
-  c.clothness.rest = 1.1 * c.actor.mesh.vertices;
+  c.segmentation.fullness = Eigen::VectorXd::Constant(c.segmentation.clothness.size(), 1.25);
+  c.segmentation.rest = 1.1 * c.actor.mesh.vertices;
   c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "character.glb", c);
   const Character once = read_character(folder / "character.glb");
@@ -112,7 +112,7 @@ void overwrite(std::string &text, const std::string &from, std::size_t length, s
 TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
   const TempFolder folder;
   Character c = figure_character();
-  c.clothness.rest = 1.1 * c.actor.mesh.vertices;
+  c.segmentation.rest = 1.1 * c.actor.mesh.vertices;
   c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "new.glb", c);
   std::string text = read_text(folder / "new.glb");
@@ -124,7 +124,7 @@ TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
             R"("selfThickness":0.003,"substeps":2,"thickness":0.01})");
   write_text(folder / "old.glb", text);
   const Character old = read_character(folder / "old.glb");
-  EXPECT_EQ(old.clothness.rest.rows(), 0);
+  EXPECT_EQ(old.segmentation.rest.rows(), 0);
   const SolverSettings meant{0.02, {7, 2, pbd::Stiffness::Sweeps, 1.0, {0, -9, 0}, 0.5, 0.01, 0.003, false}};
   EXPECT_EQ(options::listed(old.solver), options::listed(meant));
 }
@@ -201,7 +201,7 @@ TEST(Character, PartsMustFit) {
   c.body_shown.pop_back();
   EXPECT_THROW(validate_character(c), Error);
   c = figure_character();
-  c.clothness.rest = Vertices::Zero(5, 3);
+  c.segmentation.rest = Vertices::Zero(5, 3);
   EXPECT_THROW(validate_character(c), std::invalid_argument);
   c = figure_character();
   c.texture = {1, 2, 3};
@@ -211,7 +211,7 @@ TEST(Character, PartsMustFit) {
 TEST(Character, BodyUnderTheSkirtIsShownAndHangsOnTheThighBones) {
   const Character c = figure_character();
   const Skeleton &skeleton = c.actor.skeleton;
-  const auto hidden = hidden_by_cloth(c.actor, c.clothness, c.body);
+  const auto hidden = hidden_by_cloth(c.actor, c.segmentation, c.body);
   for (Eigen::Index v = 0; v < c.body.vertices.rows(); ++v) {
     const Eigen::Vector3d p = c.body.vertices.row(v);
     EXPECT_NEAR(c.body_weights.row(v).sum(), 1, 1e-9);

@@ -4,8 +4,8 @@
 #include "doublet/animate/texture_baker.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
-#include "doublet/core/ray_scene.h"
-#include "doublet/core/surface_distance.h"
+#include "doublet/rays/ray_scene.h"
+#include "doublet/rays/surface_distance.h"
 #include "support/figure.h"
 #include "support/temp_folder.h"
 
@@ -35,7 +35,7 @@ Mesh folded_tube(double bottom, double top, int rings, int segments, double fold
 
 struct Wearer {
   RiggedMesh actor;
-  Clothness clothness;
+  Segmentation segmentation;
   Mesh high;
 };
 
@@ -60,7 +60,7 @@ Wearer wearer(double fold = 0, bool with_leg = false) {
       top = std::max(top, actor.mesh.vertices(actor.mesh.faces(f, k), 1));
     actor.face_valid.push_back(f >= upper.faces.rows() || top > kSeam + 0.02);
   }
-  Clothness &cloth = result.clothness;
+  Segmentation &cloth = result.segmentation;
   cloth.region_count = 1;
   cloth.sigma = cloth.clothness = Eigen::VectorXd::Zero(n);
   cloth.region = Eigen::VectorXi::Constant(n, -1);
@@ -75,8 +75,8 @@ Wearer wearer(double fold = 0, bool with_leg = false) {
 }
 
 Character character_of(const Wearer &w) {
-  const Display display = make_display(w.actor, w.clothness, w.high);
-  return make_character(w.actor, w.clothness, {}, {}, {pbd::Material{}}, {}, display.mesh, display.valid,
+  const Display display = make_display(w.actor, w.segmentation, w.high);
+  return make_character(w.actor, w.segmentation, {}, {}, {pbd::Material{}}, {}, display.mesh, display.valid,
                         display.garment_subdivisions);
 }
 
@@ -102,7 +102,7 @@ std::vector<int> range(Eigen::Index first, Eigen::Index end) {
 
 TEST(DisplaySurface, HemIsOneSmoothCurve) {
   const Wearer w = wearer();
-  const Display display = make_display(w.actor, w.clothness, w.high);
+  const Display display = make_display(w.actor, w.segmentation, w.high);
   ASSERT_EQ(display.garment_subdivisions, 1); // edges of 35 mm and 13 mm
   EXPECT_TRUE(std::all_of(display.valid.begin(), display.valid.end(), [](int v) { return v == 1; }));
   const EdgeTopology topology = edge_topology(display.mesh.faces);
@@ -143,12 +143,12 @@ TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
     values.conservativeResize(before + count);
     values.tail(count).setConstant(value);
   };
-  longer(w.clothness.sigma, 0.0);
-  longer(w.clothness.clothness, 0.0);
-  longer(w.clothness.region, -1);
-  w.clothness.rest = w.actor.mesh.vertices;
+  longer(w.segmentation.sigma, 0.0);
+  longer(w.segmentation.clothness, 0.0);
+  longer(w.segmentation.region, -1);
+  w.segmentation.rest = w.actor.mesh.vertices;
   w.high = join({w.high, sheet(14, 60), leg(30, 40)});
-  const Display display = make_display(w.actor, w.clothness, w.high);
+  const Display display = make_display(w.actor, w.segmentation, w.high);
   const Vertices normals = face_normals(display.mesh.vertices, display.mesh.faces);
   int legs = 0;
   for (Eigen::Index f = 0; f < normals.rows(); ++f) {
@@ -161,7 +161,7 @@ TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
 TEST(DisplaySurface, BridgedFoldIsNotFollowed) {
   const Wearer w = wearer(0.08);
   const Character c = character_of(w);
-  const auto [skin, all] = split(w, make_display(w.actor, w.clothness, w.high));
+  const auto [skin, all] = split(w, make_display(w.actor, w.segmentation, w.high));
   const Mesh garment = part_of(w.actor.mesh.vertices, w.actor.mesh.faces, 30 * 48 * 2, w.actor.mesh.faces.rows());
   const Mesh cloth = submesh(c.high, range(skin, all));
   EXPECT_LT(distances_to_surface(cloth.vertices, garment).maxCoeff(), 0.012); // the scan is 80 mm away in the fold
@@ -179,7 +179,7 @@ TEST(DisplaySurface, BridgedFoldIsNotFollowed) {
 TEST(DisplaySurface, SkinGoesOnUnderTheSeam) {
   const Wearer w = wearer();
   const Character c = character_of(w);
-  const auto [skin, all] = split(w, make_display(w.actor, w.clothness, w.high));
+  const auto [skin, all] = split(w, make_display(w.actor, w.segmentation, w.high));
   double lowest = kTop;
   for (Eigen::Index f = 0; f < skin; ++f)
     for (int k = 0; k < 3; ++k) {
@@ -197,7 +197,7 @@ TEST(DisplaySurface, SkinGoesOnUnderTheSeam) {
   // In motion it stays there; above, it does not care what the cloth does.
   Vertices swung = w.actor.mesh.vertices;
   for (Eigen::Index v = 0; v < swung.rows(); ++v)
-    if (w.clothness.clothness[v] > 0)
+    if (w.segmentation.clothness[v] > 0)
       swung(v, 0) += 0.1;
   const DisplaySurface surface(c);
   const Vertices before = surface.apply(w.actor.mesh.vertices), after = surface.apply(swung);
@@ -264,8 +264,8 @@ TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
 
 TEST(DisplaySurface, WithoutAGarmentOfItsOwnTheScanIsDrawnWhereMIsValid) {
   Wearer w = wearer();
-  w.clothness.rest.resize(0, 3);
-  const Display display = make_display(w.actor, w.clothness, w.high);
+  w.segmentation.rest.resize(0, 3);
+  const Display display = make_display(w.actor, w.segmentation, w.high);
   EXPECT_EQ(display.garment_subdivisions, -1);
   EXPECT_TRUE(display.mesh.vertices == w.high.vertices && display.mesh.faces == w.high.faces);
 }

@@ -3,9 +3,9 @@
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/texture_baker.h"
 #include "doublet/core/error.h"
-#include "doublet/core/npz.h"
 #include "doublet/core/rasterizer.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/files/npz.h"
+#include "doublet/rays/ray_scene.h"
 #include "figure_character.h"
 #include "support/temp_folder.h"
 
@@ -318,7 +318,7 @@ TEST(Animator, DrawnBodyStaysUnderTheCloth) {
       for (int k = 0; k < 3 && c.body_shown[f]; ++k) {
         const Eigen::Vector3d p = positions.row(c.body.faces(f, k));
         const ClosestPoint at = scene.closest(p);
-        n += c.clothness.clothness[c.actor.mesh.faces(at.face, 0)] > 0 && (p - at.point).dot(normals.row(at.face)) > 1e-4;
+        n += c.segmentation.clothness[c.actor.mesh.faces(at.face, 0)] > 0 && (p - at.point).dot(normals.row(at.face)) > 1e-4;
       }
     return n;
   };

@@ -25,26 +25,26 @@ inline RiggedMesh dressed_actor(int rings = 16, int segments = 36) {
   return actor;
 }
 
-inline Clothness skirt_clothness(const RiggedMesh &actor, int cloth_vertices) {
+inline Segmentation skirt_clothness(const RiggedMesh &actor, int cloth_vertices) {
   const auto n = actor.mesh.vertices.rows();
-  Clothness clothness;
-  clothness.sigma = Eigen::VectorXd::Zero(n);
-  clothness.sigma[0] = std::numeric_limits<double>::quiet_NaN();
-  clothness.clothness = Eigen::VectorXd::Zero(n);
-  clothness.region = Eigen::VectorXi::Constant(n, -1);
-  clothness.region_count = 1;
+  Segmentation segmentation;
+  segmentation.sigma = Eigen::VectorXd::Zero(n);
+  segmentation.sigma[0] = std::numeric_limits<double>::quiet_NaN();
+  segmentation.clothness = Eigen::VectorXd::Zero(n);
+  segmentation.region = Eigen::VectorXi::Constant(n, -1);
+  segmentation.region_count = 1;
   for (Eigen::Index v = n - cloth_vertices; v < n; ++v) {
     const double y = actor.mesh.vertices(v, 1);
-    clothness.clothness[v] = y > 0.98 ? 0 : y > 0.93 ? 0.5 : 1.0;
-    if (clothness.clothness[v] > 0)
-      clothness.region[v] = 0;
+    segmentation.clothness[v] = y > 0.98 ? 0 : y > 0.93 ? 0.5 : 1.0;
+    if (segmentation.clothness[v] > 0)
+      segmentation.region[v] = 0;
   }
-  return clothness;
+  return segmentation;
 }
 
 inline Character figure_character() {
   const RiggedMesh actor = dressed_actor();
-  const Clothness clothness = skirt_clothness(actor, static_cast<int>(skirt(16, 36).vertices.rows()));
+  const Segmentation segmentation = skirt_clothness(actor, static_cast<int>(skirt(16, 36).vertices.rows()));
   BodyFit body;
   body.body = figure_surface(0.035);
   body.model = "figure";
@@ -68,7 +68,7 @@ inline Character figure_character() {
     for (int k = 0; k < 3; ++k)
       if (under_skirt(skin.vertices.row(skin.faces(f, k))))
         high_valid[f] = 0;
-  return make_character(actor, clothness, body, proxies, {material}, solver, high, high_valid);
+  return make_character(actor, segmentation, body, proxies, {material}, solver, high, high_valid);
 }
 
 /// Walking on the spot: legs and arms swing, the hips turn.

@@ -1,6 +1,6 @@
 #include "doublet/animate/retarget.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "figure_character.h"
 #include "support/temp_folder.h"
 

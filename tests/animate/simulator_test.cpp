@@ -12,12 +12,12 @@ using namespace doublet::testing;
 
 TEST(CharacterSimulator, RegionHangsFromItsRigidRing) {
   const Character c = figure_character();
-  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const CharacterSimulator simulator(c.actor, c.segmentation, c.proxies, c.solver.cloth);
   ASSERT_EQ(simulator.regions().size(), 1u);
   const ClothRegion &region = simulator.regions()[0];
   int pinned = 0;
   for (std::size_t i = 0; i < region.vertex_from_cloth.size(); ++i) {
-    const bool rigid = c.clothness.clothness[region.vertex_from_cloth[i]] == 0;
+    const bool rigid = c.segmentation.clothness[region.vertex_from_cloth[i]] == 0;
     EXPECT_EQ(region.model->inverse_masses()[i] == 0, rigid);
     pinned += rigid;
   }
@@ -27,7 +27,7 @@ TEST(CharacterSimulator, RegionHangsFromItsRigidRing) {
 
 TEST(CharacterSimulator, ClothHangsAndStaysOutsideTheLegs) {
   const Character c = figure_character();
-  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const CharacterSimulator simulator(c.actor, c.segmentation, c.proxies, c.solver.cloth);
   const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(c.actor.skeleton.dof_count()));
   CharacterState state = simulator.start(rest);
   simulator.settle(state, rest, c.materials, c.solver.dt, 40);
@@ -38,12 +38,12 @@ TEST(CharacterSimulator, ClothHangsAndStaysOutsideTheLegs) {
   double lowest = 1e9, deepest = 1e9;
   const std::vector<PosedCapsule> capsules = pose_capsules(c.proxies, c.actor.skeleton, rest.world_from_rest);
   for (int v : region.vertex_from_cloth) {
-    if (c.clothness.clothness[v] == 0) {
+    if (c.segmentation.clothness[v] == 0) {
       EXPECT_LT((hung.row(v) - rest.skinned.row(v)).norm(), 1e-6); // the solver computes in float
       continue;
     }
     lowest = std::min(lowest, hung(v, 1));
-    if (c.clothness.clothness[v] == 1)
+    if (c.segmentation.clothness[v] == 1)
       for (const PosedCapsule &capsule : capsules)
         deepest = std::min(deepest, signed_distance(capsule, hung.row(v)));
   }
@@ -54,13 +54,14 @@ TEST(CharacterSimulator, ClothHangsAndStaysOutsideTheLegs) {
 
 TEST(CharacterSimulator, StartsFromACapturedSurfaceButPinsFollowTheSkeleton) {
   const Character c = figure_character();
-  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const CharacterSimulator simulator(c.actor, c.segmentation, c.proxies, c.solver.cloth);
   const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(c.actor.skeleton.dof_count()));
   Vertices captured = rest.skinned;
   captured.array() += 0.01;
   const Vertices surface = simulator.surface(simulator.start(rest, &captured), rest);
   for (int v : simulator.regions()[0].vertex_from_cloth)
-    EXPECT_NEAR((surface.row(v) - rest.skinned.row(v)).norm(), c.clothness.clothness[v] > 0 ? 0.01 * std::sqrt(3.0) : 0.0, 1e-12);
+    EXPECT_NEAR((surface.row(v) - rest.skinned.row(v)).norm(), c.segmentation.clothness[v] > 0 ? 0.01 * std::sqrt(3.0) : 0.0,
+                1e-12);
 }
 
 namespace {
@@ -68,7 +69,7 @@ namespace {
 /// The figure with a skirt cut 1.2 times as large as the scan shows it.
 Character figure_in_a_larger_skirt() {
   Character c = figure_character();
-  c.clothness.rest = 1.2 * c.actor.mesh.vertices;
+  c.segmentation.rest = 1.2 * c.actor.mesh.vertices;
   return c;
 }
 
@@ -76,28 +77,28 @@ Character figure_in_a_larger_skirt() {
 
 TEST(CharacterSimulator, StartsAtTheRestShapeInThePose) {
   const Character c = figure_in_a_larger_skirt();
-  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies, c.solver.cloth);
+  const CharacterSimulator simulator(c.actor, c.segmentation, c.proxies, c.solver.cloth);
   const PosedFrame frame = simulator.pose(marching(c.actor.skeleton, 12, 40).row(11));
-  const Vertices expected = dual_quaternion_skinning(c.clothness.rest, c.actor.weights, frame.world_from_rest),
+  const Vertices expected = dual_quaternion_skinning(c.segmentation.rest, c.actor.weights, frame.world_from_rest),
                  surface = simulator.surface(simulator.start(frame), frame);
   EXPECT_GT((expected - frame.skinned).rowwise().norm().maxCoeff(), 0.1);
   for (Eigen::Index v = 0; v < surface.rows(); ++v) {
-    const bool cloth = c.clothness.clothness[v] > 0;
+    const bool cloth = c.segmentation.clothness[v] > 0;
     EXPECT_EQ(surface.row(v), cloth ? expected.row(v) : frame.skinned.row(v)) << v; // what it hangs from follows the skeleton
   }
   // Where a captured surface is, it starts there.
   const Vertices captured = frame.skinned.rowwise() + Eigen::RowVector3d(0.01, 0, 0);
   const Vertices from_captured = simulator.surface(simulator.start(frame, &captured), frame);
   for (Eigen::Index v = 0; v < surface.rows(); ++v)
-    EXPECT_EQ(from_captured.row(v), c.clothness.clothness[v] > 0 ? captured.row(v) : frame.skinned.row(v)) << v;
+    EXPECT_EQ(from_captured.row(v), c.segmentation.clothness[v] > 0 ? captured.row(v) : frame.skinned.row(v)) << v;
 }
 
 TEST(CharacterSimulator, LengthsAndMassesComeFromTheRestShape) {
   const Character small = figure_character(), large = figure_in_a_larger_skirt();
   pbd::ClothOptions options = large.solver.cloth;
   options.gravity.setZero();
-  const CharacterSimulator as_scanned(small.actor, small.clothness, {}, options),
-      simulator(large.actor, large.clothness, {}, options);
+  const CharacterSimulator as_scanned(small.actor, small.segmentation, {}, options),
+      simulator(large.actor, large.segmentation, {}, options);
   const Eigen::VectorXd before = as_scanned.regions()[0].model->inverse_masses(),
                         after = simulator.regions()[0].model->inverse_masses();
   EXPECT_LT((after * 1.44 - before).cwiseAbs().maxCoeff(), 1e-9 * before.maxCoeff()); // an area
@@ -117,22 +118,22 @@ TEST(CharacterSimulator, LengthsAndMassesComeFromTheRestShape) {
 
 TEST(CharacterSimulator, RefusesWhatDoesNotFit) {
   const Character c = figure_character();
-  Clothness wrong = c.clothness;
+  Segmentation wrong = c.segmentation;
   wrong.clothness.conservativeResize(10);
   EXPECT_THROW(CharacterSimulator(c.actor, wrong, c.proxies), std::invalid_argument);
-  Clothness unnamed = c.clothness;
+  Segmentation unnamed = c.segmentation;
   unnamed.region_count = 0;
   EXPECT_THROW(CharacterSimulator(c.actor, unnamed, c.proxies), Error);
-  Clothness short_rest = c.clothness;
+  Segmentation short_rest = c.segmentation;
   short_rest.rest = Vertices::Zero(10, 3);
   EXPECT_THROW(CharacterSimulator(c.actor, short_rest, c.proxies), std::invalid_argument);
   std::vector<TaperedCapsule> proxies = c.proxies;
   proxies[0].joint = 99;
-  EXPECT_THROW(CharacterSimulator(c.actor, c.clothness, proxies), Error);
+  EXPECT_THROW(CharacterSimulator(c.actor, c.segmentation, proxies), Error);
   RiggedMesh invalid = c.actor;
   std::fill(invalid.face_valid.begin(), invalid.face_valid.end(), 0);
-  EXPECT_THROW(CharacterSimulator(invalid, c.clothness, c.proxies), Error);
-  const CharacterSimulator simulator(c.actor, c.clothness, c.proxies);
+  EXPECT_THROW(CharacterSimulator(invalid, c.segmentation, c.proxies), Error);
+  const CharacterSimulator simulator(c.actor, c.segmentation, c.proxies);
   EXPECT_THROW(simulator.pose(Eigen::VectorXd::Zero(3)), std::invalid_argument);
   const PosedFrame rest = simulator.pose(Eigen::VectorXd::Zero(36));
   CharacterState state = simulator.start(rest);

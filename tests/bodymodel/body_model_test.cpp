@@ -3,8 +3,9 @@
 #include "doublet/bodymodel/body_fitter.h"
 #include "doublet/bodymodel/train_body_model.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/files/files.h"
+#include "doublet/rays/ray_scene.h"
+#include "doublet/testing/body_fitter_conformance.h"
 #include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ Eigen::VectorXd some_coefficients(unsigned seed, double size) {
 /// A body made by the toy (not by the model) as an actor that stands elsewhere, its joints and landmarks marked.
 struct Subject {
   RiggedMesh actor;
-  Clothness clothness;
+  Segmentation segmentation;
   std::map<std::string, Eigen::Vector3d> landmarks;
 };
 
@@ -70,7 +71,7 @@ Subject make_subject(double scale = 1) {
   for (const auto &[name, index] : toy::body().landmarks)
     subject.landmarks[name] = subject.actor.mesh.vertices.row(index).transpose();
   const int n = static_cast<int>(joints.rows() > 0 ? subject.actor.mesh.vertices.rows() : 0);
-  subject.clothness = {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 0};
+  subject.segmentation = {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 0};
   return subject;
 }
 
@@ -258,7 +259,7 @@ TEST(BodyModel, RejectsBrokenFiles) {
 
 TEST(BodyFit, FindsAWholeBody) {
   const Subject subject = make_subject();
-  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {});
   EXPECT_LT(mean_error(fit, subject.actor, false), 0.004);
   EXPECT_LT(fit.residual, 0.002);
   EXPECT_EQ(fit.model, trained().model->name());
@@ -271,7 +272,7 @@ TEST(BodyFit, FindsTheHiddenThighsFromTheRest) {
   for (int f = 0; f < faces.rows(); ++f)
     if (on_thigh(faces(f, 0)) || on_thigh(faces(f, 1)) || on_thigh(faces(f, 2)))
       subject.actor.face_valid[f] = 0;
-  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {});
   EXPECT_LT(mean_error(fit, subject.actor, true), 0.008);
 }
 
@@ -283,7 +284,7 @@ TEST(BodyFit, ClothHoldsTheBodyInsideButDoesNotPullItOut) {
     if (on_thigh(
             v)) { // trousers, 3 cm wider than the leg; they meet between the thighs, so legs may turn: distances to the surface
       subject.actor.mesh.vertices.row(v) += 0.03 * normals.row(v);
-      subject.clothness.clothness[v] = 1;
+      subject.segmentation.clothness[v] = 1;
     }
   auto thigh_distance = [&](const BodyFit &fit) {
     const RayScene scene(fit.body);
@@ -297,10 +298,11 @@ TEST(BodyFit, ClothHoldsTheBodyInsideButDoesNotPullItOut) {
     return sum / count;
   };
   const auto fitter = BodyFitter::create();
-  const double aware = thigh_distance(fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {}));
+  const double aware = thigh_distance(fitter->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {}));
   EXPECT_LT(aware, 0.006);
-  subject.clothness.clothness.setZero();
-  const double unaware = thigh_distance(fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {}));
+  subject.segmentation.clothness.setZero();
+  const double unaware =
+      thigh_distance(fitter->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {}));
   EXPECT_GT(unaware, 2 * aware);
 }
 
@@ -318,19 +320,19 @@ TEST(BodyFit, ClothThatFacesAnotherWayIsNotWornHere) {
   const Mesh skin = submesh(truth.mesh, rest);
   subject.actor.mesh = doublet::testing::join({skin, submesh(away, panel)});
   subject.actor.face_valid.assign(subject.actor.mesh.faces.rows(), 1);
-  subject.clothness.clothness = Eigen::VectorXd::Ones(subject.actor.mesh.vertices.rows());
-  subject.clothness.clothness.head(skin.vertices.rows()).setZero();
-  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  subject.segmentation.clothness = Eigen::VectorXd::Ones(subject.actor.mesh.vertices.rows());
+  subject.segmentation.clothness.head(skin.vertices.rows()).setZero();
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {});
   EXPECT_LT(mean_error(fit, truth, true), 0.008);
 }
 
 TEST(BodyFit, SaysWhereItCannotBeTrusted) {
   Subject subject = make_subject();
-  for (int v = 0; v < subject.clothness.clothness.size(); ++v)
-    subject.clothness.clothness[v] = on_thigh(v);
+  for (int v = 0; v < subject.segmentation.clothness.size(); ++v)
+    subject.segmentation.clothness[v] = on_thigh(v);
   for (int f = 0; f < subject.actor.mesh.faces.rows(); ++f)
     subject.actor.face_valid[f] = !on_thigh(subject.actor.mesh.faces(f, 0));
-  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {});
   ASSERT_EQ(fit.deviation.size(), fit.body.vertices.rows());
   double hidden = 0, seen = 0;
   int count = 0;
@@ -345,7 +347,7 @@ TEST(BodyFit, SaysWhereItCannotBeTrusted) {
 
   double area = 0;
   bool thigh = false;
-  for (const BodyRegion &region : body_regions(fit, subject.actor, subject.clothness)) {
+  for (const BodyRegion &region : body_regions(fit, subject.actor, subject.segmentation)) {
     area += region.area;
     EXPECT_GT(region.deviation, 0) << region.joint;
     if (region.joint.find("hip") != std::string::npos) {
@@ -369,15 +371,15 @@ TEST(BodyFit, ScansOfOnePersonHelpEachOther) {
     lower.actor.face_valid[f] = on_thigh(v) || whole.actor.mesh.vertices(v, 1) < 0.2;
   }
   const auto fitter = BodyFitter::create();
-  const std::vector<BodyFit> fits =
-      fitter->fit_together({{&upper.actor, &upper.clothness, upper.landmarks}, {&lower.actor, &lower.clothness, lower.landmarks}},
-                           *trained().model, {});
+  const std::vector<BodyFit> fits = fitter->fit_together(
+      {{&upper.actor, &upper.segmentation, upper.landmarks}, {&lower.actor, &lower.segmentation, lower.landmarks}},
+      *trained().model, {});
   ASSERT_EQ(fits.size(), 2u);
   const int shape = trained().model->shape_count();
   EXPECT_EQ(fits[0].coefficients.head(shape), fits[1].coefficients.head(shape));
   for (const Subject *subject : {&upper, &lower}) {
     const BodyFit &with_help = fits[subject == &lower];
-    const BodyFit alone = fitter->fit(subject->actor, subject->clothness, *trained().model, subject->landmarks, {});
+    const BodyFit alone = fitter->fit(subject->actor, subject->segmentation, *trained().model, subject->landmarks, {});
     EXPECT_LT(with_help.deviation.sum(), alone.deviation.sum());
     if (subject == &lower) { // whose trunk nobody saw
       EXPECT_LT(mean_error(with_help, whole.actor, false), mean_error(alone, whole.actor, false));
@@ -386,10 +388,10 @@ TEST(BodyFit, ScansOfOnePersonHelpEachOther) {
 
   EXPECT_THROW(fitter->fit_together({}, *trained().model, {}), std::invalid_argument);
   Subject hidden = whole;
-  hidden.clothness.clothness.setOnes();
+  hidden.segmentation.clothness.setOnes();
   try {
     fitter->fit_together(
-        {{&upper.actor, &upper.clothness, upper.landmarks}, {&hidden.actor, &hidden.clothness, hidden.landmarks}},
+        {{&upper.actor, &upper.segmentation, upper.landmarks}, {&hidden.actor, &hidden.segmentation, hidden.landmarks}},
         *trained().model, {});
     FAIL();
   } catch (const Error &error) {
@@ -404,13 +406,13 @@ TEST(BodyFit, ForgivesMarksThatAreOff) {
   for (auto &[name, point] : subject.landmarks)
     point += Eigen::Vector3d(normal(random), normal(random), normal(random));
   subject.landmarks["unknown_to_the_model"] = {9, 9, 9};
-  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {});
   EXPECT_LT(mean_error(fit, subject.actor, false), 0.006);
 }
 
 TEST(BodyFit, IsFreeOfScale) {
   const Subject subject = make_subject(2.0); // marked in units of half a metre
-  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, {});
+  const BodyFit fit = BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, {});
   EXPECT_LT(mean_error(fit, subject.actor, false), 0.012);
 }
 
@@ -422,8 +424,8 @@ TEST(BodyFit, DoesNotDependOnThreads) {
   BodyFitOptions options;
   options.iterations = 4;
   const auto fitter = BodyFitter::create(options);
-  const BodyFit a = fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, one);
-  const BodyFit b = fitter->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, three);
+  const BodyFit a = fitter->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, one);
+  const BodyFit b = fitter->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, three);
   EXPECT_TRUE((a.body.vertices.array() == b.body.vertices.array()).all());
 }
 
@@ -434,31 +436,57 @@ TEST(BodyFit, RejectsWhatCannotBeFitted) {
   nameless.landmarks = {{"somewhere", {0, 0, 0}}};
   for (Joint &joint : nameless.actor.skeleton.joints)
     joint.name = "bone_" + joint.name;
-  EXPECT_THROW(fitter->fit(nameless.actor, nameless.clothness, model, nameless.landmarks, {}), Error);
+  EXPECT_THROW(fitter->fit(nameless.actor, nameless.segmentation, model, nameless.landmarks, {}), Error);
   Subject covered = make_subject();
-  covered.clothness.clothness.setOnes();
-  EXPECT_THROW(fitter->fit(covered.actor, covered.clothness, model, covered.landmarks, {}), Error);
+  covered.segmentation.clothness.setOnes();
+  EXPECT_THROW(fitter->fit(covered.actor, covered.segmentation, model, covered.landmarks, {}), Error);
   Subject short_mask = make_subject();
-  short_mask.clothness.clothness.resize(3);
-  EXPECT_THROW(fitter->fit(short_mask.actor, short_mask.clothness, model, short_mask.landmarks, {}), std::invalid_argument);
+  short_mask.segmentation.clothness.resize(3);
+  EXPECT_THROW(fitter->fit(short_mask.actor, short_mask.segmentation, model, short_mask.landmarks, {}), std::invalid_argument);
   Subject nan = make_subject();
   nan.actor.mesh.vertices(3, 1) = std::nan("");
-  EXPECT_THROW(fitter->fit(nan.actor, nan.clothness, model, nan.landmarks, {}), Error);
+  EXPECT_THROW(fitter->fit(nan.actor, nan.segmentation, model, nan.landmarks, {}), Error);
   Subject point = make_subject();
   for (auto &[name, position] : point.landmarks)
     position.setZero();
   for (Joint &joint : point.actor.skeleton.joints)
     joint.rest.setZero();
-  EXPECT_THROW(fitter->fit(point.actor, point.clothness, model, point.landmarks, {}), Error);
+  EXPECT_THROW(fitter->fit(point.actor, point.segmentation, model, point.landmarks, {}), Error);
   BodyFitOptions options;
   options.iterations = 0;
   EXPECT_THROW(BodyFitter::create(options), std::invalid_argument);
+}
+
+/// A body of one vertex too few that moves a little at every call; asks for nothing.
+class Careless : public BodyFitter {
+public:
+  BodyFit fit(const RiggedMesh &, const Segmentation &, const BodyModel &model, const std::map<std::string, Eigen::Vector3d> &,
+              const Context &) const override {
+    BodyFit fit;
+    fit.body = {Vertices::Constant(model.vertex_count() - 1, 3, ++calls_), model.faces()};
+    fit.coefficients = Eigen::VectorXd::Constant(1, NAN);
+    return fit;
+  }
+
+private:
+  mutable int calls_ = 0;
+};
+
+TEST(BodyFitConformance, OursConformsAndACarelessOneDoesNot) {
+  const Subject subject = make_subject();
+  const auto violations = [&](const BodyFitter &fitter) {
+    return doublet::testing::body_fitter_violations(fitter, subject.actor, subject.segmentation, *trained().model,
+                                                    subject.landmarks);
+  };
+  for (const std::string &broken : violations(*BodyFitter::create()))
+    ADD_FAILURE() << broken;
+  EXPECT_EQ(violations(Careless()).size(), 5u); // sizes, finite, bits, landmarks, another mesh
 }
 
 TEST(BodyFit, CanBeCancelled) {
   const Subject subject = make_subject();
   Context context;
   context.cancelled = [] { return true; };
-  EXPECT_THROW(BodyFitter::create()->fit(subject.actor, subject.clothness, *trained().model, subject.landmarks, context),
+  EXPECT_THROW(BodyFitter::create()->fit(subject.actor, subject.segmentation, *trained().model, subject.landmarks, context),
                Cancelled);
 }

@@ -12,7 +12,7 @@ namespace {
 /// One long limb along y that is itself a tapered capsule (0.10 m to 0.06 m), its cloth a wider cone around the upper half.
 struct Limb {
   RiggedMesh actor;
-  Clothness clothness;
+  Segmentation segmentation;
   BodyFit fit;
   PosedCapsule truth{{0, 0.9, 0}, {0, 0.5, 0}, 0.10, 0.06};
 };
@@ -28,8 +28,8 @@ Limb make_limb(double cloth_radius = 0.18) {
   limb.actor.face_valid.assign(limb.actor.mesh.faces.rows(), 1);
   const int n = static_cast<int>(limb.actor.mesh.vertices.rows());
   limb.actor.weights = MatrixRM::Constant(n, 3, 1.0 / 3);
-  limb.clothness = {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Ones(n), Eigen::VectorXi::Zero(n), 1};
-  limb.clothness.clothness[n - 1] = 0; // the top is skin
+  limb.segmentation = {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Ones(n), Eigen::VectorXi::Zero(n), 1};
+  limb.segmentation.clothness[n - 1] = 0; // the top is skin
   return limb;
 }
 
@@ -39,11 +39,11 @@ TEST(Proxies, RecoverAKnownCapsule) {
   const Limb limb = make_limb();
   ProxyOptions options;
   options.capsules_per_bone = 1;
-  const std::vector<TaperedCapsule> capsules = fit_proxies(limb.fit, limb.actor, limb.clothness, options);
+  const std::vector<TaperedCapsule> capsules = fit_proxies(limb.fit, limb.actor, limb.segmentation, options);
   ASSERT_FALSE(capsules.empty());
   EXPECT_EQ(capsules[0].joint, 0);
   EXPECT_NEAR(std::max(capsules[0].r0, capsules[0].r1), 0.10, 0.012);
-  const ProxyStatistics statistics = proxy_statistics(capsules, limb.fit, limb.actor, limb.clothness);
+  const ProxyStatistics statistics = proxy_statistics(capsules, limb.fit, limb.actor, limb.segmentation);
   EXPECT_LT(statistics.mean_distance, 0.005);
   EXPECT_LT(statistics.percentile95, 0.015);
   EXPECT_LT(statistics.largest_bulge, 0.020);
@@ -54,8 +54,8 @@ TEST(Proxies, RecoverAKnownCapsule) {
 TEST(Proxies, NeverReachIntoRestingCloth) {
   const Limb limb = make_limb(0.07); // cloth tighter than the body at the thick end
   const ProxyOptions options;
-  const auto capsules = fit_proxies(limb.fit, limb.actor, limb.clothness, options);
-  EXPECT_GE(proxy_statistics(capsules, limb.fit, limb.actor, limb.clothness).cloth_clearance, options.cloth_margin - 1e-9);
+  const auto capsules = fit_proxies(limb.fit, limb.actor, limb.segmentation, options);
+  EXPECT_GE(proxy_statistics(capsules, limb.fit, limb.actor, limb.segmentation).cloth_clearance, options.cloth_margin - 1e-9);
 }
 
 TEST(Proxies, WhatIsInsideTheBodyIsNoBulgeWhereSkinIsFoldedIntoIt) {
@@ -66,9 +66,9 @@ TEST(Proxies, WhatIsInsideTheBodyIsNoBulgeWhereSkinIsFoldedIntoIt) {
                                   {-0.1, 0.6, -0.1}, {0.1, 0.8, 0.1}, 0.01);
   limb.fit.body = doublet::testing::join({limb.fit.body, bubble});
   const TaperedCapsule inside{0, {0, -0.1, 0}, {0, -0.3, 0}, 0.055, 0.055};
-  EXPECT_EQ(proxy_statistics({inside}, limb.fit, limb.actor, limb.clothness).largest_bulge, 0);
+  EXPECT_EQ(proxy_statistics({inside}, limb.fit, limb.actor, limb.segmentation).largest_bulge, 0);
   const TaperedCapsule outside{0, {0, -0.1, 0}, {0, -0.3, 0}, 0.13, 0.13};
-  EXPECT_NEAR(proxy_statistics({outside}, limb.fit, limb.actor, limb.clothness).largest_bulge, 0.06, 0.01);
+  EXPECT_NEAR(proxy_statistics({outside}, limb.fit, limb.actor, limb.segmentation).largest_bulge, 0.06, 0.01);
 }
 
 TEST(Proxies, ClearanceMovesThemIntoTheBody) {
@@ -77,7 +77,7 @@ TEST(Proxies, ClearanceMovesThemIntoTheBody) {
   thin.clearance = 0.015;
   auto thickness = [&](const ProxyOptions &options) {
     double sum = 0;
-    for (const TaperedCapsule &c : fit_proxies(limb.fit, limb.actor, limb.clothness, options))
+    for (const TaperedCapsule &c : fit_proxies(limb.fit, limb.actor, limb.segmentation, options))
       sum += c.r0 + c.r1;
     return sum;
   };
@@ -95,7 +95,7 @@ TEST(Proxies, StandWhereClothCanTouch) {
   actor.face_valid.assign(actor.mesh.faces.rows(), 1);
   const int body = static_cast<int>(figure.mesh.vertices.rows()), n = static_cast<int>(actor.mesh.vertices.rows());
   actor.weights = doublet::testing::figure_weights(actor.mesh.vertices, actor.skeleton);
-  Clothness clothness{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 1};
+  Segmentation segmentation{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 1};
   for (int f = 0; f < figure.mesh.faces.rows(); ++f) { // what the skirt covers is not part of a real scan
     const auto p = figure.mesh.vertices.row(figure.mesh.faces(f, 0));
     if (p[1] > 0.5 && p[1] < 1.0 && std::abs(p[0]) < 0.3)
@@ -107,8 +107,8 @@ TEST(Proxies, StandWhereClothCanTouch) {
       kept.push_back(f);
   std::vector<int> from;
   const Mesh scan = submesh(actor.mesh, kept, &from);
-  Clothness seen{Eigen::VectorXd::Zero(scan.vertices.rows()), Eigen::VectorXd::Zero(scan.vertices.rows()),
-                 Eigen::VectorXi::Constant(scan.vertices.rows(), -1), 1};
+  Segmentation seen{Eigen::VectorXd::Zero(scan.vertices.rows()), Eigen::VectorXd::Zero(scan.vertices.rows()),
+                    Eigen::VectorXi::Constant(scan.vertices.rows(), -1), 1};
   for (std::size_t i = 0; i < from.size(); ++i)
     seen.clothness[i] = from[i] >= body;
   actor.mesh = scan;
@@ -124,18 +124,18 @@ TEST(Proxies, StandWhereClothCanTouch) {
 
 TEST(Proxies, NoClothNoCapsules) {
   Limb limb = make_limb();
-  limb.clothness.clothness.setZero();
-  EXPECT_TRUE(fit_proxies(limb.fit, limb.actor, limb.clothness).empty());
-  EXPECT_EQ(proxy_statistics({}, limb.fit, limb.actor, limb.clothness).capsules, 0);
+  limb.segmentation.clothness.setZero();
+  EXPECT_TRUE(fit_proxies(limb.fit, limb.actor, limb.segmentation).empty());
+  EXPECT_EQ(proxy_statistics({}, limb.fit, limb.actor, limb.segmentation).capsules, 0);
 }
 
 TEST(Proxies, RejectWrongInput) {
   const Limb limb = make_limb();
   ProxyOptions options;
   options.capsules_per_bone = 4;
-  EXPECT_THROW(fit_proxies(limb.fit, limb.actor, limb.clothness, options), std::invalid_argument);
+  EXPECT_THROW(fit_proxies(limb.fit, limb.actor, limb.segmentation, options), std::invalid_argument);
   BodyFit empty;
-  EXPECT_THROW(fit_proxies(empty, limb.actor, limb.clothness), Error);
-  Clothness small;
+  EXPECT_THROW(fit_proxies(empty, limb.actor, limb.segmentation), Error);
+  Segmentation small;
   EXPECT_THROW(fit_proxies(limb.fit, limb.actor, small), std::invalid_argument);
 }

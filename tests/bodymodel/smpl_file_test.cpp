@@ -3,7 +3,7 @@
 
 #include "doublet/bodymodel/body_fitter.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
@@ -139,7 +139,7 @@ TEST(SmplFile, FitsAPosedPerson) {
   for (int j = 0; j < posed.joints.rows(); ++j)
     actor.skeleton.joints[j].rest = posed.joints.row(j).transpose() + Eigen::Vector3d(1, 0, -1);
   const auto n = actor.mesh.vertices.rows();
-  const Clothness naked{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 0};
+  const Segmentation naked{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 0};
   const BodyFit fit = BodyFitter::create()->fit(actor, naked, *written_and_read(smpl()), {}, {});
   EXPECT_LT((fit.body.vertices - actor.mesh.vertices).rowwise().norm().mean(), 0.006);
 }

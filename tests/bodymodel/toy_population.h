@@ -1,8 +1,8 @@
 #pragma once
 // A population with known shape modes on the figure's skeleton: what training must recover.
 
-#include "doublet/core/npz.h"
 #include "doublet/core/skinning.h"
+#include "doublet/files/npz.h"
 #include "support/figure.h"
 
 #include <cstring>

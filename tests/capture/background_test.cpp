@@ -1,8 +1,8 @@
 // Silhouettes by the difference to a background, and which method a session's cameras get.
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
 #include "doublet/core/rasterizer.h"
+#include "doublet/files/files.h"
 #include "support/temp_folder.h"
 
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "doublet/capture/parts/pose_optimizer.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "support/figure.h"
 #include "support/temp_folder.h"
 

@@ -1,7 +1,7 @@
 // Reading sessions, whole and broken: the shipped one, with one thing changed at a time.
 #include "doublet/capture/session.h"
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "support/temp_folder.h"
 
 #include <algorithm>

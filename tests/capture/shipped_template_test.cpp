@@ -2,8 +2,8 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/template_builder.h"
-#include "doublet/core/npz.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/files/npz.h"
+#include "doublet/rays/ray_scene.h"
 #include "support/meshes.h"
 
 #include <algorithm>

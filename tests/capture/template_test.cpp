@@ -3,7 +3,7 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
-#include "doublet/core/ray_scene.h"
+#include "doublet/rays/ray_scene.h"
 #include "support/temp_folder.h"
 
 #include <algorithm>

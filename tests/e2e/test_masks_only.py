@@ -68,7 +68,7 @@ def test_a_session_without_cloth_gives_a_skinned_character(made, tmp_path):
     page = (out / "report.html").read_text()
     assert "No cloth found" in page and "no material to estimate" in page and "NaN" not in (out / "run.json").read_text()
     character = d.Character.read(out / "character.glb")
-    assert character.clothness.region_count == 0 and character.materials == []
+    assert character.segmentation.region_count == 0 and character.materials == []
     performance = d.read_performance(out / "performance.npz", character.actor)
     with np.load(out / "simulated.npz") as simulated:
         skinned = [d.pose_surface(character.actor, dofs) for dofs in performance.dofs]

@@ -24,9 +24,9 @@ TEST(GarmentTrial, SamplesAreSpreadEvenlyAndDoNotStretch) {
 }
 
 double cost_of_width(const Scene &scene, double fullness) {
-  Clothness clothness = scene.clothness;
-  clothness.fullness = Eigen::VectorXd::Constant(clothness.clothness.size(), fullness);
-  const CharacterSimulator simulator(scene.actor, clothness, scene.proxies, scene.simulator->options());
+  Segmentation segmentation = scene.segmentation;
+  segmentation.fullness = Eigen::VectorXd::Constant(segmentation.clothness.size(), fullness);
+  const CharacterSimulator simulator(scene.actor, segmentation, scene.proxies, scene.simulator->options());
   MaterialObjective objective(simulator, scene.performance, scene.observations);
   const Eigen::VectorXd costs = trial_energy(objective, 16);
   EXPECT_EQ(costs.size(), 1);

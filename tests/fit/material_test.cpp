@@ -198,7 +198,7 @@ private:
 TEST(MaterialObjective, AnExplosionCostsTheWorstAndStaysFinite) {
   for (const auto &[value, notices] : {std::pair{std::nan(""), false}, {1e300, false}, {-100.0, false}, {0.0, true}}) {
     const auto s = make_scene({cotton(), cotton()}, {12, 2, 160});
-    const CharacterSimulator exploding(s->actor, s->clothness, s->proxies, s->simulator->options(),
+    const CharacterSimulator exploding(s->actor, s->segmentation, s->proxies, s->simulator->options(),
                                        [&](std::shared_ptr<const pbd::ClothModel> model) {
                                          return std::make_shared<Exploding>(std::move(model), value, notices);
                                        });
@@ -225,7 +225,7 @@ std::vector<Vertices> moved(const Scene &s, const std::function<Eigen::RowVector
   std::vector<Vertices> surfaces = s.performance.surface.frames;
   for (std::size_t t = 0; t < surfaces.size(); ++t)
     for (Eigen::Index v = 0; v < surfaces[t].rows(); ++v)
-      if (s.clothness.region[v] >= 0)
+      if (s.segmentation.region[v] >= 0)
         surfaces[t].row(v) = place(static_cast<int>(t), surfaces[t].row(v));
   return surfaces;
 }
@@ -293,8 +293,8 @@ TEST(MaterialObjective, AnotherRegionInItsPlaceDoesNotExplainAFeature) {
   std::vector<Vertices> swapped = s->performance.surface.frames;
   std::vector<Eigen::Index> rows[2];
   for (Eigen::Index v = 0; v < swapped[0].rows(); ++v)
-    if (s->clothness.region[v] >= 0)
-      rows[s->clothness.region[v]].push_back(v);
+    if (s->segmentation.region[v] >= 0)
+      rows[s->segmentation.region[v]].push_back(v);
   ASSERT_EQ(rows[0].size(), rows[1].size());
   for (std::size_t t = 0; t < swapped.size(); ++t)
     for (std::size_t i = 0; i < rows[0].size(); ++i) {
@@ -322,16 +322,16 @@ public:
   }
   /// `change` is applied to copies of what the scene is made of.
   void add(const std::string &what,
-           const std::function<void(RiggedMesh &, Clothness &, std::vector<TaperedCapsule> &, pbd::ClothOptions &,
+           const std::function<void(RiggedMesh &, Segmentation &, std::vector<TaperedCapsule> &, pbd::ClothOptions &,
                                     ReferencePerformance &, Observations &)> &change) {
     RiggedMesh actor = s_.actor;
-    Clothness clothness = s_.clothness;
+    Segmentation segmentation = s_.segmentation;
     std::vector<TaperedCapsule> proxies = s_.proxies;
     pbd::ClothOptions cloth = s_.simulator->options();
     ReferencePerformance performance = s_.performance;
     Observations observations = s_.observations;
-    change(actor, clothness, proxies, cloth, performance, observations);
-    const CharacterSimulator simulator(actor, clothness, proxies, cloth);
+    change(actor, segmentation, proxies, cloth, performance, observations);
+    const CharacterSimulator simulator(actor, segmentation, proxies, cloth);
     prints_[what] = MaterialObjective(simulator, performance, observations).fingerprint();
   }
   void expect_all_differ() const {
@@ -383,17 +383,17 @@ TEST(MaterialObjective, TheFingerprintSeesWhateverTheEnergyDependsOn) {
     prints.add(name, [&](auto &, auto &, auto &, auto &cloth, auto &, auto &) { cloth = changed; });
   });
   Eigen::Index cloth_vertex = 0;
-  s->clothness.clothness.maxCoeff(&cloth_vertex);
+  s->segmentation.clothness.maxCoeff(&cloth_vertex);
   prints.add("skin weights", [](auto &actor, auto &, auto &, auto &, auto &, auto &) { actor.weights(1, 0) += 1e-6; });
   prints.add("invalid face", [](auto &actor, auto &, auto &, auto &, auto &, auto &) {
     actor.face_valid.assign(actor.mesh.faces.rows(), 1);
     actor.face_valid.back() = 0;
   });
   prints.add("blend weight",
-             [&](auto &, auto &clothness, auto &, auto &, auto &, auto &) { clothness.clothness[cloth_vertex] = 0.9; });
-  prints.add("fullness", [&](auto &, auto &clothness, auto &, auto &, auto &, auto &) {
-    clothness.fullness = Eigen::VectorXd::Ones(clothness.clothness.size());
-    clothness.fullness[cloth_vertex] = 1.1;
+             [&](auto &, auto &segmentation, auto &, auto &, auto &, auto &) { segmentation.clothness[cloth_vertex] = 0.9; });
+  prints.add("fullness", [&](auto &, auto &segmentation, auto &, auto &, auto &, auto &) {
+    segmentation.fullness = Eigen::VectorXd::Ones(segmentation.clothness.size());
+    segmentation.fullness[cloth_vertex] = 1.1;
   });
   prints.add("proxy", [](auto &, auto &, auto &proxies, auto &, auto &, auto &) { proxies[0].r0 += 1e-6; });
   prints.add("captured frame", [](auto &, auto &, auto &, auto &, auto &performance, auto &) {
@@ -422,7 +422,7 @@ TEST(MaterialObjective, AScrapOnTheContourDoesNotExplainIt) {
     double best = -1e9;
     for (Eigen::Index v = 0; v < captured.rows(); ++v)
       if (const Eigen::Vector2d pixel = camera.project(captured.row(v).transpose());
-          scene().clothness.region[v] >= 0 && pixel.sum() > best)
+          scene().segmentation.region[v] >= 0 && pixel.sum() > best)
         best = pixel.sum(), corner = v;
     return Eigen::RowVector3d(captured.row(corner) + 0.02 * (p - captured.row(corner)));
   });
@@ -535,7 +535,7 @@ TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
   EXPECT_THROW(make(performance, s.observations), Error);
   EXPECT_THROW(make({}, {}), Error);
 
-  Clothness rigid = s.clothness;
+  Segmentation rigid = s.segmentation;
   rigid.region.setConstant(-1);
   rigid.region_count = 0;
   const CharacterSimulator naked(s.actor, rigid, s.proxies);
@@ -910,11 +910,11 @@ TEST(Synthetic, RigidSkirtOutlivesItsSwing) {
   for (const auto &[iterations, substeps] : {std::pair{24, 1}, {12, 2}, {6, 4}}) {
     pbd::ClothOptions options = pbd::ClothOptions::paper();
     options.iterations = iterations, options.substeps = substeps;
-    const CharacterSimulator simulator(scene->actor, scene->clothness, scene->proxies, options);
+    const CharacterSimulator simulator(scene->actor, scene->segmentation, scene->proxies, options);
     const Vertices last = simulate_reference(simulator, scene->performance, {rigid}, 1.0 / 40).back();
     double low = 1, high = 0;
     for (Eigen::Index v = 0; v < last.rows(); ++v)
-      if (scene->clothness.region[v] == 0)
+      if (scene->segmentation.region[v] == 0)
         low = std::min(low, last(v, 1)), high = std::max(high, last(v, 1));
     EXPECT_GT(high - low, 0.45) << iterations; // 0.54 m at rest
   }

@@ -11,7 +11,7 @@ namespace doublet::testing {
 
 struct Scene {
   RiggedMesh actor;
-  Clothness clothness;
+  Segmentation segmentation;
   std::vector<TaperedCapsule> proxies;
   ReferencePerformance performance;
   Observations observations;
@@ -34,15 +34,15 @@ inline void make_character(Scene &scene, int skirts, int rings, int segments) {
   const auto count = scene.actor.mesh.vertices.rows();
   scene.actor.face_valid.assign(scene.actor.mesh.faces.rows(), 1);
   scene.actor.weights = MatrixRM::Ones(count, 1);
-  scene.clothness.sigma = Eigen::VectorXd::Zero(count);
-  scene.clothness.clothness = Eigen::VectorXd::Zero(count);
-  scene.clothness.region = Eigen::VectorXi::Constant(count, -1);
-  scene.clothness.region_count = skirts;
+  scene.segmentation.sigma = Eigen::VectorXd::Zero(count);
+  scene.segmentation.clothness = Eigen::VectorXd::Zero(count);
+  scene.segmentation.region = Eigen::VectorXi::Constant(count, -1);
+  scene.segmentation.region_count = skirts;
   Eigen::Index first = 0;
   for (int i = 0; i < skirts; ++i) {
     first += parts[2 * i].vertices.rows();
-    scene.clothness.clothness.segment(first, rings * segments).setOnes();
-    scene.clothness.region.segment(first, rings * segments).setConstant(i);
+    scene.segmentation.clothness.segment(first, rings * segments).setOnes();
+    scene.segmentation.region.segment(first, rings * segments).setConstant(i);
     first += parts[2 * i + 1].vertices.rows();
   }
 }
@@ -122,7 +122,7 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth
   make_motion(*scene, size.frames);
   pbd::ClothOptions options = pbd::ClothOptions::paper();
   options.self_collision = size.self_collision;
-  scene->simulator = std::make_unique<CharacterSimulator>(scene->actor, scene->clothness, scene->proxies, options);
+  scene->simulator = std::make_unique<CharacterSimulator>(scene->actor, scene->segmentation, scene->proxies, options);
   scene->performance.surface.faces = scene->actor.mesh.faces;
   // Captured without error, but for the first frame: there the truth and the estimator both start from rest.
   scene->performance.surface.frames.assign(1, scene->actor.mesh.vertices);

@@ -136,7 +136,7 @@ class World:
         self.actor = d.RiggedMesh(self.mesh, [1] * len(faces), self.weights, self.skeleton)
         self.cloth = (vertices[:, 1] < 1).astype(float)
         region = np.where(self.cloth > 0, 0, -1).astype(np.int32)
-        self.clothness = d.Clothness(np.full(len(vertices), 0.01), self.cloth, region)
+        self.segmentation = d.Segmentation(np.full(len(vertices), 0.01), self.cloth, region)
         self.body = d.BodyFit()
         self.body.body = d.Mesh(*tube(0.18, 0.5, 1.5, 6, 4))
         self.body.coefficients = np.array([0.5, -0.5])
@@ -158,18 +158,18 @@ class World:
         self.observations.frames = [0, 1, 2]
         contour, matches = np.array([[10, 10], [11, 12]], np.float32), np.array([[10, 10, 11, 11]], np.float32)
         self.observations.views = [[d.ViewObservation(contour, matches) for _ in self.cameras] for _ in range(3)]
-        self.simulator = d.CharacterSimulator(self.actor, self.clothness, self.proxies)
+        self.simulator = d.CharacterSimulator(self.actor, self.segmentation, self.proxies)
         self.material = d.Material(k_stretch=1.0)
         self.high = d.Mesh(*tube(0.2, 0.5, 1.5, 12, 7))
         self.character = d.make_character(
-            self.actor, self.clothness, self.body, self.proxies, [self.material], d.SolverSettings(1 / FPS), self.high
+            self.actor, self.segmentation, self.body, self.proxies, [self.material], d.SolverSettings(1 / FPS), self.high
         )
         self.picture = np.random.default_rng(1).integers(0, 255, (48, 48, 3), np.uint8)
         self.mask = np.full((48, 48), 255, np.uint8)
         texture = d.TextureOptions(size=64)
         d.texture_character(self.character, vertices, self.cameras, [self.picture] * 2, [self.mask] * 2, texture)
         self.garment = d.mesh_garment(
-            self.actor, self.clothness, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=60, own_mesh=False)
+            self.actor, self.segmentation, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=60, own_mesh=False)
         )
 
 
@@ -259,7 +259,7 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     arrays = folder / "arrays"
     d.write_actor(arrays / "actor.npz", world.actor)
     d.write_performance(arrays / "performance.npz", world.performance)
-    d.write_clothness(arrays / "segmentation.npz", world.clothness)
+    d.write_segmentation(arrays / "segmentation.npz", world.segmentation)
     d.write_garment(arrays / "garment.npz", world.garment)
     d.write_body(arrays / "body.npz", world.body)
     d.write_observations(arrays / "observations.npz", world.observations)
@@ -269,7 +269,7 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     readers = {
         "actor.npz": d.read_actor,
         "performance.npz": partial(lambda actor, path: d.read_performance(path, actor), world.actor),
-        "segmentation.npz": d.read_clothness,
+        "segmentation.npz": d.read_segmentation,
         "garment.npz": partial(lambda actor, path: d.read_garment(path, actor), world.actor),
         "body.npz": d.read_body,
         "observations.npz": d.read_observations,

@@ -39,7 +39,7 @@ def calls(world, folder) -> dict:
     masks, pictures = [w.mask] * 2, [w.picture] * 2
     animation = d.animate(w.character, w.motion, d.AnimateOptions(high=False, settle_seconds=0.05))
     small = d.GarmentOptions(vertices=60)
-    clothed = {"actor": w.actor, "clothness": w.clothness}
+    clothed = {"actor": w.actor, "segmentation": w.segmentation}
     reference = {"simulator": w.simulator, "performance": w.performance, "observations": w.observations}
 
     def stepped(positions, targets, material, dt):
@@ -81,7 +81,7 @@ def calls(world, folder) -> dict:
             d.ViewObservation, {"contour": np.zeros((3, 2), np.float32), "matches": np.zeros((3, 4), np.float32)},
         ),
         "unposed_frames": (d.unposed_frames, {"actor": w.actor, "performance": w.performance}),
-        "dress": (d.dress, {"actor": w.actor, "clothness": w.clothness, "garment": w.garment}),
+        "dress": (d.dress, {"actor": w.actor, "segmentation": w.segmentation, "garment": w.garment}),
         "dress performance": (d.dress, {"performance": w.performance, "actor": w.actor, "garment": w.garment}),
         "pose_surface": (d.pose_surface, {"actor": w.actor, "dofs": w.dofs[0], "offset": np.zeros_like(v)}),
         "trace_outline": (d.trace_outline, {"mask": w.mask, "margin": 2}),
@@ -104,7 +104,7 @@ def calls(world, folder) -> dict:
             {"actor": w.actor, "performance": w.performance},
         ),
         "estimate_fullness": (
-            d.estimate_fullness, {"scan": w.mesh, "face_valid": valid, "clothness": w.clothness, "sequence": sequence},
+            d.estimate_fullness, {"scan": w.mesh, "face_valid": valid, "segmentation": w.segmentation, "sequence": sequence},
         ),
         "mesh_garment": (
             lambda **given: d.mesh_garment(**given, options=small), dict(**clothed, body=w.body.body, captured=sequence),
@@ -208,7 +208,9 @@ def calls(world, folder) -> dict:
         "write_performance": (
             lambda performance: d.write_performance(folder / "p.npz", performance), {"performance": w.performance},
         ),
-        "write_clothness": (lambda clothness: d.write_clothness(folder / "c.npz", clothness), {"clothness": w.clothness}),
+        "write_segmentation": (
+            lambda segmentation: d.write_segmentation(folder / "c.npz", segmentation), {"segmentation": w.segmentation},
+        ),
         "write_garment": (lambda garment: d.write_garment(folder / "g.npz", garment), {"garment": w.garment}),
         "write_body": (lambda fit: d.write_body(folder / "b.npz", fit), {"fit": w.body}),
         "write_proxies": (
@@ -235,8 +237,10 @@ def calls(world, folder) -> dict:
 #: Functions without arrays, or whose damaged input is a file (tests/fuzz) or an object of ours.
 ELSEWHERE = {
     "minimise", "retarget", "session_silhouettes", "train_body_model", "write_materials",
-    "body_model_violations", "cloth_segmenter_violations", "cloth_solver_violations", "optimizer_violations",
-    "read_actor", "read_body", "read_clothness", "read_garment", "read_materials", "read_mesh", "read_observations",
+    "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
+    "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
+    "surface_refiner_violations", "cloth_solver_violations", "optimizer_violations",
+    "read_actor", "read_body", "read_segmentation", "read_garment", "read_materials", "read_mesh", "read_observations",
     "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 
@@ -301,7 +305,7 @@ def spoilt_fields(*names):
         wrong = {}
         for name in names:
             good = getattr(value, name)
-            good = good if isinstance(good, (list, d.Mesh, d.RiggedMesh, d.Clothness, d.MeshSequence)) else np.array(good)
+            good = good if isinstance(good, (list, d.Mesh, d.RiggedMesh, d.Segmentation, d.MeshSequence)) else np.array(good)
             for what, bad in spoilt(good, folder).items():
                 other = duplicate(value, folder)
                 try:
@@ -320,8 +324,8 @@ def duplicate(value, folder):
         return d.Mesh(np.array(value.vertices), np.array(value.faces))
     if isinstance(value, d.RiggedMesh):
         return d.RiggedMesh(duplicate(value.mesh, folder), list(value.face_valid), np.array(value.weights), value.skeleton)
-    if isinstance(value, d.Clothness):
-        other = d.Clothness(*(np.array(getattr(value, n)) for n in ("sigma", "clothness", "region", "fullness")))
+    if isinstance(value, d.Segmentation):
+        other = d.Segmentation(*(np.array(getattr(value, n)) for n in ("sigma", "clothness", "region", "fullness")))
         other.rest, other.region_count = np.array(value.rest), value.region_count
         return other
     if isinstance(value, d.MeshSequence):
@@ -383,7 +387,7 @@ SPOIL = (
     (d.Mesh, spoilt_fields("vertices", "faces")),
     (d.MeshSequence, spoilt_fields("faces", "frames")),
     (d.RiggedMesh, spoilt_fields("mesh", "face_valid", "weights")),
-    (d.Clothness, spoilt_fields("sigma", "clothness", "region", "fullness", "rest")),
+    (d.Segmentation, spoilt_fields("sigma", "clothness", "region", "fullness", "rest")),
     (d.ReferencePerformance, spoilt_fields("surface", "dofs", "joints", "frames")),
     (d.Garment, spoilt_fields("mesh", "region", "clothness", "rest", "actor_face", "barycentric", "covers")),
     (d.BodyFit, spoilt_fields("body", "coefficients", "deviation")),
@@ -391,7 +395,7 @@ SPOIL = (
     (d.Template, spoilt_fields("mesh", "high", "face_valid", "high_face_valid")),
     (
         d.Character,
-        spoilt_fields("actor", "clothness", "proxies", "materials", "body", "body_shown", "high", "high_valid", "texcoords"),
+        spoilt_fields("actor", "segmentation", "proxies", "materials", "body", "body_shown", "high", "high_valid", "texcoords"),
     ),
     (d.Camera, spoilt_camera),
     (d.TaperedCapsule, spoilt_proxy),

@@ -68,7 +68,7 @@ def make_folder(folder: Path) -> None:
     d.write_actor(out / "actor.npz", world.actor)
     d.write_performance(out / "performance.npz", world.performance)
     d.write_observations(out / "observations.npz", world.observations)
-    d.write_clothness(out / "segmentation.npz", world.clothness)
+    d.write_segmentation(out / "segmentation.npz", world.segmentation)
     d.write_body(out / "body.npz", world.body)
     d.write_proxies(out / "proxies.json", world.proxies, world.skeleton)
     d.write_garment(out / "garment.npz", world.garment)

@@ -17,7 +17,7 @@ def turning(shapes):
     weights = np.stack([1 - upper, upper], axis=1)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, skeleton)
     cloth = (vertices[:, 1] < 1).astype(float)
-    clothness = d.Clothness(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    clothness = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
     fit = d.BodyFit()
     fit.body = d.Mesh(*shapes["tube"](lambda h: 0.36 - 0.15 * h, 0.5, 1.5, around=20, rows=15))
     character = d.make_character(actor, clothness, fit, [], [d.Material(k_stretch=1.0)], d.SolverSettings(1 / FPS))
@@ -47,7 +47,7 @@ def test_every_frame_is_exact(turning, viewers):
 
 def test_between_keys_skin_follows_the_bones(turning, viewers):
     character, surface = turning[0], turning[1].surface
-    skin = np.asarray(character.clothness.clothness) == 0
+    skin = np.asarray(character.segmentation.clothness) == 0
     halfway = [off(viewers[1].mesh("surface", t / FPS)[skin], surface[t][skin]) for t in range(2, FRAMES, 4)]
     straight = [off(((surface[t - 2] + surface[t + 2]) / 2)[skin], surface[t][skin]) for t in range(2, FRAMES, 4)]
     assert max(straight) > 0.01  # m, what shapes in the world would be off

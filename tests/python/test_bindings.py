@@ -43,7 +43,7 @@ def test_errors_are_pythons(tmp_path):
         d.read_actor(tmp_path / "nothing.npz")
     (tmp_path / "broken.npz").write_text("no archive")
     with pytest.raises(d.Error, match="broken.npz"):
-        d.read_clothness(tmp_path / "broken.npz")
+        d.read_segmentation(tmp_path / "broken.npz")
     assert issubclass(d.Error, RuntimeError)
     with pytest.raises(d.Error, match="nobody"):
         d.Skeleton([*MARKS, d.JointMark("head", "nobody", [0, 1.6, 0])])
@@ -68,21 +68,21 @@ def test_closest_points_and_rays():
 
 
 def test_files_round_trip(tmp_path):
-    clothness = d.Clothness(np.array([0.001, np.nan]), np.array([0.0, 1.0]), np.array([-1, 0]))
-    d.write_clothness(tmp_path / "segmentation.npz", clothness)
+    clothness = d.Segmentation(np.array([0.001, np.nan]), np.array([0.0, 1.0]), np.array([-1, 0]))
+    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
     with np.load(tmp_path / "segmentation.npz") as arrays:
         assert set(arrays) >= {"sigma", "clothness", "region"}
-    back = d.read_clothness(tmp_path / "segmentation.npz")
+    back = d.read_segmentation(tmp_path / "segmentation.npz")
     np.testing.assert_allclose(back.sigma, clothness.sigma, rtol=1e-6)
     assert back.region_count == 1
     assert back.fullness.size == 0
     clothness.fullness = np.array([1.0, 1.25])
-    d.write_clothness(tmp_path / "segmentation.npz", clothness)
-    np.testing.assert_allclose(d.read_clothness(tmp_path / "segmentation.npz").fullness, [1, 1.25])
+    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
+    np.testing.assert_allclose(d.read_segmentation(tmp_path / "segmentation.npz").fullness, [1, 1.25])
     clothness.fullness = np.array([1.0, 0.5])
-    d.write_clothness(tmp_path / "segmentation.npz", clothness)
+    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
     with pytest.raises(d.Error, match="fullness"):
-        d.read_clothness(tmp_path / "segmentation.npz")
+        d.read_segmentation(tmp_path / "segmentation.npz")
 
 
 def test_a_stage_can_be_written_in_python():
@@ -90,7 +90,7 @@ def test_a_stage_can_be_written_in_python():
         def segment(self, sequence, face_valid, context):
             context.report("python stage", 0.5)
             count = sequence.frames.shape[1]
-            return d.Clothness(np.zeros(count), np.ones(count), np.zeros(count, np.int32))
+            return d.Segmentation(np.zeros(count), np.ones(count), np.zeros(count, np.int32))
 
     seen = []
     context = d.Context(progress=lambda name, fraction: seen.append((name, fraction)))

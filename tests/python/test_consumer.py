@@ -56,7 +56,7 @@ def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
 
 
 def test_inside_the_tree_of_another_project(build_dir, tmp_path):
-    run(build(CONSUMERS / "subdirectory", tmp_path, f"-DDOUBLET_SOURCE={ROOT}", "-DDOUBLET_WERROR=ON"))
+    run(build(CONSUMERS / "subdirectory", tmp_path, f"-DDOUBLET_SOURCE={ROOT}", "-DDOUBLET_WERROR=ON", "-DCMAKE_UNITY_BUILD=ON"))
 
 
 def configured(folder: Path, prefix: Path, *lines: str) -> subprocess.CompletedProcess:

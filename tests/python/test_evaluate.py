@@ -49,7 +49,7 @@ def reconstruct(scene, shift=(0, 0, 0), clothness=None):
     d.write_performance(scene["out"] / "performance.npz", performance)
     if clothness is not None:
         region = np.where(clothness > 0, 0, -1).astype(np.int32)
-        d.write_clothness(scene["out"] / "segmentation.npz", d.Clothness(np.zeros(len(vertices)), clothness, region))
+        d.write_segmentation(scene["out"] / "segmentation.npz", d.Segmentation(np.zeros(len(vertices)), clothness, region))
     return e.Reconstruction(scene["out"]), e.Truth(scene["truth"])
 
 
@@ -266,7 +266,7 @@ def test_new_motion_is_measured_on_the_characters_own_mesh(scene, monkeypatch):
     skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
     dressed = d.RiggedMesh(d.Mesh(vertices, faces), [1] * (len(faces) - 1) + [0], np.ones((len(vertices), 1)), skeleton)
     cloth = np.append(is_cloth(scene), 1)
-    clothness = d.Clothness(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    clothness = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
     d.make_character(dressed, clothness, d.BodyFit(), [], [d.Material()], d.SolverSettings(1 / 40)).write(
         scene["out"] / "character.glb"
     )

@@ -16,7 +16,7 @@ def captured(bell):
 @pytest.fixture
 def objective(bell, captured):
     actor = d.read_actor(bell / "actor.npz")
-    simulator = d.CharacterSimulator(actor, d.read_clothness(bell / "segmentation.npz"), [])
+    simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [])
     return d.MaterialObjective(simulator, captured, d.read_observations(bell / "observations.npz"))
 
 

@@ -57,7 +57,7 @@ def writers(world):
     vertices = np.stack(np.meshgrid(fine, fine, [0]), axis=-1).reshape(-1, 3) + 1e-3 * noise((99 * 99, 3))
     corner = np.arange(98 * 99)
     big = d.Mesh(vertices, np.stack([corner, corner + 1, corner + 99], axis=1).astype(np.int32))
-    clothness = d.Clothness(noise(9999), np.abs(np.sin(noise(9999))), np.zeros(9999, np.int32))
+    clothness = d.Segmentation(noise(9999), np.abs(np.sin(noise(9999))), np.zeros(9999, np.int32))
     animation = d.animate(w.character, d.Motion(40, np.repeat(w.dofs, 40, axis=0)), d.AnimateOptions(high=False))
     w.character.high = big
     w.character.high_valid = [1] * len(big.faces)
@@ -71,7 +71,7 @@ def writers(world):
         "mesh.stl": lambda path: d.write_mesh(path, big),
         "mesh.off": lambda path: d.write_mesh(path, big),
         "character.glb": w.character.write,
-        "segmentation.npz": lambda path: d.write_clothness(path, clothness),
+        "segmentation.npz": lambda path: d.write_segmentation(path, clothness),
         "body.npz": lambda path: d.write_body(path, body),
         "proxies.json": lambda path: d.write_proxies(path, many, w.skeleton),
         "baked.npz": lambda path: d.write_baked_npz(path, w.character, animation),

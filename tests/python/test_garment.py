@@ -28,7 +28,7 @@ def skirt(shapes):
     skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 1, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), valid.tolist(), np.ones((len(vertices), 1)), skeleton)
     cloth = (vertices[:, 1] < 1).astype(float)
-    return actor, d.Clothness(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    return actor, d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
 
 
 def test_a_mesher_of_ones_own(skirt, tmp_path):
@@ -48,8 +48,8 @@ def test_the_dressed_actor_has_the_garment_behind_its_own_vertices(skirt):
     garment = d.mesh_garment(actor, clothness, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=300))
     dressed, bare = d.dress(actor, clothness, garment), len(actor.mesh.vertices)
     np.testing.assert_array_equal(dressed.actor.mesh.vertices[bare:], garment.mesh.vertices)
-    np.testing.assert_array_equal(dressed.clothness.clothness, np.r_[np.zeros(bare), garment.clothness])
-    np.testing.assert_array_equal(dressed.clothness.rest[bare:], garment.rest)
+    np.testing.assert_array_equal(dressed.segmentation.clothness, np.r_[np.zeros(bare), garment.clothness])
+    np.testing.assert_array_equal(dressed.segmentation.rest[bare:], garment.rest)
     valid = np.asarray(dressed.actor.face_valid, bool)
     assert valid[len(actor.mesh.faces) :].all() and not valid[: len(actor.mesh.faces)][np.asarray(garment.covers, bool)].any()
     performance = d.ReferencePerformance()
@@ -72,7 +72,7 @@ def test_the_pipeline_wears_what_the_file_says(bell):
     """The bell's garment has no vertices: the cloth is the loose part of the template, and the report says so."""
     job = pipeline.Job(bell, bell)
     assert len(job.dressed.actor.mesh.vertices) == len(job.actor.mesh.vertices)
-    np.testing.assert_array_equal(job.dressed.clothness.clothness, job.clothness().clothness)
+    np.testing.assert_array_equal(job.dressed.segmentation.clothness, job.segmentation().clothness)
     assert job.dressed_performance().surface.frames.shape == job.performance().surface.frames.shape
     assert job.options["cloth"].stiffness == "compliance" and d.ClothOptions.paper().stiffness == "sweeps"
 
@@ -98,7 +98,7 @@ def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
         actor.mesh.faces, np.stack([actor.mesh.vertices + w * (wide - actor.mesh.vertices) for w in (0, 0.3, 0.6, 1)])
     )
     d.write_actor(tmp_path / "actor.npz", actor)
-    d.write_clothness(tmp_path / "segmentation.npz", clothness)
+    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
     d.write_performance(tmp_path / "performance.npz", performance)
     body = d.BodyFit()
     body.body = d.Mesh(np.array(actor.mesh.vertices) * [0.6, 1, 0.6], actor.mesh.faces)

@@ -119,7 +119,7 @@ def write_scene(folder, skirt, true_frames, delay):
     d.write_actor(folder / "actor.npz", actor)
     d.write_performance(folder / "performance.npz", performance)
     region = np.where(cloth > 0, 0, -1).astype(np.int32)
-    d.write_clothness(folder / "segmentation.npz", d.Clothness(np.zeros_like(cloth), cloth, region))
+    d.write_segmentation(folder / "segmentation.npz", d.Segmentation(np.zeros_like(cloth), cloth, region))
     simulated = turned(vertices, yaw(TIMES - delay / FPS))
     simulated[:, cloth == 0, 1] += 0.05 * np.sin(2 * np.pi * 10 * TIMES)[:, None]
     np.savez(folder / "simulated.npz", vertices=simulated)

@@ -9,13 +9,15 @@ ROOT = Path(__file__).parents[2]
 MAY_USE = {
     "options": set(),
     "core": {"options"},
-    "capture": {"options", "core"},
-    "segment": {"options", "core"},
-    "bodymodel": {"options", "core"},
+    "rays": {"options", "core"},
+    "files": {"options", "core"},
+    "capture": {"options", "core", "rays", "files"},
+    "segment": {"options", "core", "rays"},
+    "bodymodel": {"options", "core", "rays", "files"},
     "pbd": {"options"},
     "simulate": {"options", "core", "pbd"},
-    "animate": {"options", "core", "pbd", "simulate"},
-    "fit": {"options", "core", "pbd", "simulate"},
+    "animate": {"options", "core", "rays", "files", "pbd", "simulate"},
+    "fit": {"options", "core", "files", "pbd", "simulate"},
 }
 SOURCES = {name: sorted(p for p in (ROOT / f"lib{name}").rglob("*") if p.suffix in {".h", ".cpp"}) for name in MAY_USE}
 

@@ -69,7 +69,7 @@ def test_pycma_estimates_a_material(bell):
     fit = d.FitOptions()
     fit.space = d.ParameterSpace(names=["d_n", "k_bend"], fixed=d.Material(d_t=4.9, k_bend=0.3, k_stretch=0.999))
     actor = d.read_actor(bell / "actor.npz")
-    simulator = d.CharacterSimulator(actor, d.read_clothness(bell / "segmentation.npz"), [], d.ClothOptions.paper())
+    simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [], d.ClothOptions.paper())
     fit.make_optimizer = optimizers.pycma(72)
     result = d.estimate_material(
         simulator, d.read_performance(bell / "performance.npz", actor), d.read_observations(bell / "observations.npz"), fit

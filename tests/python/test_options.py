@@ -135,14 +135,14 @@ def settings_of(name: str) -> d.SolverSettings:
 def test_the_solvers_settings_travel_with_the_material(world, tmp_path, name):
     settings = settings_of(name)
     character = d.make_character(
-        world.actor, world.clothness, world.body, world.proxies, [world.material] * world.clothness.region_count, settings
+        world.actor, world.segmentation, world.body, world.proxies, [world.material] * world.segmentation.region_count, settings
     )
     character.write(tmp_path / "character.glb")
     assert plain(d.Character.read(tmp_path / "character.glb").solver) == plain(settings)
 
     file = tmp_path / "material.json"
     count = len(world.actor.mesh.vertices)
-    rigid = d.Clothness(np.zeros(count), np.zeros(count), np.full(count, -1, np.int32))
+    rigid = d.Segmentation(np.zeros(count), np.zeros(count), np.full(count, -1, np.int32))
     simulator = d.CharacterSimulator(world.actor, rigid, world.proxies, settings.cloth)
     options = d.FitOptions(energy=d.EnergyOptions(dt=settings.dt))
     d.write_materials(file, d.estimate_material(simulator, world.performance, world.observations, options))
@@ -155,7 +155,7 @@ def test_the_solvers_settings_travel_with_the_material(world, tmp_path, name):
 
 def test_whatever_the_energy_depends_on_changes_its_fingerprint(world):
     def fingerprint(cloth=None, energy=None, space=None):
-        simulator = d.CharacterSimulator(world.actor, world.clothness, world.proxies, cloth or d.ClothOptions())
+        simulator = d.CharacterSimulator(world.actor, world.segmentation, world.proxies, cloth or d.ClothOptions())
         return d.MaterialObjective(
             simulator, world.performance, world.observations, energy or d.EnergyOptions(), space or d.ParameterSpace()
         ).fingerprint

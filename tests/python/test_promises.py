@@ -32,7 +32,7 @@ def test_the_readmes_snippet_runs(world, tmp_path, monkeypatch):
     d.write_performance(tmp_path / "out" / "mine" / "performance.npz", world.performance)
     monkeypatch.chdir(tmp_path)
     exec(compile(snippet, "README.md", "exec"), {"__name__": "snippet"})
-    assert d.read_clothness(tmp_path / "out" / "mine" / "segmentation.npz").clothness.max() == 1
+    assert d.read_segmentation(tmp_path / "out" / "mine" / "segmentation.npz").clothness.max() == 1
 
 
 def bound_callables():

@@ -49,7 +49,7 @@ def either(request):
 
 def reconstruction(bell, shapes, folder, own_mesh=False):
     shutil.copytree(bell, folder)
-    bare, clothness = d.read_actor(bell / "actor.npz"), d.read_clothness(bell / "segmentation.npz")
+    bare, clothness = d.read_actor(bell / "actor.npz"), d.read_segmentation(bell / "segmentation.npz")
     captured = d.read_performance(bell / "performance.npz", bare)
     options = d.GarmentOptions(own_mesh=own_mesh, vertices=150)
     garment = d.mesh_garment(bare, clothness, d.Mesh(), captured.surface, options)
@@ -58,7 +58,7 @@ def reconstruction(bell, shapes, folder, own_mesh=False):
     dressed = d.dress(bare, clothness, d.read_garment(folder / "garment.npz", bare))
     own = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
     solver = d.SolverSettings(1 / FPS, d.ClothOptions(**{**d.ClothOptions.paper().to_dict(), "iterations": 12}))
-    character = d.make_character(dressed.actor, dressed.clothness, d.BodyFit(), [], [own], solver)
+    character = d.make_character(dressed.actor, dressed.segmentation, d.BodyFit(), [], [own], solver)
     character.write(folder / "character.glb")
     surfaces = captured.surface.frames
     surfaces[0] += 0.01  # not quite the skinned surface, as captured ones are
@@ -147,7 +147,7 @@ def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch, cap
     swing[:, 0] = 0.02 * np.arange(12) ** 1.5
     monkeypatch.setattr(comparisons, "exact_motion", lambda *_: d.Motion(FPS, swing))  # clips are read for humans only
     made, novel = study.reconstruction(plain_job(either)), tmp_path / "novel"
-    faces, cloth = made.actor.mesh.faces, made.dressed.clothness.clothness > 0.5
+    faces, cloth = made.actor.mesh.faces, made.dressed.segmentation.clothness > 0.5
     write_truth(tmp_path, faces, simulate(made, estimate(either)), cloth)
     novel.mkdir()
     (novel / "motion.bvh").touch()

@@ -13,8 +13,8 @@ SEGMENT = next(s for s in pipeline.STAGES if s.name == "segment")
 
 def everything_is_cloth(job):
     count = len(job.actor.mesh.vertices)
-    all_cloth = d.Clothness(np.full(count, 0.02), np.ones(count), np.zeros(count, np.int32))
-    d.write_clothness(job.path("segmentation.npz"), all_cloth)
+    all_cloth = d.Segmentation(np.full(count, 0.02), np.ones(count), np.zeros(count, np.int32))
+    d.write_segmentation(job.path("segmentation.npz"), all_cloth)
     return {"regions": 1}
 
 
@@ -41,13 +41,13 @@ def run_segment(job):
 
 def test_a_stage_takes_the_place_of_ours(job):
     assert run_segment(job) and not run_segment(job)
-    assert job.clothness().region_count == 0  # what does not move is no cloth
+    assert job.segmentation().region_count == 0  # what does not move is no cloth
     job.stages = pipeline.with_stage(job.stages, replace(SEGMENT, run=everything_is_cloth))
     assert run_segment(job), "the results of our stage stand for those of another"
     assert not run_segment(job)
-    assert job.clothness().region_count == 1
+    assert job.segmentation().region_count == 1
     job.stages = pipeline.STAGES
-    assert run_segment(job) and job.clothness().region_count == 0
+    assert run_segment(job) and job.segmentation().region_count == 0
 
 
 def test_a_stage_that_does_not_fit_is_refused():

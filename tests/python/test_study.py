@@ -100,7 +100,7 @@ def test_energies_of_given_materials(bell):
     right, wrong = study.run(study.energy, jobs, study.local_workers(1))
     assert right["result"][0] < 0.2 * wrong["result"][0]
     actor = d.read_actor(bell / "actor.npz")
-    simulator = d.CharacterSimulator(actor, d.read_clothness(bell / "segmentation.npz"), [], d.ClothOptions.paper())
+    simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [], d.ClothOptions.paper())
     observations = d.read_observations(bell / "observations.npz")
     performance, space = d.read_performance(bell / "performance.npz", actor), d.ParameterSpace.paper()
     objective = d.MaterialObjective(simulator, performance, observations, space=space)

@@ -36,7 +36,7 @@ class Passing(d.ClothSolver):
 
 def played(world, make_solver):
     """Two characters side by side over three frames."""
-    simulator = d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=make_solver)
+    simulator = d.CharacterSimulator(world.actor, world.segmentation, world.proxies, make_solver=make_solver)
     frames = [simulator.pose(dofs) for dofs in world.dofs]
     states = [simulator.start(frames[0]) for _ in range(2)]
     for before, after in zip(frames, frames[1:]):
@@ -66,7 +66,7 @@ def test_the_search_runs_on_the_solver_it_is_given(world):
     Passing.calls.clear()
     space, energy = d.ParameterSpace(names=["d_n"]), d.EnergyOptions(dt=1 / 40, settle_frames=1)
     simulators = [
-        d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=m) for m in (None, Passing, NumpySolver)
+        d.CharacterSimulator(world.actor, world.segmentation, world.proxies, make_solver=m) for m in (None, Passing, NumpySolver)
     ]
     objectives = [d.MaterialObjective(s, world.performance, world.observations, energy, space) for s in simulators]
     samples = [[d.Material(d_n=n)] for n in range(3)]
@@ -141,7 +141,7 @@ def test_what_is_not_finite_is_named_and_left_alone(world):
     np.testing.assert_array_equal(state.positions, np.eye(3))
     with pytest.raises(RuntimeError, match="not finite"):
         played_once = d.CharacterSimulator(
-            world.actor, world.clothness, world.proxies, make_solver=type("Own", (d.ClothSolver,), {"advance": explode})
+            world.actor, world.segmentation, world.proxies, make_solver=type("Own", (d.ClothSolver,), {"advance": explode})
         )
         posed = played_once.pose(world.dofs[0])
         played_once.step(played_once.start(posed), posed, posed, [d.Material()], 0.025)
@@ -168,7 +168,7 @@ def test_make_solver_must_make_solvers_of_its_model(world):
         (lambda: None, TypeError, "positional argument"),
     ):
         with pytest.raises(error, match=says):
-            d.CharacterSimulator(world.actor, world.clothness, world.proxies, make_solver=make)
+            d.CharacterSimulator(world.actor, world.segmentation, world.proxies, make_solver=make)
 
 
 class Straight(d.BodyModel):
@@ -269,12 +269,13 @@ def test_a_body_model_of_the_wrong_size_gets_a_sentence():
     assert any("must return 3 points" in s for s in d.body_model_violations(Short()))
 
 
-def test_the_other_kits():
+def test_the_other_kits(world):
     assert d.cloth_segmenter_violations(d.ClothSegmenter.create()) == []
+    assert d.garment_mesher_violations(d.GarmentMesher.create(), world.actor, world.segmentation) == []
     assert d.optimizer_violations(lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(seed=seed))) == []
 
     class Wrong(d.ClothSegmenter):
         def segment(self, sequence, face_valid, context):
             return "cloth"
 
-    assert any("ClothSegmenter.segment must return a Clothness" in s for s in d.cloth_segmenter_violations(Wrong()))
+    assert any("ClothSegmenter.segment must return a Segmentation" in s for s in d.cloth_segmenter_violations(Wrong()))

@@ -21,7 +21,7 @@ def character(shapes):
     weights[:, 0] = 1
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, skeleton)
     cloth = (vertices[:, 1] < 1).astype(float)
-    clothness = d.Clothness(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    clothness = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
     return d.make_character(actor, clothness, d.BodyFit(), [], [d.Material(k_stretch=1.0)], d.SolverSettings(1 / FPS))
 
 
@@ -49,10 +49,10 @@ def test_it_is_a_session(made):
 
 def test_a_garment_of_its_own_is_the_garment(character):
     """Not the skin that it stands for, which is in the same place."""
-    actor, clothness = character.actor, character.clothness
+    actor, clothness = character.actor, character.segmentation
     garment = d.mesh_garment(actor, clothness, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=300))
     dressed = d.dress(actor, clothness, garment)
-    worn = d.make_character(dressed.actor, dressed.clothness, d.BodyFit(), [], character.materials, character.solver)
+    worn = d.make_character(dressed.actor, dressed.segmentation, d.BodyFit(), [], character.materials, character.solver)
     faces, height = actor.mesh.faces, actor.mesh.vertices[actor.mesh.faces].mean(axis=1)[:, 1]
     found = Surfaces.garment_faces(worn, actor.mesh.vertices, faces)
     inside = (height > 0.6) & (height < 0.9)

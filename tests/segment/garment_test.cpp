@@ -2,6 +2,7 @@
 
 #include "../../libsegment/src/rest_shape.h"
 #include "doublet/core/error.h"
+#include "doublet/testing/garment_mesher_conformance.h"
 #include "skirt_person.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ GarmentOptions small_garment() {
 }
 
 Garment garment_of(const Person &person, const GarmentOptions &options = small_garment(), const MeshSequence &captured = {}) {
-  return mesh_garment(person.actor, person.clothness, {}, captured, options);
+  return mesh_garment(person.actor, person.segmentation, {}, captured, options);
 }
 
 std::vector<char> on_boundary(const Garment &garment) {
@@ -97,7 +98,7 @@ Person with_hole(int half, bool skin) {
   for (int ring = 40 - half; ring < 40 + half; ++ring)
     for (int k = -half; k < half; ++k)
       if (skin)
-        person.clothness.clothness[skirt_person::vertex(ring, k)] = 0;
+        person.segmentation.clothness[skirt_person::vertex(ring, k)] = 0;
       else
         person.set_invalid(ring, k);
   return person;
@@ -123,6 +124,34 @@ MeshSequence folded_and_spread_out(const Person &person) {
 }
 
 } // namespace
+
+TEST(GarmentConformance, OursConforms) {
+  const Person person;
+  for (const std::string &broken :
+       doublet::testing::garment_mesher_violations(*GarmentMesher::create(small_garment()), person.actor, person.segmentation))
+    ADD_FAILURE() << broken;
+}
+
+/// Wears whatever it is given, a little lower each time.
+class Sagging : public GarmentMesher {
+public:
+  Garment mesh(const RiggedMesh &actor, const Segmentation &, const Mesh &, const MeshSequence &,
+               const Context &) const override {
+    Garment garment = garment_of(Person());
+    garment.rest.array() -= ++calls_;
+    garment.covers.resize(actor.face_valid.size() - (calls_ == 4));
+    return garment;
+  }
+
+private:
+  mutable int calls_ = 0;
+};
+
+TEST(GarmentConformance, TheKitCatchesASaggingOne) {
+  const Person person;
+  const auto broken = doublet::testing::garment_mesher_violations(Sagging(), person.actor, person.segmentation);
+  EXPECT_EQ(broken.size(), 3u); // other bits, vertices without cloth, no refusal
+}
 
 TEST(GarmentMesher, ASkirtHangsOnItsSeamAndHasOneHem) {
   const Person person;
@@ -162,7 +191,7 @@ TEST(GarmentMesher, VerticesLieOnTheActorWhereTheySay) {
   EXPECT_GT(garment.barycentric.minCoeff(), -1e-6);
   EXPECT_LT((garment.barycentric.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-9);
   for (int face : garment.actor_face) { // covered, but for the faces that the seam runs through
-    const auto clothness = [&](int k) { return person.clothness.clothness[person.actor.mesh.faces(face, k)]; };
+    const auto clothness = [&](int k) { return person.segmentation.clothness[person.actor.mesh.faces(face, k)]; };
     EXPECT_TRUE(garment.covers[face] || std::min({clothness(0), clothness(1), clothness(2)}) < 0.5) << face;
   }
   EXPECT_TRUE(std::any_of(garment.actor_face.begin(), garment.actor_face.end(), [&](int f) { return !garment.covers[f]; }));
@@ -232,7 +261,7 @@ TEST(GarmentMesher, PiecesThatAreTooSmallMoveAsSkinAndAreNamed) {
   Context context;
   context.log = [&](const std::string &line) { said += line; };
   const Person narrow = with_belt(1.15), wide = with_belt(1.3); // 0.05 and 0.19 m^2
-  const Garment one = mesh_garment(narrow.actor, narrow.clothness, {}, {}, small_garment(), context);
+  const Garment one = mesh_garment(narrow.actor, narrow.segmentation, {}, {}, small_garment(), context);
   EXPECT_NE(said.find("region 0 is too small"), std::string::npos) << said;
   EXPECT_EQ(one.region_count, 1);
   EXPECT_EQ(one.region.maxCoeff(), 0); // the skirt moves up
@@ -240,7 +269,7 @@ TEST(GarmentMesher, PiecesThatAreTooSmallMoveAsSkinAndAreNamed) {
   for (int k = 0; k < skirt_person::kAround; ++k)
     EXPECT_FALSE(one.covers[skirt_person::face(skirt_person::first_ring(1.1), k)]);
   said.clear();
-  const Garment two = mesh_garment(wide.actor, wide.clothness, {}, {}, small_garment(), context);
+  const Garment two = mesh_garment(wide.actor, wide.segmentation, {}, {}, small_garment(), context);
   EXPECT_EQ(said, "");
   EXPECT_EQ(two.region_count, 2);
   expect_loops(two, 4, 3);
@@ -251,14 +280,14 @@ TEST(GarmentMesher, PiecesThatAreTooSmallMoveAsSkinAndAreNamed) {
 
 TEST(GarmentMesher, AGarmentThatHangsOnNothingMovesAsSkin) {
   Person person;
-  person.clothness.clothness.setOnes();
-  person.clothness.region.setZero();
+  person.segmentation.clothness.setOnes();
+  person.segmentation.region.setZero();
   std::fill(person.actor.face_valid.begin(), person.actor.face_valid.end(), 1);
   std::string said;
   Context context;
   context.log = [&](const std::string &line) { said += line; };
   const MeshSequence captured{person.actor.mesh.faces, {person.actor.mesh.vertices}};
-  const Garment none = mesh_garment(person.actor, person.clothness, {}, captured, small_garment(), context);
+  const Garment none = mesh_garment(person.actor, person.segmentation, {}, captured, small_garment(), context);
   EXPECT_NE(said.find("region 0 does not touch skin"), std::string::npos) << said;
   EXPECT_EQ(none.region_count, 0);
   EXPECT_EQ(none.mesh.vertices.rows(), 0);
@@ -278,7 +307,7 @@ TEST(GarmentMesher, ALoosePieceOfARegionMovesAsSkin) {
   std::string said;
   Context context;
   context.log = [&](const std::string &line) { said += line; };
-  const Garment garment = mesh_garment(person.actor, person.clothness, {}, {}, options, context);
+  const Garment garment = mesh_garment(person.actor, person.segmentation, {}, {}, options, context);
   EXPECT_NE(said.find("region 0: 0.17"), std::string::npos) << said; // m^2
   expect_loops(garment, 2, 1);
   EXPECT_GT(garment.mesh.vertices.col(1).minCoeff(), 0.49);
@@ -315,7 +344,7 @@ TEST(GarmentMesher, SkinBeyondTheHemThatCountsAsClothIsLeftOut) {
   for (int ring = 2; ring <= 20; ++ring) // the leg, up to the sheet
     person.set_cloth(ring, 0);
   expect_loops(garment_of(person), 4, 2);
-  const Garment skirt = mesh_garment(person.actor, person.clothness, person.body, {}, small_garment());
+  const Garment skirt = mesh_garment(person.actor, person.segmentation, person.body, {}, small_garment());
   expect_loops(skirt, 2, 1);
   EXPECT_GT(skirt.mesh.vertices.col(1).minCoeff(), 0.49);
   EXPECT_GT(skirt.mesh.vertices.col(1).maxCoeff(), 0.98); // the waistband lies on the body, too
@@ -391,15 +420,15 @@ TEST(GarmentMesher, NoClothOrNoMeshOfItsOwnIsAnEmptyGarment) {
   GarmentOptions options = small_garment();
   options.own_mesh = false;
   Person bare;
-  bare.clothness.clothness.setZero();
-  bare.clothness.region.setConstant(-1);
-  bare.clothness.region_count = 0;
+  bare.segmentation.clothness.setZero();
+  bare.segmentation.region.setConstant(-1);
+  bare.segmentation.region_count = 0;
   for (const Garment &garment : {garment_of(person, options), garment_of(bare)}) {
     EXPECT_EQ(garment.region_count, 0);
     EXPECT_EQ(garment.mesh.vertices.rows(), 0);
     EXPECT_EQ(garment.covers, std::vector<std::uint8_t>(person.actor.mesh.faces.rows(), 0));
     EXPECT_EQ(summarise_garment(garment).loops, 0);
-    EXPECT_EQ(dress(person.actor, person.clothness, garment).actor.mesh.vertices, person.actor.mesh.vertices);
+    EXPECT_EQ(dress(person.actor, person.segmentation, garment).actor.mesh.vertices, person.actor.mesh.vertices);
   }
 }
 
@@ -408,8 +437,8 @@ TEST(GarmentMesher, IsTheSameFromRunToRun) {
   const MeshSequence captured = folded_and_spread_out(person);
   Context one;
   one.threads = 1;
-  const Garment first = mesh_garment(person.actor, person.clothness, person.body, captured, small_garment(), one),
-                second = mesh_garment(person.actor, person.clothness, person.body, captured, small_garment());
+  const Garment first = mesh_garment(person.actor, person.segmentation, person.body, captured, small_garment(), one),
+                second = mesh_garment(person.actor, person.segmentation, person.body, captured, small_garment());
   EXPECT_EQ(first.mesh.vertices, second.mesh.vertices);
   EXPECT_EQ(first.mesh.faces, second.mesh.faces);
   EXPECT_EQ(first.rest, second.rest);
@@ -426,10 +455,10 @@ TEST(GarmentMesher, RefusesWhatDoesNotFit) {
   bad.actor.face_valid.pop_back();
   refused(bad);
   bad = good;
-  bad.clothness.clothness.conservativeResize(7);
+  bad.segmentation.clothness.conservativeResize(7);
   refused(bad);
   bad = good;
-  bad.clothness.region.conservativeResize(7);
+  bad.segmentation.region.conservativeResize(7);
   refused(bad);
   refused(good, {good.actor.mesh.faces, {Vertices::Zero(5, 3)}});
   bad = good;

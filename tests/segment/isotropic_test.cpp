@@ -1,7 +1,7 @@
 #include "../../libsegment/src/isotropic.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/surface_distance.h"
+#include "doublet/rays/surface_distance.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>

@@ -30,7 +30,7 @@ SegmentOptions plain() {
 } // namespace
 
 TEST(Segment, RigidTubeHasNoCloth) {
-  const Clothness result = segment_cloth(tube::pulsating(0.0), {});
+  const Segmentation result = segment_cloth(tube::pulsating(0.0), {});
   EXPECT_EQ(result.region_count, 0);
   EXPECT_EQ(result.clothness.maxCoeff(), 0.0);
   EXPECT_EQ(result.region.maxCoeff(), -1);
@@ -40,7 +40,7 @@ TEST(Segment, RigidTubeHasNoCloth) {
 
 TEST(Segment, PulsatingPartIsClothWithTheKnownDeviation) {
   const double amplitude = 0.02;
-  const Clothness result = segment_cloth(tube::pulsating(amplitude), {}, plain());
+  const Segmentation result = segment_cloth(tube::pulsating(amplitude), {}, plain());
   EXPECT_EQ(result.region_count, 1);
   for (int i = 0; i < result.sigma.size(); ++i) {
     if (!on_side(i))
@@ -68,7 +68,7 @@ TEST(Segment, OnlyWhatMovesInTheScanPoseAsWellIsCloth) {
   EXPECT_EQ(segment_cloth(misplaced, {}).region_count, 0);
   MeshSequence loose = moving;
   loose.unposed = tube::pulsating(0.02, 40, false).frames;
-  const Clothness result = segment_cloth(loose, {});
+  const Segmentation result = segment_cloth(loose, {});
   EXPECT_EQ(result.region_count, 1);
   EXPECT_LT((result.clothness - segment_cloth(moving, {}).clothness).cwiseAbs().maxCoeff(), 1e-9);
 }
@@ -94,7 +94,7 @@ TEST(Segment, InvalidFacesCloseTheSurfaceButDoNotCount) {
   EXPECT_GE(all.face[front], 0);
   EXPECT_EQ(masked.face[front], -1);
   EXPECT_EQ(masked.face[back], -1);
-  const Clothness result = segment_cloth(sequence, valid);
+  const Segmentation result = segment_cloth(sequence, valid);
   EXPECT_TRUE(std::isnan(result.sigma[front]));
   EXPECT_EQ(result.clothness[back], 0.0);
   EXPECT_EQ(result.region[back], -1);
@@ -102,12 +102,12 @@ TEST(Segment, InvalidFacesCloseTheSurfaceButDoNotCount) {
 
 TEST(Segment, UnknownRaysAreFilledFromTheirSurroundings) {
   const MeshSequence sequence = tube::pulsating(0.02, 40, false);
-  Clothness known = segment_cloth(sequence, {}, plain());
+  Segmentation known = segment_cloth(sequence, {}, plain());
   Eigen::VectorXd sigma = known.sigma;
   for (int i = 0; i < sigma.size(); ++i)
     if (on_side(i) && std::abs(height(i) - 0.5) < 0.12 && i % tube::kAround < 12)
       sigma[i] = std::numeric_limits<double>::quiet_NaN();
-  const Clothness filled = clothness_from_deviation({sequence.frames[0], sequence.faces}, {}, sigma);
+  const Segmentation filled = segmentation_from_deviation({sequence.frames[0], sequence.faces}, {}, sigma);
   EXPECT_LT((filled.clothness - known.clothness).cwiseAbs().maxCoeff(), 0.1);
 }
 
@@ -123,13 +123,13 @@ TEST(Segment, SmallIslandsAreDroppedAndSmallHolesFilled) {
     if (height(i) > 0.8 && height(i) < 0.9 && around > 10 && around < 18)
       sigma[i] = 0.05; // island of about 0.01 m^2
   }
-  const Clothness result = clothness_from_deviation(pose, {}, sigma);
+  const Segmentation result = segmentation_from_deviation(pose, {}, sigma);
   ASSERT_EQ(result.region_count, 1);
   EXPECT_GT(result.clothness[12 * tube::kAround + 14], 0.95);
   EXPECT_EQ(result.clothness[34 * tube::kAround + 14], 0.0);
   SegmentOptions keep_all;
   keep_all.smallest_region = 0;
-  const Clothness raw = clothness_from_deviation(pose, {}, sigma, keep_all);
+  const Segmentation raw = segmentation_from_deviation(pose, {}, sigma, keep_all);
   EXPECT_EQ(raw.region_count, 2);
   EXPECT_EQ(raw.region[34 * tube::kAround + 14], 1); // numbered by falling area
   EXPECT_LT(raw.clothness[12 * tube::kAround + 14], 0.5);
@@ -141,7 +141,7 @@ TEST(Segment, TheEndOfALimbIsNoHole) {
   for (int i = 0; on_side(i); ++i)
     if (height(i) > 0.07 && height(i) < 0.6)
       sigma[i] = 0.05; // below it a foot of 0.075 m^2, less than the smallest region
-  const Clothness result = clothness_from_deviation(pose, {}, sigma);
+  const Segmentation result = segmentation_from_deviation(pose, {}, sigma);
   EXPECT_GT(result.clothness[12 * tube::kAround], 0.95);
   EXPECT_EQ(result.clothness[0], 0.0);
   EXPECT_EQ(result.clothness[tube::kAround * tube::kRings], 0.0); // the sole
@@ -157,7 +157,7 @@ TEST(Segment, WhatDoesNotHangIsNoCloth) {
   for (int f = 0; f < pose.faces.rows(); ++f)
     if (const double y = pose.vertices(pose.faces(f, 0), 1); on_side(pose.faces(f, 0)) && y > 0.24 && y < 0.26)
       valid[f] = 0; // the hem: nobody saw how the leg goes on under it
-  const Clothness result = clothness_from_deviation(pose, valid, sigma);
+  const Segmentation result = segmentation_from_deviation(pose, valid, sigma);
   EXPECT_EQ(result.region_count, 1);
   EXPECT_GT(result.clothness[16 * tube::kAround], 0.95);
   EXPECT_EQ(result.clothness[2 * tube::kAround], 0.0);
@@ -173,7 +173,7 @@ TEST(Segment, FaintDeviationFarFromClothIsRigid) {
   for (int i = 0; on_side(i); ++i)
     if (height(i) < 0.4)
       sigma[i] = 0.05;
-  const Clothness result = clothness_from_deviation(pose, {}, sigma);
+  const Segmentation result = segmentation_from_deviation(pose, {}, sigma);
   EXPECT_EQ(result.region_count, 1);
   EXPECT_GT(result.clothness[5 * tube::kAround], 0.99);
   EXPECT_GT(result.clothness[18 * tube::kAround], 0.2); // 5 cm from the core: its transition
@@ -194,7 +194,7 @@ TEST(Segment, AnInvalidSeamKeepsCoresApart) {
     if (on_side(pose.faces(f, 0)) && y > 0.465 && y < 0.485 && f % 6 != 0)
       valid[f] = 0; // ring 19 in part: what is left still connects
   }
-  const Clothness result = clothness_from_deviation(pose, valid, sigma);
+  const Segmentation result = segmentation_from_deviation(pose, valid, sigma);
   EXPECT_EQ(result.region_count, 1);
   EXPECT_GT(result.clothness[30 * tube::kAround], 0.99);
   EXPECT_LT(result.clothness[17 * tube::kAround + 1], 0.5);
@@ -205,13 +205,13 @@ TEST(Segment, DoesNotDependOnThreadsOrOnTheFrameOfReference) {
   Context one, three;
   one.threads = 1;
   three.threads = 3;
-  const Clothness a = segment_cloth(sequence, {}, {}, one), b = segment_cloth(sequence, {}, {}, three);
+  const Segmentation a = segment_cloth(sequence, {}, {}, one), b = segment_cloth(sequence, {}, {}, three);
   EXPECT_TRUE((a.clothness.array() == b.clothness.array()).all());
   MeshSequence moved = sequence;
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.1, Eigen::Vector3d(3, -1, 2).normalized()).toRotationMatrix();
   for (Vertices &frame : moved.frames)
     frame = (frame * turn.transpose()).rowwise() + Eigen::RowVector3d(3, -2, 1);
-  const Clothness c = segment_cloth(moved, {});
+  const Segmentation c = segment_cloth(moved, {});
   EXPECT_EQ(c.region_count, a.region_count);
   // A ray that leaves exactly through an edge of this symmetric tube may fall to either side: compare what that cannot change.
   EXPECT_LT((c.clothness - a.clothness).cwiseAbs().mean(), 1e-3);
@@ -262,10 +262,10 @@ TEST(Segment, SurvivesBadMeshes) {
   const Faces open = faces.topRows(faces.rows() / 2);
   EXPECT_NO_THROW(segment_cloth(sequence, {}));
   sequence.faces = open; // boundary, and half the vertices unused
-  const Clothness result = segment_cloth(sequence, {});
+  const Segmentation result = segment_cloth(sequence, {});
   EXPECT_TRUE(result.clothness.allFinite());
   EXPECT_EQ(result.region[tube::kAround * tube::kRings - 1], -1);
-  const Clothness nothing = segment_cloth(sequence, std::vector<std::uint8_t>(open.rows(), 0));
+  const Segmentation nothing = segment_cloth(sequence, std::vector<std::uint8_t>(open.rows(), 0));
   EXPECT_EQ(nothing.region_count, 0);
 }
 

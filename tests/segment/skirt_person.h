@@ -81,7 +81,7 @@ inline Eigen::Vector2d plain(double up, double) {
 
 struct Person {
   doublet::RiggedMesh actor;
-  doublet::Clothness clothness;
+  doublet::Segmentation segmentation;
   doublet::Mesh body; ///< trunk and leg
 
   explicit Person(const std::function<Eigen::Vector2d(double, double)> &skirt = plain) {
@@ -96,9 +96,9 @@ struct Person {
     for (int ring = 20; ring < 28; ++ring)
       for (int k = 0; k < kAround; ++k)
         set_invalid(ring, k);
-    clothness.clothness = Eigen::VectorXd::Zero(actor.mesh.vertices.rows());
-    clothness.region = Eigen::VectorXi::Constant(actor.mesh.vertices.rows(), -1);
-    clothness.sigma = clothness.clothness;
+    segmentation.clothness = Eigen::VectorXd::Zero(actor.mesh.vertices.rows());
+    segmentation.region = Eigen::VectorXi::Constant(actor.mesh.vertices.rows(), -1);
+    segmentation.sigma = segmentation.clothness;
     for (int ring = 0; ring < count; ++ring)
       if (all[ring].cloth)
         set_cloth(ring, 0);
@@ -108,10 +108,10 @@ struct Person {
   void set_invalid(int ring, int column) { actor.face_valid[face(ring, column)] = actor.face_valid[face(ring, column) + 1] = 0; }
   void set_cloth(int ring, int region) {
     for (int k = 0; k < kAround; ++k) {
-      clothness.clothness[vertex(ring, k)] = region >= 0 ? 1 : 0;
-      clothness.region[vertex(ring, k)] = region;
+      segmentation.clothness[vertex(ring, k)] = region >= 0 ? 1 : 0;
+      segmentation.region[vertex(ring, k)] = region;
     }
-    clothness.region_count = std::max(clothness.region_count, region + 1);
+    segmentation.region_count = std::max(segmentation.region_count, region + 1);
   }
 };
 

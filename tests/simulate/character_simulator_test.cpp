@@ -13,7 +13,7 @@ using namespace doublet::testing;
 
 TEST(CharacterSimulator, WithoutClothIsSkinning) {
   const RiggedMesh actor = figure_actor(0.05);
-  Clothness none;
+  Segmentation none;
   none.clothness = Eigen::VectorXd::Zero(actor.mesh.vertices.rows());
   none.region = Eigen::VectorXi::Constant(actor.mesh.vertices.rows(), -1);
   const CharacterSimulator simulator(actor, none, {});

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'garment_energy', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Segmentation', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'garment_energy', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_segmentation', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_segmentation', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -359,7 +359,7 @@ class ReferencePerformance:
     @joints.setter
     def joints(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
-class Clothness:
+class Segmentation:
     """
     Which vertices are loose cloth (segmentation.npz).
     """
@@ -487,7 +487,7 @@ class DressedActor:
     """
     The actor in a garment of its own mesh.
     """
-    clothness: Clothness
+    clothness: Segmentation
     @property
     def actor(self) -> RiggedMesh:
         """
@@ -2347,7 +2347,7 @@ class ClothSegmenter:
         """
     def __init__(self) -> None:
         ...
-    def segment(self, sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], context: Context = ...) -> Clothness:
+    def segment(self, sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], context: Context = ...) -> Segmentation:
         """
         How loose every vertex of the sequence is. face_valid (F).
         """
@@ -2445,7 +2445,7 @@ class GarmentMesher:
         """
     def __init__(self) -> None:
         ...
-    def mesh(self, actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: MeshSequence, context: Context = ...) -> Garment:
+    def mesh(self, actor: RiggedMesh, clothness: Segmentation, body: Mesh, captured: MeshSequence, context: Context = ...) -> Garment:
         """
         All cloth as a mesh of its own.
         """
@@ -2676,13 +2676,13 @@ class DressedScan:
     """
     One of several scans of the same person.
     """
-    def __init__(self, actor: RiggedMesh, clothness: Clothness, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> None:
+    def __init__(self, actor: RiggedMesh, clothness: Segmentation, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> None:
         ...
     @property
     def actor(self) -> RiggedMesh:
         ...
     @property
-    def clothness(self) -> Clothness:
+    def clothness(self) -> Segmentation:
         ...
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
@@ -2700,7 +2700,7 @@ class BodyFitter:
         """
     def __init__(self) -> None:
         ...
-    def fit(self, actor: RiggedMesh, clothness: Clothness, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
+    def fit(self, actor: RiggedMesh, clothness: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
         """
         The body under the clothes. landmarks: name -> point, m.
         """
@@ -3250,7 +3250,7 @@ class CharacterSimulator:
     """
     The forward model: pose in, surface out.
     """
-    def __init__(self, actor: RiggedMesh, clothness: Clothness, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
+    def __init__(self, actor: RiggedMesh, clothness: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
         """
         make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.
         """
@@ -3290,7 +3290,7 @@ class Character:
     """
     actor: RiggedMesh
     body: Mesh
-    clothness: Clothness
+    clothness: Segmentation
     high: Mesh
     name: str
     solver: SolverSettings
@@ -4663,7 +4663,7 @@ def body_model_violations(model: BodyModel) -> list[str]:
     """
     One sentence for each rule that a BodyModel breaks: counts, indices, derivatives, the same bits twice, refusals.
     """
-def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> list[BodyRegion]:
+def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Segmentation) -> list[BodyRegion]:
     """
     One BodyRegion a bone: how far the fit can be trusted there.
     """
@@ -4700,7 +4700,7 @@ def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.
     (N) unsigned distances, m
     """
 @typing.overload
-def dress(actor: RiggedMesh, clothness: Clothness, garment: Garment) -> DressedActor:
+def dress(actor: RiggedMesh, clothness: Segmentation, garment: Garment) -> DressedActor:
     """
     The actor in the garment.
     """
@@ -4713,7 +4713,7 @@ def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, nump
     """
     (V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).
     """
-def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], clothness: Clothness, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], clothness: Segmentation, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.
     """
@@ -4733,7 +4733,7 @@ def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
     """
-def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Clothness, options: ProxyOptions = ...) -> list[TaperedCapsule]:
+def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Segmentation, options: ProxyOptions = ...) -> list[TaperedCapsule]:
     """
     Tapered capsules along the bones, inside the body: what cloth collides with.
     """
@@ -4745,11 +4745,11 @@ def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.Support
     """
     (V, J) skin weights by heat equilibrium; rows sum to one.
     """
-def make_character(actor: RiggedMesh, clothness: Clothness, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
+def make_character(actor: RiggedMesh, clothness: Segmentation, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
     """
     Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
     """
-def make_display(actor: RiggedMesh, clothness: Clothness, high: Mesh) -> Display:
+def make_display(actor: RiggedMesh, clothness: Segmentation, high: Mesh) -> Display:
     """
     The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.
     """
@@ -4761,7 +4761,7 @@ def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typi
     """
     answers (parts, n) in [0, 1] -> one Influence a part
     """
-def mesh_garment(actor: RiggedMesh, clothness: Clothness, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
+def mesh_garment(actor: RiggedMesh, clothness: Segmentation, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
     """
     All cloth of the actor as a mesh of its own, in one call.
     """
@@ -4781,7 +4781,7 @@ def pose_surface(actor: RiggedMesh, dofs: typing.Annotated[numpy.typing.ArrayLik
     """
     (V, 3) m, skinned positions of the rest pose + offset (V, 3).
     """
-def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, clothness: Clothness) -> ProxyStatistics:
+def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, clothness: Segmentation) -> ProxyStatistics:
     """
     How far capsules and body are apart under the cloth.
     """
@@ -4797,7 +4797,7 @@ def read_body(path: os.PathLike | str | bytes) -> BodyFit:
     """
     body.npz. Raises FileNotFoundError, or Error naming file and array.
     """
-def read_clothness(path: os.PathLike | str | bytes) -> Clothness:
+def read_segmentation(path: os.PathLike | str | bytes) -> Segmentation:
     """
     segmentation.npz. Raises FileNotFoundError, or Error naming file and array.
     """
@@ -4845,11 +4845,11 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark],
     """
     Skeleton from the marked joints and skin weights -> RiggedMesh.
     """
-def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Clothness:
+def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Segmentation:
     """
     ClothSegmenter.create(options).segment(sequence, face_valid, context).
     """
-def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, fullness: FullnessOptions = ..., context: Context = ...) -> Clothness:
+def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, fullness: FullnessOptions = ..., context: Context = ...) -> Segmentation:
     """
     The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.
     """
@@ -4925,7 +4925,7 @@ def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
     """
     body.npz, complete or not at all.
     """
-def write_clothness(path: os.PathLike | str | bytes, clothness: Clothness) -> None:
+def write_segmentation(path: os.PathLike | str | bytes, clothness: Segmentation) -> None:
     """
     segmentation.npz, complete or not at all.
     """

@@ -17,7 +17,7 @@ def build_character(job) -> dict:
     """Re-animates the reference motion (simulated.npz) and writes character.glb."""
     solver = job.solver_settings()
     materials = d.read_materials(job.path("material.json"), solver)
-    regions = job.dressed.clothness.region_count
+    regions = job.dressed.segmentation.region_count
     if len(materials) != regions:
         file = job.path("material.json")
         raise RuntimeError(f"{file}: expected a material for each of {regions} cloth regions, found {len(materials)}")
@@ -26,10 +26,10 @@ def build_character(job) -> dict:
         job.simulator(), performance, materials, solver.dt, job.options["energy"].settle_frames, job.context
     )
     dressed = job.dressed
-    display = d.make_display(dressed.actor, dressed.clothness, d.read_mesh(job.path("template_high.ply")))
+    display = d.make_display(dressed.actor, dressed.segmentation, d.read_mesh(job.path("template_high.ply")))
     character = d.make_character(
         dressed.actor,
-        dressed.clothness,
+        dressed.segmentation,
         d.read_body(job.path("body.npz")),
         d.read_proxies(job.path("proxies.json"), job.actor.skeleton),
         materials,
@@ -42,7 +42,7 @@ def build_character(job) -> dict:
     seen = bake_first_frame(character, job, performance)
     d.write_simulated(job.path("simulated.npz"), simulated, len(job.actor.mesh.vertices))
     character.write(job.path("character.glb"))
-    cloth = dressed.clothness.clothness > 0.5
+    cloth = dressed.segmentation.clothness > 0.5
     if not cloth.any():
         return {"texture_seen": seen}
     error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)

@@ -146,7 +146,7 @@ class Reconstruction:
 
     @cached_property
     def clothness(self) -> np.ndarray:
-        return d.read_clothness(self.path("segmentation.npz")).clothness
+        return d.read_segmentation(self.path("segmentation.npz")).clothness
 
     @cached_property
     def performance(self) -> d.ReferencePerformance:
@@ -389,7 +389,7 @@ def new_motion(made: Reconstruction, truth: Truth, fps: float, context: d.Contex
     character = d.Character.read(made.path("character.glb"))
     surfaces = animate_exactly(character, folder / "motion.bvh", fps, context)
     faces = character.actor.mesh.faces[np.asarray(character.actor.face_valid, bool)]
-    return Animated(dict(enumerate(surfaces)), faces, character.clothness.clothness), Truth(folder)
+    return Animated(dict(enumerate(surfaces)), faces, character.segmentation.clothness), Truth(folder)
 
 
 def attempt(names, computed: dict) -> tuple[dict[str, float | None], dict[str, str]]:

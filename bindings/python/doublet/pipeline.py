@@ -131,8 +131,8 @@ class Job:
     def performance(self) -> d.ReferencePerformance:
         return d.read_performance(self.path("performance.npz"), self.actor)
 
-    def clothness(self) -> d.Clothness:
-        return d.read_clothness(self.path("segmentation.npz"))
+    def segmentation(self) -> d.Segmentation:
+        return d.read_segmentation(self.path("segmentation.npz"))
 
     @cached_property
     def garment(self) -> d.Garment:
@@ -141,7 +141,7 @@ class Job:
     @cached_property
     def dressed(self) -> d.DressedActor:
         """What is simulated: the actor in the garment of garment.npz."""
-        return d.dress(self.actor, self.clothness(), self.garment)
+        return d.dress(self.actor, self.segmentation(), self.garment)
 
     def dressed_performance(self) -> d.ReferencePerformance:
         return d.dress(self.performance(), self.actor, self.garment)
@@ -150,7 +150,7 @@ class Job:
         """Of the dressed actor, that of garment.npz unless another is given: goes with the dressed performance."""
         dressed = dressed or self.dressed
         proxies = d.read_proxies(self.path("proxies.json"), self.actor.skeleton)
-        return d.CharacterSimulator(dressed.actor, dressed.clothness, proxies, self.options["cloth"])
+        return d.CharacterSimulator(dressed.actor, dressed.segmentation, proxies, self.options["cloth"])
 
     def energy_options(self) -> d.EnergyOptions:
         return d.EnergyOptions(**{**self.options["energy"].to_dict(), "dt": self.solver_settings().dt})
@@ -252,7 +252,7 @@ def run_performance(job: Job) -> dict:
 def run_segment(job: Job) -> dict:
     segmenter, fullness = d.ClothSegmenter.create(job.group("segment")), job.options["fullness"]
     result = d.segment_performance(job.actor, job.performance(), segmenter, fullness, job.context)
-    d.write_clothness(job.path("segmentation.npz"), result)
+    d.write_segmentation(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.actor, cloth, areas)
@@ -279,9 +279,9 @@ def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> lis
 
 def run_body(job: Job) -> dict:
     model = d.BodyModel.read(job.body_model)
-    clothness = job.clothness()
-    fit = d.BodyFitter.create(job.options["body"]).fit(job.actor, clothness, model, job.session.landmarks, job.context)
-    proxies = d.fit_proxies(fit, job.actor, clothness, job.options["proxy"])
+    segmentation = job.segmentation()
+    fit = d.BodyFitter.create(job.options["body"]).fit(job.actor, segmentation, model, job.session.landmarks, job.context)
+    proxies = d.fit_proxies(fit, job.actor, segmentation, job.options["proxy"])
     d.write_body(job.path("body.npz"), fit)
     d.write_proxies(job.path("proxies.json"), proxies, job.actor.skeleton)
     return {"residual_mm": 1000 * fit.residual, "model": fit.model, "proxies": len(proxies)}
@@ -313,12 +313,12 @@ def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, float]]:
             f"garment.spread {options.spread} would not be used: expected it left alone, or trial.spreads empty, "
             f"found {spreads} to be tried on the video (on the command line: --trial-spreads {options.spread})"
         )
-    clothness, captured = job.clothness(), job.performance().surface
+    segmentation, captured = job.segmentation(), job.performance().surface
     body = d.read_body(job.path("body.npz")).body
 
     def garment_of(spread: float) -> d.Garment:
         mesher = d.GarmentMesher.create(d.GarmentOptions(**{**options.to_dict(), "spread": spread}))
-        return mesher.mesh(job.actor, clothness, body, captured, job.context)
+        return mesher.mesh(job.actor, segmentation, body, captured, job.context)
 
     garments = [garment_of(spread) for spread in spreads or [options.spread]]
     if len(garments) < 2 or garments[0].region_count == 0:
@@ -332,7 +332,7 @@ def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, float]]:
 
 def trial_energy(job: Job, garment: d.Garment) -> float:
     """What a garment costs before its material is known, pixels^2."""
-    dressed = d.dress(job.actor, job.clothness(), garment)
+    dressed = d.dress(job.actor, job.segmentation(), garment)
     performance = d.dress(job.performance(), job.actor, garment)
     observations = d.read_observations(job.path("observations.npz"))
     options = (job.options["trial"], job.energy_options(), job.options["space"])

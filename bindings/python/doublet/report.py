@@ -83,22 +83,22 @@ def overlays(shown: Shown) -> str:
 
 
 def segmentation(shown: Shown) -> str:
-    clothness = shown.job.clothness()
+    segmentation = shown.job.segmentation()
     mesh = shown.actor.mesh
-    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=picture.cloth_colours(clothness.clothness))
+    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=picture.cloth_colours(segmentation.clothness))
     views = [picture.shade([surface], picture.around(mesh.vertices, a)) for a in (0.0, np.pi)]
     pictures = row([figure(v, n) for v, n in zip(views, ("front", "back"))])
-    if not clothness.region_count:
+    if not segmentation.region_count:
         return pictures + "<p>No cloth found: the character is skinned only.</p>"
     areas = d.vertex_areas(mesh.vertices, mesh.faces)
-    rows = [[k, float(areas[clothness.region == k].sum())] for k in range(clothness.region_count)]
+    rows = [[k, float(areas[segmentation.region == k].sum())] for k in range(segmentation.region_count)]
     return pictures + table(["region", "area, m²"], rows)
 
 
 def garment(shown: Shown) -> str:
     """The garment's mesh in the scan pose and in its rest shape."""
     worn = shown.job.garment
-    if not shown.job.dressed.clothness.region_count:
+    if not shown.job.dressed.segmentation.region_count:
         return "<p>No cloth, so there is no garment.</p>"
     if not worn.region_count:
         return "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
@@ -132,7 +132,7 @@ def body(shown: Shown) -> str:
         through = (0.5 * skin + 0.5 * picture.shade(solid, camera)).astype(np.uint8) if solid else skin
         figures.append(figure(through, f"collision proxies, {name}"))
     text = f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
-    regions = d.body_regions(fit, shown.actor, shown.job.clothness())
+    regions = d.body_regions(fit, shown.actor, shown.job.segmentation())
     text += table(
         ["bone", "body surface, cm²", "seen as skin, %", "skin to body, mm", "expected error, mm"],
         [
@@ -141,7 +141,7 @@ def body(shown: Shown) -> str:
         ],
     )
     if proxies:
-        found = d.proxy_statistics(proxies, fit, shown.actor, shown.job.clothness())
+        found = d.proxy_statistics(proxies, fit, shown.actor, shown.job.segmentation())
         lengths = ("mean_distance", "percentile95", "largest_bulge", "cloth_clearance")
         text += table(
             [
@@ -163,7 +163,7 @@ def fit(shown: Shown) -> str:
 
 def side_by_side(shown: Shown) -> str:
     dressed = shown.job.dressed
-    colours = picture.cloth_colours(dressed.clothness.clothness)
+    colours = picture.cloth_colours(dressed.segmentation.clothness)
     faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
     captured = shown.job.dressed_performance().surface.frames
     camera, figures = shown.session.rig[0], []

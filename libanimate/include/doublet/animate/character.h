@@ -16,7 +16,7 @@ using TexCoords = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 struct Character {
   std::string name = "character";
   RiggedMesh actor; ///< M, skeleton, skin weights
-  Clothness clothness;
+  Segmentation segmentation;
   std::vector<TaperedCapsule> proxies;
   std::vector<pbd::Material> materials; ///< one a cloth region
   SolverSettings solver;
@@ -39,18 +39,18 @@ void validate_character(const Character &character);
 
 /// Puts a character together: checks sizes, computes the body's skin weights and which of its faces are needed.
 /// `high`, `body` may be empty; `high`, `high_valid` and `garment_subdivisions` as make_display() (display_surface.h) makes them.
-Character make_character(const RiggedMesh &actor, const Clothness &clothness, const BodyFit &body,
+Character make_character(const RiggedMesh &actor, const Segmentation &segmentation, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
                          const SolverSettings &solver, const Mesh &high = {}, const std::vector<std::uint8_t> &high_valid = {},
                          int garment_subdivisions = -1);
 
 /// (B) 1 = this body vertex is hidden by cloth in the scan pose: the nearest valid surface is cloth, or the surface is away and
 /// its normal runs into cloth.
-std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body);
+std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
 
 /// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of
 /// Baran & Popovic 2007 on the body with the exposed ones as boundary, so that thighs under a skirt hang on the thigh bones, not
 /// on the skirt's weights.
-MatrixRM transfer_weights(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body);
+MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
 
 } // namespace doublet

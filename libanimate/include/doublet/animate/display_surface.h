@@ -24,7 +24,7 @@ struct Display {
 /// `high`: M_high as scanned, closed. Its faces are drawn where the nearest of M's is valid. Where the actor wears a garment
 /// (`clothness` has a rest shape) that takes their place, as fine as `high`; the skin goes on below the seam, sunk under the
 /// garment, so that it does not open. Throws Error on unusable meshes.
-Display make_display(const RiggedMesh &actor, const Clothness &clothness, const Mesh &high);
+Display make_display(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high);
 
 /// Immutable after construction; apply() is exact in the scan pose and under rigid motion.
 class DisplaySurface {

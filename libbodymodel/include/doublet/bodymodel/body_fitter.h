@@ -49,7 +49,7 @@ struct BodyFitOptions {
 /// One of several scans of the same person: other clothes, other poses, even other units.
 struct DressedScan {
   const RiggedMesh *actor;
-  const Clothness *clothness;
+  const Segmentation *segmentation;
   std::map<std::string, Eigen::Vector3d> landmarks; ///< name -> point on the surface, m
 };
 
@@ -59,7 +59,7 @@ public:
   /// actor: surface in the scan pose; clothness: delta = 0 is skin, delta > 0 hides it; landmarks: name -> point on the surface
   /// (m). Landmarks and joints are matched by name to the model's; at least three must match. Throws Error naming what is
   /// missing.
-  virtual BodyFit fit(const RiggedMesh &actor, const Clothness &clothness, const BodyModel &model,
+  virtual BodyFit fit(const RiggedMesh &actor, const Segmentation &segmentation, const BodyModel &model,
                       const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const = 0;
   /// All scans together: one shape (BodyModel::shape_count()), for each scan its own pose and place. One fit a scan, in order.
   /// Throws Error as fit() does, naming the scan; the default throws std::logic_error, since a fitter need not know how.
@@ -77,9 +77,9 @@ struct BodyRegion {
   double deviation = 0; ///< m, expected RMS error (BodyFit::deviation); 0 if the fitter told none
 };
 /// One a joint that has surface of its own, in the skeleton's order.
-std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness);
+std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation);
 
 /// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.
-std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Clothness &clothness);
+std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation);
 
 } // namespace doublet

@@ -31,7 +31,7 @@ struct ProxyOptions {
 };
 /// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, and the next bones down the
 /// chain. Empty if nothing is cloth.
-std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Clothness &clothness,
+std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation,
                                         const ProxyOptions &options = {});
 
 /// How well the capsules stand for the body.
@@ -44,6 +44,6 @@ struct ProxyStatistics {
   double cloth_clearance = 0; ///< m, smallest signed distance of the resting cloth to the capsules (negative = pushed)
 };
 ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, const BodyFit &fit, const RiggedMesh &actor,
-                                 const Clothness &clothness);
+                                 const Segmentation &segmentation);
 
 } // namespace doublet

@@ -28,10 +28,10 @@ MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const Matr
 /// takes an actor and a clothness takes these. A garment without vertices leaves both as they are: the cloth is the loose part of
 /// the actor's own mesh.
 struct DressedActor {
-  RiggedMesh actor;    ///< V + G vertices, F + H faces
-  Clothness clothness; ///< (V + G), cloth on the garment alone
+  RiggedMesh actor;          ///< V + G vertices, F + H faces
+  Segmentation segmentation; ///< (V + G), cloth on the garment alone
 };
-DressedActor dress(const RiggedMesh &actor, const Clothness &clothness, const Garment &garment);
+DressedActor dress(const RiggedMesh &actor, const Segmentation &segmentation, const Garment &garment);
 /// The captured surface on the dressed actor's mesh.
 ReferencePerformance dress(const ReferencePerformance &performance, const RiggedMesh &actor, const Garment &garment);
 

@@ -65,7 +65,7 @@ struct Observations {
 };
 
 /// Sect. 5. File: segmentation.npz.
-struct Clothness {
+struct Segmentation {
   Eigen::VectorXd sigma;     ///< (V) m, standard deviation of the opposite-ray distance; NaN where no valid ray was found
   Eigen::VectorXd clothness; ///< (V) delta in [0, 1]
   Eigen::VectorXi region;    ///< (V) connected region of delta > 0, numbered by falling area; -1 = rigid
@@ -78,7 +78,7 @@ struct Clothness {
 
 /// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, fullness and rest for all vertices or none, the last
 /// two finite. Throws as require_actor.
-void require_clothness(const Clothness &clothness, Eigen::Index vertices, const std::string &what);
+void require_segmentation(const Segmentation &segmentation, Eigen::Index vertices, const std::string &what);
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.
 struct TaperedCapsule {

@@ -2,7 +2,7 @@
 // The loop between Optimizer and Objective: penalty, log, checkpoint, progress, cancellation.
 
 #include "doublet/core/context.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 #include "doublet/fit/optimizer.h"
 #include "doublet/options/options.h"
 

@@ -44,22 +44,23 @@ public:
   /// joint or a twisted spine deforms keeps its place in the scan pose, and skin that the skin weights misplace keeps its shape.
   /// face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are rigid. Throws
   /// std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
-  virtual Clothness segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                            const Context &context) const = 0;
+  virtual Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                               const Context &context) const = 0;
   static std::unique_ptr<ClothSegmenter> create(const SegmentOptions &options = {});
 };
 
-Clothness segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                        const SegmentOptions &options = {}, const Context &context = {});
+Segmentation segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                           const SegmentOptions &options = {}, const Context &context = {});
 
 /// The whole stage for a captured performance: its frames are brought back to the scan pose, too (unposed_frames), `segmenter` is
 /// asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
-Clothness segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
-                              const FullnessOptions &fullness = {}, const Context &context = {});
+Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
+                                 const ClothSegmenter &segmenter, const FullnessOptions &fullness = {},
+                                 const Context &context = {});
 
-/// Clothness from a deviation (V, m, NaN = unknown) alone: eq. 1, diffusion, holes and islands, regions.
-Clothness clothness_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
-                                   const SegmentOptions &options = {});
+/// Segmentation from a deviation (V, m, NaN = unknown) alone: eq. 1, diffusion, holes and islands, regions.
+Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
+                                         const Eigen::VectorXd &sigma, const SegmentOptions &options = {});
 
 /// What a segmentation found; log it where a number can disappoint.
 struct SegmentSummary {
@@ -68,6 +69,7 @@ struct SegmentSummary {
   double transition_area = 0; ///< m^2, 0 < clothness <= 0.5
   double known_fraction = 0;  ///< of the vertices on valid faces: had a usable opposite ray
 };
-SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Clothness &clothness);
+SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
+                                      const Segmentation &segmentation);
 
 } // namespace doublet

@@ -51,12 +51,12 @@ public:
   /// actor and clothness: of the template; body: under it, in the scan pose (may be empty), tells skin from cloth where a hem
   /// brushes it; captured: the template's surface in all frames (may be empty). Throws std::invalid_argument if they do not
   /// belong together, Error on an unusable mesh. Without cloth, or with own_mesh off, a garment without vertices.
-  virtual Garment mesh(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
+  virtual Garment mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
                        const Context &context) const = 0;
   static std::unique_ptr<GarmentMesher> create(const GarmentOptions &options = {});
 };
 
-Garment mesh_garment(const RiggedMesh &actor, const Clothness &clothness, const Mesh &body, const MeshSequence &captured,
+Garment mesh_garment(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
                      const GarmentOptions &options = {}, const Context &context = {});
 
 /// What the mesher made; log it where a number can disappoint.

@@ -55,7 +55,7 @@ inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter 
   const Eigen::Index n = sequence.frames[0].rows();
   const std::vector<std::uint8_t> valid(static_cast<std::size_t>(sequence.faces.rows()), 1);
   try {
-    const Clothness found = segmenter.segment(sequence, valid, {}), again = segmenter.segment(sequence, valid, {});
+    const Segmentation found = segmenter.segment(sequence, valid, {}), again = segmenter.segment(sequence, valid, {});
     if (found.clothness.size() != n || found.region.size() != n)
       return {"expected a clothness and a region for each of " + std::to_string(n) + " vertices, found " +
               std::to_string(found.clothness.size()) + " and " + std::to_string(found.region.size())};

@@ -37,7 +37,7 @@ struct FailedRegion {
 class CharacterSimulator {
 public:
   /// Throws as require_actor. A character without cloth (no region) is legal: skinning alone. make_solver: of each region.
-  CharacterSimulator(const RiggedMesh &actor, const Clothness &clothness, const std::vector<TaperedCapsule> &proxies,
+  CharacterSimulator(const RiggedMesh &actor, const Segmentation &segmentation, const std::vector<TaperedCapsule> &proxies,
                      const pbd::ClothOptions &options = {}, const pbd::ClothSolverFactory &make_solver = {});
 
   const std::vector<ClothRegion> &regions() const { return regions_; }

@@ -1,0 +1,264 @@
+#include "doublet/animate/baked_file.h"
+
+#include "doublet/animate/parts/image_file.h"
+#include "doublet/core/error.h"
+#include "doublet/files/files.h"
+#include "doublet/files/npz.h"
+#include "doublet/rays/ray_scene.h"
+#include "glb_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+using Eigen::Quaternionf;
+using Eigen::Vector3d;
+
+void require_animation(const Character &character, const AnimationResult &animation) {
+  validate_character(character);
+  const auto frames = static_cast<Eigen::Index>(animation.surface.size());
+  const bool sizes = frames > 0 && animation.dofs.rows() == frames &&
+                     static_cast<Eigen::Index>(animation.joints.size()) == frames &&
+                     (animation.body.empty() || static_cast<Eigen::Index>(animation.body.size()) == frames) && animation.fps > 0;
+  if (!sizes || animation.dofs.cols() != character.actor.skeleton.dof_count() ||
+      animation.surface[0].rows() != character.actor.mesh.vertices.rows())
+    throw std::invalid_argument("baked animation: expected frames of this character with poses, joints and a rate, found " +
+                                std::to_string(frames) + " frames of another kind");
+}
+
+std::vector<double> flatten(const std::vector<Vertices> &frames) {
+  std::vector<double> values;
+  for (const Vertices &frame : frames)
+    values.insert(values.end(), frame.data(), frame.data() + frame.size());
+  return values;
+}
+
+std::vector<int> flatten(const Faces &faces) {
+  return {faces.data(), faces.data() + faces.size()};
+}
+
+std::vector<int> key_frames(int frames, double fps, const BakedGlbOptions &options) {
+  int stride = options.keys_per_second > 0 ? std::max(1, static_cast<int>(std::lround(fps / options.keys_per_second))) : 1;
+  stride = std::max(stride, (frames + options.most_keys - 2) / std::max(options.most_keys - 1, 1));
+  std::vector<int> keys;
+  for (int t = 0; t < frames; t += stride)
+    keys.push_back(t);
+  if (keys.back() != frames - 1)
+    keys.push_back(frames - 1);
+  return keys;
+}
+
+/// (V, 3) linear R G B of M's vertices: the texture at the closest point of M_high.
+Vertices surface_colours(const Character &c) {
+  Vertices colours = Vertices::Constant(c.actor.mesh.vertices.rows(), 3, 0.6);
+  if (c.texture.empty())
+    return colours;
+  const Image image = decode_image(c.texture);
+  std::vector<std::uint8_t> skip;
+  for (std::uint8_t valid : c.high_valid)
+    skip.push_back(valid ? 0 : 1);
+  const RayScene scene(c.high, skip);
+  for (Eigen::Index v = 0; v < colours.rows(); ++v) {
+    const ClosestPoint at = scene.closest(c.actor.mesh.vertices.row(v));
+    Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();
+    for (int k = 0; k < 3; ++k)
+      uv += at.barycentric[k] * c.texcoords.row(3 * at.face + k);
+    const int x = std::clamp(static_cast<int>(uv.x() * image.width), 0, image.width - 1);
+    const int y = std::clamp(static_cast<int>(uv.y() * image.height), 0, image.height - 1);
+    for (int k = 0; k < 3; ++k)
+      colours(v, k) = std::pow(image.at(x, y, 2 - k) / 255.0, 2.2); // COLOR_0 is linear, the image sRGB
+  }
+  return colours;
+}
+
+Vertices gather(const Vertices &all, const std::vector<int> &rows) {
+  Vertices part(rows.size(), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    part.row(i) = all.row(rows[i]);
+  return part;
+}
+
+/// Weights with which every blend of bones can be undone at all poses: where bones turn against each other by almost half a turn,
+/// the strongest bone alone.
+MatrixRM undoable_weights(const glb::DisplayMesh &shown, MatrixRM weights, const std::vector<Transforms> &poses) {
+  constexpr double kLeastVolume = 0.05; // what the blend leaves of a unit cube
+  for (const Transforms &pose : poses) {
+    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(shown, weights, pose);
+    for (std::size_t i = 0; i < blends.size(); ++i)
+      if (!(blends[i].linear().determinant() > kLeastVolume)) {
+        Eigen::Index strongest = 0;
+        weights.row(shown.vertex_from_shown[i]).maxCoeff(&strongest);
+        weights.row(shown.vertex_from_shown[i]).setZero();
+        weights(shown.vertex_from_shown[i], strongest) = 1;
+      }
+  }
+  return weights;
+}
+
+/// A skinned mesh with one shape a key (a morph target, relative to that of key 0). Shapes are what the bones have to carry to
+/// have the vertices where they are: between keys the mesh goes on following the bones. `positions`, `poses`: at the keys.
+int add_morphing_mesh(glb::Writer &writer, const std::string &name, glb::DisplayMesh shown, const MatrixRM &weights,
+                      const std::vector<const Vertices *> &positions, const std::vector<Transforms> &poses, int material) {
+  const MatrixRM bound = undoable_weights(shown, weights, poses);
+  Vertices first, first_normals;
+  int index = -1;
+  for (std::size_t key = 0; key < positions.size(); ++key) {
+    Vertices shape = gather(*positions[key], shown.vertex_from_shown), normals = vertex_normals(shape, shown.mesh.faces);
+    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(shown, bound, poses[key]);
+    for (Eigen::Index v = 0; v < shape.rows(); ++v) {
+      const Eigen::Affine3d back = blends[v].inverse();
+      shape.row(v) = (back * Vector3d(shape.row(v))).transpose();
+      normals.row(v) = (back.linear() * normals.row(v).transpose()).transpose();
+      normals.row(v) =
+          normals.row(v).norm() > 1e-6 ? Eigen::RowVector3d(normals.row(v).normalized()) : Eigen::RowVector3d(0, 1, 0);
+    }
+    if (key == 0) {
+      shown.mesh.vertices = first = shape;
+      shown.normals = first_normals = normals;
+      index = glb::add_mesh(writer, name, shown, material, &bound);
+      continue;
+    }
+    std::map<std::string, int> target;
+    target["POSITION"] = writer.vectors(shape - first, glb::Use::Vertices, true);
+    target["NORMAL"] = writer.vectors(normals - first_normals, glb::Use::Vertices);
+    writer.model.meshes[index].primitives[0].targets.push_back(target);
+  }
+  writer.model.meshes[index].weights.assign(positions.size() - 1, 0.0);
+  return index;
+}
+
+std::vector<const Vertices *> at_keys(const std::vector<Vertices> &frames, const std::vector<int> &keys) {
+  std::vector<const Vertices *> result;
+  for (int key : keys)
+    result.push_back(&frames[key]);
+  return result;
+}
+
+void add_channel(tinygltf::Animation &animation, int node, const std::string &path, int input, int output) {
+  tinygltf::AnimationSampler sampler;
+  sampler.input = input;
+  sampler.output = output;
+  sampler.interpolation = "LINEAR";
+  tinygltf::AnimationChannel channel;
+  channel.sampler = static_cast<int>(animation.samplers.size());
+  channel.target_node = node;
+  channel.target_path = path;
+  animation.samplers.push_back(sampler);
+  animation.channels.push_back(channel);
+}
+
+int add_times(glb::Writer &writer, const std::vector<int> &frames, double fps) {
+  std::vector<float> times;
+  for (int t : frames)
+    times.push_back(static_cast<float>(t / fps));
+  return writer.floats(times, TINYGLTF_TYPE_SCALAR, glb::Use::Data, true);
+}
+
+void add_joint_channels(glb::Writer &writer, tinygltf::Animation &out, const Skeleton &skeleton,
+                        const AnimationResult &animation) {
+  const int frames = static_cast<int>(animation.surface.size());
+  std::vector<int> all(frames);
+  for (int t = 0; t < frames; ++t)
+    all[t] = t;
+  const int times = add_times(writer, all, animation.fps);
+  std::vector<std::vector<float>> turns(skeleton.joint_count());
+  std::vector<float> root;
+  std::vector<Quaternionf> last(skeleton.joint_count(), Quaternionf::Identity());
+  for (int t = 0; t < frames; ++t) {
+    const Transforms world = forward_kinematics(skeleton, animation.dofs.row(t));
+    const Vector3d at = world[0] * skeleton.joints[0].rest;
+    for (int k = 0; k < 3; ++k)
+      root.push_back(static_cast<float>(at[k]));
+    for (int j = 0; j < skeleton.joint_count(); ++j) {
+      const int p = skeleton.joints[j].parent;
+      const Eigen::Matrix3d local =
+          p < 0 ? Eigen::Matrix3d(world[j].linear()) : Eigen::Matrix3d(world[p].linear().transpose() * world[j].linear());
+      Quaternionf q(local.cast<float>());
+      q.normalize();
+      if (q.dot(last[j]) < 0)
+        q.coeffs() *= -1; // linear interpolation goes the short way
+      last[j] = q;
+      turns[j].insert(turns[j].end(), {q.x(), q.y(), q.z(), q.w()});
+    }
+  }
+  add_channel(out, 0, "translation", times, writer.floats(root, TINYGLTF_TYPE_VEC3, glb::Use::Data));
+  for (int j = 0; j < skeleton.joint_count(); ++j)
+    if (skeleton.joints[j].kind != JointKind::Fixed)
+      add_channel(out, j, "rotation", times, writer.floats(turns[j], TINYGLTF_TYPE_VEC4, glb::Use::Data));
+}
+
+/// One weight a target a key: at key k target k - 1 alone.
+void add_morph_channel(glb::Writer &writer, tinygltf::Animation &out, int node, const std::vector<int> &keys, double fps) {
+  const std::size_t targets = keys.size() - 1;
+  std::vector<float> weights(keys.size() * targets, 0.0f);
+  for (std::size_t k = 1; k < keys.size(); ++k)
+    weights[k * targets + k - 1] = 1;
+  add_channel(out, node, "weights", add_times(writer, keys, fps), writer.floats(weights, TINYGLTF_TYPE_SCALAR, glb::Use::Data));
+}
+
+} // namespace
+
+void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation) {
+  require_animation(character, animation);
+  const auto frames = static_cast<std::int64_t>(animation.surface.size());
+  const Skeleton &skeleton = character.actor.skeleton;
+  std::vector<std::string> names;
+  for (const Joint &joint : skeleton.joints)
+    names.push_back(joint.name);
+  Npz npz;
+  npz.set_f4("vertices", {frames, animation.surface[0].rows(), 3}, flatten(animation.surface));
+  npz.set_i4("faces", {character.actor.mesh.faces.rows(), 3}, flatten(character.actor.mesh.faces));
+  npz.set_b1("face_valid", character.actor.face_valid);
+  npz.set_f4("joints", {frames, skeleton.joint_count(), 3}, flatten(animation.joints));
+  npz.set_text("joint_names", names);
+  npz.set_f4("dofs", {frames, animation.dofs.cols()}, {animation.dofs.data(), animation.dofs.data() + animation.dofs.size()});
+  npz.set_f8("fps", {}, {animation.fps});
+  if (!animation.body.empty()) {
+    npz.set_f4("body_vertices", {frames, animation.body[0].rows(), 3}, flatten(animation.body));
+    npz.set_i4("body_faces", {character.body.faces.rows(), 3}, flatten(character.body.faces));
+    npz.set_b1("body_shown", character.body_shown);
+  }
+  npz.write(path, kFileFormat);
+}
+
+void write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                     const BakedGlbOptions &options) {
+  options.validate();
+  require_animation(character, animation);
+  const int frames = static_cast<int>(animation.surface.size());
+  const std::vector<int> keys = key_frames(frames, animation.fps, options);
+  std::vector<Transforms> poses;
+  for (int key : keys)
+    poses.push_back(forward_kinematics(character.actor.skeleton, animation.dofs.row(key)));
+  glb::Writer writer;
+  glb::add_joint_nodes(writer, character.actor.skeleton);
+  const int skin = glb::add_skin(writer, character.actor.skeleton);
+  std::vector<int> morphing;
+  const RiggedMesh &actor = character.actor;
+  const glb::DisplayMesh shown = glb::display_mesh(actor.mesh, actor.face_valid, {});
+  const int material = glb::add_material(writer, "surface", Vector3d::Ones(), -1, true);
+  const int surface =
+      add_morphing_mesh(writer, "surface", shown, actor.weights, at_keys(animation.surface, keys), poses, material);
+  writer.model.meshes[surface].primitives[0].attributes["COLOR_0"] =
+      writer.vectors(gather(surface_colours(character), shown.vertex_from_shown), glb::Use::Vertices);
+  morphing.push_back(glb::add_mesh_node(writer, "surface", surface, skin));
+  const glb::DisplayMesh body = glb::display_mesh(character.body, character.body_shown, {});
+  if (body.mesh.faces.rows() > 0 && !animation.body.empty()) {
+    const int colour = glb::add_material(writer, "body", character.body_colour, -1, false);
+    const int mesh =
+        add_morphing_mesh(writer, "body", body, character.body_weights, at_keys(animation.body, keys), poses, colour);
+    morphing.push_back(glb::add_mesh_node(writer, "body", mesh, skin));
+  }
+  tinygltf::Animation out;
+  out.name = "animation";
+  add_joint_channels(writer, out, character.actor.skeleton, animation);
+  for (int node : morphing)
+    if (keys.size() > 1)
+      add_morph_channel(writer, out, node, keys, animation.fps);
+  writer.model.animations.push_back(out);
+  writer.save(path);
+}
+
+} // namespace doublet

@@ -1,0 +1,374 @@
+#include "doublet/animate/display_surface.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/parts/closest_point.h"
+#include "doublet/rays/ray_scene.h"
+#include "garment_part.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace doublet {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kScanReach = 0.010; // m, the scan is looked for so far from the garment: more is another fold
+constexpr double kSameSide = 0.5;    // cosine between the normals of garment and scan
+constexpr int kSmoothing = 2;        // rounds over the heights
+constexpr double kSink = 0.0003;     // m, of the skin just under the seam: it must not show as a step ...
+constexpr double kSinkBend = 10;     // 1/m, ... more with the square of the way below it ...
+constexpr double kDeepest = 0.004;   // m, ... up to this
+constexpr double kHidden = 0.06;     // m, skin so far below the seam at most is under the garment; further down it is a limb's
+constexpr double kAtSeam = 0.03;     // m, about a triangle of M, which may count as covered although the seam runs through it
+constexpr double kNearHem = 0.15;    // m, about the radius of what closes a hem in the scan ...
+constexpr double kFacesOut = 0.5;    // ... cosine of its normals to the way the garment ends
+constexpr double kCrumb = 0.005;     // m^2, skin in smaller pieces is what the mask left of the sheet below a hem
+
+Vector3d centre_of(const Mesh &mesh, int f) {
+  return (mesh.vertices.row(mesh.faces(f, 0)) + mesh.vertices.row(mesh.faces(f, 1)) + mesh.vertices.row(mesh.faces(f, 2))) / 3;
+}
+
+Vertices rows_of(const Vertices &all, const std::vector<int> &rows) {
+  Vertices part(static_cast<Eigen::Index>(rows.size()), 3);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    part.row(static_cast<Eigen::Index>(i)) = all.row(rows[i]);
+  return part;
+}
+
+/// (G', 3) unit normals of the subdivided surface, as smooth as that: the coarse ones subdivided.
+Vertices smooth_normals(const Eigen::SparseMatrix<double, Eigen::RowMajor> &subdivide, const Mesh &coarse) {
+  Vertices normals = subdivide * vertex_normals(coarse.vertices, coarse.faces);
+  for (Eigen::Index v = 0; v < normals.rows(); ++v)
+    if (normals.row(v).norm() > 0)
+      normals.row(v).normalize();
+  return normals;
+}
+
+/// m along the normal to the nearest of the scan's faces that looks the same way; NaN if there is none within reach.
+double height_of_scan(const RayScene &scene, const Vertices &scan_normals, const Vector3d &p, const Vector3d &normal) {
+  double best = std::numeric_limits<double>::quiet_NaN();
+  for (const double side : {1.0, -1.0}) {
+    const auto hit = scene.cast(p, side * normal, 0, kScanReach);
+    if (hit && scan_normals.row(hit->face).dot(normal.transpose()) > kSameSide && !(std::abs(best) <= hit->distance))
+      best = side * hit->distance;
+  }
+  return best;
+}
+
+/// NaN become the mean of their neighbours, ring by ring (0 where nothing is known); then all are smoothed.
+void fill_and_smooth(const Faces &faces, Eigen::VectorXd &heights) {
+  const auto neighbours = vertex_neighbours(faces, static_cast<int>(heights.size()));
+  const auto mean_around = [&](const Eigen::VectorXd &from, Eigen::Index v) {
+    double sum = 0;
+    int count = 0;
+    for (int w : neighbours[v])
+      if (!std::isnan(from[w])) {
+        sum += from[w];
+        ++count;
+      }
+    return count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  };
+  for (bool grew = true; grew;) {
+    grew = false;
+    const Eigen::VectorXd before = heights;
+    for (Eigen::Index v = 0; v < heights.size(); ++v)
+      if (std::isnan(before[v])) {
+        heights[v] = mean_around(before, v);
+        grew |= !std::isnan(heights[v]);
+      }
+  }
+  heights = heights.array().isNaN().select(0.0, heights);
+  for (int round = 0; round < kSmoothing; ++round) {
+    const Eigen::VectorXd before = heights;
+    for (Eigen::Index v = 0; v < heights.size(); ++v)
+      if (!neighbours[v].empty())
+        heights[v] = 0.5 * before[v] + 0.5 * mean_around(before, v);
+  }
+}
+
+/// The garment as it is drawn: subdivided, and out to the scan.
+Mesh displaced(const Mesh &garment, const detail::Subdivision &fine, const Mesh &scan) {
+  const Vertices smooth = fine.weights * garment.vertices, normals = smooth_normals(fine.weights, garment);
+  const RayScene scene(scan);
+  const Vertices scan_normals = face_normals(scan.vertices, scan.faces);
+  Eigen::VectorXd heights(smooth.rows());
+  for (Eigen::Index v = 0; v < smooth.rows(); ++v)
+    heights[v] = height_of_scan(scene, scan_normals, smooth.row(v), normals.row(v));
+  fill_and_smooth(fine.faces, heights);
+  return {smooth + heights.asDiagonal() * normals, fine.faces};
+}
+
+/// How often to halve the garment's edges to come nearest to the scan's.
+int levels_for(const detail::Worn &garment, const Segmentation &segmentation, const Mesh &high) {
+  const double coarse = mean_edge_length(rows_of(segmentation.rest, garment.vertices), garment.mesh.faces);
+  const double levels = std::log2(coarse / mean_edge_length(high.vertices, high.faces));
+  return std::clamp(static_cast<int>(std::lround(levels)), 0, detail::kMostSubdivisions);
+}
+
+Eigen::VectorXd clothness_of(const std::vector<int> &vertices, const Eigen::SparseMatrix<double, Eigen::RowMajor> &subdivide,
+                             const Segmentation &segmentation) {
+  Eigen::VectorXd coarse(vertices.size());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    coarse[static_cast<Eigen::Index>(i)] = segmentation.clothness[vertices[i]];
+  return subdivide * coarse;
+}
+
+/// The edges along which the garment hangs, and what of the skin lies under it there.
+class Seam {
+public:
+  /// `cloth`: the subdivided garment; `clothness` of its vertices, 0 = hangs.
+  Seam(const Mesh &cloth, const Eigen::VectorXd &clothness)
+      : cloth_(cloth), normals_(vertex_normals(cloth.vertices, cloth.faces)), scene_(cloth) {
+    const EdgeTopology topology = edge_topology(cloth.faces);
+    for (std::size_t e = 0; e < topology.edges.size(); ++e)
+      if (topology.edge_faces[e][1] < 0 && clothness[topology.edges[e][0]] + clothness[topology.edges[e][1]] < 1e-9)
+        edges_.push_back(topology.edges[e]);
+  }
+
+  enum class Side { Above, AtSeam, Under, Away };
+  struct Place {
+    Side side = Side::Away;
+    double below = 0, height = 0; ///< m, way from the seam; along `normal`, < 0 = under the garment
+    Vector3d normal = Vector3d::Zero();
+  };
+  /// Where a point of the skin is: above the seam (nothing of the garment is nearer), so but close to it, under the garment just
+  /// below it, or elsewhere.
+  Place place(const Vector3d &p) const {
+    const ClosestPoint at = scene_.closest(p);
+    double below = std::numeric_limits<double>::infinity();
+    for (const Eigen::Vector2i &edge : edges_)
+      below = std::min(
+          below, (at.point - closest_on_segment(at.point, cloth_.vertices.row(edge[0]), cloth_.vertices.row(edge[1]))).norm());
+    Vector3d normal = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      normal += at.barycentric[k] * normals_.row(cloth_.faces(at.face, k)).transpose();
+    if (below < 1e-6)
+      return {at.distance < kAtSeam ? Side::AtSeam : Side::Above};
+    if (at.distance > kScanReach || below > kHidden || !(normal.norm() > 0))
+      return {Side::Away};
+    return {Side::Under, below, (p - at.point).dot(normal.normalized()), normal.normalized()};
+  }
+
+  Vector3d sunk(const Vector3d &p) const {
+    const Place at = place(p);
+    if (at.side != Side::Under)
+      return p;
+    const double wanted = -std::min(kSink + kSinkBend * at.below * at.below, kDeepest);
+    return p + std::min(wanted - at.height, 0.0) * at.normal;
+  }
+
+  /// The faces of M_high that show beside the garment or lie across the seam. `valid`: where M is valid, and not covered.
+  std::vector<int> skin(const Mesh &high, const std::vector<std::uint8_t> &valid) const {
+    std::vector<Side> sides(high.vertices.rows());
+    for (Eigen::Index v = 0; v < high.vertices.rows(); ++v)
+      sides[v] = place(high.vertices.row(v)).side;
+    std::vector<int> shown;
+    for (int f = 0; f < high.faces.rows(); ++f) {
+      const auto any = [&](Side side) {
+        return sides[high.faces(f, 0)] == side || sides[high.faces(f, 1)] == side || sides[high.faces(f, 2)] == side;
+      };
+      if (any(Side::AtSeam) || (valid[f] && !any(Side::Under)))
+        shown.push_back(f);
+    }
+    return shown;
+  }
+
+private:
+  const Mesh &cloth_;
+  Vertices normals_;
+  RayScene scene_;
+  std::vector<Eigen::Vector2i> edges_;
+};
+
+/// Where the garment ends free, and which way: along itself, across the edge.
+class Hem {
+public:
+  Hem(const Mesh &garment, const Eigen::VectorXd &clothness) {
+    const EdgeTopology topology = edge_topology(garment.faces);
+    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+      const Eigen::Vector2i &edge = topology.edges[e];
+      if (topology.edge_faces[e][1] >= 0 || clothness[edge[0]] + clothness[edge[1]] < 1e-9)
+        continue;
+      const Vector3d a = garment.vertices.row(edge[0]), b = garment.vertices.row(edge[1]);
+      const Eigen::RowVector3i face = garment.faces.row(topology.edge_faces[e][0]);
+      const Vector3d inner = garment.vertices.row(face.sum() - edge.sum()), along = (b - a).normalized();
+      places_.push_back((a + b) / 2);
+      ways_.push_back((a - inner) - (a - inner).dot(along) * along);
+    }
+  }
+
+  /// Does this lie before the opening, and look out of it?
+  bool closed_by(const Vector3d &centre, const Vector3d &normal) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    Vector3d way = Vector3d::Zero();
+    for (std::size_t e = 0; e < places_.size(); ++e) {
+      const double distance = (places_[e] - centre).norm();
+      nearest = std::min(nearest, distance);
+      way += std::exp(-0.5 * distance * distance / (kNearHem * kNearHem)) * ways_[e];
+    }
+    return nearest < kNearHem && normal.dot(way.normalized()) > kFacesOut;
+  }
+
+private:
+  std::vector<Vector3d> places_, ways_;
+};
+
+/// Takes from the valid faces what the mask left of the sheet that closes the scan below a hem: joined to what is not drawn, and
+/// looking out of the garment.
+void drop_sheet(const Mesh &high, const Hem &hem, std::vector<std::uint8_t> &valid) {
+  const Vertices normals = face_normals(high.vertices, high.faces);
+  std::vector<std::vector<int>> beside(high.faces.rows());
+  for (const Eigen::Vector2i &pair : edge_topology(high.faces).edge_faces)
+    if (pair[1] >= 0) {
+      beside[pair[0]].push_back(pair[1]);
+      beside[pair[1]].push_back(pair[0]);
+    }
+  std::vector<int> front;
+  for (int f = 0; f < high.faces.rows(); ++f)
+    if (!valid[f])
+      front.push_back(f);
+  for (std::size_t i = 0; i < front.size(); ++i)
+    for (int f : beside[front[i]])
+      if (valid[f] && hem.closed_by(centre_of(high, f), normals.row(f))) {
+        valid[f] = 0;
+        front.push_back(f);
+      }
+}
+
+/// Of the faces, those in connected pieces of some size.
+std::vector<int> without_crumbs(const Mesh &mesh, const std::vector<int> &faces) {
+  const Mesh part = submesh(mesh, faces);
+  int count = 0;
+  const Eigen::VectorXi piece = vertex_components(part.faces, static_cast<int>(part.vertices.rows()), &count);
+  const Eigen::VectorXd areas = face_areas(part.vertices, part.faces);
+  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index f = 0; f < areas.size(); ++f)
+    sizes[piece[part.faces(f, 0)]] += areas[f];
+  std::vector<int> kept;
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (sizes[piece[part.faces(static_cast<Eigen::Index>(i), 0)]] >= kCrumb)
+      kept.push_back(faces[i]);
+  return kept;
+}
+
+Mesh joined(const Mesh &first, const Mesh &second) {
+  Mesh both{Vertices(first.vertices.rows() + second.vertices.rows(), 3), Faces(first.faces.rows() + second.faces.rows(), 3)};
+  both.vertices << first.vertices, second.vertices;
+  both.faces << first.faces, Faces(second.faces.array() + static_cast<int>(first.vertices.rows()));
+  return both;
+}
+
+} // namespace
+
+Display make_display(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high) {
+  require_actor(actor, "make_display");
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "make_display");
+  require_usable(high, "make_display: high");
+  const detail::Worn garment = detail::worn_garment(actor, segmentation);
+  std::vector<std::uint8_t> skip(actor.mesh.faces.rows(), 0);
+  for (int f : garment.faces)
+    skip[f] = 1;
+  const RayScene body(actor.mesh, skip);
+  Display display{high, std::vector<std::uint8_t>(high.faces.rows())};
+  for (int f = 0; f < high.faces.rows(); ++f)
+    display.valid[f] = actor.face_valid[body.closest(centre_of(high, f)).face];
+  if (garment.faces.empty())
+    return display;
+  display.garment_subdivisions = levels_for(garment, segmentation, high);
+  const detail::Subdivision fine =
+      detail::subdivide(garment.mesh.faces, static_cast<int>(garment.mesh.vertices.rows()), display.garment_subdivisions);
+  const Mesh cloth = displaced(garment.mesh, fine, high);
+  const Eigen::VectorXd cloth_clothness = clothness_of(garment.vertices, fine.weights, segmentation);
+  drop_sheet(high, Hem(cloth, cloth_clothness), display.valid);
+  const Seam seam(cloth, cloth_clothness);
+  Mesh skin = submesh(high, without_crumbs(high, seam.skin(high, display.valid)));
+  for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v)
+    skin.vertices.row(v) = seam.sunk(skin.vertices.row(v));
+  display.mesh = joined(skin, cloth);
+  display.valid.assign(display.mesh.faces.rows(), 1);
+  return display;
+}
+
+DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.mesh.vertices.rows()) {
+  if (c.high.faces.rows() == 0)
+    throw Error("DisplaySurface: expected a character with a display mesh, found none");
+  validate_character(c);
+  if (c.garment_subdivisions < 0) {
+    skin_.emplace(c.actor.mesh, c.actor.face_valid, c.high, c.high_valid);
+    skin_vertices_ = c.high.vertices.rows();
+    return;
+  }
+  const detail::GarmentPart part = detail::garment_part(c);
+  garment_vertices_ = part.garment.vertices;
+  garment_faces_ = part.garment.mesh.faces;
+  skin_vertices_ = part.skin_vertices;
+  subdivide_ = part.fine.weights;
+  const Vertices smooth = subdivide_ * part.garment.mesh.vertices, normals = smooth_normals(subdivide_, part.garment.mesh);
+  heights_ = (c.high.vertices.bottomRows(smooth.rows()) - smooth).cwiseProduct(normals).rowwise().sum();
+  if (skin_vertices_ == 0)
+    return;
+  std::vector<std::uint8_t> valid = c.actor.face_valid;
+  for (int f : part.garment.faces)
+    valid[f] = 0;
+  const Mesh skin{c.high.vertices.topRows(skin_vertices_), c.high.faces.topRows(part.skin_faces)};
+  skin_.emplace(c.actor.mesh, valid, skin, std::vector<std::uint8_t>{});
+  const Mesh cloth{c.high.vertices.bottomRows(smooth.rows()), part.fine.faces};
+  const Seam seam(cloth, clothness_of(garment_vertices_, subdivide_, c.segmentation));
+  std::vector<char> under(skin_vertices_);
+  for (Eigen::Index v = 0; v < skin_vertices_; ++v)
+    under[v] = seam.place(skin.vertices.row(v)).side == Seam::Side::Under;
+  std::vector<int> faces;
+  for (int f = 0; f < skin.faces.rows(); ++f)
+    if (under[skin.faces(f, 0)] || under[skin.faces(f, 1)] || under[skin.faces(f, 2)])
+      faces.push_back(f);
+  if (faces.empty())
+    return;
+  under_garment_.emplace(cloth, std::vector<std::uint8_t>{}, submesh(skin, faces, &under_vertices_), std::vector<std::uint8_t>{});
+  for (int &v : under_vertices_)
+    v = under[v] ? v : -1;
+}
+
+Vertices DisplaySurface::apply(const Vertices &surface) const {
+  if (surface.rows() != coarse_vertices_)
+    throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) + " vertices, expected " +
+                                std::to_string(coarse_vertices_));
+  if (!surface.allFinite())
+    throw std::invalid_argument("DisplaySurface::apply: surface: expected finite positions, found NaN or infinity");
+  Vertices high(skin_vertices_ + subdivide_.rows(), 3);
+  if (skin_)
+    high.topRows(skin_vertices_) = skin_->apply(surface);
+  if (!garment_vertices_.empty()) {
+    const Mesh garment{rows_of(surface, garment_vertices_), garment_faces_};
+    high.bottomRows(subdivide_.rows()) =
+        subdivide_ * garment.vertices + heights_.asDiagonal() * smooth_normals(subdivide_, garment);
+  }
+  if (under_garment_) {
+    const Vertices under = under_garment_->apply(high.bottomRows(subdivide_.rows()));
+    for (std::size_t i = 0; i < under_vertices_.size(); ++i)
+      if (under_vertices_[i] >= 0)
+        high.row(under_vertices_[i]) = under.row(static_cast<Eigen::Index>(i));
+  }
+  return high;
+}
+
+MatrixRM DisplaySurface::sample(const MatrixRM &values) const {
+  if (values.rows() != coarse_vertices_)
+    throw std::invalid_argument("DisplaySurface::sample: values has " + std::to_string(values.rows()) + " rows, expected " +
+                                std::to_string(coarse_vertices_));
+  MatrixRM result(skin_vertices_ + subdivide_.rows(), values.cols());
+  if (skin_)
+    result.topRows(skin_vertices_) = skin_->sample(values);
+  if (!garment_vertices_.empty()) {
+    MatrixRM garment(garment_vertices_.size(), values.cols());
+    for (std::size_t i = 0; i < garment_vertices_.size(); ++i)
+      garment.row(i) = values.row(garment_vertices_[i]);
+    result.bottomRows(subdivide_.rows()) = subdivide_ * garment;
+  }
+  return result;
+}
+
+} // namespace doublet

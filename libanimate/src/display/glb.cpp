@@ -1,0 +1,251 @@
+#include "glb.h"
+
+#include "doublet/core/error.h"
+#include "doublet/files/files.h"
+
+#include <cstring>
+
+namespace doublet::glb {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMaxFileBytes = 1 << 30;
+// glTF 2.0, sect. 4.4: magic, version, length; then chunks of length, type, data.
+constexpr std::size_t kHeaderBytes = 12, kChunkBytes = 8;
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
+
+int components(int type) {
+  return tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type));
+}
+
+} // namespace
+
+Writer::Writer() {
+  model.asset.version = "2.0";
+  model.asset.generator = "doublet";
+  model.buffers.resize(1);
+}
+
+int Writer::view(const void *data, std::size_t bytes, Use use) {
+  std::vector<unsigned char> &buffer = model.buffers[0].data;
+  buffer.resize((buffer.size() + 3) / 4 * 4);
+  tinygltf::BufferView view;
+  view.buffer = 0;
+  view.byteOffset = buffer.size();
+  view.byteLength = bytes;
+  view.target = use == Use::Vertices  ? TINYGLTF_TARGET_ARRAY_BUFFER
+                : use == Use::Indices ? TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER
+                                      : 0;
+  buffer.resize(buffer.size() + bytes);
+  std::memcpy(buffer.data() + view.byteOffset, data, bytes);
+  model.bufferViews.push_back(view);
+  return static_cast<int>(model.bufferViews.size()) - 1;
+}
+
+int Writer::accessor(int view, int component, int type, std::size_t count) {
+  tinygltf::Accessor accessor;
+  accessor.bufferView = view;
+  accessor.componentType = component;
+  accessor.type = type;
+  accessor.count = count;
+  model.accessors.push_back(accessor);
+  return static_cast<int>(model.accessors.size()) - 1;
+}
+
+int Writer::floats(const std::vector<float> &values, int type, Use use, bool with_bounds) {
+  const int n = components(type);
+  const int index =
+      accessor(view(values.data(), values.size() * sizeof(float), use), TINYGLTF_COMPONENT_TYPE_FLOAT, type, values.size() / n);
+  if (with_bounds) {
+    tinygltf::Accessor &a = model.accessors[index];
+    a.minValues.assign(values.begin(), values.begin() + n);
+    a.maxValues = a.minValues;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      a.minValues[i % n] = std::min<double>(a.minValues[i % n], values[i]);
+      a.maxValues[i % n] = std::max<double>(a.maxValues[i % n], values[i]);
+    }
+  }
+  return index;
+}
+
+int Writer::vectors(const Vertices &rows, Use use, bool with_bounds) {
+  return floats(std::vector<float>(rows.data(), rows.data() + rows.size()), TINYGLTF_TYPE_VEC3, use, with_bounds);
+}
+
+int Writer::matrix(const MatrixRM &values) {
+  return floats(std::vector<float>(values.data(), values.data() + values.size()), TINYGLTF_TYPE_SCALAR, Use::Data);
+}
+
+int Writer::bytes(const std::vector<std::uint8_t> &values, int type, Use use) {
+  return accessor(view(values.data(), values.size(), use), TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, type,
+                  values.size() / components(type));
+}
+
+int Writer::shorts(const std::vector<std::uint16_t> &values, int type, Use use) {
+  return accessor(view(values.data(), values.size() * 2, use), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, type,
+                  values.size() / components(type));
+}
+
+int Writer::integers(const std::vector<std::uint32_t> &values, Use use) {
+  return accessor(view(values.data(), values.size() * 4, use), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR,
+                  values.size());
+}
+
+int Writer::faces(const Faces &faces, Use use) {
+  return integers(std::vector<std::uint32_t>(faces.data(), faces.data() + faces.size()), use);
+}
+
+int Writer::image(const std::vector<std::uint8_t> &file) {
+  tinygltf::Image image;
+  image.bufferView = view(file.data(), file.size(), Use::Data);
+  image.mimeType = file.size() > 1 && file[0] == 0xFF ? "image/jpeg" : "image/png";
+  model.images.push_back(image);
+  return static_cast<int>(model.images.size()) - 1;
+}
+
+void Writer::save(const std::filesystem::path &path) {
+  write_stream(path, [&](std::ostream &out) {
+    tinygltf::TinyGLTF writer;
+    if (!writer.WriteGltfSceneToStream(&model, out, false, true))
+      throw Error(path.string() + ": cannot be written");
+  });
+}
+
+Reader::Reader(const std::filesystem::path &path) : source_(path.string()), content_(read_text(path)) {
+  if (content_.size() < kHeaderBytes + 2 * kChunkBytes || content_.size() > kMaxFileBytes)
+    fail("expected a GLB of " + std::to_string(kHeaderBytes + 2 * kChunkBytes) + " bytes to 1 GiB, found " +
+         std::to_string(content_.size()) + " bytes");
+  if (content_.compare(0, 4, "glTF") != 0 || word(4) != 2)
+    fail("expected a binary glTF 2.0 file, found another one");
+  if (word(8) != content_.size())
+    fail("expected the " + std::to_string(word(8)) + " bytes that it says it has, found " + std::to_string(content_.size()) +
+         " (truncated?)");
+  const std::string_view text = chunk(kHeaderBytes, kJsonChunk, "JSON");
+  binary_ = chunk(kHeaderBytes + kChunkBytes + text.size(), kBinaryChunk, "binary");
+  require_shallow_json(text, source_);
+  try {
+    gltf_ = json::parse(text);
+    refuse_outside("buffers");
+    refuse_outside("images");
+  } catch (const json::exception &problem) {
+    fail(std::string("expected a binary glTF 2.0 file, found: ") + problem.what());
+  }
+}
+
+void Reader::fail(const std::string &what) const {
+  throw Error(source_ + ": " + what);
+}
+
+std::uint32_t Reader::word(std::size_t at) const {
+  std::uint32_t value;
+  std::memcpy(&value, content_.data() + at, sizeof value);
+  return value;
+}
+
+std::string_view Reader::chunk(std::size_t at, std::uint32_t type, const char *name) const {
+  if (content_.size() - at < kChunkBytes || word(at + 4) != type || word(at) > content_.size() - at - kChunkBytes)
+    fail(std::string("expected a ") + name + " chunk at byte " + std::to_string(at) + ", found none that ends inside the file");
+  return std::string_view(content_).substr(at + kChunkBytes, word(at));
+}
+
+void Reader::refuse_outside(const char *list) const {
+  for (const json &entry : gltf_.value(list, json::array()))
+    if (entry.contains("uri"))
+      fail(std::string("expected all data inside the file, found ") + list + " with the URI " +
+           entry.at("uri").dump(-1, ' ', true).substr(0, 60));
+}
+
+const json &Reader::entry(const char *list, const json &index) const {
+  const json &entries = gltf_.at(list);
+  const auto i = index.is_number_integer() ? index.get<std::int64_t>() : -1;
+  if (!entries.is_array() || i < 0 || i >= static_cast<std::int64_t>(entries.size()))
+    fail(std::string("expected one of the ") + std::to_string(entries.size()) + " " + list + ", found number " + index.dump());
+  return entries[static_cast<std::size_t>(i)];
+}
+
+std::size_t Reader::size(const json &object, const char *key) const {
+  const json value = object.value(key, json(std::size_t{0}));
+  if (!value.is_number_unsigned() || value.get<std::size_t>() > content_.size())
+    fail(std::string("expected ") + key + " to be a number of at most " + std::to_string(content_.size()) + ", found " +
+         value.dump().substr(0, 60));
+  return value.get<std::size_t>();
+}
+
+std::string_view Reader::view(const json &index) const {
+  const json &view = entry("bufferViews", index);
+  const std::size_t offset = size(view, "byteOffset"), length = size(view, "byteLength");
+  if (size(view, "buffer") != 0 || view.contains("byteStride") || offset > binary_.size() || length > binary_.size() - offset)
+    fail("buffer view " + index.dump() + " reaches beyond the binary chunk, or is not tightly packed");
+  return binary_.substr(offset, length);
+}
+
+template <class T> std::vector<T> Reader::read(int accessor, int component) const try {
+  const json &a = entry("accessors", accessor);
+  const std::string_view bytes = view(a.at("bufferView"));
+  const std::string type = a.at("type").get<std::string>();
+  const std::size_t n = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+  if (a.at("componentType") != component || n == 0 || a.contains("sparse"))
+    fail("expected accessor " + std::to_string(accessor) + " to hold plain values of component type " +
+         std::to_string(component) + ", found " + a.at("componentType").dump() + " " + type);
+  const std::size_t count = size(a, "count") * n, offset = size(a, "byteOffset");
+  if (offset > bytes.size() || count > (bytes.size() - offset) / sizeof(T))
+    fail("accessor " + std::to_string(accessor) + " reaches beyond its buffer view");
+  std::vector<T> values(count);
+  if (count > 0)
+    std::memcpy(values.data(), bytes.data() + offset, count * sizeof(T));
+  return values;
+} catch (const json::exception &problem) {
+  fail("accessor " + std::to_string(accessor) + " is malformed: " + problem.what());
+}
+
+std::vector<float> Reader::floats(int accessor) const {
+  return read<float>(accessor, TINYGLTF_COMPONENT_TYPE_FLOAT);
+}
+
+std::vector<std::uint8_t> Reader::bytes(int accessor) const {
+  return read<std::uint8_t>(accessor, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE);
+}
+
+std::vector<std::uint32_t> Reader::integers(int accessor) const {
+  return read<std::uint32_t>(accessor, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+}
+
+Vertices Reader::vectors(int accessor) const {
+  const std::vector<float> values = floats(accessor);
+  if (values.size() % 3 != 0)
+    fail("expected accessor " + std::to_string(accessor) + " to hold vectors of 3");
+  return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(values.data(), values.size() / 3, 3)
+      .cast<double>();
+}
+
+MatrixRM Reader::matrix(int accessor, Eigen::Index columns) const {
+  const std::vector<float> values = floats(accessor);
+  if (columns <= 0 || values.size() % columns != 0)
+    fail("expected accessor " + std::to_string(accessor) + " to hold rows of " + std::to_string(columns) + ", found " +
+         std::to_string(values.size()) + " values");
+  using Floats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  return Eigen::Map<const Floats>(values.data(), values.size() / columns, columns).cast<double>();
+}
+
+Faces Reader::faces(int accessor) const {
+  const std::vector<std::uint32_t> values = integers(accessor);
+  if (values.size() % 3 != 0)
+    fail("expected accessor " + std::to_string(accessor) + " to hold triangles");
+  Faces faces(values.size() / 3, 3);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] > 0x7FFFFFFF)
+      fail("accessor " + std::to_string(accessor) + " holds a vertex index of " + std::to_string(values[i]));
+    faces.data()[i] = static_cast<int>(values[i]);
+  }
+  return faces;
+}
+
+std::vector<std::uint8_t> Reader::image(int index) const try {
+  const std::string_view bytes = view(entry("images", index).at("bufferView"));
+  return {bytes.begin(), bytes.end()};
+} catch (const json::exception &problem) {
+  fail("image " + std::to_string(index) + " is malformed: " + problem.what());
+}
+
+} // namespace doublet::glb

@@ -1,0 +1,368 @@
+// Atlas: the image is a grid of square cells; two triangles share a cell, one below its diagonal and one above. Inside a cell a
+// border of one pixel belongs to each triangle, so that bilinear sampling never leaves it.
+
+#include "doublet/animate/texture_baker.h"
+
+#include "doublet/animate/display_surface.h"
+#include "doublet/animate/parts/image_file.h"
+#include "doublet/core/error.h"
+#include "doublet/core/rasterizer.h"
+#include "garment_part.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace doublet {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr int kAround = 2; // pixels around a sample that must see the same surface
+
+struct Atlas {
+  int size, cell, columns;
+
+  Atlas(int pixels, Eigen::Index faces) : size(pixels) {
+    const double cells = std::max<double>(1, (faces + 1) / 2);
+    columns = static_cast<int>(std::ceil(std::sqrt(cells)));
+    cell = size / columns;
+    if (cell < 6)
+      throw std::invalid_argument("TextureOptions.size must give every triangle a cell of 6 pixels; " + std::to_string(faces) +
+                                  " triangles need " + std::to_string(6 * columns) + ", found " + std::to_string(size));
+  }
+  Vector2d cell_origin(int f) const { return {(f / 2 % columns) * cell, (f / 2 / columns) * cell}; }
+  /// Corner k of face f in pixels (pixel centres at .5). Odd faces lie in the upper right half, turned by 180 degrees.
+  Vector2d corner(int f, int k) const {
+    const double near = 1.5, far = cell - 3.5; // legs leave a pixel of border on every side of both triangles
+    const std::array<Vector2d, 3> lower{Vector2d(near, near), Vector2d(far, near), Vector2d(near, far)};
+    const Vector2d c = f % 2 == 0 ? lower[k] : Vector2d(Vector2d(cell, cell) - lower[k]);
+    return cell_origin(f) + c;
+  }
+};
+
+struct View {
+  const Camera *camera;
+  const Image *image, *mask;
+  FaceBuffer buffer;
+};
+
+/// Is the pixel in the silhouette, away from its rim? Without a mask everything is.
+bool inside_mask(const Image *mask, const Vector2d &pixel) {
+  if (!mask)
+    return true;
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  for (const auto &[dx, dy] : {std::pair{0, 0}, {3, 0}, {-3, 0}, {0, 3}, {0, -3}}) {
+    const int i = x + dx, k = y + dy;
+    if (i < 0 || k < 0 || i >= mask->width || k >= mask->height || mask->at(i, k) == 0)
+      return false;
+  }
+  return true;
+}
+
+Vector3f sample(const Image &image, const Vector2d &pixel) {
+  const int x0 = static_cast<int>(pixel.x()), y0 = static_cast<int>(pixel.y());
+  const auto a = static_cast<float>(pixel.x() - x0), b = static_cast<float>(pixel.y() - y0);
+  Vector3f colour;
+  for (int c = 0; c < 3; ++c)
+    colour[c] = (1 - b) * ((1 - a) * image.at(x0, y0, c) + a * image.at(x0 + 1, y0, c)) +
+                b * ((1 - a) * image.at(x0, y0 + 1, c) + a * image.at(x0 + 1, y0 + 1, c));
+  return colour;
+}
+
+/// Is the whole neighbourhood of the pixel on a surface that is not in front of `depth`, and away from the background?
+bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double margin) {
+  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
+  if (x < kAround || y < kAround || x >= buffer.width - kAround || y >= buffer.height - kAround)
+    return false;
+  for (const auto &[dx, dy] : {std::pair{0, 0}, {kAround, 0}, {-kAround, 0}, {0, kAround}, {0, -kAround}})
+    if (buffer.face_at(x + dx, y + dy) < 0 || buffer.depth_at(x + dx, y + dy) < depth - margin)
+      return false;
+  return true;
+}
+
+/// Is something well in front of `depth` within `around` pixels? Its edge may have been there: surfaces are not exactly known.
+bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double around) {
+  constexpr double kWell = 0.05, kDiagonal = 0.70710678; // m
+  constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0},
+                                                          {kDiagonal, kDiagonal},
+                                                          {0, 1},
+                                                          {-kDiagonal, kDiagonal},
+                                                          {-1, 0},
+                                                          {-kDiagonal, -kDiagonal},
+                                                          {0, -1},
+                                                          {kDiagonal, -kDiagonal}}};
+  for (const auto &[dx, dy] : kCircle) {
+    const int x = static_cast<int>(std::lround(pixel.x() + around * dx)),
+              y = static_cast<int>(std::lround(pixel.y() + around * dy));
+    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
+        buffer.depth_at(x, y) < depth - kWell)
+      return true;
+  }
+  return false;
+}
+
+class Baker {
+public:
+  Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
+        const std::vector<Image> &masks, const TextureOptions &options)
+      : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
+    std::vector<std::uint8_t> skip;
+    for (std::uint8_t v : valid)
+      skip.push_back(v ? 0 : 1);
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      if (!images[c].empty())
+        views_.push_back({&cameras[c], &images[c], masks.empty() || masks[c].empty() ? nullptr : &masks[c],
+                          rasterize(mesh.vertices, mesh.faces, cameras[c], skip)});
+  }
+
+  bool drawn(int f) const { return valid_.empty() || valid_[f]; }
+
+  /// B G R of the surface point, and its weight; 0 = seen by no camera.
+  float colour_at(int f, const Vector3d &barycentric, Vector3f &colour) const {
+    Vector3d point = Vector3d::Zero(), normal = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      point += barycentric[k] * mesh_.vertices.row(mesh_.faces(f, k)).transpose();
+      normal += barycentric[k] * normals_.row(mesh_.faces(f, k)).transpose();
+    }
+    normal.normalize();
+    float sum = 0;
+    colour.setZero();
+    for (const View &view : views_) {
+      const double facing = normal.dot((view.camera->centre() - point).normalized());
+      const double depth = view.camera->depth(point);
+      if (!(facing > options_.grazing) || !(depth > 0.05))
+        continue;
+      const Vector2d pixel = view.camera->project(point);
+      // Within the pixels looked at, a slanted surface comes nearer by their size on it.
+      const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
+      const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
+      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel) ||
+          near_an_edge(view.buffer, pixel, depth, options_.edge_margin * view.camera->K(0, 0) / depth))
+        continue;
+      const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
+      colour += weight * sample(*view.image, pixel);
+      sum += weight;
+    }
+    if (sum > 0)
+      colour /= sum;
+    return sum;
+  }
+
+private:
+  const Mesh &mesh_;
+  const std::vector<std::uint8_t> &valid_;
+  const TextureOptions &options_;
+  Vertices normals_;
+  std::vector<View> views_;
+};
+
+/// Colours of the vertices; those that no camera sees take the mean of their neighbours, ring by ring.
+Vertices vertex_colours(const Mesh &mesh, const Baker &baker) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  Vertices colours = Vertices::Constant(n, 3, 128);
+  std::vector<std::uint8_t> known(n, 0);
+  for (int f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3 && baker.drawn(f); ++k) {
+      const int v = mesh.faces(f, k);
+      Vector3f colour;
+      if (!known[v] && baker.colour_at(f, Vector3d::Unit(k), colour) > 0) {
+        known[v] = 1;
+        colours.row(v) = colour.cast<double>();
+      }
+    }
+  const auto neighbours = vertex_neighbours(mesh.faces, n);
+  std::vector<int> front;
+  for (int v = 0; v < n; ++v)
+    if (!known[v])
+      front.push_back(v);
+  for (bool grew = true; grew && !front.empty();) {
+    std::vector<int> later, now;
+    const std::vector<std::uint8_t> before = known;
+    for (int v : front) {
+      Vector3d sum = Vector3d::Zero();
+      int count = 0;
+      for (int w : neighbours[v])
+        if (before[w]) {
+          sum += colours.row(w).transpose();
+          ++count;
+        }
+      if (count > 0) {
+        colours.row(v) = sum / count;
+        now.push_back(v);
+      } else {
+        later.push_back(v);
+      }
+    }
+    for (int v : now)
+      known[v] = 1;
+    grew = !now.empty();
+    front = std::move(later);
+  }
+  return colours;
+}
+
+/// Texels of face f with their barycentric coordinates, border included (clamped to the triangle).
+template <class Visit> void for_texels(const Atlas &atlas, int f, const Visit &visit) {
+  const Vector2d a = atlas.corner(f, 0), ab = atlas.corner(f, 1) - a, ac = atlas.corner(f, 2) - a;
+  const Vector2d origin = atlas.cell_origin(f);
+  for (int y = 0; y < atlas.cell; ++y)
+    for (int x = 0; x < atlas.cell; ++x) {
+      if ((x + y < atlas.cell - 1) != (f % 2 == 0) && x + y != atlas.cell - 1)
+        continue; // the other triangle's half
+      const Vector2d p = origin + Vector2d(x + 0.5, y + 0.5) - a;
+      Vector3d b(0, p.dot(ab) / ab.squaredNorm(), p.dot(ac) / ac.squaredNorm()); // legs are perpendicular
+      b[0] = 1 - b[1] - b[2];
+      b = b.cwiseMax(0);
+      b /= b.sum();
+      visit(static_cast<int>(origin.x()) + x, static_cast<int>(origin.y()) + y, b);
+    }
+}
+
+void require_inputs(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras,
+                    const std::vector<Image> &images, const std::vector<Image> &masks) {
+  require_usable(mesh, "bake_texture: mesh");
+  if (!valid.empty() && static_cast<Eigen::Index>(valid.size()) != mesh.faces.rows())
+    throw std::invalid_argument("bake_texture: face_valid has " + std::to_string(valid.size()) + " entries, expected " +
+                                std::to_string(mesh.faces.rows()));
+  for (const Camera &camera : cameras)
+    validate_camera(camera, "bake_texture");
+  if (images.size() != cameras.size())
+    throw std::invalid_argument("bake_texture: expected one image a camera, found " + std::to_string(images.size()) + " for " +
+                                std::to_string(cameras.size()));
+  for (std::size_t c = 0; c < images.size(); ++c)
+    if (!images[c].empty() &&
+        (images[c].channels != 3 || images[c].width != cameras[c].width || images[c].height != cameras[c].height))
+      throw std::invalid_argument("bake_texture: the image of camera '" + cameras[c].name + "' must be " +
+                                  std::to_string(cameras[c].width) + " x " + std::to_string(cameras[c].height) +
+                                  " with 3 channels, found " + std::to_string(images[c].width) + " x " +
+                                  std::to_string(images[c].height) + " with " + std::to_string(images[c].channels));
+  for (std::size_t c = 0; c < masks.size(); ++c)
+    if (masks.size() != cameras.size() || (!masks[c].empty() && (masks[c].channels != 1 || masks[c].width != cameras[c].width ||
+                                                                 masks[c].height != cameras[c].height)))
+      throw std::invalid_argument("bake_texture: expected no masks or one a camera with 1 channel and the camera's size, found " +
+                                  std::to_string(masks.size()) + " masks, the one of camera " + std::to_string(c) + " being " +
+                                  std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
+}
+
+/// Corners of the edges along which a garment ends free, or hangs.
+struct GarmentEdges {
+  std::vector<Vector3d> free, fixed;
+  GarmentEdges(const detail::Worn &garment, const Segmentation &segmentation) {
+    const auto is_fixed = [&](int v) { return segmentation.clothness[garment.vertices[v]] == 0; };
+    const EdgeTopology topology = edge_topology(garment.mesh.faces);
+    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+      const Eigen::Vector2i &edge = topology.edges[e];
+      if (topology.edge_faces[e][1] < 0)
+        (is_fixed(edge[0]) && is_fixed(edge[1]) ? fixed : free).push_back(garment.mesh.vertices.row(edge[0]));
+    }
+  }
+};
+double distance_to(const std::vector<Vector3d> &points, const Vector3d &from) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Vector3d &point : points)
+    nearest = std::min(nearest, (point - from).norm());
+  return nearest;
+}
+
+/// Linear R G B that the hidden part of the body has in all likelihood: the median of the skin beyond the garment's free edges,
+/// of legs below a hem. As it was where there is no such skin.
+Vector3d hidden_colour(const Character &c, const BakedTexture &baked) {
+  constexpr double kReach = 0.20; // m
+  constexpr std::size_t kFewest = 20;
+  if (c.garment_subdivisions < 0)
+    return c.body_colour;
+  const detail::GarmentPart part = detail::garment_part(c);
+  const GarmentEdges edges(part.garment, c.segmentation);
+  std::array<std::vector<int>, 3> found; // B G R
+  for (int f = 0; f < part.skin_faces; ++f) {
+    Vector3d centre = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      centre += c.high.vertices.row(c.high.faces(f, k)).transpose() / 3;
+    const double away = distance_to(edges.free, centre);
+    if (!c.high_valid[f] || away > kReach || distance_to(edges.fixed, centre) < away)
+      continue;
+    const Vector2d at = baked.texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * baked.image.width;
+    for (int k = 0; k < 3; ++k)
+      found[k].push_back(baked.image.at(static_cast<int>(at.x()), static_cast<int>(at.y()), k));
+  }
+  if (found[0].size() < kFewest)
+    return c.body_colour;
+  Vector3d colour;
+  for (int k = 0; k < 3; ++k) {
+    std::nth_element(found[k].begin(), found[k].begin() + found[k].size() / 2, found[k].end());
+    colour[2 - k] = std::pow(found[k][found[k].size() / 2] / 255.0, 2.2); // the image is sRGB
+  }
+  return colour;
+}
+
+} // namespace
+
+BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
+                          const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
+                          const Context &context) {
+  options.validate();
+  require_inputs(mesh, face_valid, cameras, images, masks);
+  const Atlas atlas(options.size, mesh.faces.rows());
+  const Baker baker(mesh, face_valid, cameras, images, masks, options);
+  const Vertices fallback = vertex_colours(mesh, baker);
+  const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
+  const int faces = static_cast<int>(mesh.faces.rows());
+  BakedTexture baked;
+  baked.image = Image(options.size, options.size, 3, 128);
+  baked.texcoords.resize(3 * faces, 2);
+  Eigen::VectorXd seen = Eigen::VectorXd::Zero(faces);
+  const auto bake_face = [&](int f) {
+    int texels = 0, covered = 0;
+    for_texels(atlas, f, [&](int x, int y, const Vector3d &b) {
+      Vector3f colour;
+      ++texels;
+      if (baker.drawn(f) && baker.colour_at(f, b, colour) > 0) {
+        ++covered;
+      } else {
+        colour.setZero();
+        for (int k = 0; k < 3; ++k)
+          colour += static_cast<float>(b[k]) * fallback.row(mesh.faces(f, k)).transpose().cast<float>();
+      }
+      for (int c = 0; c < 3; ++c)
+        baked.image.at(x, y, c) = static_cast<std::uint8_t>(std::clamp(colour[c] + 0.5f, 0.0f, 255.0f));
+    });
+    seen[f] = static_cast<double>(covered) / texels;
+    for (int k = 0; k < 3; ++k)
+      baked.texcoords.row(3 * f + k) = atlas.corner(f, k) / options.size;
+  };
+  const int chunk = 2000; // pairs of faces share a cell's diagonal: one task does both
+  for (int first = 0; first < faces; first += chunk) {
+    context.report("texture", static_cast<double>(first) / faces);
+    const int count = std::min(chunk, faces - first);
+    parallel_for(context, (count + 1) / 2, [&](int pair) {
+      for (int f = first + 2 * pair; f < std::min(first + 2 * pair + 2, faces); ++f)
+        bake_face(f);
+    });
+  }
+  double drawn = 0, covered = 0;
+  for (int f = 0; f < faces; ++f)
+    if (baker.drawn(f)) {
+      drawn += areas[f];
+      covered += areas[f] * seen[f];
+    }
+  baked.seen_fraction = drawn > 0 ? covered / drawn : 0;
+  context.report("texture", 1.0);
+  return baked;
+}
+
+double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
+                         const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
+                         const Context &context) {
+  const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
+  BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
+  character.body_colour = hidden_colour(character, baked);
+  character.texcoords = std::move(baked.texcoords);
+  character.texture = encode_jpeg(baked.image);
+  return baked.seen_fraction;
+}
+
+} // namespace doublet

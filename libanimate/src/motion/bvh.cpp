@@ -1,0 +1,191 @@
+#include "doublet/animate/motion_file.h"
+#include "line_reader.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace doublet {
+namespace {
+
+using Eigen::Vector3d;
+
+struct Channel {
+  int joint;
+  int axis;      ///< 0 x, 1 y, 2 z
+  bool rotation; ///< else position
+};
+
+struct Hierarchy {
+  std::vector<SourceJoint> joints;
+  std::vector<Channel> channels;
+};
+
+void read_channels(const LineReader &reader, const TextLine &line, int joint, Hierarchy &out) {
+  const int count = static_cast<int>(reader.number(line, 1, "CHANNELS and their number"));
+  if (count < 0 || count > 6 || static_cast<int>(line.words.size()) != count + 2)
+    reader.fail(line, "CHANNELS, a number from 0 to 6 and as many names");
+  for (int c = 0; c < count; ++c) {
+    const std::string name = lower(line.words[2 + c]);
+    const int axis = name.empty() ? -1 : name[0] - 'x';
+    const bool rotation = name.substr(1) == "rotation";
+    if (axis < 0 || axis > 2 || (!rotation && name.substr(1) != "position"))
+      reader.fail(line, "channels like Xposition or Zrotation");
+    out.channels.push_back({joint, axis, rotation});
+  }
+}
+
+std::string joined(const TextLine &line, std::size_t from) {
+  std::string name;
+  for (std::size_t i = from; i < line.words.size() && line.words[i] != "{"; ++i)
+    name += (name.empty() ? "" : " ") + line.words[i];
+  return name;
+}
+
+/// A ROOT, JOINT or End Site line: adds the joint.
+int open_joint(const LineReader &reader, const TextLine &line, int parent, Hierarchy &out) {
+  const std::string word = lower(line.words[0]);
+  const bool end = word == "end";
+  std::string name = end ? (parent < 0 ? "" : out.joints[parent].name + "_end") : joined(line, 1);
+  if (name.empty() || (word == "root") != (parent < 0))
+    reader.fail(line, parent < 0 ? "ROOT and a name" : "JOINT and a name, End Site or }");
+  out.joints.push_back({name, parent, Vector3d::Zero()});
+  return static_cast<int>(out.joints.size()) - 1;
+}
+
+Hierarchy read_hierarchy(LineReader &reader) {
+  Hierarchy out;
+  const TextLine &first = reader.next("HIERARCHY");
+  if (lower(first.words[0]) != "hierarchy")
+    reader.fail(first, "HIERARCHY");
+  std::vector<int> open; // joints whose brace is open
+  int pending = -1;      // joint whose brace comes next
+  do {
+    const TextLine &line = reader.next("the end of the hierarchy");
+    const std::string word = lower(line.words[0]);
+    if (word == "{" && pending >= 0) {
+      open.push_back(pending);
+      pending = -1;
+    } else if (pending >= 0) {
+      reader.fail(line, "{");
+    } else if (word == "}" && !open.empty()) {
+      open.pop_back();
+    } else if (word == "offset" && !open.empty()) {
+      for (int k = 0; k < 3; ++k)
+        out.joints[open.back()].offset[k] = reader.number(line, 1 + k, "OFFSET and three numbers");
+    } else if (word == "channels" && !open.empty()) {
+      read_channels(reader, line, open.back(), out);
+    } else if (word == "root" || word == "joint" || word == "end") {
+      pending = open_joint(reader, line, open.empty() ? -1 : open.back(), out);
+      if (line.words.back() == "{") {
+        open.push_back(pending);
+        pending = -1;
+      }
+    } else {
+      reader.fail(line, open.empty() ? "ROOT and a name" : "OFFSET, CHANNELS, JOINT, End Site or }");
+    }
+  } while (!open.empty() || pending >= 0);
+  return out;
+}
+
+/// Rows of channel values, one frame a line.
+MatrixRM read_values(LineReader &reader, Eigen::Index channels, double &fps) {
+  const TextLine &motion = reader.next("MOTION");
+  if (lower(motion.words[0]) != "motion")
+    reader.fail(motion, "MOTION");
+  const TextLine &frames = reader.next("Frames: and their number");
+  const std::string key = lower(frames.words[0]);
+  const double count = reader.number(frames, frames.words.size() - 1, "Frames: and their number");
+  if (key.rfind("frames", 0) != 0 || count < 1 || count > 1e7 || count != std::floor(count))
+    reader.fail(frames, "Frames: and a number from 1");
+  const TextLine &time = reader.next("Frame Time: and seconds");
+  const double seconds = reader.number(time, time.words.size() - 1, "Frame Time: and seconds");
+  if (lower(time.words[0]) != "frame" || seconds < 1 / kHighestRate || seconds > 1 / kLowestRate)
+    reader.fail(time, "Frame Time: and seconds above 0, at most 10");
+  fps = 1 / seconds;
+  const std::string expected = std::to_string(channels) + " channel values";
+  std::vector<double> values;
+  const auto rows = static_cast<Eigen::Index>(count);
+  for (Eigen::Index t = 0; t < rows; ++t) {
+    const TextLine &line = reader.next("frame " + std::to_string(t + 1) + " of " + std::to_string(rows));
+    if (static_cast<Eigen::Index>(line.words.size()) != channels)
+      reader.fail(line, expected + " (there are " + std::to_string(line.words.size()) + ")");
+    for (Eigen::Index c = 0; c < channels; ++c)
+      values.push_back(reader.number(line, c, expected));
+  }
+  if (!reader.done())
+    reader.fail(reader.peek(""), "no more than " + std::to_string(rows) + " frames");
+  return Eigen::Map<const MatrixRM>(values.data(), rows, channels);
+}
+
+/// Are this joint's position channels added to its OFFSET? Most programs replace it; then their values lie around the OFFSET, not
+/// around 0.
+bool added_to_offset(const Vector3d &offset, std::vector<Vector3d> positions) {
+  if (offset.squaredNorm() == 0)
+    return false;
+  std::vector<double> ratio;
+  for (const Vector3d &p : positions)
+    ratio.push_back(p.dot(offset) / offset.squaredNorm());
+  std::nth_element(ratio.begin(), ratio.begin() + ratio.size() / 2, ratio.end());
+  return ratio[ratio.size() / 2] < 0.5;
+}
+
+std::vector<bool> find_added(const Hierarchy &hierarchy, const MatrixRM &values) {
+  std::vector<bool> added(hierarchy.joints.size(), false);
+  for (std::size_t j = 0; j < added.size(); ++j) {
+    std::vector<Vector3d> positions(values.rows(), hierarchy.joints[j].offset);
+    bool any = false;
+    for (std::size_t c = 0; c < hierarchy.channels.size(); ++c) {
+      const Channel &channel = hierarchy.channels[c];
+      if (channel.joint != static_cast<int>(j) || channel.rotation)
+        continue;
+      any = true;
+      for (Eigen::Index t = 0; t < values.rows(); ++t)
+        positions[t][channel.axis] = values(t, c);
+    }
+    added[j] = any && added_to_offset(hierarchy.joints[j].offset, std::move(positions));
+  }
+  return added;
+}
+
+void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, const Eigen::VectorXd &row, Vertices &positions,
+                std::vector<Eigen::Quaterniond> &rotations) {
+  const std::size_t count = hierarchy.joints.size();
+  std::vector<Vector3d> local(count);
+  std::vector<Eigen::Quaterniond> turn(count, Eigen::Quaterniond::Identity());
+  for (std::size_t j = 0; j < count; ++j)
+    local[j] = hierarchy.joints[j].offset;
+  for (std::size_t c = 0; c < hierarchy.channels.size(); ++c) {
+    const Channel &channel = hierarchy.channels[c];
+    if (channel.rotation)
+      turn[channel.joint] = turn[channel.joint] * Eigen::AngleAxisd(row[c] * M_PI / 180, Vector3d::Unit(channel.axis));
+    else
+      local[channel.joint][channel.axis] =
+          row[c] + (added[channel.joint] ? hierarchy.joints[channel.joint].offset[channel.axis] : 0.0);
+  }
+  positions.resize(count, 3);
+  rotations.resize(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const int p = hierarchy.joints[j].parent;
+    positions.row(j) = p < 0 ? local[j] : Vector3d(positions.row(p).transpose() + rotations[p] * local[j]);
+    rotations[j] = (p < 0 ? turn[j] : rotations[p] * turn[j]).normalized();
+  }
+}
+
+} // namespace
+
+SourceMotion parse_bvh(const std::string &text, const std::string &source) {
+  LineReader reader(text, source, false);
+  const Hierarchy hierarchy = read_hierarchy(reader);
+  SourceMotion clip;
+  clip.source = source;
+  const MatrixRM values = read_values(reader, static_cast<Eigen::Index>(hierarchy.channels.size()), clip.fps);
+  const std::vector<bool> added = find_added(hierarchy, values);
+  clip.joints = hierarchy.joints;
+  clip.positions.resize(values.rows());
+  clip.rotations.resize(values.rows());
+  for (Eigen::Index t = 0; t < values.rows(); ++t)
+    pose_frame(hierarchy, added, values.row(t), clip.positions[t], clip.rotations[t]);
+  return clip;
+}
+
+} // namespace doublet

@@ -1,0 +1,141 @@
+#include "doublet/files/files.h"
+
+#include "doublet/core/error.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace doublet {
+
+namespace {
+
+/// Beside `path` and with its extension (writers choose formats by it); no other process or thread uses the same name.
+Path temporary_beside(const Path &path) {
+  static std::atomic<unsigned> counter{0};
+  const std::string name = std::string(".") + path.stem().string() + "." + std::to_string(getpid()) + "-" +
+                           std::to_string(counter++) + ".tmp" + path.extension().string();
+  return path.parent_path() / name;
+}
+
+void create_folder_of(const Path &path) {
+  std::error_code error;
+  if (path.has_parent_path())
+    std::filesystem::create_directories(path.parent_path(), error);
+  if (error)
+    throw Error(path.string() + ": its folder cannot be made: " + error.message());
+}
+
+/// A rename would put a file in the place of a device or pipe.
+void refuse_special(const Path &path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw Error(path.string() + ": expected a file to write, found " +
+                (std::filesystem::is_directory(status) ? "a folder" : "a device or pipe"));
+}
+
+[[noreturn]] void fail_to_write(const Path &path, int code) {
+  throw Error(path.string() +
+              ": cannot be written: " + (code ? std::strerror(code) : "the disk is full, or there is no permission"));
+}
+
+/// What is still in memory goes to the disk, which may only now say that it is full.
+void flush_to_disk(const Path &temporary, const Path &path) {
+  const int file = ::open(temporary.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0)
+    fail_to_write(path, errno);
+  const int failed = ::fsync(file) != 0 && errno != EINVAL ? errno : 0; // EINVAL: a file system that knows no fsync
+  ::close(file);
+  if (failed)
+    fail_to_write(path, failed);
+}
+
+} // namespace
+
+void write_atomically(const Path &path, const std::function<void(const Path &)> &write) {
+  refuse_special(path);
+  create_folder_of(path);
+  const Path temporary = temporary_beside(path);
+  std::error_code error;
+  try {
+    write(temporary);
+    flush_to_disk(temporary, path);
+  } catch (...) {
+    std::filesystem::remove(temporary, error);
+    throw;
+  }
+  std::filesystem::rename(temporary, path, error);
+  if (error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw Error(path.string() + ": cannot be written: " + error.message());
+  }
+}
+
+void write_stream(const Path &path, const std::function<void(std::ostream &)> &write) {
+  write_atomically(path, [&](const Path &temporary) {
+    errno = 0;
+    std::ofstream out(temporary, std::ios::binary);
+    if (out)
+      write(out);
+    out.close();
+    if (!out)
+      fail_to_write(path, errno);
+  });
+}
+
+void write_text(const Path &path, const std::string &text) {
+  write_stream(path, [&](std::ostream &out) { out << text; });
+}
+
+std::string read_text(const Path &path) {
+  if (!std::filesystem::exists(path))
+    throw FileNotFound(path.string() + ": no such file");
+  if (std::filesystem::is_directory(path))
+    throw Error(path.string() + ": expected a file, found a folder");
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in)
+    throw Error(path.string() + ": cannot be read");
+  return text.str();
+}
+
+void require_shallow_json(std::string_view text, const std::string &source) {
+  constexpr int kDeepest = 64;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\')
+      ++i;
+    else if (c == '"')
+      quoted = !quoted;
+    else if (!quoted && (c == '[' || c == '{') && ++depth > kDeepest)
+      throw Error(source + ": expected JSON of at most " + std::to_string(kDeepest) + " levels, found more");
+    else if (!quoted && (c == ']' || c == '}'))
+      --depth;
+  }
+}
+
+std::string read_json_text(const Path &path) {
+  std::string text = read_text(path);
+  require_shallow_json(text, path.string());
+  return text;
+}
+
+void require_format(int found, int newest, const std::string &source) {
+  if (found >= 1 && found <= newest)
+    return;
+  const std::string known = newest == 1 ? "1" : "1 to " + std::to_string(newest);
+  throw Error(source + ": expected format " + known + ", found " + std::to_string(found) +
+              (found > newest ? ", which a newer version of doublet writes" : ""));
+}
+
+} // namespace doublet
