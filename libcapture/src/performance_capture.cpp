@@ -198,9 +198,10 @@ public:
     result_.performance.dofs.resize(count_, actor_.skeleton.dof_count());
     result_.observations.cameras = rig_;
     done_ = static_cast<int>(known.size());
-    if (done_ > 0)
-      context_.say("capture: " + checkpoint_.path().string() + " goes on " + place());
     try {
+      context_.report("capture", progress());
+      if (done_ > 0)
+        context_.say("capture: " + checkpoint_.path().string() + " goes on " + place());
       go_through(std::move(known));
       say_what_was_hidden();
       smooth();
@@ -219,6 +220,7 @@ public:
 private:
   int frame(int t) const { return options_.first_frame + t; }
   int steps() const { return passes(options_) * count_; }
+  double progress() const { return static_cast<double>(done_) / steps(); }
 
   /// Where a run goes on, in words.
   std::string place() const {
@@ -259,7 +261,7 @@ private:
   }
 
   void go_on(int t) {
-    context_.report("capture", static_cast<double>(done_) / steps());
+    context_.report("capture", progress());
     TrackedFrame found;
     if (again_)
       recall(t);

@@ -70,7 +70,8 @@ def interrupted(killed):
     listen = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=listen)
     shown_before = next(line for line in process.stderr if "performance: running" in line)
-    time.sleep(1)
+    wait_for(lambda: "goes on at frame" in (out / "log.txt").read_text(), process)
+    time.sleep(0.5)  # or none, or some frames later
     process.send_signal(signal.SIGINT)
     _, shown = process.communicate(timeout=120)
     return process.returncode, shown_before + shown

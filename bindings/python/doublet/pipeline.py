@@ -238,7 +238,8 @@ def run_performance(job: Job) -> dict:
         result = capture.capture(job.actor, job.session.rig, frames, silhouettes, job.context)
     except KeyboardInterrupt:
         job.console.finish()
-        job.console.say(f"performance: {job.console.note}")  # where the same command goes on
+        if job.console.note.startswith("stopped"):
+            job.console.say(f"performance: {job.console.note}")  # where the same command goes on
         raise
     d.write_observations(job.path("observations.npz"), result.observations)
     d.write_performance(job.path("performance.npz"), result.performance)
