@@ -57,7 +57,7 @@ def killed(shipped, tmp_path_factory):
     out = tmp_path_factory.mktemp("out")
     command = [sys.executable, "-m", "doublet", "reconstruct", str(shipped), "-o", str(out), *(str(o) for o in OPTIONS)]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    wait_for(lambda: frames_begun(out) and (out / CHECKPOINT).stat().st_size > 1_000_000, process)  # some frames
+    wait_for(lambda: frames_begun(out), process)
     process.kill()
     process.communicate()
     return command, out
