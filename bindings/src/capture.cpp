@@ -138,7 +138,10 @@ void bind_template(py::module_ &m) {
 }
 
 void bind_performance(py::module_ &m) {
-  OptionsClass<CaptureOptions>(m, "Options of PerformanceCapture.");
+  OptionsClass<CaptureOptions>(m, "Options of PerformanceCapture.")
+      .get()
+      .def_readwrite("checkpoint", &CaptureOptions::checkpoint,
+                     "a file that a capture which was stopped goes on from, to the same bits; empty = none");
   py::class_<LostLimb>(m, "LostLimb", "A limb that the local optimisation had lost.")
       .def(py::init<>())
       .def_readwrite("frame", &LostLimb::frame, "video frame number")

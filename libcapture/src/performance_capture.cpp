@@ -1,6 +1,7 @@
 #include "doublet/capture/performance_capture.h"
 
 #include "camera_choice.h"
+#include "capture_checkpoint.h"
 #include "doublet/capture/parts/smoothing.h"
 #include "feature_map.h"
 #include "first_pose.h"
@@ -9,12 +10,17 @@
 #include "view_measurement.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/fingerprint.h"
+#include "doublet/version.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 namespace doublet {
 namespace {
@@ -128,89 +134,223 @@ Vertices rest_offset(const RiggedMesh &actor, const Transforms &blend, const Ver
   return offset;
 }
 
+/// Whatever the tracked frames depend on but the images: of a piece of one's own it is only known that it is one.
+std::uint64_t fingerprint(const CaptureOptions &options, const std::string &own_parts, const RiggedMesh &actor,
+                          const CameraRig &rig, int count) {
+  Fingerprint print;
+  print.add(std::string(DOUBLET_VERSION)).add(options).add(own_parts).add(std::to_string(count));
+  print.add(actor.mesh.vertices).add(actor.mesh.faces).add(actor.face_valid).add(actor.weights);
+  print.add(actor.skeleton.lower).add(actor.skeleton.upper);
+  for (const Joint &joint : actor.skeleton.joints)
+    print.add(joint.name)
+        .add(joint.rest)
+        .add(joint.axes)
+        .add(Eigen::Vector4i(joint.parent, static_cast<int>(joint.kind), joint.first_dof, joint.dof_count));
+  for (const Camera &camera : rig)
+    print.add(camera.name)
+        .add(camera.K)
+        .add(camera.distortion)
+        .add(camera.R)
+        .add(camera.t)
+        .add(Eigen::Vector2i(camera.width, camera.height));
+  return print.value();
+}
+
+/// Of the images and masks of all cameras.
+std::uint64_t fingerprint(const std::vector<ViewMeasurement> &views) {
+  Fingerprint print;
+  for (const ViewMeasurement &view : views)
+    print.bytes(&view.fingerprint, sizeof view.fingerprint);
+  return print.value();
+}
+
+int passes(const CaptureOptions &options) {
+  return options.second_pass ? 2 : 1;
+}
+
+/// The frames of a checkpoint are not those of this capture.
+struct OtherCapture : Error {
+  using Error::Error;
+};
+
 /// Everything one run knows while it goes through the frames.
+///
+/// A frame is measured, tracked (`track`) and taken in (`take`). What is known at a frame is what was measured at those before
+/// and what was taken in, nothing else: a run goes on from a checkpoint by measuring its frames again and taking them in.
 class Tracking {
 public:
   Tracking(const CaptureOptions &options, const CaptureParts &parts, const RiggedMesh &actor, const CameraRig &rig,
-           FrameSource &frames, const SilhouetteExtractor *extractor, const Context &context)
-      : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), context_(context),
-        looseness_(actor, options.loose), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)),
-        limbs_(find_limbs(actor.skeleton)), misses_(limbs_.size(), 0), next_search_(limbs_.size(), 0),
-        steady_since_(actor.skeleton.dof_count(), 0) {
+           FrameSource &frames, const SilhouetteExtractor *extractor, int count, CaptureCheckpoint &checkpoint,
+           const Context &context)
+      : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), count_(count),
+        checkpoint_(checkpoint), context_(context), looseness_(actor, options.loose),
+        offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)), limbs_(find_limbs(actor.skeleton)), limb_record_(no_record()) {
     for (const Joint &joint : actor.skeleton.joints)
       if (joint.dof_count > 0)
         result_.summary.joints.push_back({joint.name});
   }
 
-  CaptureResult run(int first, int count) {
-    const double start = now();
+  /// `known`: the first frames, out of the checkpoint. Throws OtherCapture if they are not of this capture.
+  CaptureResult run(std::vector<TrackedFrame> known) {
     if (!options_.use_sift)
       context_.say("capture: silhouettes alone, no texture features");
     result_.performance.surface.faces = actor_.mesh.faces;
-    result_.performance.dofs.resize(count, actor_.skeleton.dof_count());
+    result_.performance.dofs.resize(count_, actor_.skeleton.dof_count());
     result_.observations.cameras = rig_;
-    const int passes = options_.second_pass ? 2 : 1;
-    for (int pass = 0; pass < passes; ++pass) {
-      if (pass > 0)
-        start_again();
-      for (int t = 0; t < count; ++t) {
-        context_.report("capture", (static_cast<double>(t) / count + pass) / passes);
-        if (pass == 0)
-          measure(first + t, t);
-        else
-          recall(t);
-        track(t);
-        if (pass + 1 == passes)
-          watch_joints(t);
-        if (t % 20 == 0 || t + 1 == count)
-          log(t, (now() - start) / (pass * count + t + 1));
-      }
+    done_ = static_cast<int>(known.size());
+    try {
+      context_.report("capture", progress());
+      if (done_ > 0)
+        context_.say("capture: " + checkpoint_.path().string() + " goes on " + place());
+      go_through(std::move(known));
+      say_what_was_hidden();
+      smooth();
+      result_.summary.seconds_per_frame = seconds().back() / count_;
+      context_.report("capture", 1);
+    } catch (const OtherCapture &) {
+      throw;
+    } catch (...) {
+      if (checkpoint_.used())
+        context_.say("capture: stopped; " + checkpoint_.path().string() + " goes on " + place());
+      throw;
     }
-    say_what_was_hidden();
-    smooth();
-    result_.summary.seconds_per_frame = (now() - start) / count;
-    context_.report("capture", 1);
     return std::move(result_);
   }
 
 private:
-  void track(int t) {
-    const Eigen::VectorXd dofs = find_pose(t);
-    result_.performance.dofs.row(t) = dofs;
-    refine(dofs, t);
+  int frame(int t) const { return options_.first_frame + t; }
+  int steps() const { return passes(options_) * count_; }
+  double progress() const { return static_cast<double>(done_) / steps(); }
+
+  /// Where a run goes on, in words.
+  std::string place() const {
+    if (done_ >= steps())
+      return "after the last frame";
+    return "at frame " + std::to_string(frame(done_ % count_)) + (done_ < count_ ? "" : " of the second pass");
   }
 
-  void measure(int frame, int t) {
+  void go_through(std::vector<TrackedFrame> known) {
+    const int known_count = done_;
+    for (int step = 0; step < steps(); ++step) {
+      const int t = step % count_;
+      if (step == count_)
+        start_again();
+      if (step < known_count)
+        go_over(t, std::exchange(known[step], {}), step + 1 == known_count);
+      else
+        go_on(t);
+    }
+  }
+
+  /// A frame that was tracked before. Its features are detected only where they are still needed: in the first frame for the map,
+  /// in the `latest` one for the matches of the next.
+  void go_over(int t, const TrackedFrame &found, bool latest) {
+    context_.check_cancelled();
+    if (!fits(found, actor_, rig_.size(), limbs_.size(), !again_))
+      throw OtherCapture("is damaged");
+    if (again_) {
+      recall(t);
+    } else {
+      std::vector<ViewMeasurement> current = measure_views(t, t == 0 || latest ? tracker() : nullptr);
+      if (fingerprint(current) != found.images)
+        throw OtherCapture("was made from other images");
+      keep(t, std::move(current), found.matches);
+    }
+    take(t, found);
+    set_seconds(found.seconds);
+  }
+
+  void go_on(int t) {
+    context_.report("capture", progress());
+    TrackedFrame found;
+    if (again_)
+      recall(t);
+    else
+      measure(t, found);
+    track(t, found);
+    take(t, found);
+    found.seconds = seconds();
+    checkpoint_.append(found);
+    ++done_;
+    if (t % 20 == 0 || t + 1 == count_)
+      log(t, seconds().back() / done_);
+  }
+
+  void track(int t, TrackedFrame &found) {
+    find_pose(t, found);
+    refine(t, found);
+  }
+
+  /// As TrackedFrame::seconds.
+  std::array<double, 6> seconds() const {
+    const CaptureSummary &s = result_.summary;
+    return {s.measure_seconds, s.map_seconds, s.pose_seconds, s.limb_seconds, s.surface_seconds, now() - start_};
+  }
+
+  void set_seconds(const std::array<double, 6> &seconds) {
+    CaptureSummary &s = result_.summary;
+    double all = 0;
+    std::tie(s.measure_seconds, s.map_seconds, s.pose_seconds, s.limb_seconds, s.surface_seconds, all) = std::tuple_cat(seconds);
+    start_ = now() - all;
+  }
+
+  LimbRecord no_record() const {
+    const std::vector<int> none(limbs_.size(), 0);
+    return {none, none, std::vector<int>(actor_.skeleton.dof_count(), 0)};
+  }
+
+  const FeatureTracker *tracker() const { return options_.use_sift ? parts_.features.get() : nullptr; }
+
+  std::vector<ViewMeasurement> measure_views(int t, const FeatureTracker *tracker) {
     const Stopwatch watch(result_.summary.measure_seconds);
+    std::vector<ViewMeasurement> current(rig_.size());
+    parallel_for(context_, static_cast<int>(rig_.size()),
+                 [&](int v) { current[v] = measure_view(frames_, v, frame(t), rig_[v], extractor_, tracker); });
+    return current;
+  }
+
+  void measure(int t, TrackedFrame &found) {
+    std::vector<ViewMeasurement> current = measure_views(t, tracker());
+    const auto has_image = [](const ViewMeasurement &view) { return view.has_image; };
+    if (t == 0 && tracker() && std::none_of(current.begin(), current.end(), has_image))
+      context_.say("capture: masks without images: silhouettes alone, no texture features");
+    found.images = fingerprint(current);
+    found.matches = match(t, current);
+    keep(t, std::move(current), found.matches);
+  }
+
+  /// [cameras] features of the frame before in this one.
+  std::vector<std::vector<FeatureMatch>> match(int t, const std::vector<ViewMeasurement> &current) {
+    const Stopwatch watch(result_.summary.measure_seconds);
+    std::vector<std::vector<FeatureMatch>> matches(rig_.size());
+    if (tracker() && t > 0)
+      parallel_for(context_, static_cast<int>(rig_.size()), [&](int v) {
+        const Features &before = last_[v].features, &here = current[v].features;
+        for (const auto &[i, j] : checked_match(*tracker(), before, here, options_.features.max_displacement * current[v].height))
+          matches[v].push_back({before.points[i], here.points[j]});
+      });
+    return matches;
+  }
+
+  /// What was measured becomes the latest frame, and is kept for the second pass.
+  void keep(int t, std::vector<ViewMeasurement> current, const std::vector<std::vector<FeatureMatch>> &matches) {
     const int views = static_cast<int>(rig_.size());
-    std::vector<ViewMeasurement> current(views);
     std::vector<ViewObservation> observed(views);
-    const FeatureTracker *tracker = options_.use_sift ? parts_.features.get() : nullptr;
-    parallel_for(context_, views, [&](int v) {
-      current[v] = measure_view(frames_, v, frame, rig_[v], extractor_, tracker);
-      observed[v].contour = current[v].outline.points;
-      if (tracker && t > 0)
-        for (const auto &[i, j] : checked_match(*tracker, last_[v].features, current[v].features,
-                                                options_.features.max_displacement * current[v].height))
-          observed[v].matches.push_back({last_[v].features.points[i], current[v].features.points[j]});
-    });
     int present = 0;
     outlines_.resize(views);
     masks_.resize(views);
-    const auto has_image = [](const ViewMeasurement &view) { return view.has_image; };
-    if (t == 0 && tracker && std::none_of(current.begin(), current.end(), has_image))
-      context_.say("capture: masks without images: silhouettes alone, no texture features");
     for (int v = 0; v < views; ++v) {
       present += !current[v].outline.empty();
+      observed[v] = {current[v].outline.points, matches[v]};
       outlines_[v] = std::move(current[v].outline);
       masks_[v] = std::move(current[v].mask);
     }
     if (present == 0)
-      throw Error("capture: no camera shows the actor at frame " + std::to_string(frame));
+      throw Error("capture: no camera shows the actor at frame " + std::to_string(frame(t)));
     last_ = std::move(current);
     result_.summary.views.push_back(present);
-    result_.performance.frames.push_back(frame);
-    result_.observations.frames.push_back(frame);
+    result_.performance.frames.push_back(frame(t));
+    result_.observations.frames.push_back(frame(t));
     result_.observations.views.push_back(std::move(observed));
     kept_.push_back({outlines_, pack(masks_), {}});
   }
@@ -223,9 +363,7 @@ private:
     looseness_.settle(offsets_);
     offsets_.clear();
     offset_.setZero();
-    std::fill(misses_.begin(), misses_.end(), 0);
-    std::fill(next_search_.begin(), next_search_.end(), 0);
-    std::fill(steady_since_.begin(), steady_since_.end(), 0);
+    limb_record_ = no_record();
     result_.summary.rim_px.clear();
     result_.summary.sift_px.clear();
     result_.summary.silhouette_iou.clear();
@@ -273,12 +411,11 @@ private:
     return all;
   }
 
-  Eigen::VectorXd find_pose(int t) {
+  void find_pose(int t, TrackedFrame &found) {
     PoseProblem problem;
     problem.actor = &actor_;
     problem.rig = &rig_;
     problem.outlines = &outlines_;
-
     problem.offset = offset_;
     problem.reliability = looseness_.reliability();
     problem.first = t == 0 && !again_;
@@ -291,11 +428,12 @@ private:
       const Stopwatch watch(result_.summary.pose_seconds);
       estimate = optimize(problem, t);
     }
+    found.limbs = limb_record_;
     if (options_.find_lost_limbs)
-      recover_limbs(problem, estimate, t);
-    result_.summary.rim_px.push_back(estimate.rim_px);
-    result_.summary.sift_px.push_back(estimate.sift_px);
-    return estimate.dofs;
+      recover_limbs(problem, estimate, t, found);
+    found.dofs = estimate.dofs;
+    found.rim_px = estimate.rim_px;
+    found.sift_px = estimate.sift_px;
   }
 
   PoseEstimate optimize(const PoseProblem &problem, int t) {
@@ -307,20 +445,20 @@ private:
   void require_pose(const Eigen::VectorXd &dofs, const std::string &piece, int t) const {
     if (dofs.size() != actor_.skeleton.dof_count() || !dofs.allFinite())
       throw Error("capture: the " + piece + " returned " + std::to_string(dofs.size()) + " values at frame " +
-                  std::to_string(result_.performance.frames[t]) + ", expected " + std::to_string(actor_.skeleton.dof_count()) +
-                  " finite ones");
+                  std::to_string(frame(t)) + ", expected " + std::to_string(actor_.skeleton.dof_count()) + " finite ones");
   }
 
   /// Limbs with too large an error are sought globally and optimised again; the pose that overlaps better is kept. A limb that
   /// was not found is sought again after a wait that grows with every miss: a mask may hold something that is no limb.
-  void recover_limbs(const PoseProblem &problem, PoseEstimate &estimate, int t) {
+  void recover_limbs(const PoseProblem &problem, PoseEstimate &estimate, int t, TrackedFrame &found) {
     constexpr int kLongestWait = 10; // frames
     const Stopwatch watch(result_.summary.limb_seconds);
+    auto &[misses, next_search, steady_since] = found.limbs;
     const LimbProblem limbs{&actor_, &rig_, &masks_, offset_, problem.reliability, problem.predicted};
     const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
     std::vector<Limb> sought;
     for (size_t l = 0; l < limbs_.size(); ++l)
-      if (before[l] > options_.limbs.lost && t >= next_search_[l])
+      if (before[l] > options_.limbs.lost && t >= next_search[l])
         sought.push_back(limbs_[l]);
     Eigen::VectorXd after = before;
     if (!sought.empty()) {
@@ -330,34 +468,35 @@ private:
       for (const Limb &limb : sought)
         again.predicted(limb.dofs) = again.start(limb.dofs);
       again.tracks = find_tracks(again.start, t);
-      const PoseEstimate found = optimize(again, t);
-      if (overlap_energy(limbs, found.dofs, options_.limbs, context_) <
+      const PoseEstimate other = optimize(again, t);
+      if (overlap_energy(limbs, other.dofs, options_.limbs, context_) <
           overlap_energy(limbs, estimate.dofs, options_.limbs, context_)) {
-        estimate = found;
+        estimate = other;
         after = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
         for (const Limb &limb : sought)
           for (int d : limb.dofs)
-            steady_since_[d] = t;
+            steady_since[d] = t;
       }
     }
     for (size_t l = 0; l < limbs_.size(); ++l) {
-      const bool lost = after[l] > options_.limbs.lost, searched = t >= next_search_[l];
+      const bool lost = after[l] > options_.limbs.lost, searched = t >= next_search[l];
       if (!lost)
-        misses_[l] = 0;
+        misses[l] = 0;
       else if (searched)
-        next_search_[l] = t + std::min(++misses_[l], kLongestWait);
-      if (before[l] > options_.limbs.lost)
-        note_lost({result_.performance.frames[t], limbs_[l].name, before[l], after[l], !lost}, searched);
+        next_search[l] = t + std::min(++misses[l], kLongestWait);
+      if (before[l] > options_.limbs.lost) {
+        found.lost.push_back({frame(t), limbs_[l].name, before[l], after[l], !lost});
+        if (searched)
+          say_lost(found.lost.back());
+      }
     }
   }
 
-  void note_lost(const LostLimb &lost, bool searched) {
-    result_.summary.lost_limbs.push_back(lost);
+  void say_lost(const LostLimb &lost) const {
     char line[200];
     std::snprintf(line, sizeof line, "capture: frame %d, limb '%s' lost (%.1f cm off), %s (%.1f cm)", lost.frame,
                   lost.limb.c_str(), 100 * lost.before, lost.recovered ? "found again" : "not found", 100 * lost.after);
-    if (searched)
-      context_.say(line);
+    context_.say(line);
   }
 
   /// From the last three frames: damped velocity and a share of its change; both only since the limb was last found again.
@@ -365,33 +504,44 @@ private:
     const MatrixRM &x = result_.performance.dofs;
     Eigen::VectorXd prediction = x.row(std::max(t - 1, 0));
     for (int d = 0; d < prediction.size(); ++d) {
-      if (t - 2 >= steady_since_[d])
+      if (t - 2 >= limb_record_.steady_since[d])
         prediction[d] += options_.velocity_damping * (x(t - 1, d) - x(t - 2, d));
-      if (t - 3 >= steady_since_[d])
+      if (t - 3 >= limb_record_.steady_since[d])
         prediction[d] += options_.acceleration * (x(t - 1, d) - 2 * x(t - 2, d) + x(t - 3, d));
     }
     return prediction.cwiseMax(actor_.skeleton.lower).cwiseMin(actor_.skeleton.upper);
   }
 
-  void refine(const Eigen::VectorXd &dofs, int t) {
-    const PosedSurface expected = pose_surface(actor_, dofs, offset_);
-    const PosedSurface skinned = pose_surface(actor_, dofs, {});
+  void refine(int t, TrackedFrame &found) {
     SurfaceProblem problem;
     problem.actor = &actor_;
     problem.rig = &rig_;
     problem.outlines = &outlines_;
-    problem.tracks = tracks_ = find_tracks(dofs, t);
+    problem.tracks = tracks_ = find_tracks(found.dofs, t);
     if (!again_)
-      kept_[t].mapped.assign(tracks_.begin() + static_cast<long>(lifted_.size()), tracks_.end());
+      found.mapped.assign(tracks_.begin() + static_cast<long>(lifted_.size()), tracks_.end());
     const Stopwatch watch(result_.summary.surface_seconds);
-    problem.base = expected.vertices;
-    problem.skinned = skinned.vertices;
+    problem.base = pose_surface(actor_, found.dofs, offset_).vertices;
+    problem.skinned = pose_surface(actor_, found.dofs, {}).vertices;
     problem.reliability = looseness_.reliability();
-    last_surface_ = parts_.surface->refine(problem, context_).vertices;
-    if (last_surface_.rows() != skinned.vertices.rows() || !last_surface_.allFinite())
-      throw Error("capture: the surface refiner returned " + std::to_string(last_surface_.rows()) + " vertices at frame " +
-                  std::to_string(result_.performance.frames[t]) + ", expected " + std::to_string(skinned.vertices.rows()) +
-                  " finite ones");
+    found.surface = parts_.surface->refine(problem, context_).vertices;
+    if (found.surface.rows() != problem.skinned.rows() || !found.surface.allFinite())
+      throw Error("capture: the surface refiner returned " + std::to_string(found.surface.rows()) + " vertices at frame " +
+                  std::to_string(frame(t)) + ", expected " + std::to_string(problem.skinned.rows()) + " finite ones");
+  }
+
+  /// Learns from a frame what the later ones depend on.
+  void take(int t, const TrackedFrame &found) {
+    const Stopwatch watch(result_.summary.surface_seconds);
+    result_.performance.dofs.row(t) = found.dofs;
+    result_.summary.rim_px.push_back(found.rim_px);
+    result_.summary.sift_px.push_back(found.sift_px);
+    result_.summary.lost_limbs.insert(result_.summary.lost_limbs.end(), found.lost.begin(), found.lost.end());
+    limb_record_ = found.limbs;
+    if (!again_)
+      kept_[t].mapped = found.mapped;
+    last_surface_ = found.surface;
+    const PosedSurface skinned = pose_surface(actor_, found.dofs, {});
     looseness_.learn(last_surface_, skinned.vertices);
     offsets_.push_back(rest_offset(actor_, skinned.blend, last_surface_));
     const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
@@ -400,6 +550,8 @@ private:
     if (t == 0 && !again_ && options_.use_sift && options_.use_feature_map)
       for (size_t v = 0; v < rig_.size(); ++v)
         map_.add(last_[v].features, actor_, {skinned.blend, last_surface_}, rig_[v], visible_[v]);
+    if (again_ || passes(options_) == 1)
+      watch_joints(t);
   }
 
   /// What each camera sees of the refined surface: for lifting the next frame's tracks, and for the overlap with the measured
@@ -506,8 +658,12 @@ private:
   const CameraRig &rig_;
   FrameSource &frames_;
   const SilhouetteExtractor *extractor_;
+  const int count_;
+  CaptureCheckpoint &checkpoint_;
   const Context &context_;
   CaptureResult result_;
+  double start_ = now(); // earlier runs included
+  int done_ = 0;         // frames that are in the checkpoint, of all passes
   Looseness looseness_;
   Vertices offset_;                   // expected non-rigid offset, rest pose
   std::vector<Vertices> offsets_;     // T x (V, 3), refined, rest pose
@@ -524,15 +680,15 @@ private:
   bool again_ = false;         // in the second pass
   std::vector<SurfaceTrack> lifted_, tracks_;
   std::vector<Limb> limbs_;
-  std::vector<int> misses_, next_search_; // by limb: searches in a row that failed, frame index of the next one
-  std::vector<int> steady_since_;         // by dof: frame index from which it has moved without a jump
+  LimbRecord limb_record_;
   Vertices last_surface_;
   std::vector<FaceBuffer> visible_;
 };
 
 class TrackingCapture : public PerformanceCapture {
 public:
-  TrackingCapture(const CaptureOptions &options, const CaptureParts &parts) : options_(options), parts_(parts) {
+  TrackingCapture(const CaptureOptions &options, const CaptureParts &parts)
+      : options_(options), parts_(parts), own_parts_(own_parts(parts)) {
     if (!parts_.features)
       parts_.features = FeatureTracker::create(options.features);
     if (!parts_.pose)
@@ -564,15 +720,34 @@ public:
                                   std::to_string(frames.frame_count()));
     const CameraChoice chosen(options_.cameras, rig, frames, extractor);
     const TrackedActor tracked = track_actor(actor, options_.ends_turn);
-    CaptureResult result = Tracking(options_, parts_, tracked.actor, chosen.rig(), chosen.frames(), chosen.extractor(), context)
-                               .run(options_.first_frame, count);
+    CaptureCheckpoint checkpoint(options_.checkpoint, fingerprint(options_, own_parts_, tracked.actor, chosen.rig(), count));
+    const auto track = [&](std::vector<TrackedFrame> known) {
+      return Tracking(options_, parts_, tracked.actor, chosen.rig(), chosen.frames(), chosen.extractor(), count, checkpoint,
+                      context)
+          .run(std::move(known));
+    };
+    CaptureResult result;
+    try {
+      result = track(checkpoint.read(static_cast<std::size_t>(passes(options_) * count), context));
+    } catch (const OtherCapture &why) {
+      context.say("capture: " + checkpoint.path().string() + " " + why.what() + "; starting over");
+      checkpoint.start_over();
+      result = track({});
+    }
     result.performance.dofs = MatrixRM(result.performance.dofs(Eigen::all, tracked.kept));
     return result;
   }
 
 private:
+  /// A letter for each piece that is not made from the options.
+  static std::string own_parts(const CaptureParts &parts) {
+    return std::string(parts.features ? "f" : "") + (parts.pose ? "p" : "") + (parts.limbs ? "l" : "") +
+           (parts.surface ? "s" : "");
+  }
+
   CaptureOptions options_;
   CaptureParts parts_;
+  std::string own_parts_;
 };
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "feature_map.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/fingerprint.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,6 +36,7 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
                              const FeatureTracker *tracker) {
   ViewMeasurement measured;
   auto [image, mask] = read_view(frames, view, frame, extractor);
+  measured.fingerprint = Fingerprint().add(image.data).add(mask.data).value();
   measured.mask = std::move(mask);
   measured.has_image = !image.empty();
   if (measured.has_image)

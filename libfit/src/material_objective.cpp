@@ -1,7 +1,7 @@
 #include "doublet/fit/material_objective.h"
 
 #include "doublet/core/error.h"
-#include "fingerprint.h"
+#include "doublet/core/parts/fingerprint.h"
 #include "optimizer_checks.h"
 #include "race.h"
 

@@ -29,6 +29,7 @@ OPTIONS = [
     16,
 ]
 ROOT = Path(__file__).parents[2]
+CHECKPOINT = "capture_checkpoint.bin"
 VALIDATE = Path(__file__).with_name("validate_gltf.mjs")
 FILES = [
     "actor.npz", "template.ply", "template_high.ply", "performance.npz", "observations.npz", "segmentation.npz", "body.npz",
@@ -44,13 +45,19 @@ def wait_for(condition, process, seconds=300):
         time.sleep(0.1)
 
 
+def frames_begun(out):
+    """What the log says of frames that the capture had tracked: every twentieth, one line a pass."""
+    log = out / "log.txt"
+    return re.findall(r"^capture: frame (\d+), \d+ cameras", log.read_text(), re.MULTILINE) if log.exists() else []
+
+
 @pytest.fixture(scope="module")
 def killed(shipped, tmp_path_factory):
     """A run that was killed in the middle of the capture, and one of the same folder that was interrupted."""
     out = tmp_path_factory.mktemp("out")
     command = [sys.executable, "-m", "doublet", "reconstruct", str(shipped), "-o", str(out), *(str(o) for o in OPTIONS)]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    wait_for(lambda: (out / "run.json").exists() and '"performance"' in (out / "run.json").read_text(), process)
+    wait_for(lambda: frames_begun(out), process)
     process.kill()
     process.communicate()
     return command, out
@@ -63,7 +70,8 @@ def interrupted(killed):
     listen = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=listen)
     shown_before = next(line for line in process.stderr if "performance: running" in line)
-    time.sleep(1)
+    wait_for(lambda: "goes on at frame" in (out / "log.txt").read_text(), process)
+    time.sleep(0.5)  # or none, or some frames later
     process.send_signal(signal.SIGINT)
     _, shown = process.communicate(timeout=120)
     return process.returncode, shown_before + shown
@@ -80,7 +88,7 @@ def made(killed, interrupted, shipped):
 def test_a_killed_run_leaves_complete_files_only(killed):
     _, out = killed
     left = {p.name for p in out.iterdir() if not p.name.startswith(".")}
-    assert "actor.npz" in left and "performance.npz" not in left
+    assert {"actor.npz", CHECKPOINT} <= left and "performance.npz" not in left
     with np.load(out / "actor.npz") as actor:
         assert len(actor["weights"]) == len(actor["vertices"])
 
@@ -89,6 +97,20 @@ def test_ctrl_c_says_how_to_go_on(interrupted):
     code, shown = interrupted
     assert code == 130
     assert "the same command goes on" in shown and "Traceback" not in shown
+    assert re.search(rf"performance: stopped; \S+{CHECKPOINT} goes on at frame \d+", shown)
+
+
+def test_no_frame_is_tracked_twice(made):
+    """By three runs: one that was killed, one that was interrupted, and one that came to the end."""
+    out, _ = made
+    place = rf"\S+{CHECKPOINT} goes on at frame (\d+)$"
+    log = (out / "log.txt").read_text()
+    went_on = [int(t) for t in re.findall(f"^capture: {place}", log, re.MULTILINE)]
+    stopped = [int(t) for t in re.findall(f"^capture: stopped; {place}", log, re.MULTILINE)]
+    assert len(went_on) == 2 and len(stopped) == 1
+    assert 0 < went_on[0] <= stopped[0] == went_on[1]
+    assert frames_begun(out) == 2 * [str(t) for t in (*range(0, COUNT, 20), COUNT - 1)]
+    assert not (out / CHECKPOINT).exists()
 
 
 def test_a_killed_run_resumes(made):

@@ -109,6 +109,35 @@ def test_pieces_decide_the_result(scene):
     np.testing.assert_allclose(result.performance.surface.frames[1], expected, atol=1e-9)
 
 
+class StoppedAt(SamePose):
+    """Stops the run at one of its calls."""
+
+    def __init__(self, stop=None):
+        super().__init__()
+        self.stop, self.calls = stop, 0
+
+    def optimize(self, problem, context):
+        self.calls += 1
+        if self.calls == self.stop:
+            raise KeyboardInterrupt
+        return super().optimize(problem, context)
+
+
+def test_a_stopped_capture_goes_on(scene, tmp_path):
+    options = d.CaptureOptions(smooth_window=1, find_lost_limbs=False)
+    whole = StoppedAt()
+    expected = capture(scene, options=options, pose=whole)
+    options.checkpoint = tmp_path / "checkpoint"
+    with pytest.raises(KeyboardInterrupt):
+        capture(scene, options=options, pose=StoppedAt(3))
+    rest = StoppedAt()
+    result = capture(scene, options=options, pose=rest)
+    assert rest.calls == whole.calls - 2
+    np.testing.assert_array_equal(result.performance.dofs, expected.performance.dofs)
+    np.testing.assert_array_equal(result.performance.surface.frames, expected.performance.surface.frames)
+    assert options.checkpoint.exists()  # until somebody who keeps the result removes it
+
+
 def test_a_problem_does_not_outlive_its_call(scene):
     pose = SamePose()
     capture(scene, pose=pose)

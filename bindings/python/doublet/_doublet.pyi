@@ -1832,6 +1832,14 @@ class CaptureOptions:
     def cameras(self, arg0: collections.abc.Sequence[str]) -> None:
         ...
     @property
+    def checkpoint(self) -> pathlib.Path:
+        """
+        a file that a capture which was stopped goes on from, to the same bits; empty = none
+        """
+    @checkpoint.setter
+    def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
     def ends_turn(self) -> float:
         """
         rad, what a limb ends with (a foot) may turn about the bone before it, each way; 0 = the session's hinge alone: a number of at least 0

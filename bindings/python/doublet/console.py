@@ -22,7 +22,7 @@ class Console:
         self.log_file: Path | None = None
         self.bars = self.stream.isatty() and not quiet
         self._name = None
-        self._note = ""
+        self.note = ""  # the last line of what runs, or ran
         self._bar = None
         self._quarter = 0
         self._started = 0.0
@@ -44,7 +44,7 @@ class Console:
             with self.log_file.open("a", encoding="utf-8") as stream:
                 print(line, file=stream)
         if self._name and line.startswith(f"{self._name}: "):
-            self._note = line.removeprefix(f"{self._name}: ")
+            self.note = line.removeprefix(f"{self._name}: ")
         if self.verbose:
             self.say(line)
 
@@ -53,11 +53,11 @@ class Console:
             self.finish()
             self._start(name)
         if self._bar is not None:
-            self._bar.set_postfix_str(self._note, refresh=False)
+            self._bar.set_postfix_str(self.note, refresh=False)
             self._bar.update(max(0.0, round(100 * fraction, 1) - self._bar.n))
         elif not self.quiet and int(4 * fraction) > self._quarter:
             self._quarter = int(4 * fraction)
-            note = f" ({self._note})" if self._note else ""
+            note = f" ({self.note})" if self.note else ""
             self.say(f"  {name}: {25 * self._quarter} % after {time.monotonic() - self._started:.0f} s{note}")
 
     def finish(self) -> None:
@@ -66,7 +66,7 @@ class Console:
         self._bar = self._name = None
 
     def _start(self, name: str) -> None:
-        self._name, self._note, self._quarter, self._started = name, "", 0, time.monotonic()
+        self._name, self.note, self._quarter, self._started = name, "", 0, time.monotonic()
         if self.bars:
             layout = "{desc:<28}{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
             self._bar = tqdm(total=100.0, desc=name, file=self.stream, bar_format=layout, leave=False)

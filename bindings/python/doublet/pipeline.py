@@ -175,6 +175,7 @@ class Stage:
 
 
 CHECKPOINT = "fit_checkpoint.txt"
+CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
 
 
 def run_check(job: Job) -> dict:
@@ -231,10 +232,18 @@ def run_rig(job: Job) -> dict:
 def run_performance(job: Job) -> dict:
     options = job.group("capture")
     options.limbs.annealing.seed = job.seed
-    frames, capture = d.FrameSource.open(job.session), d.PerformanceCapture.create(options)
-    result = capture.capture(job.actor, job.session.rig, frames, job.silhouettes, job.context)
+    options.checkpoint = job.path(CAPTURE_CHECKPOINT)
+    frames, capture, silhouettes = d.FrameSource.open(job.session), d.PerformanceCapture.create(options), job.silhouettes
+    try:
+        result = capture.capture(job.actor, job.session.rig, frames, silhouettes, job.context)
+    except KeyboardInterrupt:
+        job.console.finish()
+        if job.console.note.startswith("stopped"):
+            job.console.say(f"performance: {job.console.note}")  # where the same command goes on
+        raise
     d.write_observations(job.path("observations.npz"), result.observations)
     d.write_performance(job.path("performance.npz"), result.performance)
+    options.checkpoint.unlink(missing_ok=True)
     summary = result.summary
     return {
         "frames": len(result.performance.frames),
@@ -412,7 +421,7 @@ STAGES = (
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
         ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
-        lambda s: [s.calibration, *image_files(s)], uses_seed=True,
+        lambda s: [s.calibration, *image_files(s)], uses_seed=True, goes_on_from=(CAPTURE_CHECKPOINT,),
     ),
     Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "opposite", "fullness"), run_segment),
     Stage(

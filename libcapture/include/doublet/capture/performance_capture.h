@@ -9,6 +9,7 @@
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/context.h"
+#include "doublet/core/files.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
 
@@ -35,6 +36,11 @@ struct CaptureOptions {
   double offset_decay = 0.95;
   double loose = 0.01;
   int smooth_window = 5, smooth_order = 2;
+  /// Every frame is appended as it is tracked. A capture that was stopped, in whatever way, goes on after the last whole one, to
+  /// the same bits. A checkpoint of other options, another actor, rig or images, or another version, is not used, and the log
+  /// says so; pieces of one's own (CaptureParts) are only known to be some: remove the file when they change. It is left there,
+  /// for whoever keeps the result to remove.
+  Path checkpoint;
   static constexpr auto describe() {
     using namespace options;
     using O = CaptureOptions;
@@ -68,6 +74,7 @@ struct CaptureOptions {
         option(&O::smooth_window, "smooth_window", at_least(1), "",
                "frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off"),
         option(&O::smooth_order, "smooth_order", at_least(0), "", "of the Savitzky-Golay filter"),
+        no_option(&O::checkpoint, "checkpoint", "empty = none; a file that a capture which was stopped goes on from"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -97,8 +104,8 @@ struct CaptureSummary {
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
   std::vector<JointSight> joints;             ///< in the order of the skeleton
-  /// Whole run: images to outlines, features and their matches; features lifted to the surface and found by the map; poses; the
-  /// check of limbs and the search for lost ones; surfaces.
+  /// Whole run, the parts of one that went on from a checkpoint included: images to outlines, features and their matches;
+  /// features lifted to the surface and found by the map; poses; the check of limbs and the search for lost ones; surfaces.
   double measure_seconds = 0, map_seconds = 0, pose_seconds = 0, limb_seconds = 0, surface_seconds = 0;
   double seconds_per_frame = 0;
 };
@@ -123,7 +130,7 @@ public:
   virtual ~PerformanceCapture() = default;
   /// `extractor` must be trained; it may be null if every frame has a ready mask. Throws Error if an image does not have its
   /// camera's size, or an image has neither mask nor extractor; std::invalid_argument if frames, rig and options do not go
-  /// together.
+  /// together; Cancelled after the user asked to stop.
   virtual CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames,
                                 const SilhouetteExtractor *extractor, const Context &context) = 0;
   static std::unique_ptr<PerformanceCapture> create(const CaptureOptions &options = {});

@@ -38,6 +38,7 @@ public:
       add(name).add(value);
     return *this;
   }
+  std::uint64_t value() const { return hash_; }
   std::string text() const { return std::to_string(hash_); }
 
 private:
