@@ -1,6 +1,7 @@
 #include "doublet/capture/session.h"
 #include "doublet/core/error.h"
 #include "frame_reader.h"
+#include "lens_map.h"
 
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
@@ -28,7 +29,8 @@ Image to_mask(const cv::Mat &bgr) {
 class SessionFrames : public FrameSource {
 public:
   explicit SessionFrames(const Session &session)
-      : session_(session), videos_(session.cameras.size()), masks_(session.cameras.size()) {}
+      : session_(session), lenses_(detail::lens_maps(session.rig, session.lenses)), videos_(session.cameras.size()),
+        masks_(session.cameras.size()) {}
 
   int frame_count() const override { return session_.frame_count; }
   int camera_count() const override { return static_cast<int>(session_.cameras.size()); }
@@ -37,14 +39,18 @@ public:
     check(camera, frame);
     const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame);
     check_size(mat, camera, frame, session_.cameras[camera].video);
-    return mat.empty() || single_colour(mat) ? Image() : to_image(mat);
+    if (mat.empty() || single_colour(mat))
+      return {};
+    return to_image(lenses_[camera] ? lenses_[camera]->image(mat) : mat);
   }
 
   Image mask(int camera, int frame) override {
     check(camera, frame);
     const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], frame);
     check_size(mat, camera, frame, session_.cameras[camera].masks);
-    return mat.empty() ? Image() : to_mask(mat);
+    if (mat.empty())
+      return {};
+    return to_mask(lenses_[camera] ? lenses_[camera]->mask(mat) : mat);
   }
 
 private:
@@ -76,6 +82,7 @@ private:
   }
 
   Session session_;
+  std::vector<std::optional<detail::LensMap>> lenses_;
   std::vector<std::unique_ptr<detail::FrameReader>> videos_, masks_; // opened when first asked for
 };
 
