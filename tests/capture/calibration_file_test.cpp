@@ -1,6 +1,7 @@
 // Cameras written in each format by a few lines here, read again, and held against OpenCV's own projection.
 #include "doublet/capture/calibration_file.h"
 #include "doublet/capture/session.h"
+#include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
 #include "doublet/core/files.h"
 #include "support/temp_folder.h"
@@ -654,6 +655,31 @@ TEST_F(FilmedThroughALens, WithoutALensTheyAreAsFilmed) {
   const Image image = FrameSource::open(session_with({}))->image(0, 0);
   for (int i = 0; i < kSize; i += 9)
     EXPECT_EQ(image.at(i, 17, 0), i);
+}
+
+TEST_F(FilmedThroughALens, CleanPlatesAreSeenThroughTheSameLens) {
+  Session session = session_with(make_lens(kFisheye, true));
+  const auto write_tiles = [&](const std::string &name, bool with_actor) {
+    std::ofstream image(folder / name);
+    image << "P6 " << kSize << " " << kSize << " 255\n";
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
+        const bool actor = with_actor && std::abs(x - 125) < 30 && std::abs(y - 125) < 50;
+        const char grey = static_cast<char>((x / 12 + y / 12) % 2 ? 70 : 190);
+        image << (actor ? static_cast<char>(220) : grey) << (actor ? '\0' : grey) << (actor ? '\0' : grey);
+      }
+  };
+  write_tiles("0.ppm", true);
+  write_tiles("plate.ppm", false);
+  session.cameras[0].background = folder / "plate.ppm";
+  session.cameras[0].masks.clear();
+  const auto frames = FrameSource::open(session);
+  const auto extractor = session_silhouettes(session, *frames, {.method = "plates"}, {});
+  const Image mask = read_view(*frames, 0, 0, extractor.get()).mask;
+  EXPECT_EQ(mask.at(125, 125), 255);
+  const auto actor = std::count(mask.data.begin(), mask.data.end(), 255);
+  EXPECT_GT(actor, 5000);
+  EXPECT_LT(actor, 6600); // 59 x 99, as the lens has them near the middle
 }
 
 TEST_F(FilmedThroughALens, BeyondTheEdgeAMaskIsEmptyAndAnImageGoesOn) {

@@ -303,8 +303,8 @@ def turned(path: Path) -> None:
     lines = path.read_text().splitlines()
     for i, line in enumerate(lines):
         if line.startswith("rotation"):
-            values = [float(v) for v in line.partition("[")[2].strip("]").split(",")]
-            lines[i] = f"rotation = {[-v for v in values[:6]] + values[6:]}"
+            right, down, forward = json.loads(line.partition("=")[2])
+            lines[i] = f"rotation = {[[-v for v in right], [-v for v in down], forward]}"
     path.write_text("\n".join(lines) + "\n")
 
 
