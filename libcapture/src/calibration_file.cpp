@@ -201,11 +201,19 @@ void require_upright(const std::vector<CalibratedCamera> &cameras, const std::st
               " if the cameras do lie on their sides)");
 }
 
+void require_size(const Camera &camera, ImageSize given, const std::string &where) {
+  const auto shown = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
+  if (given.width != 0 && (given.width != camera.width || given.height != camera.height))
+    throw Error(where + ": camera '" + camera.name + "': expected images of " + shown(given.width, given.height) +
+                " pixels as image_width and image_height say, found " + shown(camera.width, camera.height));
+}
+
 } // namespace
 
 Eigen::Vector2d CalibratedCamera::project(const Eigen::Vector3d &point) const {
   if (!lens.undone())
     return camera.project(point);
+  detail::require_lens(lens);
   const Eigen::Vector3d p = camera.R * point + camera.t;
   const std::vector<cv::Point3d> points{{p.x(), p.y(), p.z()}};
   const cv::Matx33d K(camera.K(0, 0), 0, camera.K(0, 2), 0, camera.K(1, 1), camera.K(1, 2), 0, 0, 1);
@@ -232,7 +240,8 @@ std::vector<CalibratedCamera> read_calibration(const fs::path &path, const Calib
   options.validate();
   const std::string format = format_of(path, options), where = source_of(format, path);
   const Convention &convention = kConventions.at(format);
-  std::vector<CalibratedCamera> cameras = read_as(format, path, {options.image_width, options.image_height});
+  const ImageSize size{options.image_width, options.image_height};
+  std::vector<CalibratedCamera> cameras = read_as(format, path, size);
   if (cameras.empty())
     throw Error(where + ": expected at least one camera, found none");
   const double unit = metres(options.units == "found" ? convention.units : options.units);
@@ -241,6 +250,7 @@ std::vector<CalibratedCamera> read_calibration(const fs::path &path, const Calib
     camera.camera.name = key_name(camera.camera.name);
     to_world(camera.camera, unit, up);
     detail::validate_calibrated(camera, where);
+    require_size(camera.camera, size, where);
   }
   if (const std::string name = repeated_name(cameras); !name.empty())
     throw Error(where + ": expected the names of cameras to differ, found '" + name + "' twice");
@@ -280,15 +290,11 @@ Eigen::Matrix3d rotation_from(const std::vector<double> &numbers) {
 }
 
 ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where) {
-  const auto shown = [](ImageSize size) { return std::to_string(size.width) + " x " + std::to_string(size.height); };
-  if (found.width <= 0 || found.height <= 0) {
-    if (given.width == 0)
-      throw Error(where + ": expected a size of the images, found none: say it (--image-size WxH)");
-    return given;
-  }
-  if (given.width != 0 && (given.width != found.width || given.height != found.height))
-    throw Error(where + ": expected images of " + shown(given) + " pixels as image_size says, found " + shown(found));
-  return found;
+  if (found.width > 0 && found.height > 0)
+    return found;
+  if (given.width == 0)
+    throw Error(where + ": expected a size of the images, found none: say it (--image-size WxH)");
+  return given;
 }
 
 void set_size(CalibratedCamera &camera, ImageSize size) {
@@ -296,15 +302,19 @@ void set_size(CalibratedCamera &camera, ImageSize size) {
   camera.camera.height = size.height;
 }
 
+void require_lens(const Lens &lens) {
+  const auto count = lens.distortion.size();
+  if (lens.fisheye ? count != 4 : lens.undone() && count != 8 && count != 12 && count != 14)
+    throw std::invalid_argument("lens: expected 8, 12 or 14 numbers of distortion, or the 4 of a fisheye, found " +
+                                std::to_string(count));
+}
+
 void validate_calibrated(const CalibratedCamera &camera, const std::string &source) {
   validate_camera(camera.camera, source);
   const std::string where = source + ": camera '" + camera.camera.name + "'";
   if (!camera.lens.distortion.allFinite())
     throw Error(where + ": expected finite numbers in distortion, found NaN or infinity");
-  const auto count = camera.lens.distortion.size();
-  if (camera.lens.fisheye ? count != 4 : camera.lens.undone() && count != 8 && count != 12 && count != 14)
-    throw Error(where + ": expected a lens of 8, 12 or 14 numbers of distortion, or 4 of a fisheye, found " +
-                std::to_string(count));
+  require_lens(camera.lens);
   if (camera.lens.undone() && camera.camera.K(0, 1) != 0)
     throw Error(where + ": expected no skew in K beside a lens of more than five terms, found " +
                 short_number(camera.camera.K(0, 1)));

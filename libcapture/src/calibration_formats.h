@@ -39,9 +39,11 @@ void set_distortion(CalibratedCamera &camera, const std::vector<double> &terms, 
 Eigen::Matrix3d matrix_from(const std::vector<double> &numbers);
 /// From 9 numbers, row by row, or the 3 of a rotation vector.
 Eigen::Matrix3d rotation_from(const std::vector<double> &numbers);
-/// The size of the file, or the one given if the file has none. Throws Error if there is neither, or they differ.
+/// The size of the file, or the one given if the file has none. Throws Error if there is neither.
 ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where);
 void set_size(CalibratedCamera &camera, ImageSize size);
+/// Throws std::invalid_argument if there is no lens of so many numbers of distortion.
+void require_lens(const Lens &lens);
 /// Throws Error if the numbers, or their combination, make no sense.
 void validate_calibrated(const CalibratedCamera &camera, const std::string &source);
 

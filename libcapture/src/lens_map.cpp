@@ -1,12 +1,14 @@
 #include "lens_map.h"
 
+#include "calibration_formats.h"
+
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
-#include <stdexcept>
 
 namespace doublet::detail {
 
 LensMap::LensMap(const Camera &camera, const Lens &lens) {
+  require_lens(lens);
   const cv::Matx33d K(camera.K(0, 0), 0, camera.K(0, 2), 0, camera.K(1, 1), camera.K(1, 2), 0, 0, 1);
   const std::vector<double> terms(lens.distortion.begin(), lens.distortion.end());
   const cv::Size size(camera.width, camera.height);
@@ -26,17 +28,6 @@ cv::Mat LensMap::mask(const cv::Mat &filmed) const {
   cv::Mat result;
   cv::remap(filmed, result, x_y_, fraction_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
   return result;
-}
-
-std::vector<std::optional<LensMap>> lens_maps(const std::vector<Camera> &rig, const std::vector<Lens> &lenses) {
-  if (!lenses.empty() && lenses.size() != rig.size())
-    throw std::invalid_argument("session: expected no lenses, or one for each of its " + std::to_string(rig.size()) +
-                                " cameras, found " + std::to_string(lenses.size()));
-  std::vector<std::optional<LensMap>> maps(rig.size());
-  for (std::size_t c = 0; c < lenses.size(); ++c)
-    if (lenses[c].undone())
-      maps[c].emplace(rig[c], lenses[c]);
-  return maps;
 }
 
 } // namespace doublet::detail

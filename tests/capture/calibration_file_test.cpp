@@ -522,6 +522,7 @@ TEST_F(CalibrationFiles, DamagedColmap) {
   replace("cameras.txt", "FOV", "FULL_OPENCV");
   expect_refused(folder.path(), {"12 parameters of FULL_OPENCV"});
   write_colmap_text(folder.path(), model, truth);
+  expect_refused(folder.path(), {"cam0", "640 x 480", "1088 x 1920"}, {.image_width = 640, .image_height = 480});
   replace("images.txt", " 7 cam0/", " 77 cam0/");
   expect_refused(folder.path(), {"cam0/0001.png", "camera 77"});
   write_colmap_text(folder.path(), model, truth);
@@ -592,7 +593,7 @@ TEST_F(CalibrationFiles, WhatCannotBeWritten) {
   EXPECT_THROW(write([](CalibratedCamera &c) { c.camera.name = "1: x"; }), std::invalid_argument);
   EXPECT_THROW(write([](CalibratedCamera &c) { c.camera.width = 0; }), Error);
   EXPECT_THROW(write([](CalibratedCamera &c) { c.lens.distortion[3] = std::nan(""); }), Error);
-  EXPECT_THROW(write([](CalibratedCamera &c) { c.lens.distortion.conservativeResize(7); }), Error);
+  EXPECT_THROW(write([](CalibratedCamera &c) { c.lens.distortion.conservativeResize(7); }), std::invalid_argument);
   EXPECT_THROW(write([](CalibratedCamera &c) { c.camera.distortion[0] = 0.1; }), Error);
   EXPECT_THROW(write([](CalibratedCamera &c) { c.camera.K(0, 1) = 2; }), Error);
 }
@@ -693,6 +694,9 @@ TEST_F(FilmedThroughALens, BeyondTheEdgeAMaskIsEmptyAndAnImageGoesOn) {
   EXPECT_EQ(mask.at(0, 0), 0);
   EXPECT_EQ(mask.at(125, 125), 255);
   EXPECT_EQ(image.at(249, 249, 0), 249);
+  session.lenses[0].distortion.conservativeResize(7);
+  EXPECT_THROW(FrameSource::open(session)->image(0, 0), std::invalid_argument);
+  EXPECT_THROW((CalibratedCamera{session.rig[0], session.lenses[0]}.project({0, 0, 1})), std::invalid_argument);
   session.lenses.resize(2);
   EXPECT_THROW(FrameSource::open(session), std::invalid_argument);
 }

@@ -303,6 +303,10 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     write_session(folder / "session", world)
     for name in ("session.json", "joints.json", "calibration.yml"):
         formats[name.partition(".")[0]] = ([folder / "session" / name], lambda path: d.Session(path.parent))
+    lens = d.Lens()
+    lens.fisheye, lens.distortion = True, [0.02, -0.01, 3e-3, -4e-4]
+    d.write_calibration(texts / "lenses.yml", [d.CalibratedCamera(camera, lens) for camera in world.cameras])
+    formats["lenses"] = ([texts / "lenses.yml"], d.read_calibration)
     for name, (_, files) in write_all(folder / "calibrations").items():
         kind = d.CalibrationOptions(format=name.partition("_")[0])
         formats[name] = (files, partial(lambda kind, path: d.read_calibration(path, kind), kind))

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'garment_energy', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_clothness', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_clothness', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Clothness', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'garment_energy', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_clothness', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_clothness', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -562,6 +562,104 @@ class BodyFit:
     @residual.setter
     def residual(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class CalibrationOptions:
+    """
+    Options of read_calibration.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def format(self) -> str:
+        """
+        of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys'
+        """
+    @format.setter
+    def format(self, arg0: str) -> None:
+        ...
+    @property
+    def image_height(self) -> int:
+        """
+        px, where the format has no size; 0 = it has: a number of at least 0
+        """
+    @image_height.setter
+    def image_height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def image_width(self) -> int:
+        """
+        px, where the format has no size; 0 = it has: a number of at least 0
+        """
+    @image_width.setter
+    def image_width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def units(self) -> str:
+        """
+        of the file: m, cm, mm, or how many metres one unit is; found = what the format usually has
+        """
+    @units.setter
+    def units(self, arg0: str) -> None:
+        ...
+    @property
+    def up(self) -> str:
+        """
+        axis of the file that points up; found = what the format usually has, if cameras stand upright: one of 'found', 'x', '-x', 'y', '-y', 'z', '-z'
+        """
+    @up.setter
+    def up(self, arg0: str) -> None:
+        ...
+class Lens:
+    """
+    What Camera.distortion cannot describe: undone when a session reads images.
+    """
+    def __init__(self) -> None:
+        ...
+    @property
+    def distortion(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none
+        """
+    @distortion.setter
+    def distortion(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def fisheye(self) -> bool:
+        """
+        OpenCV's fisheye model; otherwise its extensions of Brown's
+        """
+    @fisheye.setter
+    def fisheye(self, arg0: bool) -> None:
+        ...
+    @property
+    def undone(self) -> bool:
+        """
+        whether there is anything to undo
+        """
+class CalibratedCamera:
+    """
+    A camera as it was calibrated, and its lens.
+    """
+    camera: Camera
+    lens: Lens
+    def __init__(self, camera: Camera, lens: Lens = ...) -> None:
+        ...
+    def project(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
+        """
+        Pixel of a world point in the image as it was filmed.
+        """
 class SessionCamera:
     """
     One camera of a session and its files.
@@ -625,6 +723,11 @@ class Session:
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         ...
+    @property
+    def lenses(self) -> list[Lens]:
+        """
+        undone when images are read; one for each camera
+        """
     @property
     def markers(self) -> pathlib.Path:
         ...
@@ -4797,6 +4900,10 @@ def read_body(path: os.PathLike | str | bytes) -> BodyFit:
     """
     body.npz. Raises FileNotFoundError, or Error naming file and array.
     """
+def read_calibration(path: os.PathLike | str | bytes, options: CalibrationOptions = ...) -> list[CalibratedCamera]:
+    """
+    Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys, or of a calibration.yml, in metres and with +Y up.
+    """
 def read_clothness(path: os.PathLike | str | bytes) -> Clothness:
     """
     segmentation.npz. Raises FileNotFoundError, or Error naming file and array.
@@ -4924,6 +5031,10 @@ def write_baked_npz(path: os.PathLike | str | bytes, character: Character, anima
 def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
     """
     body.npz, complete or not at all.
+    """
+def write_calibration(path: os.PathLike | str | bytes, cameras: collections.abc.Sequence[CalibratedCamera]) -> None:
+    """
+    calibration.yml of a session, complete or not at all; takes Camera, too.
     """
 def write_clothness(path: os.PathLike | str | bytes, clothness: Clothness) -> None:
     """
