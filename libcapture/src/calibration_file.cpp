@@ -202,10 +202,11 @@ void require_upright(const std::vector<CalibratedCamera> &cameras, const std::st
 }
 
 void require_size(const Camera &camera, ImageSize given, const std::string &where) {
-  const auto shown = [](int width, int height) { return std::to_string(width) + " x " + std::to_string(height); };
-  if (given.width != 0 && (given.width != camera.width || given.height != camera.height))
-    throw Error(where + ": camera '" + camera.name + "': expected images of " + shown(given.width, given.height) +
-                " pixels as image_width and image_height say, found " + shown(camera.width, camera.height));
+  const auto differs = [](int expected, int found) { return expected != 0 && expected != found; };
+  if (differs(given.width, camera.width) || differs(given.height, camera.height))
+    throw Error(where + ": camera '" + camera.name + "': expected images of " + std::to_string(given.width) + " x " +
+                std::to_string(given.height) + " pixels as image_width and image_height say, found " +
+                std::to_string(camera.width) + " x " + std::to_string(camera.height));
 }
 
 } // namespace
@@ -231,9 +232,6 @@ void CalibrationOptions::validate() const {
   if (units != "found" && metres(units) == 0)
     throw std::invalid_argument(
         "CalibrationOptions: units: expected 'found', 'm', 'cm', 'mm' or a positive number of metres, found '" + units + "'");
-  if ((image_width == 0) != (image_height == 0))
-    throw std::invalid_argument("CalibrationOptions: image_width and image_height: expected both or none, found " +
-                                std::to_string(image_width) + " and " + std::to_string(image_height));
 }
 
 std::vector<CalibratedCamera> read_calibration(const fs::path &path, const CalibrationOptions &options) {
@@ -292,7 +290,7 @@ Eigen::Matrix3d rotation_from(const std::vector<double> &numbers) {
 ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where) {
   if (found.width > 0 && found.height > 0)
     return found;
-  if (given.width == 0)
+  if (given.width == 0 || given.height == 0)
     throw Error(where + ": expected a size of the images, found none: say it (--image-size WxH)");
   return given;
 }
@@ -352,6 +350,8 @@ void write_camera(cv::FileStorage &storage, const CalibratedCamera &calibrated) 
 } // namespace
 
 void write_calibration(const fs::path &path, const std::vector<CalibratedCamera> &cameras) {
+  if (cameras.empty())
+    throw std::invalid_argument("cameras: expected at least one, found none");
   if (const std::string name = repeated_name(cameras); !name.empty())
     throw std::invalid_argument("cameras: expected names that differ, found '" + name + "' twice");
   for (const CalibratedCamera &camera : cameras) {

@@ -26,7 +26,7 @@ def distances(cameras: list[d.CalibratedCamera]) -> str:
     return f", {min(pairs):.2f} to {max(pairs):.2f} m from each other" if pairs else ""
 
 
-def described(calibrated: d.CalibratedCamera) -> str:
+def camera_line(calibrated: d.CalibratedCamera) -> str:
     """A line about a camera, by which a wrong unit or axis is seen."""
     camera, lens = calibrated.camera, calibrated.lens
     terms = f"{len(lens.distortion)} terms" + (" of a fisheye" if lens.fisheye else "") if lens.undone else "up to 5 terms"
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     cameras = d.read_calibration(arguments.input, options)
     d.write_calibration(arguments.out, cameras)
-    print(*map(described, cameras), sep="\n")
+    print(*map(camera_line, cameras), sep="\n")
     print(f"{arguments.out}: {len(cameras)} cameras{distances(cameras)}")
 
 
