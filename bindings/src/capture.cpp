@@ -1,5 +1,6 @@
 #include "common.h"
 
+#include "doublet/capture/calibration_file.h"
 #include "doublet/capture/heat_weights.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
@@ -40,6 +41,29 @@ public:
   }
 };
 
+void bind_calibration(py::module_ &m) {
+  OptionsClass<CalibrationOptions>(m, "Options of read_calibration.");
+  py::class_<Lens>(m, "Lens", "What Camera.distortion cannot describe: undone when a session reads images.")
+      .def(py::init<>())
+      .def_readwrite("fisheye", &Lens::fisheye, "OpenCV's fisheye model; otherwise its extensions of Brown's")
+      .def_readwrite("distortion", &Lens::distortion, "fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none")
+      .def_property_readonly("undone", &Lens::undone, "whether there is anything to undo");
+  py::class_<CalibratedCamera>(m, "CalibratedCamera", "A camera as it was calibrated, and its lens.")
+      .def(py::init([](Camera camera, Lens lens) {
+             return CalibratedCamera{std::move(camera), std::move(lens)};
+           }),
+           py::arg("camera"), py::arg("lens") = Lens{})
+      .def_readwrite("camera", &CalibratedCamera::camera)
+      .def_readwrite("lens", &CalibratedCamera::lens)
+      .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.");
+  py::implicitly_convertible<Camera, CalibratedCamera>();
+  m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{}, Release(),
+        "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys, or of a calibration.yml, in metres and with +Y "
+        "up.");
+  m.def("write_calibration", &write_calibration, py::arg("path"), py::arg("cameras"), Release(),
+        "calibration.yml of a session, complete or not at all; takes Camera, too.");
+}
+
 void bind_session(py::module_ &m) {
   py::class_<SessionCamera>(m, "SessionCamera", "One camera of a session and its files.")
       .def(py::init<>())
@@ -56,6 +80,7 @@ void bind_session(py::module_ &m) {
       .def_readonly("frame_count", &Session::frame_count)
       .def_readonly("cameras", &Session::cameras)
       .def_readonly("rig", &Session::rig)
+      .def_readonly("lenses", &Session::lenses, "undone when images are read; one for each camera")
       .def_readonly("scan", &Session::scan)
       .def_readonly("calibration", &Session::calibration)
       .def_readonly("markers", &Session::markers)
@@ -191,6 +216,7 @@ void bind_performance(py::module_ &m) {
 } // namespace
 
 void bind_capture(py::module_ &m) {
+  bind_calibration(m);
   bind_session(m);
   bind_template(m);
   bind_capture_parts(m);

@@ -4,7 +4,7 @@
 #include "tracked_frame.h"
 
 #include "doublet/core/context.h"
-#include "doublet/core/files.h"
+#include "doublet/files/files.h"
 
 #include <cstdint>
 #include <vector>

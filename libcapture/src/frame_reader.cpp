@@ -1,6 +1,7 @@
 #include "frame_reader.h"
 
 #include "doublet/core/error.h"
+#include "lens_map.h"
 
 #include <cmath>
 #include <cstdlib>
@@ -168,14 +169,14 @@ Image to_image(const cv::Mat &mat) {
   return image;
 }
 
-std::vector<Image> read_plates(const fs::path &path) {
+std::vector<Image> read_plates(const fs::path &path, const LensMap *lens) {
   quiet_opencv();
   std::vector<Image> plates;
   const auto read = [&](const fs::path &file) {
     const cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
     if (image.empty())
       throw Error(file.string() + ": expected an image, found a file that OpenCV cannot decode");
-    plates.push_back(to_image(image));
+    plates.push_back(to_image(lens ? lens->image(image) : image));
   };
   if (const auto field = number_field(path))
     for (int n = first_number(path, *field); fs::exists(numbered(*field, n)); ++n)

@@ -29,8 +29,9 @@ public:
 bool is_image_pattern(const std::filesystem::path &path);
 /// True if a series has an image numbered 0 or 1.
 bool image_series_exists(const std::filesystem::path &pattern);
-/// Images of the empty stage: one file, or all of a series. Throws as FrameReader does.
-std::vector<Image> read_plates(const std::filesystem::path &path);
+class LensMap;
+/// Images of the empty stage: one file, or all of a series, with the lens undone if one is given. Throws as FrameReader does.
+std::vector<Image> read_plates(const std::filesystem::path &path, const LensMap *lens = nullptr);
 /// Checks that frames 0 .. frame_count-1 can be read (the last one is decoded, which finds truncated files within a second) and
 /// returns what they are like. Throws FileNotFound or Error naming the file.
 struct ProbedFrames {

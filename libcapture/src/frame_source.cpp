@@ -1,8 +1,10 @@
 #include "doublet/capture/session.h"
 #include "doublet/core/error.h"
 #include "frame_reader.h"
+#include "lens_map.h"
 
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <stdexcept>
 
 namespace doublet {
@@ -28,7 +30,7 @@ Image to_mask(const cv::Mat &bgr) {
 class SessionFrames : public FrameSource {
 public:
   explicit SessionFrames(const Session &session)
-      : session_(session), videos_(session.cameras.size()), masks_(session.cameras.size()) {}
+      : session_(session), maps_(session.cameras.size()), videos_(session.cameras.size()), masks_(session.cameras.size()) {}
 
   int frame_count() const override { return session_.frame_count; }
   int camera_count() const override { return static_cast<int>(session_.cameras.size()); }
@@ -37,14 +39,20 @@ public:
     check(camera, frame);
     const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame);
     check_size(mat, camera, frame, session_.cameras[camera].video);
-    return mat.empty() || single_colour(mat) ? Image() : to_image(mat);
+    if (mat.empty() || single_colour(mat))
+      return {};
+    const detail::LensMap *lens = lens_of(camera);
+    return to_image(lens ? lens->image(mat) : mat);
   }
 
   Image mask(int camera, int frame) override {
     check(camera, frame);
     const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], frame);
     check_size(mat, camera, frame, session_.cameras[camera].masks);
-    return mat.empty() ? Image() : to_mask(mat);
+    if (mat.empty())
+      return {};
+    const detail::LensMap *lens = lens_of(camera);
+    return to_mask(lens ? lens->mask(mat) : mat);
   }
 
 private:
@@ -67,6 +75,15 @@ private:
     throw Error(path.string() + ": frame " + std::to_string(frame) + " cannot be read (" + e.err + ")");
   }
 
+  /// What is to be undone; null if nothing is.
+  const detail::LensMap *lens_of(int camera) {
+    if (session_.lenses.empty() || !session_.lenses[camera].undone())
+      return nullptr;
+    if (!maps_[camera])
+      maps_[camera].emplace(session_.rig[camera], session_.lenses[camera]);
+    return &*maps_[camera];
+  }
+
   void check_size(const cv::Mat &mat, int camera, int frame, const std::filesystem::path &path) const {
     const Camera &expected = session_.rig[camera];
     if (!mat.empty() && (mat.cols != expected.width || mat.rows != expected.height))
@@ -76,6 +93,7 @@ private:
   }
 
   Session session_;
+  std::vector<std::optional<detail::LensMap>> maps_;                 // made when first needed
   std::vector<std::unique_ptr<detail::FrameReader>> videos_, masks_; // opened when first asked for
 };
 
@@ -85,6 +103,9 @@ std::unique_ptr<FrameSource> FrameSource::open(const Session &session) {
   if (session.rig.size() != session.cameras.size())
     throw std::invalid_argument("session: expected one calibrated camera for each of its " +
                                 std::to_string(session.cameras.size()) + " cameras, found " + std::to_string(session.rig.size()));
+  if (!session.lenses.empty() && session.lenses.size() != session.cameras.size())
+    throw std::invalid_argument("session: expected no lenses, or one for each of its " + std::to_string(session.cameras.size()) +
+                                " cameras, found " + std::to_string(session.lenses.size()));
   return std::make_unique<SessionFrames>(session);
 }
 

@@ -1,13 +1,12 @@
 #include "doublet/capture/session.h"
 
+#include "calibration_formats.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "frame_reader.h"
 
 #include <cmath>
-#include <cstdint>
 #include <nlohmann/json.hpp>
-#include <opencv2/core/persistence.hpp>
 #include <set>
 
 namespace doublet {
@@ -129,78 +128,14 @@ std::vector<SessionCamera> read_cameras(const Json &json, const fs::path &folder
   return cameras;
 }
 
-cv::FileStorage open_calibration(const fs::path &path) {
-  try {
-    cv::FileStorage storage(path.string(), cv::FileStorage::READ);
-    if (storage.isOpened())
-      return storage;
-  } catch (const cv::Exception &e) {
-    throw Error(path.string() + ": expected an OpenCV calibration file (YAML), found a syntax error (" + e.err + ")");
+void read_rig(Session &session) {
+  std::vector<std::string> names;
+  for (const SessionCamera &camera : session.cameras)
+    names.push_back(camera.name);
+  for (CalibratedCamera &calibrated : detail::read_doublet_calibration(session.calibration, names)) {
+    session.rig.push_back(std::move(calibrated.camera));
+    session.lenses.push_back(std::move(calibrated.lens));
   }
-  throw Error(path.string() + ": expected an OpenCV calibration file (YAML), found one that OpenCV cannot open");
-}
-
-std::string calibrated_cameras(const cv::FileStorage &storage) {
-  std::string names;
-  for (const cv::FileNode &node : storage.root())
-    if (node.name().ends_with("_K"))
-      names += (names.empty() ? "" : ", ") + node.name().substr(0, node.name().size() - 2);
-  return names.empty() ? "no camera" : names;
-}
-
-cv::Mat read_matrix(const cv::FileStorage &storage, const std::string &key, int count, const std::string &where) {
-  cv::Mat matrix, numbers;
-  const cv::FileNode node = storage[key];
-  // OpenCV makes a matrix of the size that the file says, and only then looks whether it has as many numbers.
-  if (node.isMap() && node["rows"].isInt() && node["cols"].isInt() && node["data"].isSeq() &&
-      static_cast<int>(node["data"].size()) == count &&
-      static_cast<std::int64_t>(static_cast<int>(node["rows"])) * static_cast<int>(node["cols"]) == count)
-    node >> matrix;
-  if (matrix.empty() || static_cast<int>(matrix.total()) != count || matrix.channels() != 1)
-    throw Error(where + ": expected " + key + " to be a matrix of " + std::to_string(count) + " numbers, found " +
-                (matrix.empty() ? std::string("none") : std::to_string(matrix.total())));
-  matrix.convertTo(numbers, CV_64F);
-  return numbers.reshape(1, count);
-}
-
-int read_size(const cv::FileStorage &storage, const std::string &key, const std::string &where) {
-  if (!storage[key].isInt() || static_cast<int>(storage[key]) <= 0)
-    throw Error(where + ": expected " + key + " to be a number of pixels, found none");
-  return static_cast<int>(storage[key]);
-}
-
-Camera read_calibration(const cv::FileStorage &storage, const std::string &name, const fs::path &source) {
-  if (storage[name + "_K"].empty())
-    throw Error(source.string() + ": expected a calibration of camera '" + name + "' (key " + name + "_K), found " +
-                calibrated_cameras(storage));
-  const std::string where = source.string();
-  using Matrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  const cv::Mat K = read_matrix(storage, name + "_K", 9, where), R = read_matrix(storage, name + "_R", 9, where),
-                t = read_matrix(storage, name + "_t", 3, where), d = read_matrix(storage, name + "_distortion", 5, where);
-  Camera camera;
-  camera.name = name;
-  camera.K = Eigen::Map<const Matrix3>(K.ptr<double>());
-  camera.R = Eigen::Map<const Matrix3>(R.ptr<double>());
-  camera.t = Eigen::Map<const Eigen::Vector3d>(t.ptr<double>());
-  camera.distortion = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(d.ptr<double>());
-  camera.width = read_size(storage, name + "_image_width", where);
-  camera.height = read_size(storage, name + "_image_height", where);
-  validate_camera(camera, where);
-  return camera;
-}
-
-CameraRig read_rig(const std::vector<SessionCamera> &cameras, const fs::path &source) try {
-  const cv::FileStorage storage = open_calibration(source);
-  CameraRig rig;
-  for (const SessionCamera &camera : cameras)
-    rig.push_back(read_calibration(storage, camera.name, source));
-  return rig;
-} catch (const Error &) {
-  throw;
-} catch (const std::exception &e) { // OpenCV's parser throws what the standard library throws at it, too
-  const auto *problem = dynamic_cast<const cv::Exception *>(&e);
-  throw Error(source.string() + ": expected an OpenCV calibration file, found an entry that cannot be read (" +
-              (problem ? problem->err : std::string(e.what())) + ")");
 }
 
 JointMark read_joint(const std::string &name, const Json &object, const fs::path &source) {
@@ -286,7 +221,7 @@ Session read_session(const fs::path &folder) {
     session.new_motion = existing(session.folder, motion, "new motion", source);
   session.calibration =
       existing(session.folder, value<std::string>(json, "calibration", where, "a file name"), "calibration", source);
-  session.rig = read_rig(session.cameras, session.calibration);
+  read_rig(session);
   session.markers = existing(session.folder, value<std::string>(json, "markers", where, "a file name"), "file of joints", source);
   read_joints(session.markers, session);
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {

@@ -3,6 +3,7 @@
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
 #include "frame_reader.h"
+#include "lens_map.h"
 
 #include <map>
 #include <set>
@@ -54,7 +55,7 @@ public:
         throw Error(session_.folder.string() + ": " + name +
                     " has no clean plate (\"background\" in session.json), which the "
                     "silhouette method 'plates' needs");
-      background_->train(camera, detail::read_plates(session_.cameras[camera].background));
+      background_->train(camera, plates(camera));
       all.add(camera, background_);
       return "difference to its clean plate";
     }
@@ -75,6 +76,14 @@ public:
   }
 
 private:
+  std::vector<Image> plates(int camera) const {
+    const std::vector<Lens> &lenses = session_.lenses;
+    if (lenses.empty() || !lenses.at(camera).undone())
+      return detail::read_plates(session_.cameras[camera].background);
+    const detail::LensMap lens(session_.rig.at(camera), lenses[camera]);
+    return detail::read_plates(session_.cameras[camera].background, &lens);
+  }
+
   std::vector<Image> require_images(std::vector<Image> images, const std::string &name) const {
     if (images.empty())
       throw std::invalid_argument(session_.folder.string() + ": " + name + " shows nothing in any of the frames looked at");

@@ -3,8 +3,8 @@
 #include "tracker_scene.h"
 
 #include "doublet/core/error.h"
-#include "doublet/core/files.h"
 #include "doublet/core/parts/fingerprint.h"
+#include "doublet/files/files.h"
 #include "support/temp_folder.h"
 
 #include <cstring>

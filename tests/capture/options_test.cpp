@@ -1,3 +1,4 @@
+#include "doublet/capture/calibration_file.h"
 #include "doublet/capture/heat_weights.h"
 #include "doublet/capture/parts/rims.h"
 #include "doublet/capture/performance_capture.h"
@@ -8,6 +9,7 @@ namespace doublet {
 namespace {
 
 TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
+  expect_ranges<CalibrationOptions>();
   expect_ranges<CaptureOptions>();
   expect_ranges<SilhouetteOptions>();
   expect_ranges<TemplateOptions>();

@@ -213,7 +213,7 @@ TEST(Files, PerformanceRoundTrip) {
   EXPECT_THROW(write_performance(folder / "x.npz", p), std::invalid_argument);
 }
 
-TEST(Files, ClothnessAndBodyRoundTrip) {
+TEST(Files, SegmentationAndBodyRoundTrip) {
   const TempFolder folder;
   Segmentation c;
   c.sigma = Eigen::Vector4d(0.001, std::numeric_limits<double>::quiet_NaN(), 0.02, 0.03);

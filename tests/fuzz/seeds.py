@@ -8,8 +8,8 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
+from calibrations import write_all
 from doublet.run_record import RunRecord
-from doublet.synthesize import write_calibration
 from PIL import Image
 
 FPS = 40.0
@@ -194,7 +194,7 @@ def write_session(folder: Path, world: World) -> None:
         for frame in range(3):
             Image.fromarray(world.mask).save(folder / "masks" / f"{camera.name}_{frame:04d}.png")
     d.write_mesh(folder / "scan.ply", world.mesh)
-    write_calibration(folder / "calibration.yml", world.cameras)
+    d.write_calibration(folder / "calibration.yml", world.cameras)
     joints = {
         mark.name: {"position": list(mark.position), "parent": mark.parent or None, "dof": mark.dof} for mark in world.marks
     }
@@ -303,6 +303,13 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     write_session(folder / "session", world)
     for name in ("session.json", "joints.json", "calibration.yml"):
         formats[name.partition(".")[0]] = ([folder / "session" / name], lambda path: d.Session(path.parent))
+    lens = d.Lens()
+    lens.fisheye, lens.distortion = True, [0.02, -0.01, 3e-3, -4e-4]
+    d.write_calibration(texts / "lenses.yml", [d.CalibratedCamera(camera, lens) for camera in world.cameras])
+    formats["lenses"] = ([texts / "lenses.yml"], d.read_calibration)
+    for name, (_, files) in write_all(folder / "calibrations").items():
+        kind = d.CalibrationOptions(format=name.partition("_")[0])
+        formats[name] = (files, partial(lambda kind, path: d.read_calibration(path, kind), kind))
     return formats, world
 
 

@@ -223,6 +223,7 @@ def calls(world, folder) -> dict:
             lambda frames, actor_vertices: d.write_simulated(folder / "s.npz", frames, actor_vertices),
             {"frames": np.stack([v, v]), "actor_vertices": len(v)},
         ),
+        "write_calibration": (lambda cameras: d.write_calibration(folder / "c.yml", cameras), {"cameras": w.cameras}),
         "write_mesh": (lambda mesh: d.write_mesh(folder / "m.ply", mesh), {"mesh": w.mesh}),
         "Character.write": (lambda character: character.write(folder / "c.glb"), {"character": w.character}),
         "write_baked_npz": (
@@ -240,8 +241,8 @@ ELSEWHERE = {
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
     "surface_refiner_violations", "cloth_solver_violations", "optimizer_violations",
-    "read_actor", "read_body", "read_segmentation", "read_garment", "read_materials", "read_mesh", "read_observations",
-    "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
+    "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
+    "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 
 

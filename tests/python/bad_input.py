@@ -23,6 +23,7 @@ from PIL import Image
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "bad-input.md"
 sys.path.append(str(ROOT / "tests" / "fuzz"))
+from calibrations import write_all  # noqa: E402
 from children import outcomes  # noqa: E402
 from seeds import AMC, ASF, BVH, PLY, World, write_session  # noqa: E402
 
@@ -49,7 +50,7 @@ CASES: list[Case] = []
 
 
 def spoilt_by(group: str, command: str, **cases):
-    """Each function spoils a folder that has session/, out/, c.glb, walk.bvh, person.asf and person_01.amc."""
+    """Each function spoils a folder that has session/, calibrations/, out/, c.glb, walk.bvh, person.asf and person_01.amc."""
     for what, spoil in cases.items():
         CASES.append(Case(group, what.replace("_", " "), command, spoil))
 
@@ -60,6 +61,7 @@ def spoilt_by(group: str, command: str, **cases):
 def make_folder(folder: Path) -> None:
     world = World()
     write_session(folder / "session", world)
+    write_all(folder / "calibrations")
     out = folder / "out"
     d.write_mesh(out / "template.ply", world.mesh)
     d.write_mesh(out / "template_high.ply", world.high)
@@ -268,6 +270,88 @@ spoilt_by(
     a_joint_without_a_place=text("session/joints.json", ('"position"', '"place"')),
     a_landmark_of_two_numbers=text("session/joints.json", ("0,\n   1.1,\n   0.2", "0, 1.1")),
 )
+
+# --- calibrations of other programs
+
+
+def import_of(name: str) -> str:
+    return f"import-calibration calibrations/{name} -o new.yml"
+
+
+TOML = "calibrations/toml/Calib.toml"
+spoilt_by(
+    "Calibration",
+    import_of("toml/Calib.toml"),
+    no_such_file=gone(TOML),
+    TOML_with_a_syntax_error=text(TOML, ("matrix = [[", "matrix = [")),
+    TOML_of_100000_levels=content(TOML, "a = " + "[" * 100000),
+    two_cameras_of_one_name=text(TOML, ('name = "cam1"', 'name = "cam0"')),
+    no_camera=content(TOML, "[metadata]\nerror = 0.0\n"),
+    a_NaN_in_a_matrix=text(TOML, ("matrix = [[1681.2", "matrix = [[nan")),
+    a_rotation_that_is_none=text(TOML, ("rotation = [", "rotation = [1.0, 0.0, 0.0, 0.0, 1.2, 0.0, 0.0, 0.0, 1.0]\nold = [")),
+    a_rotation_of_four_numbers=text(TOML, ("rotation = [", "rotation = [1.0, 0.0, 0.0, 0.0]\nold = [")),
+    three_terms_of_distortion=text(TOML, ("distortions = [", "distortions = [0.0, 0.1, 0.2]\nold = [")),
+    a_fisheye_of_five_terms=text(TOML, ("distortions = [", "fisheye = true\ndistortions = [0.0, ")),
+    images_without_a_size=text(TOML, ("size = [", "sizes = [")),
+    millimetres_that_are_taken_for_metres=text(TOML, ("translation = [", "translation = [9e3, 9e3, 9e3]\nold = [")),
+    an_axis_that_does_not_point_up=lambda folder: turned(folder / TOML),
+)
+
+
+def turned(path: Path) -> None:
+    """Every camera with its right and its lower edge exchanged for the left and the upper one."""
+    lines = path.read_text().splitlines()
+    for i, line in enumerate(lines):
+        if line.startswith("rotation"):
+            right, down, forward = json.loads(line.partition("=")[2])
+            lines[i] = f"rotation = {[[-v for v in right], [-v for v in down], forward]}"
+    path.write_text("\n".join(lines) + "\n")
+
+
+spoilt_by(
+    "Calibration",
+    import_of("colmap_binary"),
+    COLMAP_with_images_cut_in_half=cut("calibrations/colmap_binary/images.bin"),
+    COLMAP_with_2147483648_cameras=content("calibrations/colmap_binary/cameras.bin", struct.pack("<Q", 2**31) + bytes(100)),
+    COLMAP_with_an_unknown_model=content(
+        "calibrations/colmap_binary/cameras.bin", struct.pack("<QIiQQ", 1, 1, 10, 8, 8) + bytes(96)
+    ),
+    COLMAP_without_images=gone("calibrations/colmap_binary/images.bin"),
+)
+spoilt_by(
+    "Calibration",
+    import_of("colmap_text"),
+    COLMAP_with_a_model_that_OpenCV_does_not_have=text("calibrations/colmap_text/cameras.txt", ("OPENCV", "THIN_PRISM_FISHEYE")),
+    COLMAP_with_an_image_of_no_camera=text("calibrations/colmap_text/images.txt", (" 1 cam0.png", " 2 cam0.png")),
+)
+spoilt_by(
+    "Calibration",
+    import_of("opencv/cam0.yml"),
+    OpenCV_file_without_a_pose=text("calibrations/opencv/cam0.yml", ("\nR: ", "\nQ: ")),
+    OpenCV_file_with_a_matrix_of_too_many_rows=text("calibrations/opencv/cam0.yml", ("rows: 3", "rows: 2000000000")),
+    OpenCV_file_of_an_unknown_camera_model=text("calibrations/opencv/cam0.yml", ("\nR: ", '\ncamera_model: "mei"\nR: ')),
+    a_file_of_no_known_format=content("calibrations/opencv/cam0.yml", "cameras: 2\n"),
+)
+spoilt_by(
+    "Calibration",
+    import_of("easymocap"),
+    EasyMocap_without_extri_yml=gone("calibrations/easymocap/extri.yml"),
+    EasyMocap_without_names=text("calibrations/easymocap/intri.yml", ("names:", "cameras:")),
+    EasyMocap_without_a_size=text("calibrations/easymocap/intri.yml", ("W_cam1", "V_cam1")),
+)
+spoilt_by(
+    "Calibration",
+    import_of("qualisys/session.qca.txt"),
+    XML_with_a_syntax_error=text("calibrations/qualisys/session.qca.txt", ("</cameras>", "")),
+    a_word_for_a_focal_length=text("calibrations/qualisys/session.qca.txt", ('focalLengthU="', 'focalLengthU="long')),
+    Qualisys_without_a_pose=text("calibrations/qualisys/session.qca.txt", ("<transform", "<transformation")),
+)
+spoilt_by(
+    "Calibration",
+    "import-calibration calibrations/toml/Calib.toml -o new.yml --units feet",
+    units_that_are_not_known=lambda folder: None,
+)
+spoilt_by("Calibration", "import-calibration out -o new.yml", a_folder_without_a_calibration=lambda folder: None)
 
 # --- files of a reconstruction
 

@@ -27,7 +27,7 @@ def candidates(value, told: dict):
     if isinstance(value, (int, float)):
         return [value + 2, value + 4, value - 1] if isinstance(value, int) else [value * 1.02 + 1e-3, value * 0.98]
     if isinstance(value, str):
-        return [c for c in told.get("choices", [value + "x"]) if c != value]
+        return [c for c in told.get("choices", [value + "x", "2"]) if c != value]
     if isinstance(value, np.ndarray):
         return [value * [0.9, 0.8, 0.7]]
     if isinstance(value, dict):

@@ -6,7 +6,7 @@ import pytest
 from doublet.console import Console
 from doublet.evaluate import Truth
 from doublet.pipeline import with_pairs
-from doublet.synthesize import Surfaces, SynthesisOptions, photograph, read_motion, ring_of_cameras, synthesize, write_calibration
+from doublet.synthesize import Surfaces, SynthesisOptions, photograph, read_motion, ring_of_cameras, synthesize
 
 MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
 FPS = 40.0
@@ -97,7 +97,7 @@ def test_calibration_survives_the_file(made, character, motion, tmp_path):
         assert camera.name == read.name and camera.width == read.width
         for field in ("K", "R", "t", "distortion"):
             np.testing.assert_array_equal(getattr(camera, field), getattr(read, field))
-    write_calibration(tmp_path / "again.yml", rig)
+    d.write_calibration(tmp_path / "again.yml", rig)
     assert (tmp_path / "again.yml").read_text() == (made / "calibration.yml").read_text()
 
 

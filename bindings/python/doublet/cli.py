@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import __version__, body_model_path, pipeline
+from . import __version__, body_model_path, import_calibration, pipeline
 from . import _doublet as d
 from .console import Console
 from .plausible import DOUBTFUL
@@ -271,6 +271,7 @@ def build_parser() -> argparse.ArgumentParser:
         add_stage_flags(command, groups, with_body_model=name == "body")
         command.set_defaults(run=run_stages, stages=stages)
 
+    import_calibration.add_command(commands)
     add_edit_template(commands)
     add_animate(commands)
     add_evaluate(commands)

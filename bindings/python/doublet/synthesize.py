@@ -13,7 +13,7 @@ from PIL import Image, ImageFilter
 from . import _doublet as d
 from . import body_model_path
 from .console import Console
-from .files import arrays_of, write_json, write_text, written_atomically
+from .files import arrays_of, write_json, written_atomically
 from .video import VideoWriter
 
 FRAMES_A_CHUNK = 32  # of ground_truth/frames_*.npz: bounds memory while writing and reading
@@ -75,23 +75,6 @@ def ring_of_cameras(character: d.Character, motion: d.Motion, count: int, size: 
         camera.name = f"cam{c}"
         rig.append(camera)
     return rig
-
-
-def opencv_matrix(values) -> str:
-    values = np.atleast_2d(np.asarray(values, float))
-    data = ", ".join(repr(float(v)) for v in values.ravel())
-    return f"!!opencv-matrix\n   rows: {values.shape[0]}\n   cols: {values.shape[1]}\n   dt: d\n   data: [ {data} ]"
-
-
-def write_calibration(path: Path, rig: list[d.Camera]) -> None:
-    """OpenCV's cv::FileStorage, the calibration.yml of docs/formats.md."""
-    lines = ["%YAML:1.0", "---", f"camera_count: {len(rig)}"]
-    for camera in rig:
-        column = np.asarray(camera.t, float).reshape(3, 1)
-        matrices = {"K": camera.K, "distortion": np.reshape(camera.distortion, (1, 5)), "R": camera.R, "t": column}
-        lines += [f"{camera.name}_{key}: {opencv_matrix(value)}" for key, value in matrices.items()]
-        lines += [f"{camera.name}_image_width: {camera.width}", f"{camera.name}_image_height: {camera.height}"]
-    write_text(path, "\n".join(lines) + "\n")
 
 
 def drop_unused(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -271,7 +254,7 @@ def synthesize(
     truth.finish()
     materials = [m.to_dict() for m in character.materials]
     write_json(out / "ground_truth" / "material.json", {"regions": materials, "dt": character.solver.dt})
-    write_calibration(out / "calibration.yml", rig)
+    d.write_calibration(out / "calibration.yml", rig)
     session = {
         "name": character.name,
         "fps": motion.fps,

@@ -9,8 +9,8 @@
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/context.h"
-#include "doublet/core/files.h"
 #include "doublet/core/stage_values.h"
+#include "doublet/files/files.h"
 #include "doublet/options/options.h"
 
 #include <functional>

@@ -1,6 +1,7 @@
 #pragma once
 // A capture session on disk (docs/formats.md): session.json, calibration, videos or image folders, masks, scan, joints.
 
+#include "doublet/capture/calibration_file.h"
 #include "doublet/core/camera.h"
 #include "doublet/core/image.h"
 #include "doublet/core/skeleton.h"
@@ -27,8 +28,9 @@ struct Session {
   double fps = 0;
   int frame_count = 0;
   std::vector<SessionCamera> cameras;
-  CameraRig rig;                                    ///< one camera for each of `cameras`
-  std::filesystem::path scan;                       ///< absolute
+  CameraRig rig;              ///< one camera for each of `cameras`
+  std::vector<Lens> lenses;   ///< undone when frames, masks and clean plates are read; one for each of `cameras`, or none at all
+  std::filesystem::path scan; ///< absolute
   std::filesystem::path calibration;                ///< absolute
   std::filesystem::path markers;                    ///< absolute
   std::vector<JointMark> joints;                    ///< joints.json
@@ -48,8 +50,8 @@ public:
   virtual ~FrameSource() = default;
   virtual int frame_count() const = 0;
   virtual int camera_count() const = 0;
-  /// BGR image of a camera at a frame; an empty image if the session has only masks, or the camera dropped out there: no image,
-  /// or one of a single colour.
+  /// BGR image of a camera at a frame, as the camera of the rig sees it; an empty image if the session has only masks, or the
+  /// camera dropped out there: no image, or one of a single colour.
   virtual Image image(int camera, int frame) = 0;
   /// Ready mask (255 = actor); an empty image if the session has none and the image must be keyed.
   virtual Image mask(int camera, int frame) = 0;

@@ -1,0 +1,62 @@
+#pragma once
+// Calibrations from the programs that make them (docs/calibration.md): OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, Qualisys.
+
+#include "doublet/core/camera.h"
+#include "doublet/options/options.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace doublet {
+
+/// A lens that the five terms of Camera::distortion cannot describe. Images taken through it are undistorted when a session reads
+/// them, so that everything behind the reader sees the pinhole camera of the same K.
+struct Lens {
+  bool fisheye = false;       ///< Kannala & Brandt 2006 as OpenCV's cv::fisheye has it; otherwise Brown 1971 and its extensions
+  Eigen::VectorXd distortion; ///< fisheye: k1 .. k4; otherwise 8, 12 or 14 terms in OpenCV's order, k1 k2 p1 p2 k3 k4 ...
+  bool undone() const { return fisheye || distortion.size() > 0; } ///< false: Camera::distortion says all there is
+};
+
+/// A camera as it was calibrated.
+struct CalibratedCamera {
+  Camera camera; ///< distortion is zero where the lens is undone
+  Lens lens;
+  /// Pixel of a world point (m) in the image as it was filmed; meaningless if camera.depth(point) <= 0.
+  Eigen::Vector2d project(const Eigen::Vector3d &point) const;
+};
+
+struct CalibrationOptions {
+  std::string format = "found";
+  std::string units = "found";
+  std::string up = "found";
+  int image_width = 0, image_height = 0;
+  static constexpr std::array kFormats{"found", "doublet", "opencv", "colmap", "easymocap", "toml", "qualisys"};
+  static constexpr std::array kUps{"found", "x", "-x", "y", "-y", "z", "-z"};
+  static constexpr auto describe() {
+    using namespace options;
+    using O = CalibrationOptions;
+    return Description{
+        "CalibrationOptions",
+        option(&O::format, "format", kFormats, "of the file or folder; found = by its names and content"),
+        option(&O::units, "units", "of the file: m, cm, mm, or how many metres one unit is; found = what the format usually has"),
+        option(&O::up, "up", kUps,
+               "axis of the file that points up; found = what the format usually has, if cameras stand upright"),
+        option(&O::image_width, "image_width", at_least(0), "px", "where the format has no size; 0 = it has"),
+        option(&O::image_height, "image_height", at_least(0), "px", "where the format has no size; 0 = it has"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
+};
+
+/// Cameras of a calibration file, or of the folder that a program writes, in metres and with +Y up. Names become what
+/// calibration.yml can hold: letters, digits, _ and -, beginning with a letter. Throws FileNotFound, or Error naming the file, if
+/// anything is missing, damaged or of a camera model that OpenCV does not have, two cameras have one name, or (but for
+/// calibration.yml, which is taken at its word) the cameras are not 0.3 to 30 m apart or, unless `up` is given, not upright.
+std::vector<CalibratedCamera> read_calibration(const std::filesystem::path &path, const CalibrationOptions &options = {});
+
+/// calibration.yml of a session (docs/formats.md), complete or not at all. Throws std::invalid_argument if two cameras have one
+/// name or a name cannot stand in the file, Error naming the file if a camera makes no sense.
+void write_calibration(const std::filesystem::path &path, const std::vector<CalibratedCamera> &cameras);
+
+} // namespace doublet

@@ -1,0 +1,33 @@
+#include "lens_map.h"
+
+#include "calibration_formats.h"
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace doublet::detail {
+
+LensMap::LensMap(const Camera &camera, const Lens &lens) {
+  require_lens(lens);
+  const cv::Matx33d K(camera.K(0, 0), 0, camera.K(0, 2), 0, camera.K(1, 1), camera.K(1, 2), 0, 0, 1);
+  const std::vector<double> terms(lens.distortion.begin(), lens.distortion.end());
+  const cv::Size size(camera.width, camera.height);
+  if (lens.fisheye)
+    cv::fisheye::initUndistortRectifyMap(K, terms, cv::Matx33d::eye(), K, size, CV_16SC2, x_y_, fraction_);
+  else
+    cv::initUndistortRectifyMap(K, terms, cv::noArray(), K, size, CV_16SC2, x_y_, fraction_);
+}
+
+cv::Mat LensMap::image(const cv::Mat &filmed) const {
+  cv::Mat result;
+  cv::remap(filmed, result, x_y_, fraction_, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return result;
+}
+
+cv::Mat LensMap::mask(const cv::Mat &filmed) const {
+  cv::Mat result;
+  cv::remap(filmed, result, x_y_, fraction_, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+  return result;
+}
+
+} // namespace doublet::detail

@@ -1,0 +1,86 @@
+// Qualisys' calibration file (.qca.txt, XML). The only file that includes pugixml.
+
+#include "calibration_formats.h"
+#include "doublet/core/error.h"
+#include "doublet/files/files.h"
+
+#include <charconv>
+#include <cstring>
+#include <pugixml.hpp>
+
+namespace doublet::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSubpixels = 64; // focal lengths and centres are in these units of a pixel
+
+double number(const pugi::xml_node &node, const char *name, const std::string &where) {
+  const pugi::xml_attribute attribute = node.attribute(name);
+  const char *text = attribute.value(), *end = text + std::strlen(text);
+  double value = 0;
+  if (!attribute || *text == '\0')
+    throw Error(where + ": expected " + name + " in <" + node.name() + ">, found none");
+  if (std::from_chars(text, end, value).ptr != end)
+    throw Error(where + ": expected " + name + " in <" + node.name() + "> to be a number, found '" +
+                std::string(text).substr(0, 40) + "'");
+  return value;
+}
+
+pugi::xml_node child(const pugi::xml_node &camera, const char *name, const std::string &where) {
+  const pugi::xml_node node = camera.child(name);
+  if (!node)
+    throw Error(where + ": expected <" + name + ">, found none");
+  return node;
+}
+
+void read_intrinsics(const pugi::xml_node &node, const pugi::xml_node &view, CalibratedCamera &camera, const std::string &where) {
+  const auto get = [&](const char *name) { return number(node, name, where); };
+  const double left = number(view, "left", where), top = number(view, "top", where);
+  const double width = number(view, "right", where) - left + 1, height = number(view, "bottom", where) - top + 1;
+  if (!(width >= 1 && width < 1e6 && height >= 1 && height < 1e6))
+    throw Error(where + ": expected <fov_video> to span 1 to 1000000 pixels each way, found another size");
+  set_size(camera, {static_cast<int>(width), static_cast<int>(height)});
+  camera.camera.K << get("focalLengthU") / kSubpixels, get("skew") / kSubpixels, get("centerPointU") / kSubpixels - left, //
+      0, get("focalLengthV") / kSubpixels, get("centerPointV") / kSubpixels - top,                                        //
+      0, 0, 1;
+  set_distortion(camera,
+                 {get("radialDistortion1"), get("radialDistortion2"), get("tangentalDistortion1"), get("tangentalDistortion2"),
+                  get("radialDistortion3")},
+                 false, where);
+}
+
+/// The file has the camera's axes, x right, y up, z backward, row by row, and its place.
+void read_pose(const pugi::xml_node &node, Camera &camera, const std::string &where) {
+  const auto get = [&](const char *name) { return number(node, name, where); };
+  Eigen::Matrix3d axes;
+  axes << get("r11"), get("r12"), get("r13"), get("r21"), get("r22"), get("r23"), get("r31"), get("r32"), get("r33");
+  camera.R = Eigen::Vector3d(1, -1, -1).asDiagonal() * axes;
+  camera.t = -camera.R * Eigen::Vector3d(get("x"), get("y"), get("z"));
+}
+
+} // namespace
+
+std::vector<CalibratedCamera> read_qualisys_calibration(const fs::path &path) {
+  const std::string text = read_text(path);
+  pugi::xml_document document;
+  const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
+  if (!parsed)
+    throw Error(path.string() + ": expected XML, found a syntax error at byte " + std::to_string(parsed.offset) + " (" +
+                parsed.description() + ")");
+  std::vector<CalibratedCamera> cameras;
+  for (const pugi::xml_node &node : document.child("calibration").child("cameras").children("camera")) {
+    if (std::strcmp(node.attribute("active").value(), "0") == 0)
+      continue;
+    CalibratedCamera &camera = cameras.emplace_back();
+    camera.camera.name = node.attribute("serial").value();
+    const std::string where = path.string() + ": camera '" + camera.camera.name + "'";
+    read_intrinsics(child(node, "intrinsic", where), child(node, "fov_video", where), camera, where);
+    read_pose(child(node, "transform", where), camera.camera, where);
+  }
+  if (cameras.empty())
+    throw Error(path.string() + ": expected <calibration><cameras> with an active <camera>, found none");
+  return cameras;
+}
+
+} // namespace doublet::detail

@@ -1,0 +1,180 @@
+"""`doublet import-calibration`, and the cameras of a Blender scene."""
+
+import runpy
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import cli
+
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "tests" / "fuzz"))
+import calibrations  # noqa: E402
+from seeds import World, write_session  # noqa: E402
+
+
+@pytest.mark.parametrize("name", calibrations.WRITERS)
+def test_every_format_gives_the_same_cameras(name, tmp_path, capsys):
+    path, _ = calibrations.write_all(tmp_path / "in")[name]
+    out = tmp_path / "session" / "calibration.yml"
+    assert cli.main(["import-calibration", str(path), "-o", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "2 cameras, 4.00 to 4.00 m from each other" in said and "cam0: 1088 x 1920" in said and "height 1.40 m" in said
+    for read, (camera, (R, t)) in zip(d.read_calibration(out), calibrations.poses().items()):
+        assert read.camera.name == camera
+        np.testing.assert_allclose(read.camera.K, calibrations.K, atol=1e-9)
+        np.testing.assert_allclose(read.camera.R, R, atol=1e-9)
+        np.testing.assert_allclose(read.camera.t, t, atol=1e-9)
+        np.testing.assert_allclose(read.camera.distortion, [*calibrations.TERMS, 0], atol=1e-12)
+
+
+def test_the_format_may_be_said(tmp_path):
+    path, _ = calibrations.write_all(tmp_path)["toml"]
+    named = path.rename(path.with_name("calibration.txt"))
+    out = str(tmp_path / "calibration.yml")
+    assert cli.main(["import-calibration", str(named), "-o", out]) == 1
+    assert cli.main(["import-calibration", str(named), "-o", out, "--format", "toml", "--up", "z", "--units", "m"]) == 0
+
+
+def test_a_negative_axis_and_a_factor(tmp_path):
+    path, _ = calibrations.write_all(tmp_path)["toml"]
+    options = d.CalibrationOptions(up="-z", units="2")
+    turned, straight = d.read_calibration(path, options), d.read_calibration(path)
+    for a, b in zip(turned, straight):
+        np.testing.assert_allclose(a.camera.centre, 2 * b.camera.centre * [1, -1, -1], atol=1e-9)
+    out = tmp_path / "calibration.yml"
+    assert cli.main(["import-calibration", str(path), "-o", str(out), "--up=-z", "--units", "2"]) == 0
+    np.testing.assert_array_equal(d.read_calibration(out)[1].camera.t, turned[1].camera.t)
+
+
+def test_the_size_of_the_images_may_be_said(tmp_path, capsys):
+    path, (intri, _) = calibrations.write_all(tmp_path)["easymocap"]
+    lines = [line for line in intri.read_text().splitlines() if line[:2] not in ("W_", "H_")]
+    intri.write_text("\n".join(lines) + "\n")
+    command = ["import-calibration", str(path), "-o", str(tmp_path / "calibration.yml")]
+    assert cli.main(command) == 1
+    assert "--image-size WxH" in capsys.readouterr().err
+    assert cli.main([*command, "--image-size", "1088x1920"]) == 0
+    with pytest.raises(SystemExit):
+        cli.main([*command, "--image-size", "0x1920"])
+
+
+def test_a_session_with_a_lens_is_read_as_pinhole_cameras(tmp_path):
+    world = World()
+    write_session(tmp_path, world)
+    path = tmp_path / "calibration.yml"
+    cameras = d.read_calibration(path)
+    before = d.Session(tmp_path)
+    mask = d.FrameSource.open(before).mask(0, 0)
+    lens = d.Lens()
+    lens.fisheye, lens.distortion = True, [-0.9, 0, 0, 0]  # a strong pincushion: the corners were not filmed
+    cameras[0].lens = lens
+    d.write_calibration(path, cameras)
+    session = d.Session(tmp_path)
+    assert [lens.undone for lens in session.lenses] == [True, False]
+    assert session.lenses[0].fisheye and session.rig[0].distortion.tolist() == [0] * 5
+    np.testing.assert_array_equal(session.rig[0].K, before.rig[0].K)
+    undone = d.FrameSource.open(session).mask(0, 0)
+    assert mask.min() == 255 and undone.shape == mask.shape and undone[24, 24] == 255
+    np.testing.assert_array_equal(d.FrameSource.open(session).mask(1, 0), mask)
+
+
+def test_cameras_can_be_written_as_they_are(tmp_path):
+    world = World()
+    d.write_calibration(tmp_path / "c.yml", world.cameras)
+    for read, camera in zip(d.read_calibration(tmp_path / "c.yml"), world.cameras):
+        np.testing.assert_array_equal(read.camera.R, camera.R)
+        point = [0.1, 1.2, 0.05]
+        np.testing.assert_array_equal(read.project(point), camera.project(point))
+        assert not read.lens.undone
+
+
+# --- Blender
+
+
+def blender_camera(name, place, turn, **data):
+    """An object as bpy has it: rotation (3, 3) and place, columns scaled, as objects in Blender often are."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = 1.7 * turn, place
+    given = {"type": "PERSP", "lens": 35.0, "sensor_width": 36.0, "sensor_height": 24.0, "sensor_fit": "AUTO"}
+    given |= {"shift_x": 0.0, "shift_y": 0.0} | data
+    return SimpleNamespace(name=name, type="CAMERA", matrix_world=matrix.tolist(), data=SimpleNamespace(**given))
+
+
+def looking(place, at):
+    """Axes of a camera in Blender's world as columns: x right, y up, z backward; +Z up."""
+    z = (place - at) / np.linalg.norm(place - at)
+    x = np.cross([0, 0, 1], z) / np.linalg.norm(np.cross([0, 0, 1], z))
+    return np.column_stack([x, np.cross(z, x), z])
+
+
+def blender_pixel(camera, render, point):
+    """As Blender's manual has it: the view's frame is sensor / lens wide at distance 1 on the fitted side, shifted by shares of
+    that side; pixels have their corner at integers there, their centre here."""
+    width, height = (s * render.resolution_percentage / 100 for s in (render.resolution_x, render.resolution_y))
+    wide, high = width * render.pixel_aspect_x, height * render.pixel_aspect_y
+    data, matrix = camera.data, np.array(camera.matrix_world)
+    x, y, z = matrix[:3, :3].T / 1.7 @ (point - matrix[:3, 3])
+    fit = data.sensor_fit if data.sensor_fit != "AUTO" else ("HORIZONTAL" if wide >= high else "VERTICAL")
+    sensor = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+    longest = wide if fit == "HORIZONTAL" else high
+    frame = np.array([wide, high]) / longest * sensor / data.lens  # at distance 1
+    shift = np.array([data.shift_x, data.shift_y]) * sensor / data.lens
+    share = (np.array([x, y]) / -z - shift) / frame + 0.5  # from the lower left
+    return np.array([share[0] * width - 0.5, (1 - share[1]) * height - 0.5])
+
+
+@pytest.fixture
+def blender(monkeypatch):
+    bpy = ModuleType("bpy")
+    place = np.array([2.5, -3.0, 1.6])
+    turn = looking(place, np.array([0, 0, 1.0]))
+    objects = [
+        blender_camera("Camera", place, turn),
+        blender_camera("Camera.001", place + [0.3, 0, 0.2], turn, shift_x=0.1, shift_y=-0.07, sensor_fit="VERTICAL"),
+        blender_camera("front left", place * [-1, 1, 1], looking(place * [-1, 1, 1], np.zeros(3)), sensor_fit="HORIZONTAL"),
+        SimpleNamespace(name="Cube", type="MESH"),
+    ]
+    render = SimpleNamespace(
+        resolution_x=1920, resolution_y=1080, resolution_percentage=50, pixel_aspect_x=1.0, pixel_aspect_y=1.0
+    )
+    units = SimpleNamespace(scale_length=1.0)
+    bpy.context = SimpleNamespace(scene=SimpleNamespace(objects=objects, render=render, unit_settings=units))
+    monkeypatch.setitem(sys.modules, "bpy", bpy)
+    return bpy.context.scene
+
+
+def run_in_blender(monkeypatch, *arguments):
+    monkeypatch.setattr(sys, "argv", ["blender", "x.blend", "--python", "blender_cameras.py", "--", *map(str, arguments)])
+    return runpy.run_path(str(ROOT / "examples" / "blender_cameras.py"), run_name="__main__")
+
+
+@pytest.mark.parametrize("size", [(1920, 1080), (1080, 1920)])
+@pytest.mark.parametrize("aspect", [(1.0, 1.0), (1.0, 1.5), (2.0, 1.0)])
+def test_blenders_cameras_see_what_blender_sees(blender, monkeypatch, tmp_path, size, aspect):
+    render = blender.render
+    (render.resolution_x, render.resolution_y), (render.pixel_aspect_x, render.pixel_aspect_y) = size, aspect
+    blender.unit_settings.scale_length = 0.5
+    run_in_blender(monkeypatch, tmp_path / "calibration.yml")
+    cameras = [c.camera for c in d.read_calibration(tmp_path / "calibration.yml")]
+    assert [c.name for c in cameras] == ["Camera", "Camera_001", "front_left"]
+    for camera, source in zip(cameras, blender.objects):
+        assert (camera.width, camera.height) == (size[0] // 2, size[1] // 2)
+        for point in np.random.default_rng(3).uniform(-1, 1, (100, 3)) + [0, 0, 1]:
+            ours = 0.5 * np.array([point[0], point[2], -point[1]])  # metres, +Y up
+            np.testing.assert_allclose(camera.project(ours), blender_pixel(source, render, point), atol=1e-6)
+
+
+def test_blenders_cameras_may_be_chosen(blender, monkeypatch, tmp_path):
+    run_in_blender(monkeypatch, tmp_path / "calibration.yml", "front left")
+    assert [c.camera.name for c in d.read_calibration(tmp_path / "calibration.yml")] == ["front_left"]
+    with pytest.raises(SystemExit, match="back"):
+        run_in_blender(monkeypatch, tmp_path / "calibration.yml", "back")
+    blender.objects[0].data.type = "ORTHO"
+    with pytest.raises(SystemExit, match="'Camera'.*ORTHO"):
+        run_in_blender(monkeypatch, tmp_path / "calibration.yml")
+    with pytest.raises(SystemExit, match="calibration.yml"):
+        run_in_blender(monkeypatch)
