@@ -236,7 +236,7 @@ template <class T> void bind_piece(py::class_<CaptureParts> &parts, const char *
       [piece](CaptureParts &self, const py::object &object) { self.*piece = kept<T>(object); });
 }
 
-void bind_conformance(py::module_ &m) {
+void bind_capture_kits(py::module_ &m) {
   m.def("frame_source_violations", &testing::frame_source_violations, py::arg("frames"), Release(),
         "One sentence for each rule that a FrameSource breaks: channels, masks, sizes, the same frame again.");
   m.def("silhouette_extractor_violations", &testing::silhouette_extractor_violations, py::arg("extractor"), py::arg("training"),
@@ -268,7 +268,7 @@ void bind_capture_parts(py::module_ &m) {
   bind_piece(parts, "pose", &CaptureParts::pose);
   bind_piece(parts, "limbs", &CaptureParts::limbs);
   bind_piece(parts, "surface", &CaptureParts::surface);
-  bind_conformance(m);
+  bind_capture_kits(m);
 }
 
 } // namespace doublet::python

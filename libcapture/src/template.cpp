@@ -56,7 +56,7 @@ detail::LabelledMesh close_scan(const Mesh &scan, const TemplateOptions &options
   for (const detail::HolePatch &patch : patches) {
     const bool large = detail::is_large(patch, options);
     context.say("template: hole of " + std::to_string(std::lround(1e4 * patch.area)) + " cm^2 with " +
-                std::to_string(patch.rims) + " rim(s): " + (large ? "suggested as invalid" : "closed"));
+                std::to_string(patch.borders) + " border(s): " + (large ? "suggested as invalid" : "closed"));
     if (large)
       for (int f : patch.wide_faces)
         closed.labels[f] = 0;

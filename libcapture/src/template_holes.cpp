@@ -16,7 +16,7 @@
 namespace doublet::detail {
 namespace {
 
-constexpr double kLongRim = 0.1; // m
+constexpr double kLongBorder = 0.1; // m
 /// Mean cosine: a sheet has the garment's back on both sides (towards -1), the bottom of a fold walls that face it (towards 1),
 /// the wall of an undercut fold one of each.
 constexpr double kBehind = -0.15;
@@ -153,13 +153,13 @@ std::vector<int> face_regions(const std::vector<std::uint8_t> &chosen, const Edg
   return region;
 }
 
-/// The boundary loops of the regions that are longer than kLongRim.
-struct Rims {
+/// The boundary loops of the regions that are longer than kLongBorder.
+struct Borders {
   std::vector<int> count;     ///< per region
-  std::vector<int> of_vertex; ///< (V) number of the rim that a vertex lies on, -1 for none
+  std::vector<int> of_vertex; ///< (V) number of the border that a vertex lies on, -1 for none
 };
 
-Rims find_rims(const Mesh &surface, const std::vector<int> &region, int region_count, const EdgeTopology &topology) {
+Borders find_borders(const Mesh &surface, const std::vector<int> &region, int region_count, const EdgeTopology &topology) {
   std::vector<std::map<int, std::vector<std::pair<int, double>>>> edges(region_count);
   for (std::size_t e = 0; e < topology.edges.size(); ++e) {
     const auto pair = topology.edge_faces[e];
@@ -174,7 +174,7 @@ Rims find_rims(const Mesh &surface, const std::vector<int> &region, int region_c
         edges[r][to].push_back({from, length});
       }
   }
-  Rims rims{std::vector<int>(region_count, 0), std::vector<int>(surface.vertices.rows(), -1)};
+  Borders borders{std::vector<int>(region_count, 0), std::vector<int>(surface.vertices.rows(), -1)};
   int next = 0;
   for (int r = 0; r < region_count; ++r)
     while (!edges[r].empty()) {
@@ -192,24 +192,24 @@ Rims find_rims(const Mesh &surface, const std::vector<int> &region, int region_c
         }
         edges[r].erase(at);
       }
-      if (twice / 2 <= kLongRim)
+      if (twice / 2 <= kLongBorder)
         continue;
-      ++rims.count[r];
+      ++borders.count[r];
       for (int v : loop)
-        rims.of_vertex[v] = next;
+        borders.of_vertex[v] = next;
       ++next;
     }
-  return rims;
+  return borders;
 }
 
-/// (V) how many rims are within `reach` (m, along edges).
-std::vector<int> rims_within(const Mesh &surface, const Rims &rims, double reach) {
+/// (V) how many borders are within `reach` (m, along edges).
+std::vector<int> borders_within(const Mesh &surface, const Borders &borders, double reach) {
   const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
-  std::vector<int> near(rims.of_vertex.size(), 0);
-  for (int rim = 0; rim < std::accumulate(rims.count.begin(), rims.count.end(), 0); ++rim) {
-    std::vector<std::uint8_t> start(rims.of_vertex.size());
+  std::vector<int> near(borders.of_vertex.size(), 0);
+  for (int border = 0; border < std::accumulate(borders.count.begin(), borders.count.end(), 0); ++border) {
+    std::vector<std::uint8_t> start(borders.of_vertex.size());
     for (std::size_t v = 0; v < start.size(); ++v)
-      start[v] = rims.of_vertex[v] == rim;
+      start[v] = borders.of_vertex[v] == border;
     const std::vector<double> distance = edge_distances(surface, neighbours, start, reach);
     for (std::size_t v = 0; v < near.size(); ++v)
       near[v] += distance[v] <= reach;
@@ -239,20 +239,20 @@ std::vector<double> facing(const Mesh &surface, const std::vector<std::uint8_t> 
   return out;
 }
 
-/// (V) of `invented`, without folds of the garment that nobody saw: narrower than `width`, with the same rim on either side (two
-/// would be garment and limb that nearly touch), and not behind it. A sheet's tips are narrow, too, but behind the hem.
-std::vector<std::uint8_t> without_folds(const Mesh &surface, const Rims &rims, double width, std::vector<std::uint8_t> invented,
-                                        const std::vector<double> &facing) {
+/// (V) of `invented`, without folds of the garment that nobody saw: narrower than `width`, with the same border on either side
+/// (two would be garment and limb that nearly touch), and not behind it. A sheet's tips are narrow, too, but behind the hem.
+std::vector<std::uint8_t> without_folds(const Mesh &surface, const Borders &borders, double width,
+                                        std::vector<std::uint8_t> invented, const std::vector<double> &facing) {
   const std::vector<std::uint8_t> broad = opened(surface, width / 2, invented);
-  const std::vector<int> near = rims_within(surface, rims, width);
+  const std::vector<int> near = borders_within(surface, borders, width);
   for (std::size_t v = 0; v < invented.size(); ++v)
     if (!broad[v] && near[v] < 2 && facing[v] > kBehind)
       invented[v] = 0;
   return invented;
 }
 
-/// Drops the parts of `wide` that hung on the sheet by a fold only, wider places of it: small, with one rim, not behind it.
-void drop_islands(const Mesh &surface, const Rims &rims, const EdgeTopology &topology, double sheet_hole,
+/// Drops the parts of `wide` that hung on the sheet by a fold only, wider places of it: small, with one border, not behind it.
+void drop_islands(const Mesh &surface, const Borders &borders, const EdgeTopology &topology, double sheet_hole,
                   const std::vector<double> &facing, std::vector<std::uint8_t> &wide) {
   int count = 0;
   const std::vector<int> part = face_regions(wide, topology, &count);
@@ -266,8 +266,8 @@ void drop_islands(const Mesh &surface, const Rims &rims, const EdgeTopology &top
       for (int k = 0; k < 3; ++k) {
         const int v = surface.faces(static_cast<Eigen::Index>(f), k);
         faced[part[f]] += own * facing[v];
-        if (rims.of_vertex[v] >= 0)
-          touched[part[f]].insert(rims.of_vertex[v]);
+        if (borders.of_vertex[v] >= 0)
+          touched[part[f]].insert(borders.of_vertex[v]);
       }
     }
   for (std::size_t f = 0; f < part.size(); ++f)
@@ -284,10 +284,10 @@ std::vector<HolePatch> find_holes(const Mesh &surface, const Eigen::VectorXd &de
   const EdgeTopology topology = edge_topology(surface.faces);
   int count = 0;
   const std::vector<int> region = face_regions(chosen, topology, &count);
-  const Rims rims = find_rims(surface, region, count, topology);
+  const Borders borders = find_borders(surface, region, count, topology);
   const std::vector<double> faced = facing(surface, invented, options.narrow_hole, context);
-  auto wide = faces_of(surface, without_folds(surface, rims, options.narrow_hole, invented, faced));
-  drop_islands(surface, rims, topology, options.sheet_hole, faced, wide);
+  auto wide = faces_of(surface, without_folds(surface, borders, options.narrow_hole, invented, faced));
+  drop_islands(surface, borders, topology, options.sheet_hole, faced, wide);
   const Eigen::VectorXd areas = face_areas(surface.vertices, surface.faces);
   std::vector<HolePatch> patches(count);
   for (int f = 0; f < static_cast<int>(region.size()); ++f)
@@ -298,13 +298,13 @@ std::vector<HolePatch> find_holes(const Mesh &surface, const Eigen::VectorXd &de
       patches[region[f]].area += areas[f];
     }
   for (int r = 0; r < count; ++r)
-    patches[r].rims = rims.count[r];
+    patches[r].borders = borders.count[r];
   std::stable_sort(patches.begin(), patches.end(), [](const HolePatch &a, const HolePatch &b) { return a.area > b.area; });
   return patches;
 }
 
 bool is_large(const HolePatch &patch, const TemplateOptions &options) {
-  return patch.area >= options.large_hole || (patch.area >= options.sheet_hole && patch.rims >= 2);
+  return patch.area >= options.large_hole || (patch.area >= options.sheet_hole && patch.borders >= 2);
 }
 
 void flatten(Mesh &surface, const std::vector<HolePatch> &patches) {
@@ -312,7 +312,7 @@ void flatten(Mesh &surface, const std::vector<HolePatch> &patches) {
   for (const HolePatch &patch : patches)
     for (int f : patch.faces)
       in_patch[f] = 1;
-  std::vector<int> unknown(surface.vertices.rows(), -2); // -2: in no patch, -1: on a rim, else the row of the system
+  std::vector<int> unknown(surface.vertices.rows(), -2); // -2: in no patch, -1: on a border, else the row of the system
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f)
     if (in_patch[f])
       for (int k = 0; k < 3; ++k)

@@ -249,7 +249,7 @@ Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std
   snap(delta);
   fill_holes(surface, options.smallest_region, delta);
   drop_islands(surface, options.smallest_region, delta);
-  delta = diffuse_on_surface(pose.vertices, faces, delta, 0.5 * options.diffusion); // smooths the rims that both left
+  delta = diffuse_on_surface(pose.vertices, faces, delta, 0.5 * options.diffusion); // smooths the borders that both left
   snap(delta);
   result.clothness = delta;
   label_regions(surface, result);

@@ -102,13 +102,13 @@ Piece hanging_part(const Piece &piece, std::vector<char> &hangs) {
 
 /// Which vertices of the new mesh's boundary hang: as the nearest of the cut, whose vertices are at `cut` (N, 3).
 std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const Vertices &cut, const std::vector<char> &hangs) {
-  std::vector<int> rim, attached;
+  std::vector<int> border, attached;
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces))
-    rim.insert(rim.end(), loop.begin(), loop.end());
+    border.insert(border.end(), loop.begin(), loop.end());
   for (const std::vector<int> &loop : boundary_loops(mesh.faces))
     for (int v : loop) {
       const auto squared = [&](int w) { return (cut.row(w) - mesh.vertices.row(v)).squaredNorm(); };
-      if (hangs[*std::min_element(rim.begin(), rim.end(), [&](int a, int b) { return squared(a) < squared(b); })])
+      if (hangs[*std::min_element(border.begin(), border.end(), [&](int a, int b) { return squared(a) < squared(b); })])
         attached.push_back(v);
     }
   return attached;

@@ -84,3 +84,10 @@ def test_components_are_looked_for(installed, tmp_path):
         'if(doublet_nonsense_FOUND)\n message(FATAL_ERROR "nonsense was found")\nendif()',
     )
     assert right.returncode == 0, right.stderr
+    optional = configured(
+        tmp_path / "optional",
+        installed,
+        *(hidden + ["find_package(doublet REQUIRED COMPONENTS pbd OPTIONAL_COMPONENTS segment)"]),
+        'if(NOT doublet_pbd_FOUND OR doublet_segment_FOUND)\n message(FATAL_ERROR "${doublet_segment_FOUND}")\nendif()',
+    )
+    assert optional.returncode == 0, optional.stderr

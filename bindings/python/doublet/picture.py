@@ -33,10 +33,10 @@ def around(vertices, azimuth: float, size: int = 480) -> d.Camera:
 
 def outline(vertices, faces, camera) -> np.ndarray:
     """(H, W) bool: the two pixels on either side of the silhouette."""
-    return rim(d.rasterize(vertices, faces, camera)[0] >= 0)
+    return mask_outline(d.rasterize(vertices, faces, camera)[0] >= 0)
 
 
-def rim(mask: np.ndarray) -> np.ndarray:
+def mask_outline(mask: np.ndarray) -> np.ndarray:
     """(H, W) bool: the pixels of a mask (H, W) bool and of what is around it that meet."""
     inside = np.pad(mask, 1)
     around_it = (inside[:-2, 1:-1], inside[2:, 1:-1], inside[1:-1, :-2], inside[1:-1, 2:])

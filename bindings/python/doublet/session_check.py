@@ -264,8 +264,8 @@ def draw(evidence: Evidence) -> np.ndarray:
         if image.size:
             photo = np.asarray(Image.fromarray(image[..., ::-1]).resize(shape[::-1]))
         if evidence.masks[c].size:
-            photo = picture.draw_outline(photo, picture.rim(resized(evidence.masks[c], shape)), (0, 220, 60))
-        photo = picture.draw_outline(photo, picture.rim(evidence.shadows[c]))
+            photo = picture.draw_outline(photo, picture.mask_outline(resized(evidence.masks[c], shape)), (0, 220, 60))
+        photo = picture.draw_outline(photo, picture.mask_outline(evidence.shadows[c]))
         for mark in evidence.session.joints:
             dot(photo, camera.project(mark.position))
         tiles.append(labelled(photo, f"{full.name}  overlap {evidence.overlaps[c, c]:.2f}"))

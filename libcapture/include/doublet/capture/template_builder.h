@@ -37,7 +37,7 @@ struct TemplateOptions {
         option(&O::large_hole, "large_hole", above(0), "m^2",
                "holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed"),
         option(&O::sheet_hole, "sheet_hole", above(0), "m^2",
-               "so are holes from this size on that have two rims or more (garment and limb): a sheet at a hem"),
+               "so are holes from this size on that have two borders or more (garment and limb): a sheet at a hem"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
