@@ -30,8 +30,8 @@ MAY = (
     (".*", "character", "proxies (shorter|longer|empty)"),
     (".*", "frames", "shorter|longer|empty|nan|-?inf"),  # of a MeshSequence: a stage looks at them
     ("Features", ".*", "nan|-?inf"),  # likewise
-    (".*", ".*", r"(clothness )?sigma (empty|nan|-?inf)"),  # NaN where no ray was valid
-    (".*", ".*", r"(clothness )?region index -1"),  # rigid
+    (".*", ".*", r"(segmentation )?sigma (empty|nan|-?inf)"),  # NaN where no ray was valid
+    (".*", ".*", r"(segmentation )?region index -1"),  # rigid
     (".*", ".*", "coefficients .*|body faces empty|faces empty|joints empty|frames empty"),  # not known, or nothing there
     (".*", "sequence|captured|motion", "(frames|dofs) (shorter|longer|empty)"),  # any number of frames
     (".*", "performance", "(surface faces|frames first:|dofs a column less).*"),  # the actor's count
@@ -40,7 +40,7 @@ MAY = (
     ("(face|vertex)_(normals|areas)|rasterize|visible_vertices", "vertices", "nan|-?inf"),  # such a face is degenerate, not drawn
     ("pose_surface|unposed_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone
     ("dress performance|simulate_reference", "performance", "surface frames (shorter|longer|empty)|(dofs|joints|frames) .*"),
-    ("body_regions|fit_proxies|proxy_statistics", "actor|clothness", "(weights|sigma|region|fullness|rest) .*"),  # not used
+    ("body_regions|fit_proxies|proxy_statistics", "actor|segmentation", "(weights|sigma|region|fullness|rest) .*"),  # not used
     ("CharacterRenderer.*", "surface", ".*"),  # `high` is drawn
     ("CharacterRenderer.meshes|DisplaySurface.sample|CharacterSimulator.surface", ".*", "nan|-?inf|a column less"),  # pass on
     ("dress.*|summarise_garment|write_garment", "garment", ".*"),  # one without faces: the rest does not count

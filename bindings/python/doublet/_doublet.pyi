@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'Segmentation', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'find_limbs', 'fit_proxies', 'garment_energy', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_segmentation', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'simulate_reference', 'summarise_garment', 'summarise_template', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_segmentation', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_limbs', 'fit_proxies', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -188,20 +188,6 @@ class Camera:
     @width.setter
     def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
-class RayScene:
-    """
-    Rays and closest points against one mesh.
-    """
-    def __init__(self, mesh: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
-        ...
-    def cast(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], min_distance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
-        """
-        (face, distance) of the first hits of N rays; face -1 and distance inf where there is none.
-        """
-    def closest(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]]:
-        """
-        (face, distance, point) of the closest surface point of N points.
-        """
 class JointMark:
     """
     A joint as the user marks it.
@@ -487,7 +473,7 @@ class DressedActor:
     """
     The actor in a garment of its own mesh.
     """
-    clothness: Segmentation
+    segmentation: Segmentation
     @property
     def actor(self) -> RiggedMesh:
         """
@@ -562,6 +548,118 @@ class BodyFit:
     @residual.setter
     def residual(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class RayScene:
+    """
+    Rays and closest points against one mesh.
+    """
+    def __init__(self, mesh: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+        ...
+    def cast(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], min_distance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+        """
+        (face, distance) of the first hits of N rays; face -1 and distance inf where there is none.
+        """
+    def closest(self, points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]]:
+        """
+        (face, distance, point) of the closest surface point of N points.
+        """
+class CalibrationOptions:
+    """
+    Options of read_calibration.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def format(self) -> str:
+        """
+        of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys'
+        """
+    @format.setter
+    def format(self, arg0: str) -> None:
+        ...
+    @property
+    def image_height(self) -> int:
+        """
+        px, where the format has no size; 0 = it has: a number of at least 0
+        """
+    @image_height.setter
+    def image_height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def image_width(self) -> int:
+        """
+        px, where the format has no size; 0 = it has: a number of at least 0
+        """
+    @image_width.setter
+    def image_width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def units(self) -> str:
+        """
+        of the file: m, cm, mm, or how many metres one unit is; found = what the format usually has
+        """
+    @units.setter
+    def units(self, arg0: str) -> None:
+        ...
+    @property
+    def up(self) -> str:
+        """
+        axis of the file that points up; found = what the format usually has, if cameras stand upright: one of 'found', 'x', '-x', 'y', '-y', 'z', '-z'
+        """
+    @up.setter
+    def up(self, arg0: str) -> None:
+        ...
+class Lens:
+    """
+    What Camera.distortion cannot describe: undone when a session reads images.
+    """
+    def __init__(self) -> None:
+        ...
+    @property
+    def distortion(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none
+        """
+    @distortion.setter
+    def distortion(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def fisheye(self) -> bool:
+        """
+        OpenCV's fisheye model; otherwise its extensions of Brown's
+        """
+    @fisheye.setter
+    def fisheye(self, arg0: bool) -> None:
+        ...
+    @property
+    def undone(self) -> bool:
+        """
+        whether there is anything to undo
+        """
+class CalibratedCamera:
+    """
+    A camera as it was calibrated, and its lens.
+    """
+    camera: Camera
+    lens: Lens
+    def __init__(self, camera: Camera, lens: Lens = ...) -> None:
+        ...
+    def project(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
+        """
+        Pixel of a world point in the image as it was filmed.
+        """
 class SessionCamera:
     """
     One camera of a session and its files.
@@ -625,6 +723,11 @@ class Session:
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         ...
+    @property
+    def lenses(self) -> list[Lens]:
+        """
+        undone when images are read; one for each camera
+        """
     @property
     def markers(self) -> pathlib.Path:
         ...
@@ -912,7 +1015,7 @@ class TemplateOptions:
     @property
     def sheet_hole(self) -> float:
         """
-        m^2, so are holes from this size on that have two rims or more (garment and limb): a sheet at a hem: a number above 0
+        m^2, so are holes from this size on that have two borders or more (garment and limb): a sheet at a hem: a number above 0
         """
     @sheet_hole.setter
     def sheet_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -2346,7 +2449,7 @@ class FullnessOptions:
         ...
 class ClothSegmenter:
     """
-    Stage: mesh sequence -> clothness. Subclass to replace it.
+    Stage: mesh sequence -> segmentation. Subclass to replace it.
     """
     @staticmethod
     def create(options: SegmentOptions = ...) -> ClothSegmenter:
@@ -2444,7 +2547,7 @@ class GarmentOptions:
         ...
 class GarmentMesher:
     """
-    Stage: clothness -> the garment's mesh. Subclass to replace it.
+    Stage: segmentation -> the garment's mesh. Subclass to replace it.
     """
     @staticmethod
     def create(options: GarmentOptions = ...) -> GarmentMesher:
@@ -2453,7 +2556,7 @@ class GarmentMesher:
         """
     def __init__(self) -> None:
         ...
-    def mesh(self, actor: RiggedMesh, clothness: Segmentation, body: Mesh, captured: MeshSequence, context: Context = ...) -> Garment:
+    def mesh(self, actor: RiggedMesh, segmentation: Segmentation, body: Mesh, captured: MeshSequence, context: Context = ...) -> Garment:
         """
         All cloth as a mesh of its own.
         """
@@ -2684,19 +2787,19 @@ class DressedScan:
     """
     One of several scans of the same person.
     """
-    def __init__(self, actor: RiggedMesh, clothness: Segmentation, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> None:
+    def __init__(self, actor: RiggedMesh, segmentation: Segmentation, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> None:
         ...
     @property
     def actor(self) -> RiggedMesh:
-        ...
-    @property
-    def clothness(self) -> Segmentation:
         ...
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         """
         name -> point on the surface, m
         """
+    @property
+    def segmentation(self) -> Segmentation:
+        ...
 class BodyFitter:
     """
     Stage: dressed surface -> body underneath. Subclass to replace it.
@@ -2708,7 +2811,7 @@ class BodyFitter:
         """
     def __init__(self) -> None:
         ...
-    def fit(self, actor: RiggedMesh, clothness: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
+    def fit(self, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
         """
         The body under the clothes. landmarks: name -> point, m.
         """
@@ -3258,7 +3361,7 @@ class CharacterSimulator:
     """
     The forward model: pose in, surface out.
     """
-    def __init__(self, actor: RiggedMesh, clothness: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
+    def __init__(self, actor: RiggedMesh, segmentation: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
         """
         make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.
         """
@@ -3298,9 +3401,9 @@ class Character:
     """
     actor: RiggedMesh
     body: Mesh
-    clothness: Segmentation
     high: Mesh
     name: str
+    segmentation: Segmentation
     solver: SolverSettings
     @staticmethod
     def read(path: os.PathLike | str | bytes) -> Character:
@@ -4667,11 +4770,15 @@ def animate_each(character: Character, motion: Motion, frame: collections.abc.Ca
     """
     animate(), but calls frame(AnimationFrame) in order and keeps nothing.
     """
+def body_fitter_violations(fitter: BodyFitter, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> list[str]:
+    """
+    One sentence for each rule that a BodyFitter breaks on a scan of yours: sizes, finite, the same bits twice, refusals.
+    """
 def body_model_violations(model: BodyModel) -> list[str]:
     """
     One sentence for each rule that a BodyModel breaks: counts, indices, derivatives, the same bits twice, refusals.
     """
-def body_regions(fit: BodyFit, actor: RiggedMesh, clothness: Segmentation) -> list[BodyRegion]:
+def body_regions(fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation) -> list[BodyRegion]:
     """
     One BodyRegion a bone: how far the fit can be trusted there.
     """
@@ -4708,7 +4815,7 @@ def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.
     (N) unsigned distances, m
     """
 @typing.overload
-def dress(actor: RiggedMesh, clothness: Segmentation, garment: Garment) -> DressedActor:
+def dress(actor: RiggedMesh, segmentation: Segmentation, garment: Garment) -> DressedActor:
     """
     The actor in the garment.
     """
@@ -4721,7 +4828,7 @@ def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, nump
     """
     (V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).
     """
-def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], clothness: Segmentation, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], segmentation: Segmentation, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.
     """
@@ -4737,27 +4844,39 @@ def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float6
     """
     (F, 3) unit; zero for degenerate faces.
     """
+def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8], reach: typing.SupportsFloat | typing.SupportsIndex) -> list[str]:
+    """
+    The same of a FeatureTracker, on an image of yours; reach in pixels.
+    """
 def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
     """
-def fit_proxies(fit: BodyFit, actor: RiggedMesh, clothness: Segmentation, options: ProxyOptions = ...) -> list[TaperedCapsule]:
+def fit_proxies(fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation, options: ProxyOptions = ...) -> list[TaperedCapsule]:
     """
     Tapered capsules along the bones, inside the body: what cloth collides with.
+    """
+def frame_source_violations(frames: FrameSource) -> list[str]:
+    """
+    One sentence for each rule that a FrameSource breaks: channels, masks, sizes, the same frame again.
     """
 def garment_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, trial: TrialOptions = ..., energy: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> float:
     """
     pixels^2: trial_energy() of one garment in one call, summed over its regions. performance: dressed in it.
     """
+def garment_mesher_violations(mesher: GarmentMesher, actor: RiggedMesh, segmentation: Segmentation) -> list[str]:
+    """
+    One sentence for each rule that a GarmentMesher breaks on an actor of yours: it fits, the same bits twice, refusals.
+    """
 def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
     (V, J) skin weights by heat equilibrium; rows sum to one.
     """
-def make_character(actor: RiggedMesh, clothness: Segmentation, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
+def make_character(actor: RiggedMesh, segmentation: Segmentation, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
     """
     Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
     """
-def make_display(actor: RiggedMesh, clothness: Segmentation, high: Mesh) -> Display:
+def make_display(actor: RiggedMesh, segmentation: Segmentation, high: Mesh) -> Display:
     """
     The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.
     """
@@ -4769,7 +4888,7 @@ def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typi
     """
     answers (parts, n) in [0, 1] -> one Influence a part
     """
-def mesh_garment(actor: RiggedMesh, clothness: Segmentation, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
+def mesh_garment(actor: RiggedMesh, segmentation: Segmentation, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
     """
     All cloth of the actor as a mesh of its own, in one call.
     """
@@ -4785,11 +4904,15 @@ def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64,
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
     """
+def pose_optimizer_violations(optimizer: PoseOptimizer, problem: PoseProblem) -> list[str]:
+    """
+    The same of a PoseOptimizer, on a problem that it was given.
+    """
 def pose_surface(actor: RiggedMesh, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], offset: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
     (V, 3) m, skinned positions of the rest pose + offset (V, 3).
     """
-def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, clothness: Segmentation) -> ProxyStatistics:
+def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation) -> ProxyStatistics:
     """
     How far capsules and body are apart under the cloth.
     """
@@ -4805,9 +4928,9 @@ def read_body(path: os.PathLike | str | bytes) -> BodyFit:
     """
     body.npz. Raises FileNotFoundError, or Error naming file and array.
     """
-def read_segmentation(path: os.PathLike | str | bytes) -> Segmentation:
+def read_calibration(path: os.PathLike | str | bytes, options: CalibrationOptions = ...) -> list[CalibratedCamera]:
     """
-    segmentation.npz. Raises FileNotFoundError, or Error naming file and array.
+    Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys, or of a calibration.yml, in metres and with +Y up.
     """
 def read_garment(path: os.PathLike | str | bytes, actor: RiggedMesh) -> Garment:
     """
@@ -4832,6 +4955,10 @@ def read_performance(path: os.PathLike | str | bytes, actor: RiggedMesh) -> Refe
 def read_proxies(path: os.PathLike | str | bytes, skeleton: Skeleton) -> list[TaperedCapsule]:
     """
     proxies.json of this skeleton. Raises FileNotFoundError, or Error naming file and capsule.
+    """
+def read_segmentation(path: os.PathLike | str | bytes) -> Segmentation:
+    """
+    segmentation.npz. Raises FileNotFoundError, or Error naming file and array.
     """
 def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.float64]:
     """
@@ -4869,6 +4996,10 @@ def session_silhouettes(session: Session, frames: FrameSource, options: Silhouet
     """
     A trained extractor for the cameras without ready masks; None if all have some.
     """
+def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> list[str]:
+    """
+    The same of a SilhouetteExtractor, trained and tried with images of yours.
+    """
 def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) the reference motion re-animated
@@ -4880,6 +5011,10 @@ def summarise_garment(garment: Garment) -> GarmentSummary:
 def summarise_template(surface: Template, scan: Mesh, context: Context = ...) -> TemplateSummary:
     """
     Quality of both surfaces of a template, and their distances to the scan.
+    """
+def surface_refiner_violations(refiner: SurfaceRefiner, problem: SurfaceProblem) -> list[str]:
+    """
+    The same of a SurfaceRefiner, on a problem that it was given.
     """
 def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
     """
@@ -4933,9 +5068,9 @@ def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
     """
     body.npz, complete or not at all.
     """
-def write_segmentation(path: os.PathLike | str | bytes, clothness: Segmentation) -> None:
+def write_calibration(path: os.PathLike | str | bytes, cameras: collections.abc.Sequence[CalibratedCamera]) -> None:
     """
-    segmentation.npz, complete or not at all.
+    calibration.yml of a session, complete or not at all; takes Camera, too.
     """
 def write_garment(path: os.PathLike | str | bytes, garment: Garment) -> None:
     """
@@ -4960,6 +5095,10 @@ def write_performance(path: os.PathLike | str | bytes, performance: ReferencePer
 def write_proxies(path: os.PathLike | str | bytes, capsules: collections.abc.Sequence[TaperedCapsule], skeleton: Skeleton) -> None:
     """
     proxies.json, complete or not at all.
+    """
+def write_segmentation(path: os.PathLike | str | bytes, segmentation: Segmentation) -> None:
+    """
+    segmentation.npz, complete or not at all.
     """
 def write_simulated(path: os.PathLike | str | bytes, frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], actor_vertices: typing.SupportsInt | typing.SupportsIndex) -> None:
     """
