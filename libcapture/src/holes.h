@@ -8,7 +8,7 @@ struct HolePatch {
   std::vector<int> faces;
   std::vector<int> wide_faces; ///< those of `faces` that are not in a fold narrower than TemplateOptions::narrow_hole
   double area = 0;             ///< m^2
-  int borders = 0;                ///< boundary loops longer than 0.1 m (a wrist is 0.15 m around)
+  int borders = 0;             ///< boundary loops longer than 0.1 m (a wrist is 0.15 m around)
 };
 
 /// Finds the parts of the closed `surface` (density as Poisson gave it, NaN = none) that lie over holes of `scan`, largest first.

@@ -56,8 +56,8 @@ struct DressedScan {
 class BodyFitter {
 public:
   virtual ~BodyFitter() = default;
-  /// actor: surface in the scan pose; clothness: delta = 0 is skin, delta > 0 hides it; landmarks: name -> point on the surface
-  /// (m). Landmarks and joints are matched by name to the model's; at least three must match. Throws Error naming what is
+  /// actor: surface in the scan pose; segmentation: delta = 0 is skin, delta > 0 hides it; landmarks: name -> point on the
+  /// surface (m). Landmarks and joints are matched by name to the model's; at least three must match. Throws Error naming what is
   /// missing.
   virtual BodyFit fit(const RiggedMesh &actor, const Segmentation &segmentation, const BodyModel &model,
                       const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const = 0;

@@ -25,8 +25,8 @@ MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const Matr
 
 /// The actor in the garment: vertices [0, V) are the actor's, [V, V + G) the garment's, which have the skin weights of their
 /// place; those of the actor's faces that it covers count as invalid. Everything that
-/// takes an actor and a clothness takes these. A garment without vertices leaves both as they are: the cloth is the loose part of
-/// the actor's own mesh.
+/// takes an actor and a segmentation takes these. A garment without vertices leaves both as they are: the cloth is the loose part
+/// of the actor's own mesh.
 struct DressedActor {
   RiggedMesh actor;          ///< V + G vertices, F + H faces
   Segmentation segmentation; ///< (V + G), cloth on the garment alone

@@ -48,7 +48,7 @@ struct GarmentOptions {
 class GarmentMesher {
 public:
   virtual ~GarmentMesher() = default;
-  /// actor and clothness: of the template; body: under it, in the scan pose (may be empty), tells skin from cloth where a hem
+  /// actor and segmentation: of the template; body: under it, in the scan pose (may be empty), tells skin from cloth where a hem
   /// brushes it; captured: the template's surface in all frames (may be empty). Throws std::invalid_argument if they do not
   /// belong together, Error on an unusable mesh. Without cloth, or with own_mesh off, a garment without vertices.
   virtual Garment mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
