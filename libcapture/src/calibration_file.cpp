@@ -287,6 +287,13 @@ Eigen::Matrix3d rotation_from(const std::vector<double> &numbers) {
   return angle == 0 ? Eigen::Matrix3d::Identity() : Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
 
+ImageSize size_from(const std::vector<double> &numbers) {
+  const auto sane = [](double pixels) { return pixels >= 1 && pixels < 1e6; };
+  if (numbers.size() != 2 || !sane(numbers[0]) || !sane(numbers[1]))
+    return {};
+  return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1])};
+}
+
 ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where) {
   if (found.width > 0 && found.height > 0)
     return found;

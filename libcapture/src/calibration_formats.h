@@ -39,6 +39,8 @@ void set_distortion(CalibratedCamera &camera, const std::vector<double> &terms, 
 Eigen::Matrix3d matrix_from(const std::vector<double> &numbers);
 /// From 9 numbers, row by row, or the 3 of a rotation vector.
 Eigen::Matrix3d rotation_from(const std::vector<double> &numbers);
+/// From two numbers of pixels; 0 x 0 if they are none.
+ImageSize size_from(const std::vector<double> &numbers);
 /// The size of the file, or the one given if the file has none. Throws Error if there is neither.
 ImageSize chosen_size(ImageSize found, ImageSize given, const std::string &where);
 void set_size(CalibratedCamera &camera, ImageSize size);

@@ -99,10 +99,7 @@ ImageSize size_in(const cv::FileStorage &storage, Keys widths, Keys heights, Key
   const cv::FileNode width = first_of(storage, widths), height = first_of(storage, heights);
   if (width.isInt() && height.isInt())
     return {static_cast<int>(width), static_cast<int>(height)};
-  const std::vector<double> pair = numbers_of(first_of(storage, both));
-  const auto sane = [](double pixels) { return pixels > 0 && pixels < 1e6; };
-  return pair.size() == 2 && sane(pair[0]) && sane(pair[1]) ? ImageSize{static_cast<int>(pair[0]), static_cast<int>(pair[1])}
-                                                            : ImageSize{};
+  return size_from(numbers_of(first_of(storage, both)));
 }
 
 bool says_fisheye(const cv::FileStorage &storage, const std::string &where) {

@@ -56,13 +56,6 @@ std::vector<double> required(const toml::table &table, const char *key, std::siz
   return found;
 }
 
-ImageSize size_in(const toml::table &table) {
-  const std::vector<double> size = numbers(table.get("size"));
-  const auto sane = [](double pixels) { return pixels >= 1 && pixels < 1e6; };
-  return size.size() == 2 && sane(size[0]) && sane(size[1]) ? ImageSize{static_cast<int>(size[0]), static_cast<int>(size[1])}
-                                                            : ImageSize{};
-}
-
 CalibratedCamera camera_in(const toml::table &table, const std::string &key, ImageSize size, const fs::path &source) {
   CalibratedCamera result;
   result.camera.name = table["name"].value_or(key);
@@ -72,7 +65,7 @@ CalibratedCamera camera_in(const toml::table &table, const std::string &key, Ima
   result.camera.t = Eigen::Vector3d(required(table, "translation", 3, 3, where).data());
   if (table.contains("distortions"))
     set_distortion(result, numbers(table.get("distortions")), table["fisheye"].value_or(false), where + ": distortions");
-  set_size(result, chosen_size(size_in(table), size, where));
+  set_size(result, chosen_size(size_from(numbers(table.get("size"))), size, where));
   return result;
 }
 
