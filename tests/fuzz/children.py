@@ -6,6 +6,8 @@ import mmap
 import os
 import resource
 import signal
+import threading
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -21,6 +23,7 @@ def outcomes(count: int, call: Callable[[int], tuple[str, str]], keep_stderr: bo
     results: list[tuple[str, str]] = []
     while len(results) < count:
         from_child, to_parent = os.pipe()
+        wait_for_other_threads()
         child = os.fork()
         if child == 0:
             os.close(from_child)
@@ -33,6 +36,21 @@ def outcomes(count: int, call: Callable[[int], tuple[str, str]], keep_stderr: bo
             how = signal.Signals(os.WTERMSIG(status)).name if os.WIFSIGNALED(status) else f"exit {os.WEXITSTATUS(status)}"
             results.append(("crash", TOO_LONG.get(how, how)))
     return results
+
+
+def wait_for_other_threads() -> None:
+    """Returns when they all sleep. A fork copies locks as they are, and not the threads that would release them: a worker of
+    TBB that falls asleep under a lock of its own leaves a child that waits for ever."""
+    me = str(threading.get_native_id())
+    while any(running(thread) for thread in Path("/proc/self/task").iterdir() if thread.name != me):
+        time.sleep(0.001)
+
+
+def running(thread: Path) -> bool:
+    try:
+        return (thread / "stat").read_text().rpartition(")")[2].split()[0] != "S"
+    except (FileNotFoundError, ProcessLookupError):  # ended meanwhile
+        return False
 
 
 def work(numbers: range, call, to_parent: int, keep_stderr: bool) -> None:
