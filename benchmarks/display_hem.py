@@ -73,7 +73,7 @@ class Drawn:
         self.hem, seam = rim[free], rim[~free]
         self.faces = character.high.faces[np.asarray(character.high_valid, bool)]
         centres = character.high.vertices[self.faces].mean(axis=1)
-        closest, _, _ = d.RayScene(actor.mesh, actor.skip_invalid()).closest(centres)
+        closest, _, _ = d.RayScene(actor.mesh, actor.face_valid).closest(centres)
         self.cloth = (region[actor.mesh.faces[closest]] >= 0).all(axis=1)
         if character.garment_subdivisions >= 0:
             self.cloth = np.arange(len(self.faces)) >= len(self.faces) - len(worn) * 4**character.garment_subdivisions

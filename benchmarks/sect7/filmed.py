@@ -89,7 +89,7 @@ class PerfectViews:
         """Pixels (MARKS, 2), and which of them the camera sees."""
         points = np.einsum("mk,mkx->mx", self.weights, surface[self.corners])
         pixels = np.array([camera.project(point) for point in points])
-        _, depth = d.rasterize(surface, self.actor.mesh.faces, camera, self.actor.skip_invalid())
+        _, depth = d.rasterize(surface, self.actor.mesh.faces, camera, self.actor.face_valid)
         x, y = pixels.round().astype(int).T
         inside = (x >= 0) & (x < camera.width) & (y >= 0) & (y < camera.height)
         away = (points @ np.asarray(camera.R).T + np.asarray(camera.t).ravel())[:, 2]

@@ -212,18 +212,18 @@ void bind_streaming(py::module_ &m) {
 void bind_pictures(py::module_ &m) {
   py::class_<RenderMesh>(m, "RenderMesh", "One mesh of a picture; colours in [0, 1], RGB.")
       .def(py::init([](Vertices vertices, Faces faces, const Eigen::Vector3d &colour, const std::optional<Vertices> &colours,
-                       std::vector<std::uint8_t> skip_face) {
+                       std::vector<std::uint8_t> face_valid) {
              RenderMesh mesh;
              mesh.vertices = std::move(vertices);
              mesh.faces = std::move(faces);
              mesh.colour = colour;
              if (colours)
                mesh.colours = *colours;
-             mesh.skip_face = std::move(skip_face);
+             mesh.face_valid = std::move(face_valid);
              return mesh;
            }),
            py::arg("vertices"), py::arg("faces"), py::arg("colour") = Eigen::Vector3d(0.75, 0.75, 0.75),
-           py::arg("colours") = std::nullopt, py::arg("skip_face") = std::vector<std::uint8_t>{})
+           py::arg("colours") = std::nullopt, py::arg("face_valid") = std::vector<std::uint8_t>{})
       .def_readwrite("vertices", &RenderMesh::vertices)
       .def_readwrite("faces", &RenderMesh::faces)
       .def_readwrite("colour", &RenderMesh::colour);

@@ -173,16 +173,16 @@ void bind_camera(py::module_ &m) {
       .def("resized", &Camera::resized, py::arg("width"), py::arg("height"), "The same camera for images of another size.");
   m.def(
       "rasterize",
-      [](const Vertices &vertices, const Faces &faces, const Camera &camera, const std::vector<std::uint8_t> &skip_face) {
+      [](const Vertices &vertices, const Faces &faces, const Camera &camera, const std::vector<std::uint8_t> &face_valid) {
         FaceBuffer buffer;
         {
           const py::gil_scoped_release release;
-          buffer = rasterize(vertices, faces, camera, skip_face);
+          buffer = rasterize(vertices, faces, camera, face_valid);
         }
         const std::vector<py::ssize_t> shape{buffer.height, buffer.width};
         return py::make_tuple(move_to_array(std::move(buffer.face), shape), move_to_array(std::move(buffer.depth), shape));
       },
-      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg("skip_face") = std::vector<std::uint8_t>{},
+      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg("face_valid") = std::vector<std::uint8_t>{},
       "(face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).");
 }
 
@@ -290,8 +290,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("mesh", &RiggedMesh::mesh)
       .def_readwrite("face_valid", &RiggedMesh::face_valid, "(F) 0 = invented over a large hole")
       .def_readwrite("weights", &RiggedMesh::weights, "(V, J)")
-      .def_readwrite("skeleton", &RiggedMesh::skeleton)
-      .def("skip_invalid", &RiggedMesh::skip_invalid, "(F) 1 where face_valid is 0: the form that rasterize and RayScene take.");
+      .def_readwrite("skeleton", &RiggedMesh::skeleton);
   py::class_<ReferencePerformance>(m, "ReferencePerformance", "The captured performance (performance.npz).")
       .def(py::init<>())
       .def_readwrite("surface", &ReferencePerformance::surface)

@@ -3,6 +3,7 @@
 #include "doublet/animate/display_surface.h"
 #include "doublet/core/error.h"
 #include "doublet/core/skinning.h"
+#include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
 
 #include <cmath>
@@ -28,7 +29,7 @@ Vertices tuck_body(const Character &character, const Vertices &surface, Vertices
   constexpr double kDeepUnderSkin = 0.003, kDeepUnderCloth = 0.010, kReachUnderSkin = 0.012, kReachUnderCloth = 0.06;
   const Faces &faces = character.actor.mesh.faces;
   const Eigen::VectorXd &delta = character.segmentation.clothness;
-  const RayScene scene({surface, faces}, character.actor.skip_invalid());
+  const RayScene scene({surface, faces}, character.actor.face_valid);
   const Vertices normals = vertex_normals(surface, faces);
   std::vector<std::uint8_t> drawn(body.rows(), 0);
   for (Eigen::Index f = 0; f < character.body.faces.rows(); ++f)
@@ -63,7 +64,7 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
     throw std::invalid_argument("animate: motion must have finite poses of " +
                                 std::to_string(character.actor.skeleton.dof_count()) + " degrees of freedom and a rate, found (" +
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
-                                std::to_string(motion.fps) + " 1/s");
+                                options::shown(motion.fps) + " 1/s");
   const Motion poses = at_character_rate(character, motion);
   const CharacterSimulator simulator(character.actor, character.segmentation, character.proxies, character.solver.cloth,
                                      make_solver);

@@ -73,10 +73,7 @@ std::vector<std::uint8_t> majority(const std::vector<std::uint8_t> &flags, const
 
 /// Also what M_high does not show beside them: it is cut off below a hem, where the scan's closing sheet begins.
 void add_uncovered(const Character &c, std::vector<std::uint8_t> &hidden) {
-  std::vector<std::uint8_t> skip;
-  for (std::uint8_t valid : c.high_valid)
-    skip.push_back(valid ? 0 : 1);
-  const RayScene drawn(c.high, skip);
+  const RayScene drawn(c.high, c.high_valid);
   const auto neighbours = vertex_neighbours(c.body.faces, static_cast<int>(hidden.size()));
   for (int ring = 0; ring < kOverlap; ++ring) {
     const std::vector<std::uint8_t> before = hidden;
@@ -136,7 +133,7 @@ MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::
 std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body) {
   require_inputs(actor, segmentation);
   require_usable(body, "body");
-  const RayScene scene(actor.mesh, actor.skip_invalid());
+  const RayScene scene(actor.mesh, actor.face_valid);
   const Vertices normals = vertex_normals(body.vertices, body.faces);
   std::vector<std::uint8_t> hidden(body.vertices.rows(), 0);
   for (Eigen::Index v = 0; v < body.vertices.rows(); ++v) {
@@ -152,7 +149,7 @@ std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segment
 
 MatrixRM transfer_weights(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body) {
   std::vector<std::uint8_t> exposed = hidden_by_cloth(actor, segmentation, body);
-  const RayScene scene(actor.mesh, actor.skip_invalid());
+  const RayScene scene(actor.mesh, actor.face_valid);
   const Vertices surface_normals = face_normals(actor.mesh.vertices, actor.mesh.faces);
   const Vertices normals = vertex_normals(body.vertices, body.faces);
   MatrixRM weights = MatrixRM::Zero(body.vertices.rows(), actor.skeleton.joint_count());

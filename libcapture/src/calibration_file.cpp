@@ -161,14 +161,6 @@ double widest(const std::vector<CalibratedCamera> &cameras) {
   return distance;
 }
 
-std::string short_number(double value) {
-  char text[32];
-  const bool large = value >= 1000;
-  return {
-      text,
-      std::to_chars(text, text + sizeof text, large ? std::round(value) : value, std::chars_format::general, large ? 9 : 4).ptr};
-}
-
 void require_plausible_distance(const std::vector<CalibratedCamera> &cameras, double unit, const std::string &where) {
   const double distance = widest(cameras);
   if (cameras.size() < 2 || (distance >= kNearestCameras && distance <= kFarthestCameras))
@@ -176,9 +168,10 @@ void require_plausible_distance(const std::vector<CalibratedCamera> &cameras, do
   std::string fitting;
   for (const auto &[name, other] : kUnits)
     if (const double converted = distance / unit * other; converted >= kNearestCameras && converted <= kFarthestCameras)
-      fitting += (fitting.empty() ? "; " : ", ") + name + " would make it " + short_number(converted) + " m";
+      fitting += (fitting.empty() ? "; " : ", ") + name + " would make it " + options::shown(converted, 4) + " m";
   throw Error(where + ": expected the two cameras farthest apart to be 0.3 to 30 m from each other, found " +
-              short_number(distance) + " m: say which units the file has (--units m, cm, mm, or metres a unit" + fitting + ")");
+              options::shown(distance, 4) + " m: say which units the file has (--units m, cm, mm, or metres a unit" + fitting +
+              ")");
 }
 
 /// Where the pictures' upper edges point, on average, in the world; near zero if cameras look straight down.
@@ -322,7 +315,7 @@ void validate_calibrated(const CalibratedCamera &camera, const std::string &sour
   require_lens(camera.lens);
   if (camera.lens.undone() && camera.camera.K(0, 1) != 0)
     throw Error(where + ": expected no skew in K beside a lens of more than five terms, found " +
-                short_number(camera.camera.K(0, 1)));
+                options::shown(camera.camera.K(0, 1), 4));
   if (camera.lens.undone() && camera.camera.distorted())
     throw Error(where + ": expected the distortion in the lens or in the camera, found both");
 }

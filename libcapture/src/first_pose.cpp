@@ -50,7 +50,7 @@ class Placement {
 public:
   Placement(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks, const Context &context)
       : actor_(actor), context_(context), root_(root_joint(actor.skeleton)), views_(small_views(rig, masks, kSize)),
-        centres_(views_.size()), skip_(actor.skip_invalid()) {
+        centres_(views_.size()) {
     for (size_t v = 0; v < views_.size(); ++v)
       if (centroid(views_[v].mask, centres_[v]))
         rays_.add(views_[v].camera, centres_[v]);
@@ -91,7 +91,7 @@ private:
     parallel_for(context_, static_cast<int>(views_.size()), [&](int v) {
       if (views_[v].mask.empty())
         return;
-      const Image rendered = silhouette(rasterize(surface, actor_.mesh.faces, views_[v].camera, skip_));
+      const Image rendered = silhouette(rasterize(surface, actor_.mesh.faces, views_[v].camera, actor_.face_valid));
       seen[v] = centroid(rendered, centres[v]);
       overlap[v] = mask_iou(rendered, views_[v].mask);
     });
@@ -111,7 +111,6 @@ private:
   const Joint &root_;
   std::vector<SmallView> views_;
   std::vector<Eigen::Vector2d> centres_; // of the masks
-  std::vector<std::uint8_t> skip_;
   RayBundle rays_;
 };
 

@@ -179,12 +179,12 @@ RiggedMesh moved_part(const RiggedMesh &actor, const std::vector<int> &dofs, std
       moved[i] = moved[i] || influence(i, d) > kMoved;
   std::vector<int> place(actor.mesh.vertices.rows(), -1), kept;
   std::vector<Eigen::Vector3i> faces;
-  rest_of_faces = actor.skip_invalid(); // becomes: what not to draw of the part that stays
+  rest_of_faces = actor.face_valid; // becomes: what to draw of the part that stays
   for (int f = 0; f < actor.mesh.faces.rows(); ++f) {
     const Eigen::Vector3i corners = actor.mesh.faces.row(f);
-    if (rest_of_faces[f] || !(moved[corners[0]] || moved[corners[1]] || moved[corners[2]]))
+    if (!rest_of_faces[f] || !(moved[corners[0]] || moved[corners[1]] || moved[corners[2]]))
       continue;
-    rest_of_faces[f] = 1;
+    rest_of_faces[f] = 0;
     Eigen::Vector3i own;
     for (int c = 0; c < 3; ++c) {
       int &where = place[corners[c]];
@@ -221,8 +221,8 @@ public:
              const LimbSearchOptions &options, const Context &context)
       : problem_(problem), views_(views), dofs_(dofs), limb_(limb), options_(options), context_(context),
         offset_(problem.offset) {
-    std::vector<std::uint8_t> skip;
-    part_ = moved_part(*problem.actor, limb.dofs, skip, offset_);
+    std::vector<std::uint8_t> stays;
+    part_ = moved_part(*problem.actor, limb.dofs, stays, offset_);
     const Vertices surface = pose_surface(*problem.actor, dofs, problem.offset).vertices;
     const Vertices moved = pose_surface(part_, dofs, offset_).vertices;
     rest_.resize(views.size());
@@ -230,7 +230,7 @@ public:
     parallel_for(context, static_cast<int>(views.size()), [&](int v) {
       if (views[v].mask.empty())
         return;
-      rest_[v] = silhouette(rasterize(surface, problem.actor->mesh.faces, views[v].camera, skip));
+      rest_[v] = silhouette(rasterize(surface, problem.actor->mesh.faces, views[v].camera, stays));
       const FaceBuffer limb_alone = rasterize(moved, part_.mesh.faces, views[v].camera);
       pixels[v] = static_cast<int>(std::count_if(limb_alone.face.begin(), limb_alone.face.end(), [](int f) { return f >= 0; }));
     });
@@ -340,12 +340,11 @@ Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &d
   const Vertices joints = joint_positions(actor.skeleton, forward_kinematics(actor.skeleton, dofs));
   const std::vector<int> of_face = limb_of_face(actor, limbs), of_joint = limb_of_joint(actor.skeleton, limbs);
   const Eigen::VectorXd reliability = mean_over_corners(problem.reliability, actor.mesh.faces);
-  const std::vector<std::uint8_t> skip = actor.skip_invalid();
   std::vector<LimbSums> parts(views.size(), LimbSums(limbs.size()));
   parallel_for(context, static_cast<int>(views.size()), [&](int v) {
     if (views[v].mask.empty())
       return;
-    const FaceBuffer rendered = rasterize(surface, actor.mesh.faces, views[v].camera, skip);
+    const FaceBuffer rendered = rasterize(surface, actor.mesh.faces, views[v].camera, actor.face_valid);
     const ViewCheck check(views[v], rendered, of_face, reliability, options.reach);
     check.add_outside(parts[v]);
     check.add_uncovered(bones_in_view(actor.skeleton, joints, of_joint, views[v].camera), parts[v]);
@@ -363,12 +362,11 @@ double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, c
   require_complete(problem, dofs);
   const std::vector<SmallView> views = small_views(*problem.rig, *problem.masks, options.raster_size);
   const Vertices surface = pose_surface(*problem.actor, dofs, problem.offset).vertices;
-  const std::vector<std::uint8_t> skip = problem.actor->skip_invalid();
   std::vector<double> wrong(views.size(), 0), inside(views.size(), 0);
   parallel_for(context, static_cast<int>(views.size()), [&](int v) {
     if (views[v].mask.empty())
       return;
-    const FaceBuffer rendered = rasterize(surface, problem.actor->mesh.faces, views[v].camera, skip);
+    const FaceBuffer rendered = rasterize(surface, problem.actor->mesh.faces, views[v].camera, problem.actor->face_valid);
     for (size_t p = 0; p < rendered.face.size(); ++p) {
       wrong[v] += (rendered.face[p] >= 0) != (views[v].mask.data[p] > 0);
       inside[v] += views[v].mask.data[p] > 0;

@@ -75,7 +75,6 @@ private:
     if (actor_ != problem.actor) {
       actor_ = problem.actor;
       influence_ = dof_influence(*actor_);
-      skip_ = actor_->skip_invalid();
     }
     views_ = static_cast<int>(problem.rig->size());
     indices_.clear();
@@ -93,7 +92,7 @@ private:
       if ((*problem.outlines)[v].empty())
         return;
       const Camera &camera = (*problem.rig)[v];
-      const Rims rims = find_rims(surface.vertices, actor_->mesh.faces, skip_, camera, options_.raster_size);
+      const Rims rims = find_rims(surface.vertices, actor_->mesh.faces, actor_->face_valid, camera, options_.raster_size);
       matches_[v] = match_rims(rims, (*problem.outlines)[v], indices_[v], v, camera, options);
     });
   }
@@ -232,7 +231,6 @@ private:
   PoseOptions options_;
   const RiggedMesh *actor_ = nullptr;
   MatrixRM influence_;
-  std::vector<std::uint8_t> skip_;
   int views_ = 0;
   std::vector<OutlineIndex> indices_;
   std::vector<RimMatches> matches_;

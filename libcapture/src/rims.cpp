@@ -26,13 +26,13 @@ RimConstraint make_constraint(const Rims &rims, int rim, const Outline &measured
 
 } // namespace
 
-Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<std::uint8_t> &skip_face, const Camera &camera,
+Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<std::uint8_t> &face_valid, const Camera &camera,
                int raster_size) {
   const double scale = std::min(1.0, static_cast<double>(raster_size) / std::max(camera.width, camera.height));
   const int width = std::max(1, static_cast<int>(std::lround(camera.width * scale)));
   const int height = std::max(1, static_cast<int>(std::lround(camera.height * scale)));
   const Camera small = camera.resized(width, height);
-  const FaceBuffer buffer = rasterize(vertices, faces, small, skip_face);
+  const FaceBuffer buffer = rasterize(vertices, faces, small, face_valid);
   Rims rims;
   rims.outline = trace_outline(silhouette(buffer));
   rims.surface.reserve(rims.outline.points.size());

@@ -3,6 +3,7 @@
 #include "calibration_formats.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
+#include "doublet/options/options.h"
 #include "frame_reader.h"
 
 #include <cmath>
@@ -212,7 +213,7 @@ Session read_session(const fs::path &folder) {
   session.fps = value<double>(json, "fps", where, "frames per second");
   session.frame_count = value<int>(json, "frame_count", where, "a number of frames");
   if (!(session.fps > 0) || !std::isfinite(session.fps))
-    throw Error(where + ": expected \"fps\" to be positive, found " + std::to_string(session.fps));
+    throw Error(where + ": expected \"fps\" to be positive, found " + options::shown(session.fps));
   if (session.frame_count < 1)
     throw Error(where + ": expected \"frame_count\" to be at least 1, found " + std::to_string(session.frame_count));
   session.cameras = read_cameras(json, session.folder, source);

@@ -147,7 +147,6 @@ private:
     if (actor_ == problem.actor)
       return;
     actor_ = problem.actor;
-    skip_ = actor_->skip_invalid();
     system_.set_stiffness(stiffness_matrix(actor_->mesh, options_.bending, options_.stretching));
   }
 
@@ -163,7 +162,7 @@ private:
       const Camera &camera = (*problem.rig)[v];
       if (measured.empty())
         return;
-      const Rims rims = find_rims(estimate.vertices, faces, skip_, camera, options_.raster_size);
+      const Rims rims = find_rims(estimate.vertices, faces, actor_->face_valid, camera, options_.raster_size);
       matches_[v] = match_rims(rims, measured, OutlineIndex(measured, camera.width, camera.height), v, camera, options);
     });
     std::vector<Pull> pulls;
@@ -216,7 +215,6 @@ private:
 
   SurfaceOptions options_;
   const RiggedMesh *actor_ = nullptr;
-  std::vector<std::uint8_t> skip_;
   DisplacementSystem system_;
   std::vector<RimMatches> matches_;
 };

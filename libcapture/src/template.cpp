@@ -5,6 +5,7 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "doublet/files/npz.h"
+#include "doublet/options/options.h"
 #include "doublet/rays/parts/self_intersection.h"
 #include "face_mask.h"
 #include "holes.h"
@@ -21,7 +22,7 @@ namespace {
 
 void expect(bool good, const std::string &name, const std::string &expectation, double found) {
   if (!good)
-    throw std::invalid_argument(name + ": expected " + expectation + ", found " + std::to_string(found));
+    options::refuse(name, expectation, options::shown(found));
 }
 
 /// The sizes of holes are in metres, so the scan must be.
@@ -29,7 +30,7 @@ void expect_metres(const Mesh &scan) {
   constexpr double kSmallest = 0.2, kLargest = 10; // m
   const double extent = (scan.vertices.colwise().maxCoeff() - scan.vertices.colwise().minCoeff()).maxCoeff();
   if (!(extent >= kSmallest && extent <= kLargest))
-    throw Error("scan: expected a person in metres, 0.2 to 10 from end to end, found " + std::to_string(extent) +
+    throw Error("scan: expected a person in metres, 0.2 to 10 from end to end, found " + options::shown(extent, 4) +
                 (extent > kLargest ? " (millimetres or centimetres?)" : ""));
 }
 

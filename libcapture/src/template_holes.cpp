@@ -1,6 +1,7 @@
 #include "doublet/core/error.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/core/parts/sparse_solve.h"
+#include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
 #include "holes.h"
 
@@ -43,7 +44,7 @@ std::vector<std::uint8_t> invented_vertices(const Mesh &surface, const Eigen::Ve
       usual.push_back(density[v]);
   if (usual.empty())
     throw Error("scan: expected the reconstruction to follow the scan, found no point of it within " +
-                std::to_string(options.hole_gap) + " m of the scan");
+                options::shown(options.hole_gap) + " m of the scan");
   const double sparse = median(usual) - options.density_drop;
   std::vector<std::uint8_t> invented(count);
   for (int v = 0; v < count; ++v)

@@ -1,6 +1,7 @@
 #include "doublet/core/camera.h"
 
 #include "doublet/core/error.h"
+#include "doublet/options/options.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -85,14 +86,14 @@ void validate_camera(const Camera &camera, const std::string &source) {
   if (!camera.K.allFinite() || !camera.distortion.allFinite() || !camera.R.allFinite() || !camera.t.allFinite())
     fail("expected finite numbers in K, distortion, R and t, found NaN or infinity");
   if (camera.K(0, 0) <= 0 || camera.K(1, 1) <= 0)
-    fail("expected positive focal lengths in K, found " + std::to_string(camera.K(0, 0)) + " and " +
-         std::to_string(camera.K(1, 1)));
+    fail("expected positive focal lengths in K, found " + options::shown(camera.K(0, 0)) + " and " +
+         options::shown(camera.K(1, 1)));
   if (camera.K(1, 0) != 0 || camera.K.row(2) != Eigen::RowVector3d(0, 0, 1))
     fail("expected K to be upper triangular with last row 0 0 1");
   const double off = (camera.R * camera.R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > 1e-3 || camera.R.determinant() < 0)
-    fail("expected R to be a rotation, found |R R^T - I| = " + std::to_string(off) + " and determinant " +
-         std::to_string(camera.R.determinant()));
+    fail("expected R to be a rotation, found |R R^T - I| = " + options::shown(off, 4) + " and determinant " +
+         options::shown(camera.R.determinant(), 4));
 }
 
 } // namespace doublet

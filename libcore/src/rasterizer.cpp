@@ -107,12 +107,12 @@ void draw(FaceBuffer &buffer, int f, ScreenVertex a, ScreenVertex b, ScreenVerte
 } // namespace
 
 FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera,
-                     const std::vector<std::uint8_t> &skip_face) {
+                     const std::vector<std::uint8_t> &face_valid) {
   if (camera.width <= 0 || camera.height <= 0)
     throw std::invalid_argument("rasterize: camera '" + camera.name + "' has no image size");
-  if (!skip_face.empty() && static_cast<Eigen::Index>(skip_face.size()) != faces.rows())
-    throw std::invalid_argument("rasterize: expected " + std::to_string(faces.rows()) + " entries in skip_face, found " +
-                                std::to_string(skip_face.size()));
+  if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != faces.rows())
+    throw std::invalid_argument("rasterize: expected " + std::to_string(faces.rows()) + " entries in face_valid, found " +
+                                std::to_string(face_valid.size()));
   if (faces.rows() > 0 && (faces.minCoeff() < 0 || faces.maxCoeff() >= vertices.rows()))
     throw std::invalid_argument("rasterize: a face has a corner outside the " + std::to_string(vertices.rows()) + " vertices");
   validate_camera(camera, "rasterize");
@@ -123,7 +123,7 @@ FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera 
   buffer.depth.assign(buffer.face.size(), std::numeric_limits<float>::infinity());
   const std::vector<ScreenVertex> screen = project_all(vertices, camera);
   for (int f = 0; f < faces.rows(); ++f) {
-    if (!skip_face.empty() && skip_face[f])
+    if (!face_valid.empty() && !face_valid[f])
       continue;
     const ScreenVertex &a = screen[faces(f, 0)], &b = screen[faces(f, 1)], &c = screen[faces(f, 2)];
     if (a.drawable && b.drawable && c.drawable)

@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/skinning.h"
+#include "doublet/options/options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,8 +82,8 @@ void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton 
     if (!capsule.p0.allFinite() || !capsule.p1.allFinite() || !(capsule.r0 > 0) || !(capsule.r1 > 0) ||
         !std::isfinite(capsule.r0 + capsule.r1))
       throw Error(what + ": a proxy of joint " + std::to_string(capsule.joint) +
-                  ": expected finite ends and positive radii, found radii " + std::to_string(capsule.r0) + " and " +
-                  std::to_string(capsule.r1));
+                  ": expected finite ends and positive radii, found radii " + options::shown(capsule.r0) + " and " +
+                  options::shown(capsule.r1));
   }
 }
 
@@ -91,12 +92,6 @@ void require_body(const BodyFit &fit, const std::string &what) {
   expect_all(what + ": body.deviation", fit.deviation.size(), fit.body.vertices.rows());
   expect_finite(what + ": body.deviation", fit.deviation);
   expect_finite(what + ": body.coefficients", fit.coefficients);
-}
-
-std::vector<std::uint8_t> RiggedMesh::skip_invalid() const {
-  std::vector<std::uint8_t> skip(face_valid.size());
-  std::transform(face_valid.begin(), face_valid.end(), skip.begin(), [](std::uint8_t valid) { return valid == 0; });
-  return skip;
 }
 
 std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {

@@ -1,5 +1,6 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
+#include "doublet/options/options.h"
 
 #include <nlohmann/json.hpp>
 
@@ -52,7 +53,7 @@ TaperedCapsule read_capsule(const json &j, const Skeleton &skeleton, const std::
   c.r0 = number(member(j, "r0", what), what + ": r0");
   c.r1 = number(member(j, "r1", what), what + ": r1");
   if (c.r0 <= 0 || c.r1 <= 0)
-    throw Error(what + ": expected positive radii, found " + std::to_string(c.r0) + " and " + std::to_string(c.r1));
+    throw Error(what + ": expected positive radii, found " + options::shown(c.r0) + " and " + options::shown(c.r1));
   return c;
 }
 

@@ -3,6 +3,7 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "doublet/files/npz.h"
+#include "doublet/options/options.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +67,7 @@ MatrixRM read_weights(const Npz &npz, Eigen::Index vertices, Eigen::Index joints
     const double sum = weights.row(v).sum();
     if (!(std::abs(sum - 1) < 1e-3) || weights.row(v).minCoeff() < 0)
       throw Error(npz.source + ": array 'weights': expected rows of weights >= 0 with sum one, found row " + std::to_string(v) +
-                  " with sum " + std::to_string(sum) + " and minimum " + std::to_string(weights.row(v).minCoeff()));
+                  " with sum " + options::shown(sum, 4) + " and minimum " + options::shown(weights.row(v).minCoeff(), 4));
     weights.row(v) /= sum;
   }
   return weights;

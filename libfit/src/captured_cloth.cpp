@@ -26,7 +26,7 @@ std::vector<int> region_of_faces(const ClothTopology &topology) {
 std::vector<int> seen_regions(const RiggedMesh &actor, const ClothTopology &topology, const CoarseCamera &camera,
                               const Vertices &surface, const CoarseBuffer &others) {
   const FaceBuffer buffer =
-      rasterize(surface, actor.mesh.faces, camera.camera.resized(camera.width, camera.height), actor.skip_invalid());
+      rasterize(surface, actor.mesh.faces, camera.camera.resized(camera.width, camera.height), actor.face_valid);
   const std::vector<int> region_of = region_of_faces(topology);
   std::vector<int> result(buffer.face.size(), kBackground);
   for (int y = 0; y < camera.height; ++y)

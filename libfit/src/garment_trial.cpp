@@ -1,5 +1,7 @@
 #include "doublet/fit/garment_trial.h"
 
+#include "doublet/options/options.h"
+
 #include "optimizer_checks.h"
 
 #include <algorithm>
@@ -54,7 +56,7 @@ std::size_t chosen_garment(const std::vector<double> &energies, const TrialOptio
   trial.validate();
   require(!energies.empty(), "chosen_garment: energies: expected at least one, found none");
   for (double energy : energies)
-    require(std::isfinite(energy), "chosen_garment: energies: expected finite numbers, found " + std::to_string(energy));
+    require(std::isfinite(energy), "chosen_garment: energies: expected finite numbers, found " + options::shown(energy, 4));
   const auto cheapest = std::min_element(energies.begin(), energies.end());
   return *cheapest < (1 - trial.margin) * energies[0] ? static_cast<std::size_t>(cheapest - energies.begin()) : 0;
 }

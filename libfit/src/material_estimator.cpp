@@ -1,6 +1,7 @@
 #include "doublet/fit/material_estimator.h"
 
 #include "doublet/core/error.h"
+#include "doublet/options/options.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>
@@ -302,12 +303,6 @@ void say_remarks(const FitResult &result, const Context &context) {
       context.say("fit: region " + std::to_string(r) + ": " + remark);
 }
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 const pbd::MaterialParameter &parameter_named(const std::string &name) {
   for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
     if (name == parameter.name)
@@ -338,16 +333,17 @@ std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &name
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const pbd::MaterialParameter &parameter = parameter_named(names[k]);
-    const std::string value = names[k] + " = " + short_number(material.*parameter.value);
+    const std::string value = names[k] + " = " + options::shown(material.*parameter.value, 3);
     const bool low = i < answer.size() && answer[i] <= kAtBound, high = i < answer.size() && answer[i] >= 1 - kAtBound;
     if (low || high)
       result.push_back(value + " lies at the " + (low ? "lower" : "upper") + " bound of its box, " +
-                       short_number(low ? parameter.lower : parameter.upper) + ": the search would go further if it could.");
+                       options::shown(low ? parameter.lower : parameter.upper, 3) + ": the search would go further if it could.");
     if (i < influence.change.size() && !influence.exceeds_noise(static_cast<int>(i)))
       result.push_back(value + " is a guess: the motion does not tell it (moved alone it changes the energy by " +
-                       short_number(influence.change[i]) + " pixels^2, noise by " + short_number(influence.noise) + ").");
+                       options::shown(influence.change[i], 3) + " pixels^2, noise by " + options::shown(influence.noise, 3) +
+                       ").");
     if (i < spread.size() && spread[i] > kDisputed)
-      result.push_back(value + " depends on the seed: the answers of the searches span " + short_number(2 * spread[i]) +
+      result.push_back(value + " depends on the seed: the answers of the searches span " + options::shown(2 * spread[i], 3) +
                        " of its box.");
   }
   return result;
@@ -418,7 +414,7 @@ std::vector<double> material_energy(const CharacterSimulator &simulator, const R
 std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                                          const std::vector<pbd::Material> &materials, double dt, int settle_frames,
                                          const Context &context) {
-  require(dt > 0 && std::isfinite(dt), "simulate_reference: dt: expected a positive number, found " + std::to_string(dt));
+  require(dt > 0 && std::isfinite(dt), "simulate_reference: dt: expected a positive number, found " + options::shown(dt));
   require(settle_frames >= 0, "simulate_reference: settle_frames: expected at least 0, found " + std::to_string(settle_frames));
   for (const pbd::Material &material : materials)
     pbd::validate(material);

@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/fingerprint.h"
+#include "doublet/options/options.h"
 #include "optimizer_checks.h"
 #include "race.h"
 
@@ -167,7 +168,7 @@ MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &con
 MatrixRM MaterialObjective::race(const MatrixRM &samples, double margin, const Context &context) const {
   const int n = parameter_count(), regions = part_count();
   require(margin >= 0 && std::isfinite(margin),
-          "MaterialObjective: margin: expected a number of at least 0, found " + std::to_string(margin));
+          "MaterialObjective: margin: expected a number of at least 0, found " + options::shown(margin));
   require(samples.cols() == static_cast<Eigen::Index>(n) * regions, "MaterialObjective: samples: expected " +
                                                                         std::to_string(n * regions) + " columns, found " +
                                                                         std::to_string(samples.cols()));

@@ -1,6 +1,7 @@
 #include "doublet/fit/minimise.h"
 
 #include "doublet/core/parts/quantile.h"
+#include "doublet/options/options.h"
 #include "optimizer_checks.h"
 #include "state_json.h"
 
@@ -88,7 +89,7 @@ private:
       return;
     std::string line = "fit: " + std::to_string(evaluations) + " evaluations";
     for (int r = 0; r < parts_; ++r)
-      line += (r ? ", " : ", best ") + std::to_string(now(r).best_energy);
+      line += (r ? ", " : ", best ") + options::shown(now(r).best_energy, 4);
     if (fraction > 0)
       line += ", at most " + std::to_string(std::lround(seconds() * (1 - fraction) / fraction)) + " s left";
     context.say(line);

@@ -25,11 +25,11 @@ int field_cell(const Camera &camera, int field_size) {
 CoarseBuffer draw_others(const CharacterSimulator &simulator, const ClothTopology &topology, const PosedFrame &frame,
                          const CoarseCamera &camera, const Box &box) {
   const Faces &faces = simulator.actor().mesh.faces;
-  std::vector<std::uint8_t> skip = simulator.actor().skip_invalid();
-  for (std::size_t f = 0; f < skip.size(); ++f)
-    skip[f] |= topology.face_is_cloth[f];
+  std::vector<std::uint8_t> rest = simulator.actor().face_valid;
+  for (std::size_t f = 0; f < rest.size(); ++f)
+    rest[f] = rest[f] && !topology.face_is_cloth[f];
   const Camera coarse = camera.camera.resized(camera.width, camera.height);
-  const FaceBuffer body = rasterize(frame.skinned, faces, coarse, skip);
+  const FaceBuffer body = rasterize(frame.skinned, faces, coarse, rest);
   const Mesh capsules = capsule_mesh(posed(frame.capsules));
   const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
 

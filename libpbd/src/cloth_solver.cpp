@@ -2,6 +2,8 @@
 
 #include "doublet/pbd/cloth_solver.h"
 
+#include "doublet/options/options.h"
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -33,7 +35,7 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
   if (in.previous_targets)
     check_vertices(in.previous_targets, n, "previous_targets");
   if (!(in.dt > 0 && in.dt <= 1))
-    refuse_step("dt must lie in (0, 1] s, found " + std::to_string(in.dt));
+    refuse_step("dt must lie in (0, 1] s, found " + options::shown(in.dt));
   if (!in.wind.allFinite())
     refuse_step("wind is not finite");
   if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
@@ -45,7 +47,7 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
         const Capsule &c = (*list)[i];
         if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
           refuse_step("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
-                      std::to_string(c.r0) + " and " + std::to_string(c.r1));
+                      options::shown(c.r0) + " and " + options::shown(c.r1));
       }
 }
 

@@ -4,6 +4,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
+#include "doublet/options/options.h"
 
 #include <embree3/rtcore.h>
 
@@ -88,8 +89,8 @@ constexpr double kLargestCoordinate = 1e18;
 void require_in_reach(const Eigen::Vector3d &vector, const char *what) {
   if (vector.hasNaN() || !(vector.cwiseAbs().maxCoeff() <= kLargestCoordinate))
     throw std::invalid_argument(std::string("RayScene: expected ") + what + " of numbers within 1e18, found (" +
-                                std::to_string(vector.x()) + ", " + std::to_string(vector.y()) + ", " +
-                                std::to_string(vector.z()) + ")");
+                                options::shown(vector.x()) + ", " + options::shown(vector.y()) + ", " +
+                                options::shown(vector.z()) + ")");
 }
 
 RTCRay float_ray(const ExactRay &ray) {
@@ -116,9 +117,9 @@ struct RayScene::Impl {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 
-  Impl(const Mesh &m, const std::vector<std::uint8_t> &skip_face) : mesh(m) {
+  Impl(const Mesh &m, const std::vector<std::uint8_t> &face_valid) : mesh(m) {
     for (int f = 0; f < mesh.faces.rows(); ++f)
-      if (skip_face.empty() || !skip_face[f])
+      if (face_valid.empty() || face_valid[f])
         face_of.push_back(f);
     size = mesh.vertices.cwiseAbs().maxCoeff();
     device = rtcNewDevice("threads=1,user_threads=1");
@@ -208,16 +209,16 @@ private:
   }
 };
 
-RayScene::RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &skip_face) {
+RayScene::RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid) {
   require_usable(mesh, "RayScene");
   if (!(mesh.vertices.cwiseAbs().maxCoeff() < kLargestCoordinate))
-    throw Error("RayScene: expected coordinates below 1e18 m, found " + std::to_string(mesh.vertices.cwiseAbs().maxCoeff()));
-  if (!skip_face.empty() && static_cast<Eigen::Index>(skip_face.size()) != mesh.faces.rows())
-    throw std::invalid_argument("RayScene: expected " + std::to_string(mesh.faces.rows()) + " entries in skip_face, found " +
-                                std::to_string(skip_face.size()));
-  impl_ = std::make_shared<Impl>(mesh, skip_face);
+    throw Error("RayScene: expected coordinates below 1e18 m, found " + options::shown(mesh.vertices.cwiseAbs().maxCoeff()));
+  if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != mesh.faces.rows())
+    throw std::invalid_argument("RayScene: expected " + std::to_string(mesh.faces.rows()) + " entries in face_valid, found " +
+                                std::to_string(face_valid.size()));
+  impl_ = std::make_shared<Impl>(mesh, face_valid);
   if (impl_->face_of.empty())
-    throw Error("RayScene: all " + std::to_string(mesh.faces.rows()) + " faces are skipped");
+    throw Error("RayScene: all " + std::to_string(mesh.faces.rows()) + " faces are invalid");
 }
 
 std::optional<RayHit> RayScene::cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance,

@@ -1,6 +1,7 @@
 #include "doublet/rays/surface_distance.h"
 
 #include "doublet/core/rasterizer.h"
+#include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
 
 #include <algorithm>
@@ -28,9 +29,9 @@ double farthest_around(const FaceBuffer &buffer, const Eigen::Vector2d &pixel) {
 
 } // namespace
 
-Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface, const std::vector<std::uint8_t> &skip_face,
+Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface, const std::vector<std::uint8_t> &face_valid,
                                      const Context &context) {
-  const RayScene scene(surface, skip_face);
+  const RayScene scene(surface, face_valid);
   Eigen::VectorXd distances(points.rows());
   constexpr int kChunk = 50000; // between two looks at the user's wish to stop, well under a second
   for (int begin = 0; begin < points.rows(); begin += kChunk) {
@@ -44,7 +45,7 @@ Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface
 std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras,
                                            double tolerance) {
   if (!(tolerance >= 0))
-    throw std::invalid_argument("visible_vertices: expected a tolerance of at least 0 m, found " + std::to_string(tolerance));
+    throw std::invalid_argument("visible_vertices: expected a tolerance of at least 0 m, found " + options::shown(tolerance));
   std::vector<std::uint8_t> visible(vertices.rows(), 0);
   for (const Camera &camera : cameras) {
     const FaceBuffer buffer = rasterize(vertices, faces, camera);

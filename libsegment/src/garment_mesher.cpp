@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
+#include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
 #include "garment_field.h"
 #include "isotropic.h"
@@ -310,7 +311,7 @@ void say_what_falls(const Piece &whole, const Piece &hung, int region, const Con
   else if (hung.mesh.faces.rows() == 0)
     context.say(name + " does not touch skin and hangs on nothing; it moves as skin");
   else if (hung.mesh.faces.rows() < whole.mesh.faces.rows())
-    context.say(name + ": " + std::to_string(area(whole) - area(hung)) + " m^2 of it hang on nothing and move as skin");
+    context.say(name + ": " + options::shown(area(whole) - area(hung), 4) + " m^2 of it hang on nothing and move as skin");
 }
 
 class IsotropicMesher : public GarmentMesher {

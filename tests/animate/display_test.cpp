@@ -97,7 +97,7 @@ TEST(Renderer, FloorIsDarkerUnderTheBody) {
   const Eigen::Vector2d contact = camera.project({0.05, 0, -0.35});
   const int x = static_cast<int>(contact.x()), y = static_cast<int>(contact.y());
   std::vector<RenderMesh> hidden = low; // the same body, not drawn: its shadow alone
-  hidden[0].skip_face.assign(hidden[0].faces.rows(), 1);
+  hidden[0].face_valid.assign(hidden[0].faces.rows(), 0);
   EXPECT_LT(brightness(render(hidden, camera, options), x, y), brightness(render({}, camera, options), x, y) - 20);
 }
 
@@ -124,7 +124,7 @@ TEST(Renderer, RefusesWhatDoesNotFit) {
   meshes[0].vertices(3, 1) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(render(meshes, camera), std::invalid_argument);
   meshes = grey_sphere();
-  meshes[0].skip_face = {1};
+  meshes[0].face_valid = {1};
   EXPECT_THROW(render(meshes, camera), std::invalid_argument);
   meshes = grey_sphere();
   meshes[0].texture = std::make_shared<const Image>(4, 4, 3);
@@ -310,7 +310,7 @@ TEST(Animator, DrawnBodyStaysUnderTheCloth) {
       body(v, 0) *= 1.35;
       body(v, 2) *= 1.35;
     }
-  const RayScene scene({surface, c.actor.mesh.faces}, c.actor.skip_invalid());
+  const RayScene scene({surface, c.actor.mesh.faces}, c.actor.face_valid);
   const Vertices normals = face_normals(surface, c.actor.mesh.faces);
   const auto outside = [&](const Vertices &positions) {
     int n = 0;

@@ -47,9 +47,9 @@ TEST(Rasterizer, EveryPixelOfASharedEdgeBelongsToExactlyOneFace) {
     const FaceBuffer all = rasterize(fan.vertices, fan.faces, plain_camera());
     std::vector<int> count(all.face.size(), 0);
     for (int k = 0; k < n; ++k) {
-      std::vector<std::uint8_t> skip(n, 1);
-      skip[k] = 0;
-      const FaceBuffer one = rasterize(fan.vertices, fan.faces, plain_camera(), skip);
+      std::vector<std::uint8_t> valid(n, 0);
+      valid[k] = 1;
+      const FaceBuffer one = rasterize(fan.vertices, fan.faces, plain_camera(), valid);
       for (std::size_t i = 0; i < count.size(); ++i)
         count[i] += one.face[i] >= 0;
     }

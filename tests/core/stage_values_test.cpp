@@ -57,10 +57,4 @@ TEST(Capsules, FollowTheirJoints) {
   EXPECT_THROW(pose_capsules({}, s, {}), std::invalid_argument);
 }
 
-TEST(RiggedMesh, SkipsInvalidFaces) {
-  RiggedMesh actor;
-  actor.face_valid = {1, 0, 255};
-  EXPECT_EQ(actor.skip_invalid(), (std::vector<std::uint8_t>{0, 1, 0}));
-}
-
 } // namespace doublet

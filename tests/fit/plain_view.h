@@ -14,11 +14,11 @@ namespace doublet::testing {
 /// Everything of the character that is not cloth, in coarse pixels.
 inline fit::CoarseBuffer draw_others(const CharacterSimulator &simulator, const fit::ClothTopology &topology,
                                      const PosedFrame &frame, const fit::CoarseCamera &camera) {
-  std::vector<std::uint8_t> skip = simulator.actor().skip_invalid();
-  for (std::size_t f = 0; f < skip.size(); ++f)
-    skip[f] |= topology.face_is_cloth[f];
+  std::vector<std::uint8_t> rest = simulator.actor().face_valid;
+  for (std::size_t f = 0; f < rest.size(); ++f)
+    rest[f] = rest[f] && !topology.face_is_cloth[f];
   const Camera coarse = camera.camera.resized(camera.width, camera.height);
-  const FaceBuffer body = rasterize(frame.skinned, simulator.actor().mesh.faces, coarse, skip);
+  const FaceBuffer body = rasterize(frame.skinned, simulator.actor().mesh.faces, coarse, rest);
   const Mesh capsules = capsule_mesh(fit::posed(frame.capsules));
   const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
   fit::CoarseBuffer others{0, 0, camera.width, camera.height, {}};

@@ -92,6 +92,15 @@ TEST(Options, AreListedWithNestedOnesButWithoutWhatIsNoOption) {
                                             {"plate.heat", "150"}}));
 }
 
+TEST(Options, NumbersAreShownSoThatTheyReadBack) {
+  EXPECT_EQ(options::shown(1e-9), "1e-09");
+  EXPECT_EQ(options::shown(0.1), "0.1");
+  EXPECT_EQ(options::shown(1.0 / 3, 3), "0.333");
+  EXPECT_EQ(options::shown(1234567.8, 3), "1234568");
+  EXPECT_EQ(options::shown(-0.00012345, 2), "-0.00012");
+  EXPECT_EQ(options::shown(std::numeric_limits<double>::infinity(), 3), "inf");
+}
+
 TEST(Options, OneBitOfANumberChangesItsText) {
   Press press;
   press.plate.heat = std::nextafter(150, 151);

@@ -61,11 +61,11 @@ def calls(world, folder) -> dict:
         "vertex_normals": (d.vertex_normals, {"vertices": v, "faces": f}),
         "face_areas": (d.face_areas, {"vertices": v, "faces": f}),
         "vertex_areas": (d.vertex_areas, {"vertices": v, "faces": f}),
-        "rasterize": (d.rasterize, {"vertices": v, "faces": f, "camera": w.cameras[0], "skip_face": [0] * len(f)}),
+        "rasterize": (d.rasterize, {"vertices": v, "faces": f, "camera": w.cameras[0], "face_valid": [1] * len(f)}),
         "self_intersecting_faces": (d.self_intersecting_faces, {"mesh": w.mesh}),
-        "distances_to_surface": (d.distances_to_surface, {"points": v, "surface": w.mesh, "skip_face": [0] * len(f)}),
+        "distances_to_surface": (d.distances_to_surface, {"points": v, "surface": w.mesh, "face_valid": [1] * len(f)}),
         "visible_vertices": (d.visible_vertices, {"vertices": v, "faces": f, "cameras": w.cameras, "tolerance": 0.01}),
-        "RayScene": (d.RayScene, {"mesh": w.mesh, "skip_face": [0] * len(f)}),
+        "RayScene": (d.RayScene, {"mesh": w.mesh, "face_valid": [1] * len(f)}),
         "RayScene.cast": (scene.cast, {"origins": v + 1, "directions": v - 1, "min_distance": 0.0}),
         "RayScene.closest": (scene.closest, {"points": v + 1}),
         "dual_quaternion_skinning": (
@@ -178,10 +178,10 @@ def calls(world, folder) -> dict:
         ),
         "render": (d.render, {"meshes": [d.RenderMesh(v, f)], "camera": w.cameras[0]}),
         "render arrays": (
-            lambda vertices, faces, colours, skip_face: d.render(
-                [d.RenderMesh(vertices, faces, [1, 1, 1], colours, skip_face)], w.cameras[0]
+            lambda vertices, faces, colours, face_valid: d.render(
+                [d.RenderMesh(vertices, faces, [1, 1, 1], colours, face_valid)], w.cameras[0]
             ),
-            {"vertices": v, "faces": f, "colours": np.ones_like(v), "skip_face": [0] * len(f)},
+            {"vertices": v, "faces": f, "colours": np.ones_like(v), "face_valid": [1] * len(f)},
         ),
         "orbit_camera": (
             d.orbit_camera, {"target": np.zeros(3), "radius": 1.0, "azimuth": 0.0, "elevation": 0.0, "width": 32, "height": 32},

@@ -124,11 +124,11 @@ TEST(RayScene, ClosestPointOfEveryRegionOfATriangle) {
     EXPECT_NEAR((scene.closest(p).point - q).norm(), 0, 1e-12);
 }
 
-TEST(RayScene, SkippedFacesAreNotThere) {
+TEST(RayScene, InvalidFacesAreNotThere) {
   const Mesh two = testing::join({testing::sphere(1), testing::sphere(0.5)});
-  std::vector<std::uint8_t> skip(two.faces.rows(), 0);
-  std::fill(skip.begin(), skip.begin() + two.faces.rows() / 2, 1);
-  const RayScene scene(two, skip);
+  std::vector<std::uint8_t> valid(two.faces.rows(), 1);
+  std::fill(valid.begin(), valid.begin() + two.faces.rows() / 2, 0);
+  const RayScene scene(two, valid);
   EXPECT_NEAR(scene.cast({0, 0, 3}, {0, 0, -1})->distance, 2.5, 0.01);
   EXPECT_GE(scene.cast({0, 0, 3}, {0, 0, -1})->face, two.faces.rows() / 2);
   EXPECT_GE(scene.closest({0, 0, 1}).face, two.faces.rows() / 2);
@@ -169,7 +169,7 @@ TEST(RayScene, RefusesUnusableMeshesAndSurvivesDegenerateOnes) {
   EXPECT_THROW(RayScene{Mesh{}}, Error);
   Mesh m = testing::grid(1, 1, 2, 2);
   EXPECT_THROW(RayScene(m, {1}), std::invalid_argument);
-  EXPECT_THROW(RayScene(m, std::vector<std::uint8_t>(8, 1)), Error);
+  EXPECT_THROW(RayScene(m, std::vector<std::uint8_t>(8, 0)), Error);
   EXPECT_THROW(RayScene(m).closest({NAN, 0, 0}), std::invalid_argument);
   m.faces.row(0).setConstant(4);
   m.faces.row(1) << 0, 1, 2; // a line

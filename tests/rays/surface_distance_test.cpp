@@ -27,11 +27,11 @@ TEST(SurfaceDistance, DoesNotDependOnThreadsAndSkipsFaces) {
   three.threads = 3;
   EXPECT_EQ(distances_to_surface(points, body, {}, one), distances_to_surface(points, body, {}, three));
   const Mesh two = testing::join({testing::sphere(0.5), testing::sphere(0.1)});
-  std::vector<std::uint8_t> skip(two.faces.rows(), 0);
-  std::fill(skip.begin(), skip.begin() + two.faces.rows() / 2, 1);
+  std::vector<std::uint8_t> valid(two.faces.rows(), 1);
+  std::fill(valid.begin(), valid.begin() + two.faces.rows() / 2, 0);
   Vertices point(1, 3);
   point << 0, 0.5, 0;
-  EXPECT_NEAR(distances_to_surface(point, two, skip)[0], 0.4, 1e-6);
+  EXPECT_NEAR(distances_to_surface(point, two, valid)[0], 0.4, 1e-6);
 }
 
 TEST(SurfaceDistance, StopsAndRefuses) {

@@ -294,10 +294,6 @@ class RiggedMesh:
     skeleton: Skeleton
     def __init__(self, mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], skeleton: Skeleton) -> None:
         ...
-    def skip_invalid(self) -> list[int]:
-        """
-        (F) 1 where face_valid is 0: the form that rasterize and RayScene take.
-        """
     @property
     def face_valid(self) -> list[int]:
         """
@@ -552,7 +548,7 @@ class RayScene:
     """
     Rays and closest points against one mesh.
     """
-    def __init__(self, mesh: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+    def __init__(self, mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
         ...
     def cast(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], min_distance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
         """
@@ -3777,7 +3773,7 @@ class RenderMesh:
     """
     One mesh of a picture; colours in [0, 1], RGB.
     """
-    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], colour: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], colour: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
         ...
     @property
     def colour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -4810,7 +4806,7 @@ def create_simulated_annealing(dimension: typing.SupportsInt | typing.SupportsIn
     """
     Independent Metropolis chains under one geometric cooling schedule, over [0, 1]^dimension.
     """
-def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (N) unsigned distances, m
     """
@@ -4916,7 +4912,7 @@ def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: Bo
     """
     How far capsules and body are apart under the cloth.
     """
-def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, skip_face: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
+def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
     """
     (face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).
     """

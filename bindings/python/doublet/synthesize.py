@@ -105,7 +105,7 @@ class Surfaces:
     def garment_faces(character: d.Character, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
         """bool (F): the closest valid face of the working surface is more cloth than not. (Skin that a garment stands for is
         where that garment is, but not valid.)"""
-        closest, _, _ = d.RayScene(character.actor.mesh, character.actor.skip_invalid()).closest(vertices[faces].mean(axis=1))
+        closest, _, _ = d.RayScene(character.actor.mesh, character.actor.face_valid).closest(vertices[faces].mean(axis=1))
         return np.asarray(character.segmentation.clothness)[character.actor.mesh.faces[closest]].mean(axis=1) > 0.5
 
     def split(self, frame: d.AnimationFrame) -> tuple[np.ndarray, np.ndarray]:

@@ -56,10 +56,7 @@ Vertices surface_colours(const Character &c) {
   if (c.texture.empty())
     return colours;
   const Image image = decode_image(c.texture);
-  std::vector<std::uint8_t> skip;
-  for (std::uint8_t valid : c.high_valid)
-    skip.push_back(valid ? 0 : 1);
-  const RayScene scene(c.high, skip);
+  const RayScene scene(c.high, c.high_valid);
   for (Eigen::Index v = 0; v < colours.rows(); ++v) {
     const ClosestPoint at = scene.closest(c.actor.mesh.vertices.row(v));
     Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();

@@ -269,10 +269,10 @@ Display make_display(const RiggedMesh &actor, const Segmentation &segmentation, 
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "make_display");
   require_usable(high, "make_display: high");
   const detail::Worn garment = detail::worn_garment(actor, segmentation);
-  std::vector<std::uint8_t> skip(actor.mesh.faces.rows(), 0);
+  std::vector<std::uint8_t> bare(actor.mesh.faces.rows(), 1);
   for (int f : garment.faces)
-    skip[f] = 1;
-  const RayScene body(actor.mesh, skip);
+    bare[f] = 0;
+  const RayScene body(actor.mesh, bare);
   Display display{high, std::vector<std::uint8_t>(high.faces.rows())};
   for (int f = 0; f < high.faces.rows(); ++f)
     display.valid[f] = actor.face_valid[body.closest(centre_of(high, f)).face];

@@ -25,8 +25,8 @@ void require_mesh(const RenderMesh &mesh, std::size_t index) {
   check(mesh.vertices.allFinite(), "the vertices must be finite");
   check(mesh.faces.rows() == 0 || (mesh.faces.minCoeff() >= 0 && mesh.faces.maxCoeff() < mesh.vertices.rows()),
         "a face names a vertex that is not there");
-  check(mesh.skip_face.empty() || static_cast<Eigen::Index>(mesh.skip_face.size()) == mesh.faces.rows(),
-        "skip_face must be one a face");
+  check(mesh.face_valid.empty() || static_cast<Eigen::Index>(mesh.face_valid.size()) == mesh.faces.rows(),
+        "face_valid must be one a face");
   check(mesh.colours.allFinite() && mesh.colour.allFinite(), "the colours must be finite");
   check(mesh.colours.rows() == 0 || mesh.colours.rows() == mesh.vertices.rows(), "colours must be one a vertex");
   check(!mesh.texture ||
@@ -130,7 +130,8 @@ public:
       : meshes_(meshes), camera_(camera), options_(options), light_(options.light_direction.normalized().cast<float>()),
         shadow_(options.floor ? meshes : std::vector<RenderMesh>{}, options.floor_height) {
     for (const RenderMesh &mesh : meshes)
-      layers_.push_back({rasterize(mesh.vertices, mesh.faces, camera, mesh.skip_face), shown_normals(mesh)});
+      layers_.push_back({rasterize(mesh.vertices, mesh.faces, camera, mesh.face_valid),
+                         vertex_normals(mesh.vertices, valid_faces(mesh.faces, mesh.face_valid))});
   }
 
   /// Mean of samples x samples of the fine image; the ground, which is smooth, is worked out once for all samples that see it.
@@ -151,18 +152,6 @@ public:
   }
 
 private:
-  static Vertices shown_normals(const RenderMesh &mesh) {
-    if (mesh.skip_face.empty())
-      return vertex_normals(mesh.vertices, mesh.faces);
-    Faces shown(mesh.faces.rows(), 3);
-    Eigen::Index n = 0;
-    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
-      if (!mesh.skip_face[f])
-        shown.row(n++) = mesh.faces.row(f);
-    shown.conservativeResize(n, 3);
-    return vertex_normals(mesh.vertices, shown);
-  }
-
   int nearest(int x, int y) const {
     int best = -1;
     float depth = std::numeric_limits<float>::infinity();
@@ -291,25 +280,19 @@ Camera orbit_camera(const Vector3d &target, double radius, double azimuth, doubl
 
 CharacterRenderer::CharacterRenderer(const Character &character) {
   validate_character(character);
-  const auto inverted = [](const std::vector<std::uint8_t> &shown) {
-    std::vector<std::uint8_t> skip;
-    for (std::uint8_t s : shown)
-      skip.push_back(s ? 0 : 1);
-    return skip;
-  };
   coarse_.vertices = character.actor.mesh.vertices;
   coarse_.faces = character.actor.mesh.faces;
-  coarse_.skip_face = inverted(character.actor.face_valid);
+  coarse_.face_valid = character.actor.face_valid;
   high_.vertices = character.high.vertices;
   high_.faces = character.high.faces;
-  high_.skip_face = inverted(character.high_valid);
+  high_.face_valid = character.high_valid;
   if (!character.texture.empty()) {
     high_.texcoords = character.texcoords;
     high_.texture = std::make_shared<const Image>(decode_image(character.texture));
   }
   body_.vertices = character.body.vertices;
   body_.faces = character.body.faces;
-  body_.skip_face = inverted(character.body_shown);
+  body_.face_valid = character.body_shown;
   body_.colour = character.body_colour.array().pow(1 / 2.2); // the pictures are sRGB
 }
 

@@ -36,32 +36,30 @@ Vector3d local_coordinates(const Frame &frame, const Vector3d &p) {
   return axes.inverse() * (p - frame.origin);
 }
 
-std::vector<std::vector<int>> faces_at_vertices(const Faces &faces, int vertices, const std::vector<std::uint8_t> &skip) {
+std::vector<std::vector<int>> faces_at_vertices(const Faces &faces, int vertices, const std::vector<std::uint8_t> &valid) {
   std::vector<std::vector<int>> result(vertices);
   for (int f = 0; f < faces.rows(); ++f)
-    if (skip.empty() || !skip[f])
+    if (valid[f])
       for (int k = 0; k < 3; ++k)
         result[faces(f, k)].push_back(f);
   return result;
 }
 
-std::vector<std::uint8_t> inverted(const std::vector<std::uint8_t> &valid, Eigen::Index faces, const std::string &what) {
+/// One a face: all of them, where none are given.
+std::vector<std::uint8_t> one_a_face(const std::vector<std::uint8_t> &valid, Eigen::Index faces, const std::string &what) {
   if (!valid.empty() && static_cast<Eigen::Index>(valid.size()) != faces)
     throw Error("SurfaceTransfer: " + what + " has " + std::to_string(valid.size()) + " entries, expected " +
                 std::to_string(faces));
-  std::vector<std::uint8_t> skip(faces, 0);
-  for (std::size_t f = 0; f < valid.size(); ++f)
-    skip[f] = valid[f] ? 0 : 1;
-  return skip;
+  return valid.empty() ? std::vector<std::uint8_t>(faces, 1) : valid;
 }
 
 /// Triangles that are too thin have no usable frame.
-void skip_slivers(const Mesh &mesh, std::vector<std::uint8_t> &skip) {
+void take_out_slivers(const Mesh &mesh, std::vector<std::uint8_t> &valid) {
   for (int f = 0; f < mesh.faces.rows(); ++f) {
     const Frame frame = frame_of(mesh.vertices, mesh.faces, f);
     const double longest = std::max({frame.u.norm(), frame.v.norm(), (frame.u - frame.v).norm()});
     if (!(frame.u.cross(frame.v).norm() > 0.02 * longest * longest))
-      skip[f] = 1;
+      valid[f] = 0;
   }
 }
 
@@ -72,22 +70,22 @@ SurfaceTransfer::SurfaceTransfer(const Mesh &coarse, const std::vector<std::uint
     : coarse_faces_(coarse.faces), coarse_vertices_(static_cast<int>(coarse.vertices.rows())) {
   require_usable(coarse, "coarse mesh");
   require_usable(fine, "fine mesh");
-  std::vector<std::uint8_t> skip_invalid = inverted(coarse_valid, coarse.faces.rows(), "coarse_valid");
-  const std::vector<std::uint8_t> skip_fine = inverted(fine_valid, fine.faces.rows(), "fine_valid");
-  std::vector<std::uint8_t> skip_none(coarse.faces.rows(), 0);
-  skip_slivers(coarse, skip_invalid);
-  skip_slivers(coarse, skip_none);
-  if (std::all_of(skip_invalid.begin(), skip_invalid.end(), [](std::uint8_t s) { return s != 0; }))
+  std::vector<std::uint8_t> valid = one_a_face(coarse_valid, coarse.faces.rows(), "coarse_valid");
+  const std::vector<std::uint8_t> drawn = one_a_face(fine_valid, fine.faces.rows(), "fine_valid");
+  std::vector<std::uint8_t> whole(coarse.faces.rows(), 1);
+  take_out_slivers(coarse, valid);
+  take_out_slivers(coarse, whole);
+  if (std::all_of(valid.begin(), valid.end(), [](std::uint8_t v) { return v == 0; }))
     throw Error("SurfaceTransfer: expected valid triangles with an area in the coarse mesh, found none");
   std::vector<bool> shown(fine.vertices.rows(), false);
   for (int f = 0; f < fine.faces.rows(); ++f)
-    if (!skip_fine[f])
+    if (drawn[f])
       for (int k = 0; k < 3; ++k)
         shown[fine.faces(f, k)] = true;
 
-  const RayScene valid_scene(coarse, skip_invalid), whole_scene(coarse, skip_none);
-  const auto valid_ring = faces_at_vertices(coarse.faces, coarse_vertices_, skip_invalid);
-  const auto whole_ring = faces_at_vertices(coarse.faces, coarse_vertices_, skip_none);
+  const RayScene valid_scene(coarse, valid), whole_scene(coarse, whole);
+  const auto valid_ring = faces_at_vertices(coarse.faces, coarse_vertices_, valid);
+  const auto whole_ring = faces_at_vertices(coarse.faces, coarse_vertices_, whole);
   const double edge = mean_edge_length(coarse.vertices, coarse.faces);
   closest_.resize(fine.vertices.rows(), 3);
   first_.push_back(0);

@@ -110,13 +110,10 @@ public:
   Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
         const std::vector<Image> &masks, const TextureOptions &options)
       : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
-    std::vector<std::uint8_t> skip;
-    for (std::uint8_t v : valid)
-      skip.push_back(v ? 0 : 1);
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (!images[c].empty())
         views_.push_back({&cameras[c], &images[c], masks.empty() || masks[c].empty() ? nullptr : &masks[c],
-                          rasterize(mesh.vertices, mesh.faces, cameras[c], skip)});
+                          rasterize(mesh.vertices, mesh.faces, cameras[c], valid)});
   }
 
   bool drawn(int f) const { return valid_.empty() || valid_[f]; }

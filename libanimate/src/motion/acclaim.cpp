@@ -4,6 +4,7 @@
 
 #include "doublet/animate/motion_file.h"
 #include "doublet/files/files.h"
+#include "doublet/options/options.h"
 #include "line_reader.h"
 
 #include <algorithm>
@@ -258,7 +259,7 @@ void pose_frame(const AcclaimSkeleton &skeleton, const std::vector<BoneMotion> &
 SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const std::string &asf_source,
                            const std::string &amc_source, double fps) {
   if (!(fps > 0))
-    throw std::invalid_argument("parse_acclaim: fps must be positive, found " + std::to_string(fps));
+    throw std::invalid_argument("parse_acclaim: fps must be positive, found " + options::shown(fps));
   const AcclaimSkeleton skeleton = read_skeleton(asf, asf_source);
   SourceMotion clip;
   clip.source = amc_source;

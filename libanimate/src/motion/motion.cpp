@@ -1,5 +1,7 @@
 #include "doublet/animate/motion.h"
 
+#include "doublet/options/options.h"
+
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -11,7 +13,7 @@ constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
 
 void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
   if (!(motion.fps > 0) || !std::isfinite(motion.fps))
-    throw std::invalid_argument(who + ": motion.fps must be positive, found " + std::to_string(motion.fps));
+    throw std::invalid_argument(who + ": motion.fps must be positive, found " + options::shown(motion.fps));
   if (motion.dofs.rows() == 0 || motion.dofs.cols() != skeleton.dof_count())
     throw std::invalid_argument(who + ": motion.dofs must be (T > 0, " + std::to_string(skeleton.dof_count()) + "), found (" +
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ")");
@@ -41,11 +43,11 @@ Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd
 Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {
   require_motion(skeleton, motion, "resample");
   if (!(fps > 0) || !std::isfinite(fps))
-    throw std::invalid_argument("resample: fps must be positive, found " + std::to_string(fps));
+    throw std::invalid_argument("resample: fps must be positive, found " + options::shown(fps));
   const Eigen::Index last = motion.dofs.rows() - 1;
   if (!(last / motion.fps * fps < kMostFrames))
     throw std::invalid_argument("resample: expected at most " + std::to_string(kMostFrames) + " frames, found " +
-                                std::to_string(last / motion.fps * fps) + " at " + std::to_string(fps) + " 1/s");
+                                options::shown(last / motion.fps * fps, 4) + " at " + options::shown(fps) + " 1/s");
   const auto count = static_cast<Eigen::Index>(std::floor(last / motion.fps * fps + 1e-6)) + 1;
   Motion result{fps, MatrixRM(count, motion.dofs.cols())};
   for (Eigen::Index t = 0; t < count; ++t) {
@@ -61,7 +63,7 @@ Motion blend_in(const Skeleton &skeleton, const Motion &motion, double hold_seco
   require_motion(skeleton, motion, "blend_in");
   if (!(hold_seconds >= 0) || !(blend_seconds >= 0) || hold_seconds + blend_seconds > 3600)
     throw std::invalid_argument("blend_in: hold_seconds and blend_seconds must be in [0, 3600], found " +
-                                std::to_string(hold_seconds) + " and " + std::to_string(blend_seconds));
+                                options::shown(hold_seconds) + " and " + options::shown(blend_seconds));
   const auto hold = static_cast<Eigen::Index>(std::lround(hold_seconds * motion.fps));
   const auto blend = static_cast<Eigen::Index>(std::lround(blend_seconds * motion.fps));
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(motion.dofs.cols()), first = motion.dofs.row(0);

@@ -5,6 +5,7 @@
 #include "doublet/animate/retarget.h"
 
 #include "doublet/core/error.h"
+#include "doublet/options/options.h"
 #include "match_joints.h"
 
 #include <Eigen/Cholesky>
@@ -359,8 +360,8 @@ SourceMotion chosen_frames(const SourceMotion &clip, const RetargetOptions &opti
   const int last =
       static_cast<int>(std::min<double>(std::lround(std::min(options.last_second, 1e6) * clip.fps), clip.frame_count() - 1));
   if (first > last)
-    throw Error(clip.source + ": expected frames between " + std::to_string(options.first_second) + " s and " +
-                std::to_string(options.last_second) + " s, found a clip of " + std::to_string(clip.frame_count() / clip.fps) +
+    throw Error(clip.source + ": expected frames between " + options::shown(options.first_second) + " s and " +
+                options::shown(options.last_second) + " s, found a clip of " + options::shown(clip.frame_count() / clip.fps, 4) +
                 " s");
   if (first == 0 && last > 0 && starts_with_reference(clip)) {
     context.say(clip.source + ": the first frame stands apart from the motion (a reference pose) and is left out");

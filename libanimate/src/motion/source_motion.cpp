@@ -1,5 +1,7 @@
 #include "doublet/animate/motion_file.h"
 
+#include "doublet/options/options.h"
+
 #include <cmath>
 #include <stdexcept>
 
@@ -24,7 +26,7 @@ void validate(const SourceMotion &motion) {
   require(joints > 0 && !motion.positions.empty(), "expected at least one joint and one frame, found " + std::to_string(joints) +
                                                        " and " + std::to_string(motion.positions.size()));
   require(motion.fps >= kLowestRate && motion.fps <= kHighestRate,
-          "expected fps in [0.1, 100000], found " + std::to_string(motion.fps));
+          "expected fps in [0.1, 100000], found " + options::shown(motion.fps));
   for (std::size_t j = 0; j < joints; ++j) {
     const int parent = motion.joints[j].parent;
     require(j == 0 ? parent == -1 : parent >= 0 && parent < static_cast<int>(j),
@@ -42,7 +44,7 @@ void validate(const SourceMotion &motion) {
     require(motion.positions[t].allFinite(), "expected finite positions, found others" + frame);
     for (const Eigen::Quaterniond &q : motion.rotations[t])
       require(std::abs(q.norm() - 1) < 1e-3,
-              "expected unit quaternions, found one of length " + std::to_string(q.norm()) + frame);
+              "expected unit quaternions, found one of length " + options::shown(q.norm(), 4) + frame);
   }
 }
 

@@ -19,9 +19,6 @@ struct RiggedMesh {
   std::vector<std::uint8_t> face_valid; ///< (F) 0 = semantically invalid (invented over a large hole)
   MatrixRM weights;                     ///< (V, J), rows sum to one
   Skeleton skeleton;
-
-  /// (F) 1 where face_valid is 0: the form rasterize() and RayScene take.
-  std::vector<std::uint8_t> skip_invalid() const;
 };
 
 /// The captured reference performance. File: performance.npz.

@@ -22,7 +22,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <map>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -128,6 +127,15 @@ template <class T, class Visit> void each(T &object, Visit &&visit) {
 inline std::string shown(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+/// Rounded to so many significant digits, 1 to 15; a number that has more before its point is rounded to a whole one.
+inline std::string shown(double value, int digits) {
+  char text[32];
+  const bool large = std::abs(value) >= std::pow(10.0, digits);
+  return {text, std::to_chars(text, text + sizeof text, large ? std::round(value) : value, std::chars_format::general,
+                              large ? 15 : digits)
+                    .ptr};
 }
 
 /// "a number in [0, 1]", "a number of at least 0", "one of 'a', 'b'".

@@ -1,6 +1,7 @@
 #pragma once
 // What every ClothSolver must do, for those who write their own: call it in a test of any framework and expect an empty list.
 
+#include "doublet/options/options.h"
 #include "doublet/pbd/cloth_solver.h"
 
 #include <algorithm>
@@ -98,7 +99,7 @@ private:
       tested->step(state, still, {});
     const double moved = (state.positions - banner_.rest).rowwise().norm().maxCoeff();
     if (!(moved < 1e-4))
-      broken_.push_back("the rest state does not rest: without gravity a vertex moved " + std::to_string(moved) +
+      broken_.push_back("the rest state does not rest: without gravity a vertex moved " + options::shown(moved, 4) +
                         " m in 40 frames");
   }
 
@@ -109,8 +110,8 @@ private:
       tested->step(state, {}, {});
     const double fallen = (banner_.rest - state.positions).col(1).mean(), freely = 0.5 * 9.81 * 0.2 * 0.2;
     if (!(fallen > 0.2 * freely && fallen < 1.5 * freely))
-      broken_.push_back("cloth does not fall: free cloth came down by " + std::to_string(fallen) + " m in 0.2 s, a stone by " +
-                        std::to_string(freely));
+      broken_.push_back("cloth does not fall: free cloth came down by " + options::shown(fallen, 4) + " m in 0.2 s, a stone by " +
+                        options::shown(freely, 4));
   }
 
   void obeys() {
@@ -121,7 +122,7 @@ private:
     solver(banner_.clothness)->step(state, move, {});
     const double off = (state.positions - moved).topRows(9).rowwise().norm().maxCoeff();
     if (!(off < 1e-5))
-      broken_.push_back("pinned vertices do not obey: one is " + std::to_string(off) + " m from its target");
+      broken_.push_back("pinned vertices do not obey: one is " + options::shown(off, 4) + " m from its target");
   }
 
   void replays() {

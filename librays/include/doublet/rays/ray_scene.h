@@ -24,8 +24,9 @@ struct ClosestPoint {
 /// Immutable, safe from many threads; copies share one scene. Calls throw std::invalid_argument for NaN and beyond 1e18.
 class RayScene {
 public:
-  /// Faces with skip_face[f] != 0 are not there. Throws Error if the mesh is not usable(), beyond 1e18 m, or skipped as a whole.
-  explicit RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &skip_face = {});
+  /// Faces with face_valid[f] == 0 are not there (empty = all are). Throws Error if the mesh is not usable(), beyond 1e18 m, or
+  /// invalid as a whole.
+  explicit RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid = {});
   /// First hit of origin + s * direction (unit), s in (min_distance, max_distance).
   std::optional<RayHit> cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance = 0,
                              double max_distance = 1e30) const;

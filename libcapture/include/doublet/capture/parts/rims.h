@@ -30,8 +30,8 @@ struct Rims {
   double metres_per_pixel = 0; ///< on the surface, mean over the rims
 };
 
-/// Renders the surface (faces with skip_face left out) at most `raster_size` pixels wide or high and traces it.
-Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<std::uint8_t> &skip_face, const Camera &camera,
+/// Renders the surface (its valid faces; face_valid empty = all) at most `raster_size` pixels wide or high and traces it.
+Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<std::uint8_t> &face_valid, const Camera &camera,
                int raster_size);
 
 /// One scalar constraint in view `view`: normal . (project(surface point) - target) = 0, pixels.
