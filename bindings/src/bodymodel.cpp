@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/bodymodel/body_fitter.h"
+#include "doublet/bodymodel/body_marks.h"
 #include "doublet/bodymodel/proxies.h"
 #include "doublet/bodymodel/train_body_model.h"
 #include "doublet/testing/body_fitter_conformance.h"
@@ -105,6 +106,20 @@ public:
     return BodyFitter::fit_together(scans, model, context);
   }
 };
+
+void bind_marks(py::module_ &m) {
+  py::class_<BodyMarks>(m, "BodyMarks", "Joints and landmarks of a person that nobody marked.")
+      .def_readonly("joints", &BodyMarks::joints, "the standard joints, JointMark")
+      .def_readonly("landmarks", &BodyMarks::landmarks, "name -> point on the body, m")
+      .def_readonly("fit", &BodyMarks::fit, "the body that they were read from")
+      .def_readonly("rival", &BodyMarks::rival,
+                    "how unlikely it is over the fit that looks the other way: near 1 = hard to tell");
+  m.def(
+      "find_body_marks", &find_body_marks, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
+      py::arg("options") = BodyFitOptions{}, py::arg("context") = interruptible_context(), Release(),
+      "Joints and landmarks of a person, upright (+Y), arms and legs apart, by the body model. face_valid: 0 = invented, empty = "
+      "all valid.");
+}
 
 void bind_regions(py::module_ &m) {
   py::class_<BodyRegion>(m, "BodyRegion", "How far a fit can be trusted along one bone.")
@@ -211,6 +226,7 @@ void bind_bodymodel(py::module_ &m) {
   m.def("fit_proxies", &fit_proxies, py::arg("fit"), py::arg("actor"), py::arg("segmentation"),
         py::arg("options") = ProxyOptions{}, Release(),
         "Tapered capsules along the bones, inside the body: what cloth collides with.");
+  bind_marks(m);
   bind_regions(m);
   bind_proxy_statistics(m);
   bind_training(m);

@@ -4,6 +4,7 @@
 #include "doublet/capture/heat_weights.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
+#include "doublet/capture/scan_from_views.h"
 #include "doublet/capture/template_builder.h"
 
 namespace doublet::python {
@@ -110,13 +111,24 @@ void bind_session(py::module_ &m) {
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
         "A trained extractor for the cameras without ready masks; None if all have some.");
+  m.def("require_scanned", &require_scanned, py::arg("session"), "Raises if the session has no scan or no joints.");
   py::class_<CameraView>(m, "CameraView", "What a camera shows at a frame.")
+      .def(py::init([](Image image, Image mask) {
+             return CameraView{std::move(image), std::move(mask)};
+           }),
+           py::arg("image") = Image{}, py::arg("mask") = Image{})
       .def_property_readonly(
           "image", [](const CameraView &view) { return view.image; }, "(H, W, 3) uint8, BGR; (0, 0) = nothing")
       .def_property_readonly(
           "mask", [](const CameraView &view) { return view.mask; }, "(H, W) uint8, 255 = actor; (0, 0) = none");
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
         Release(), "The image, and the ready mask or, where there is none, the extractor's -> CameraView.");
+  OptionsClass<ViewScanOptions>(m, "Options of scan_from_views.");
+  m.def(
+      "scan_from_views", &scan_from_views, py::arg("rig"), py::arg("views"), py::arg("options") = ViewScanOptions{},
+      py::arg("context") = interruptible_context(), Release(),
+      "Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a "
+      "camera, of one frame.");
 }
 
 void bind_template(py::module_ &m) {

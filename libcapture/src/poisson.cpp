@@ -8,11 +8,14 @@
 namespace doublet::detail {
 
 PoissonSurface poisson_surface(const Mesh &scan, int depth) {
-  const Vertices normals = vertex_normals(scan.vertices, scan.faces);
+  return poisson_surface(scan.vertices, vertex_normals(scan.vertices, scan.faces), depth);
+}
+
+PoissonSurface poisson_surface(const Vertices &points, const Vertices &normals, int depth) {
   open3d::geometry::PointCloud cloud;
-  for (Eigen::Index v = 0; v < scan.vertices.rows(); ++v)
-    if (normals.row(v).squaredNorm() > 0.5) { // without a face there is no normal
-      cloud.points_.emplace_back(scan.vertices.row(v));
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    if (normals.row(v).squaredNorm() > 0.5) { // a vertex without a face has no normal
+      cloud.points_.emplace_back(points.row(v));
       cloud.normals_.emplace_back(normals.row(v));
     }
   if (cloud.points_.size() < 4)

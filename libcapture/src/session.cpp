@@ -217,20 +217,30 @@ Session read_session(const fs::path &folder) {
   if (session.frame_count < 1)
     throw Error(where + ": expected \"frame_count\" to be at least 1, found " + std::to_string(session.frame_count));
   session.cameras = read_cameras(json, session.folder, source);
-  session.scan = existing(session.folder, value<std::string>(json, "scan", where, "a file name"), "scan", source);
+  if (const std::string scan = text_or(json, "scan", where); !scan.empty())
+    session.scan = existing(session.folder, scan, "scan", source);
   if (const std::string motion = text_or(json, "new_motion", where); !motion.empty())
     session.new_motion = existing(session.folder, motion, "new motion", source);
   session.calibration =
       existing(session.folder, value<std::string>(json, "calibration", where, "a file name"), "calibration", source);
   read_rig(session);
-  session.markers = existing(session.folder, value<std::string>(json, "markers", where, "a file name"), "file of joints", source);
-  read_joints(session.markers, session);
+  if (const std::string markers = text_or(json, "markers", where); !markers.empty()) {
+    session.markers = existing(session.folder, markers, "file of joints", source);
+    read_joints(session.markers, session);
+  }
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
     session.cameras[c].video_fps = check_frames(session.cameras[c].video, session, session.rig[c]);
     check_frames(session.cameras[c].masks, session, session.rig[c]);
     check_plates(session.cameras[c].background, session.rig[c]);
   }
   return session;
+}
+
+void require_scanned(const Session &session) {
+  const std::string missing = session.scan.empty() ? "\"scan\" (a file name)" : "\"markers\" (the file of joints)";
+  if (session.scan.empty() || session.markers.empty())
+    throw Error((session.folder / "session.json").string() + ": expected " + missing +
+                ", found none; `doublet scan` makes scan and joints from the cameras");
 }
 
 } // namespace doublet

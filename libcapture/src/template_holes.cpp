@@ -1,4 +1,5 @@
 #include "doublet/core/error.h"
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/core/parts/sparse_solve.h"
 #include "doublet/options/options.h"
@@ -11,7 +12,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <queue>
 #include <set>
 
 namespace doublet::detail {
@@ -53,50 +53,22 @@ std::vector<std::uint8_t> invented_vertices(const Mesh &surface, const Eigen::Ve
   return invented;
 }
 
-/// Dijkstra's search along edges, not beyond `limit` (m): distance(v) is where the distance of a vertex is kept, 0 at `starts`
-/// and infinity elsewhere.
-template <class Distance>
-void spread(const Mesh &surface, const std::vector<std::vector<int>> &neighbours, const std::vector<int> &starts, double limit,
-            const Distance &distance) {
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  for (int v : starts)
-    queue.push({0.0, v});
-  while (!queue.empty()) {
-    const auto [d, v] = queue.top();
-    queue.pop();
-    if (d > distance(v))
-      continue;
-    for (int n : neighbours[v]) {
-      const double next = d + (surface.vertices.row(v) - surface.vertices.row(n)).norm();
-      if (next <= limit && next < distance(n)) {
-        distance(n) = next;
-        queue.push({next, n});
-      }
-    }
-  }
-}
-
-/// Shortest distances (m) along edges from the vertices with start[v] != 0, not beyond `limit`; infinity where nothing was
-/// reached.
-std::vector<double> edge_distances(const Mesh &surface, const std::vector<std::vector<int>> &neighbours,
-                                   const std::vector<std::uint8_t> &start, double limit) {
-  std::vector<double> distances(start.size(), std::numeric_limits<double>::infinity());
+/// Shortest ways (m) along edges from the vertices with start[v] != 0, not beyond `limit`; infinity where nothing was reached.
+Eigen::VectorXd distances_from(const Mesh &surface, const std::vector<std::vector<int>> &neighbours,
+                               const std::vector<std::uint8_t> &start, double limit) {
   std::vector<int> starts;
   for (int v = 0; v < static_cast<int>(start.size()); ++v)
-    if (start[v]) {
-      distances[v] = 0;
+    if (start[v])
       starts.push_back(v);
-    }
-  spread(surface, neighbours, starts, limit, [&](int v) -> double & { return distances[v]; });
-  return distances;
+  return edge_distances(surface.vertices, neighbours, starts, limit);
 }
 
 /// The vertices within `reach` (m, along edges) of `from`, itself included.
 std::vector<int> within_reach(const Mesh &surface, const std::vector<std::vector<int>> &neighbours, int from, double reach) {
   std::map<int, double> distances{{from, 0.0}};
-  spread(surface, neighbours, {from}, reach,
-         [&](int v) -> double & { return distances.try_emplace(v, std::numeric_limits<double>::infinity()).first->second; });
+  spread_along_edges(surface.vertices, neighbours, {from}, reach, [&](int v) -> double & {
+    return distances.try_emplace(v, std::numeric_limits<double>::infinity()).first->second;
+  });
   std::vector<int> found;
   for (const auto &[v, d] : distances)
     found.push_back(v);
@@ -109,10 +81,10 @@ std::vector<std::uint8_t> opened(const Mesh &surface, double radius, std::vector
   std::vector<std::uint8_t> outside(invented.size()), core(invented.size());
   for (std::size_t v = 0; v < invented.size(); ++v)
     outside[v] = !invented[v];
-  const std::vector<double> depth = edge_distances(surface, neighbours, outside, radius);
+  const Eigen::VectorXd depth = distances_from(surface, neighbours, outside, radius);
   for (std::size_t v = 0; v < invented.size(); ++v)
     core[v] = !(depth[v] <= radius);
-  const std::vector<double> reach = edge_distances(surface, neighbours, core, radius);
+  const Eigen::VectorXd reach = distances_from(surface, neighbours, core, radius);
   for (std::size_t v = 0; v < invented.size(); ++v)
     invented[v] = reach[v] <= radius && invented[v];
   return invented;
@@ -211,7 +183,7 @@ std::vector<int> borders_within(const Mesh &surface, const Borders &borders, dou
     std::vector<std::uint8_t> start(borders.of_vertex.size());
     for (std::size_t v = 0; v < start.size(); ++v)
       start[v] = borders.of_vertex[v] == border;
-    const std::vector<double> distance = edge_distances(surface, neighbours, start, reach);
+    const Eigen::VectorXd distance = distances_from(surface, neighbours, start, reach);
     for (std::size_t v = 0; v < near.size(); ++v)
       near[v] += distance[v] <= reach;
   }

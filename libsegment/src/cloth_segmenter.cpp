@@ -102,20 +102,30 @@ void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta)
         delta[i] = 1;
 }
 
-/// Cloth hangs from something. A core that lies wholly above what borders on it stands: a head. One under a seam, with its seams
-/// higher than its own middle and than the rigid surface beside it, is what comes out of a garment: a shank below a hem, a hand
-/// below a cuff. Both are ends of limbs that were tracked badly.
-bool hangs(const Surface &surface, const Patch &core, const Eigen::VectorXd &delta) {
-  double middle = 0, seams = 0, rigid = 0, highest = -std::numeric_limits<double>::infinity();
+/// Rigid patches that cloth can hang from: an island inside a core, smaller than a region can be, holds nothing up.
+std::vector<char> carrying(const Surface &surface, double smallest, const Eigen::VectorXd &delta) {
+  std::vector<char> carries(surface.size(), 0);
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; })))
+    for (int i : patch.members)
+      carries[i] = patch.area >= smallest;
+  return carries;
+}
+
+/// Cloth hangs from something. A core whose upper part rises above all that borders on it stands: a head. One under a seam, with
+/// its seams higher than its own middle and than the rigid surface beside it, is what comes out of a garment: a shank below a
+/// hem, a hand below a cuff. Both are ends of limbs that were tracked badly.
+bool hangs(const Surface &surface, const Patch &core, const std::vector<char> &carries) {
+  double middle = 0, seams = 0, rigid = 0, top = -std::numeric_limits<double>::infinity(), highest = top;
   int seam_count = 0, rigid_count = 0;
   for (int i : core.members) {
     middle += surface.areas[i] * surface.vertices(i, 1) / core.area;
+    top = std::max(top, surface.vertices(i, 1));
     for (int j : surface.neighbours[i]) {
       const double height = surface.vertices(j, 1);
       if (surface.seam[j]) {
         seams += height;
         ++seam_count;
-      } else if (delta[j] <= 0.5) {
+      } else if (carries[j]) {
         rigid += height;
         ++rigid_count;
       } else {
@@ -128,7 +138,7 @@ bool hangs(const Surface &surface, const Patch &core, const Eigen::VectorXd &del
     return true;
   const bool comes_out =
       seam_count > 0 && seams > middle * seam_count && (!rigid_count || seams * rigid_count > rigid * seam_count);
-  return highest > middle && !comes_out;
+  return highest > (middle + top) / 2 && !comes_out;
 }
 
 /// Cloth stays where its core (delta > 0.5) is large enough, with its transition zone: every other vertex goes with the core
@@ -136,12 +146,13 @@ bool hangs(const Surface &surface, const Patch &core, const Eigen::VectorXd &del
 /// Seams do not connect cores: where the invented surface was marked a little too small, what is left of it joins a hem to the
 /// legs.
 void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  const std::vector<char> carries = carrying(surface, smallest, delta);
   std::vector<char> kept(surface.size(), 0);
   std::vector<double> distance(surface.size(), kTransition);
   std::set<std::pair<double, int>> front; // Dijkstra's algorithm from all cores at once
   for (const Patch &core :
        connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; }))) {
-    const bool keep = core.area >= smallest && hangs(surface, core, delta);
+    const bool keep = core.area >= smallest && hangs(surface, core, carries);
     for (int i : core.members) {
       kept[i] = keep;
       distance[i] = 0;

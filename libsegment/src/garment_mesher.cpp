@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
 #include "garment_field.h"
@@ -85,10 +86,11 @@ Piece hanging_part(const Piece &piece, std::vector<char> &hangs) {
   for (std::size_t v = 0; v < hangs.size(); ++v)
     if (hangs[v])
       sources.push_back(static_cast<int>(v));
-  const Eigen::VectorXd way = detail::distances_along(piece.mesh.faces, piece.mesh.vertices, sources);
+  const Eigen::VectorXd way = edge_distances(
+      piece.mesh.vertices, vertex_neighbours(piece.mesh.faces, static_cast<int>(piece.mesh.vertices.rows())), sources);
   Piece part;
   for (int f = 0; f < piece.mesh.faces.rows(); ++f)
-    if (way[piece.mesh.faces(f, 0)] < detail::kNoWay) {
+    if (std::isfinite(way[piece.mesh.faces(f, 0)])) {
       faces.push_back(f);
       part.actor_face.push_back(piece.actor_face[f]);
       part.corners.push_back(piece.corners[f]);
@@ -193,7 +195,8 @@ void give_rest_shape(Garment &garment, const RiggedMesh &actor, const MeshSequen
   for (const Vertices &frame : captured.frames)
     frames.push_back(at_garment(garment, actor.mesh.faces, frame));
   garment.rest = detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, spread.frame, attached, options.spread);
-  const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, garment.rest, attached);
+  const Eigen::VectorXd way =
+      edge_distances(garment.rest, vertex_neighbours(garment.mesh.faces, static_cast<int>(garment.rest.rows())), attached);
   garment.clothness =
       options.band > 0 ? Eigen::VectorXd((way / options.band).cwiseMin(1.0)) : Eigen::VectorXd((way.array() > 0).cast<double>());
 }

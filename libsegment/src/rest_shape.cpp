@@ -1,11 +1,11 @@
 #include "rest_shape.h"
 
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace doublet::detail {
 namespace {
@@ -131,11 +131,12 @@ std::vector<double> lengths_over_time(const std::vector<Eigen::Vector2i> &edges,
 /// The part of each edge that leads away from the attachment, brought to the scan's length.
 std::vector<double> lengths_as_hung(const Faces &faces, const Vertices &shape, const Vertices &scan,
                                     const std::vector<Eigen::Vector2i> &edges, const std::vector<int> &attached) {
-  const Eigen::VectorXd way = distances_along(faces, shape, attached), hung = distances_along(faces, scan, attached);
+  const auto neighbours = vertex_neighbours(faces, static_cast<int>(scan.rows()));
+  const Eigen::VectorXd way = edge_distances(shape, neighbours, attached), hung = edge_distances(scan, neighbours, attached);
   std::vector<double> lengths = lengths_of(edges, shape);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto [a, b] = std::pair(edges[e][0], edges[e][1]);
-    if (std::max(way[a], way[b]) >= kNoWay)
+    if (!std::isfinite(std::max(way[a], way[b])))
       continue;
     const double along = std::min(std::abs(way[a] - way[b]), lengths[e]), scanned = std::abs(hung[a] - hung[b]);
     lengths[e] = std::sqrt(scanned * scanned + lengths[e] * lengths[e] - along * along);
@@ -155,29 +156,6 @@ Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<
 }
 
 } // namespace
-
-Eigen::VectorXd distances_along(const Faces &faces, const Vertices &vertices, const std::vector<int> &sources) {
-  const auto neighbours = vertex_neighbours(faces, static_cast<int>(vertices.rows()));
-  Eigen::VectorXd distance = Eigen::VectorXd::Constant(vertices.rows(), kNoWay);
-  std::set<std::pair<double, int>> front; // Dijkstra's algorithm
-  for (int v : sources) {
-    distance[v] = 0;
-    front.emplace(0.0, v);
-  }
-  while (!front.empty()) {
-    const auto [reached, v] = *front.begin();
-    front.erase(front.begin());
-    for (int w : neighbours[v]) {
-      const double way = reached + (vertices.row(v) - vertices.row(w)).norm();
-      if (way < distance[w]) {
-        front.erase({distance[w], w});
-        distance[w] = way;
-        front.emplace(way, w);
-      }
-    }
-  }
-  return distance;
-}
 
 Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
                     const std::vector<int> &attached, double spread) {

@@ -20,9 +20,4 @@ namespace doublet::detail {
 Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
                     const std::vector<int> &attached, double spread);
 
-constexpr double kNoWay = 1e9; ///< m
-
-/// (N) m along the edges to the nearest of `sources`; kNoWay where there is none.
-Eigen::VectorXd distances_along(const Faces &faces, const Vertices &vertices, const std::vector<int> &sources);
-
 } // namespace doublet::detail

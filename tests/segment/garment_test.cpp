@@ -2,6 +2,7 @@
 
 #include "../../libsegment/src/rest_shape.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/testing/garment_mesher_conformance.h"
 #include "skirt_person.h"
 
@@ -62,7 +63,8 @@ double way_to_hem(const Garment &garment, const Vertices &shape) {
   for (int v = 0; v < garment.clothness.size(); ++v)
     if (garment.clothness[v] == 0)
       seam.push_back(v);
-  const Eigen::VectorXd way = detail::distances_along(garment.mesh.faces, shape, seam);
+  const auto neighbours = vertex_neighbours(garment.mesh.faces, static_cast<int>(shape.rows()));
+  const Eigen::VectorXd way = edge_distances(shape, neighbours, seam);
   double sum = 0;
   for (int v : hem_vertices(garment))
     sum += way[v];

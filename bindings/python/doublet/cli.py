@@ -137,6 +137,23 @@ def run_stages(arguments) -> int:
     return exit_status(job)
 
 
+def run_scan(arguments) -> int:
+    from . import scan
+
+    options = chosen_options(arguments, scan.GROUPS)
+    scan_options = options.pop("scan")
+    console = make_console(arguments)
+    job = pipeline.Job(
+        arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
+    )
+    made = scan.scan_session(job, scan_options, arguments.force)
+    console.finish()
+    print("\n".join(map(str, made.files)))
+    for finding in made.findings:
+        print(f"doublet: {finding.level}: {finding.text}", file=sys.stderr)
+    return DOUBTFUL if made.findings else 0
+
+
 def run_animate(arguments) -> None:
     from .character import animate
 
@@ -272,6 +289,7 @@ def build_parser() -> argparse.ArgumentParser:
         command.set_defaults(run=run_stages, stages=stages)
 
     import_calibration.add_command(commands)
+    add_scan(commands)
     add_edit_template(commands)
     add_animate(commands)
     add_evaluate(commands)
@@ -288,6 +306,19 @@ def add_stage_flags(parser, groups, with_body_model: bool) -> None:
         parser.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(parser)
     add_option_flags(parser, groups)
+
+
+def add_scan(commands) -> None:
+    from .scan import GROUPS
+
+    text = "scan and joints of a session that has none, from its cameras"
+    scan = commands.add_parser("scan", help=text, description=text)
+    scan.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json; gets scan.ply and joints.json")
+    scan.add_argument("--force", action="store_true", help="make them anew, and overwrite files made elsewhere")
+    scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
+    common_flags(scan)
+    add_option_flags(scan, GROUPS)
+    scan.set_defaults(run=run_scan)
 
 
 def add_edit_template(commands) -> None:

@@ -580,6 +580,7 @@ def start_record(job: Job) -> None:
     if job.out.exists() and not job.out.is_dir():
         raise RuntimeError(f"{job.out}: expected a folder for the results, found a file")
     refuse_other_session(job)
+    d.require_scanned(job.session)
     job.out.mkdir(parents=True, exist_ok=True)
     job.console.log_file = job.path("log.txt")
     job.record.data["session"] = str(job.session.folder)

@@ -30,9 +30,9 @@ struct Session {
   std::vector<SessionCamera> cameras;
   CameraRig rig;              ///< one camera for each of `cameras`
   std::vector<Lens> lenses;   ///< undone when frames, masks and clean plates are read; one for each of `cameras`, or none at all
-  std::filesystem::path scan; ///< absolute
+  std::filesystem::path scan; ///< absolute; empty if there is none (yet)
   std::filesystem::path calibration;                ///< absolute
-  std::filesystem::path markers;                    ///< absolute
+  std::filesystem::path markers;                    ///< absolute; empty if there are none (yet)
   std::vector<JointMark> joints;                    ///< joints.json
   std::map<std::string, Eigen::Vector3d> landmarks; ///< joints.json, clicked on the body surface, m
   std::filesystem::path new_motion;                 ///< absolute; empty if not given
@@ -42,6 +42,9 @@ struct Session {
 /// joint's parent is known, every video opens with the stated size and has frame_count frames (a truncated mp4 is found here).
 /// Throws FileNotFound or Error with one sentence naming file, expectation and finding.
 Session read_session(const std::filesystem::path &folder);
+
+/// Throws Error if the session has no scan or no joints, which all stages but those that make them need.
+void require_scanned(const Session &session);
 
 /// Swap point: where frames come from. Sequential reading is cheap, jumping may not be. Not thread-safe per camera; different
 /// cameras may be read from different threads.

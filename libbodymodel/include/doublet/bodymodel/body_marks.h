@@ -1,0 +1,26 @@
+#pragma once
+// Joints and landmarks of a person that nobody marked: the body model finds its own way into the surface.
+
+#include "doublet/bodymodel/body_fitter.h"
+
+namespace doublet {
+
+struct BodyMarks {
+  std::vector<JointMark> joints;                    ///< the standard 24 joints, 36 degrees of freedom; rest pose, world, m
+  std::map<std::string, Eigen::Vector3d> landmarks; ///< the standard names that the model knows; on the body's surface, m
+  BodyFit fit;                                      ///< the body that they were read from
+  /// How unlikely the fit is (its residual times the norm of its coefficients) over that of the fit that looks the other way:
+  /// near 1, front and back were hard to tell apart.
+  double rival = 0;
+};
+
+/// surface: a person, +Y up, who stands with arms and legs apart, dressed or not, in one piece; face_valid (F): 0 = invented,
+/// empty = all valid. Start: the five points that are farthest along the surface from its middle and from each other are head,
+/// hands and feet; then, for each side that the person may face, the body is fitted as if all were skin, and twice again without
+/// the surface that stands off it. Throws Error if the five are not found, the model
+/// lacks a joint or landmark that is needed, or the body stays farther from the surface than a person's can; else as
+/// BodyFitter::fit.
+BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
+                          const BodyFitOptions &options = {}, const Context &context = {});
+
+} // namespace doublet

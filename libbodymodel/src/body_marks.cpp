@@ -1,0 +1,221 @@
+#include "doublet/bodymodel/body_marks.h"
+
+#include "doublet/core/error.h"
+#include "doublet/core/parts/edge_distances.h"
+#include "doublet/options/options.h"
+#include "doublet/rays/ray_scene.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+namespace doublet {
+namespace {
+
+/// Where a standard joint lies: in the middle of these joints of the model, or at a landmark.
+struct JointSource {
+  const char *name, *parent, *first, *second;
+  const char *landmark = nullptr;
+};
+
+/// The chest is where the clavicles part: in the model's rig they hang from a joint at the height of the sternum's end.
+constexpr std::array kJoints{
+    JointSource{"pelvis", "", "pelvis", "pelvis"},
+    JointSource{"spine", "pelvis", "spine2", "spine2"},
+    JointSource{"chest", "spine", "chest", "neck"},
+    JointSource{"neck", "chest", "neck", "neck"},
+    JointSource{"head", "neck", "head", "head"},
+    JointSource{"head_top", "head", "", "", "head_top"},
+    JointSource{"l_clavicle", "chest", "l_clavicle", "l_clavicle"},
+    JointSource{"l_shoulder", "l_clavicle", "l_shoulder", "l_shoulder"},
+    JointSource{"l_elbow", "l_shoulder", "l_elbow", "l_elbow"},
+    JointSource{"l_wrist", "l_elbow", "l_wrist", "l_wrist"},
+    JointSource{"l_hand", "l_wrist", "", "", "l_knuckle"},
+    JointSource{"r_clavicle", "chest", "r_clavicle", "r_clavicle"},
+    JointSource{"r_shoulder", "r_clavicle", "r_shoulder", "r_shoulder"},
+    JointSource{"r_elbow", "r_shoulder", "r_elbow", "r_elbow"},
+    JointSource{"r_wrist", "r_elbow", "r_wrist", "r_wrist"},
+    JointSource{"r_hand", "r_wrist", "", "", "r_knuckle"},
+    JointSource{"l_hip", "pelvis", "l_hip", "l_hip"},
+    JointSource{"l_knee", "l_hip", "l_knee", "l_knee"},
+    JointSource{"l_ankle", "l_knee", "l_ankle", "l_ankle"},
+    JointSource{"l_toe", "l_ankle", "l_toe", "l_toe"},
+    JointSource{"r_hip", "pelvis", "r_hip", "r_hip"},
+    JointSource{"r_knee", "r_hip", "r_knee", "r_knee"},
+    JointSource{"r_ankle", "r_knee", "r_ankle", "r_ankle"},
+    JointSource{"r_toe", "r_ankle", "r_toe", "r_toe"},
+};
+
+constexpr std::array kLandmarks{"head_top",    "nose_tip",    "l_middle_fingertip", "r_middle_fingertip",
+                                "l_thumb_tip", "r_thumb_tip", "l_big_toe_tip",      "r_big_toe_tip",
+                                "l_heel",      "r_heel"};
+
+/// m; the ends of the surface are not quite the landmarks: hair, another finger, a shoe.
+constexpr double kEndDeviation = 0.05;
+/// m; surface that is farther from the fitted body is cloth: skin is nearer even if the model is not this person's.
+constexpr double kOffSkin = 0.03;
+/// m; mean distance of what is taken for skin to the body beyond which the body is somewhere else.
+constexpr double kLargestResidual = 0.02;
+
+using Marks = std::map<std::string, Eigen::Vector3d>;
+
+/// Farthest points along the surface: the first from the vertex nearest to the middle, each next from all before.
+std::array<Eigen::Vector3d, 5> ends_of(const Mesh &surface) {
+  const auto neighbours = vertex_neighbours(surface.faces, static_cast<int>(surface.vertices.rows()));
+  const Eigen::RowVector3d middle = surface.vertices.colwise().mean();
+  Eigen::Index nearest = 0;
+  (surface.vertices.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
+  std::vector<int> sources{static_cast<int>(nearest)};
+  std::array<Eigen::Vector3d, 5> ends;
+  for (Eigen::Vector3d &end : ends) {
+    Eigen::VectorXd ways = edge_distances(surface.vertices, neighbours, sources);
+    ways = ways.array().isFinite().select(ways, -1); // another piece
+    Eigen::Index farthest = 0;
+    if (!(ways.maxCoeff(&farthest) > 0))
+      throw Error("body marks: expected a surface in one piece with five ends (head, hands, feet), found fewer");
+    end = surface.vertices.row(farthest);
+    sources.push_back(static_cast<int>(farthest));
+  }
+  return ends;
+}
+
+double across(const Eigen::Vector3d &a, const Eigen::Vector3d &b) {
+  return std::hypot(a.x() - b.x(), a.z() - b.z());
+}
+
+/// The lowest two are the feet, of the others the head is most above them.
+struct Ends {
+  Eigen::Vector3d head;
+  std::array<Eigen::Vector3d, 2> hands, feet;
+};
+
+Ends named_ends(const Mesh &surface) {
+  std::array<Eigen::Vector3d, 5> ends = ends_of(surface);
+  std::sort(ends.begin(), ends.end(), [](const auto &a, const auto &b) { return a.y() < b.y(); });
+  const Eigen::Vector3d between = (ends[0] + ends[1]) / 2;
+  std::sort(ends.begin() + 2, ends.end(), [&](const auto &a, const auto &b) { return across(a, between) < across(b, between); });
+  return {ends[2], {ends[3], ends[4]}, {ends[0], ends[1]}};
+}
+
+/// The marks if hands[left] is the left one; the foot on its side is the left foot.
+Marks marks_of(const Ends &ends, int left) {
+  const Eigen::Vector3d leftward = ends.hands[left] - ends.hands[1 - left];
+  const int left_foot = ends.feet[0].dot(leftward) > ends.feet[1].dot(leftward) ? 0 : 1;
+  return {{"head_top", ends.head},
+          {"l_middle_fingertip", ends.hands[left]},
+          {"r_middle_fingertip", ends.hands[1 - left]},
+          {"l_big_toe_tip", ends.feet[left_foot]},
+          {"r_big_toe_tip", ends.feet[1 - left_foot]}};
+}
+
+void require_names(const BodyModel &model) {
+  const std::vector<std::string> names = model.joint_names();
+  const auto require = [&](bool found, const std::string &what, const char *name) {
+    if (!found)
+      throw Error("body marks: expected the body model to have the " + what + " '" + name + "', found none of this name");
+  };
+  for (const JointSource &joint : kJoints)
+    for (const char *name : {joint.first, joint.second})
+      if (joint.landmark)
+        require(model.landmarks().count(joint.landmark) > 0, "landmark", joint.landmark);
+      else
+        require(std::find(names.begin(), names.end(), name) != names.end(), "joint", name);
+  for (const char *name : {"l_middle_fingertip", "r_middle_fingertip", "l_big_toe_tip", "r_big_toe_tip"})
+    require(model.landmarks().count(name) > 0, "landmark", name);
+}
+
+/// What the fitter wants to know of a surface that has no skeleton yet.
+RiggedMesh unrigged(const Mesh &surface, const std::vector<std::uint8_t> &face_valid) {
+  RiggedMesh actor;
+  actor.mesh = surface;
+  actor.face_valid = face_valid.empty() ? std::vector<std::uint8_t>(surface.faces.rows(), 1) : face_valid;
+  return actor;
+}
+
+[[noreturn]] void refuse_person(const std::string &what) {
+  throw Error("body marks: expected a person, upright (+Y) and in metres, with arms and legs apart; the body model " + what);
+}
+
+/// Everything is skin at first, then what does not stand off the body found so far.
+BodyFit fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &marks, const BodyFitter &fitter,
+                 const Context &context) {
+  const Vertices &surface = actor.mesh.vertices;
+  Segmentation segmentation;
+  segmentation.clothness = Eigen::VectorXd::Zero(surface.rows());
+  BodyFit fit = fitter.fit(actor, segmentation, model, marks, context);
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds; ++round) {
+    const RayScene body(fit.body);
+    parallel_for(context, static_cast<int>(surface.rows()),
+                 [&](int v) { segmentation.clothness[v] = body.closest(surface.row(v)).distance > kOffSkin; });
+    constexpr double kMostHidden = 0.95; // share of the vertices
+    if (segmentation.clothness.mean() > kMostHidden)
+      refuse_person("finds no surface near it");
+    fit = fitter.fit(actor, segmentation, model, marks, context);
+  }
+  return fit;
+}
+
+/// How unlikely a fit is: a body that looks the wrong way bends its limbs as nobody does, and stays farther off.
+double cost_of(const BodyFit &fit) {
+  return fit.residual * fit.coefficients.norm();
+}
+
+/// Joints of the model in the world: the fit's body tells how the model's space lies there.
+std::map<std::string, Eigen::Vector3d> world_joints(const BodyModel &model, const BodyFit &fit) {
+  const Eigen::Matrix4d world = Eigen::umeyama(model.vertices(fit.coefficients).transpose(), fit.body.vertices.transpose(), true);
+  const Vertices joints = model.joints(fit.coefficients).points;
+  const std::vector<std::string> names = model.joint_names();
+  std::map<std::string, Eigen::Vector3d> result;
+  for (std::size_t j = 0; j < names.size(); ++j)
+    result[names[j]] =
+        world.topLeftCorner<3, 3>() * joints.row(static_cast<Eigen::Index>(j)).transpose() + world.topRightCorner<3, 1>();
+  return result;
+}
+
+void read_marks(const BodyModel &model, BodyMarks &marks) {
+  const auto joints = world_joints(model, marks.fit);
+  const auto landmark = [&](const char *name) -> Eigen::Vector3d {
+    return marks.fit.body.vertices.row(model.landmarks().at(name)).transpose();
+  };
+  for (const JointSource &source : kJoints) {
+    const Eigen::Vector3d place =
+        source.landmark ? landmark(source.landmark) : Eigen::Vector3d((joints.at(source.first) + joints.at(source.second)) / 2);
+    marks.joints.push_back({source.name, source.parent, place, std::nullopt});
+  }
+  for (const char *name : kLandmarks)
+    if (model.landmarks().count(name) > 0)
+      marks.landmarks[name] = landmark(name);
+}
+
+} // namespace
+
+BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
+                          const BodyFitOptions &options, const Context &context) {
+  require_usable(surface, "body marks");
+  require_names(model);
+  const RiggedMesh actor = unrigged(surface, face_valid);
+  const Ends ends = named_ends(surface);
+  BodyFitOptions loose = options;
+  loose.landmark_deviation = std::max(options.landmark_deviation, kEndDeviation);
+  const auto fitter = BodyFitter::create(loose);
+  std::array<BodyFit, 2> fits;
+  for (int side = 0; side < 2; ++side)
+    fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
+  const std::array<double, 2> costs{cost_of(fits[0]), cost_of(fits[1])};
+  for (auto &f : fits)
+    fprintf(stderr, "%g %g\n", f.residual, f.coefficients.norm());
+  const int better = costs[1] < costs[0];
+  BodyMarks marks;
+  marks.rival = costs[better] / costs[1 - better];
+  marks.fit = std::move(fits[better]);
+  if (!(marks.fit.residual < kLargestResidual))
+    refuse_person("stays " + options::shown(1000 * marks.fit.residual, 3) + " mm from the surface on average");
+  read_marks(model, marks);
+  return marks;
+}
+
+} // namespace doublet

@@ -1,0 +1,237 @@
+#include "visual_hull.h"
+
+#include "doublet/core/error.h"
+
+#include <Eigen/Cholesky>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace doublet::detail {
+namespace {
+
+/// Cells along the side of a block: the hull is looked for block by block, most of which are far from it.
+constexpr int kBlock = 8;
+
+/// One camera's silhouette as a signed distance.
+struct Silhouette {
+  const Camera *camera;
+  cv::Mat distance; ///< float, px: to the outline, positive inside
+  double focal;     ///< px
+  cv::Rect box;     ///< of the actor
+
+  /// m, about: how far inside this camera's cone the point is. False where the camera has no say.
+  bool inside(const Eigen::Vector3d &point, double &metres) const {
+    const double depth = camera->depth(point);
+    if (depth <= 1e-3)
+      return false;
+    const Eigen::Vector2d pixel = camera->project(point);
+    const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
+    if (x < 0 || y < 0 || x + 1 >= distance.cols || y + 1 >= distance.rows)
+      return false;
+    const float fx = static_cast<float>(pixel.x() - x), fy = static_cast<float>(pixel.y() - y);
+    const float *row = distance.ptr<float>(y) + x, *next = distance.ptr<float>(y + 1) + x;
+    metres = ((1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * next[0] + fx * next[1])) * depth / focal;
+    return true;
+  }
+};
+
+Silhouette silhouette_of(const Camera &camera, const Image &mask) {
+  const cv::Mat inside = cv::Mat(mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t *>(mask.data.data())) >= 128;
+  cv::Mat to_outside, to_inside;
+  cv::distanceTransform(inside, to_outside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  cv::distanceTransform(~inside, to_inside, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  // Distances run between centres of pixels; the outline lies half a pixel before the first of the other kind.
+  cv::Mat shift(inside.size(), CV_32FC1, cv::Scalar(0.5));
+  shift.setTo(-0.5, inside);
+  return {&camera, to_outside - to_inside + shift, (camera.K(0, 0) + camera.K(1, 1)) / 2, cv::boundingRect(inside)};
+}
+
+/// The hull as an implicit function, m: positive inside.
+class Hull {
+public:
+  Hull(std::vector<Silhouette> silhouettes, int outvoted) : silhouettes_(std::move(silhouettes)), outvoted_(outvoted) {}
+
+  const std::vector<Silhouette> &silhouettes() const { return silhouettes_; }
+
+  /// The least of what the cameras say, but for the outvoted ones; points that fewer than half of them see are outside.
+  double operator()(const Eigen::Vector3d &point) const {
+    std::array<double, ViewScanOptions::kMostOutvoted + 1> least;
+    least.fill(std::numeric_limits<double>::infinity());
+    int count = 0;
+    for (const Silhouette &silhouette : silhouettes_) {
+      double said = 0;
+      if (!silhouette.inside(point, said))
+        continue;
+      ++count;
+      for (double &value : least) // sorts it in; the largest falls out
+        if (said < value)
+          std::swap(said, value);
+    }
+    const int fewest = std::max(2, static_cast<int>(silhouettes_.size() + 1) / 2);
+    return count < fewest ? -1 : least[std::min(outvoted_, count - 2)];
+  }
+
+  Eigen::Vector3d outward(const Eigen::Vector3d &point, double step) const {
+    Eigen::Vector3d gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d offset = step * Eigen::Vector3d::Unit(axis);
+      gradient[axis] = (*this)(point - offset) - (*this)(point + offset);
+    }
+    return gradient.normalized();
+  }
+
+private:
+  std::vector<Silhouette> silhouettes_;
+  int outvoted_;
+};
+
+/// A cube that holds the actor: about the point nearest to the rays through the silhouettes' middles.
+struct Cube {
+  Eigen::Vector3d corner;
+  double side;
+};
+
+Cube cube_around(const std::vector<Silhouette> &silhouettes) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  const auto middle = [](const Silhouette &s) {
+    return Eigen::Vector2d(s.box.x + s.box.width / 2.0, s.box.y + s.box.height / 2.0);
+  };
+  for (const Silhouette &silhouette : silhouettes) {
+    const Eigen::Vector3d ray = silhouette.camera->ray_direction(middle(silhouette));
+    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
+    normal += across;
+    right += across * silhouette.camera->centre();
+  }
+  const Eigen::Vector3d centre = normal.ldlt().solve(right);
+  double half = 0;
+  for (const Silhouette &silhouette : silhouettes) {
+    const double depth = silhouette.camera->depth(centre);
+    const double off = (silhouette.camera->project(centre) - middle(silhouette)).norm();
+    if (depth > 0) // boxes are seen from one side: their far corners may lie farther out
+      half = std::max(half, 1.3 * (std::hypot(silhouette.box.width, silhouette.box.height) / 2 + off) * depth / silhouette.focal);
+  }
+  constexpr double kLargest = 5; // m; cameras that do not agree send it anywhere
+  if (!centre.allFinite() || !(half > 0) || half > kLargest)
+    throw Error("scan: the silhouettes do not surround one person of at most 10 m: wrong calibration, units or order of cameras");
+  return {centre.array() - half, 2 * half};
+}
+
+/// Sums up one block's samples.
+struct Samples {
+  std::vector<Eigen::Vector3d> points, normals;
+};
+
+Samples sample_block(const Hull &hull, const Eigen::Vector3d &corner, double cell) {
+  constexpr int n = kBlock + 1;
+  std::array<double, n * n * n> value;
+  const auto at = [&](int x, int y, int z) -> double & { return value[(z * n + y) * n + x]; };
+  const auto place = [&](int x, int y, int z) -> Eigen::Vector3d { return corner + cell * Eigen::Vector3d(x, y, z); };
+  for (int z = 0; z < n; ++z)
+    for (int y = 0; y < n; ++y)
+      for (int x = 0; x < n; ++x)
+        at(x, y, z) = hull(place(x, y, z));
+  Samples samples;
+  for (int z = 0; z < kBlock; ++z)
+    for (int y = 0; y < kBlock; ++y)
+      for (int x = 0; x < kBlock; ++x)
+        for (int axis = 0; axis < 3; ++axis) {
+          const double a = at(x, y, z), b = at(x + (axis == 0), y + (axis == 1), z + (axis == 2));
+          if ((a > 0) == (b > 0))
+            continue;
+          const Eigen::Vector3d point = place(x, y, z) + cell * a / (a - b) * Eigen::Vector3d::Unit(axis);
+          const Eigen::Vector3d normal = hull.outward(point, cell / 2);
+          if (normal.squaredNorm() > 0.5) { // none where the function has no slope
+            samples.points.push_back(point);
+            samples.normals.push_back(normal);
+          }
+        }
+  return samples;
+}
+
+OrientedPoints sample(const Hull &hull, const Cube &cube, double cell, const Context &context) {
+  const double block = kBlock * cell, reach = 1.5 * std::sqrt(3.0) / 2 * block; // the function is a distance only nearly
+  const int blocks = static_cast<int>(std::ceil(cube.side / block));
+  std::vector<Samples> of_layer(blocks);
+  constexpr int kChunk = 8;
+  for (int first = 0; first < blocks; first += kChunk) {
+    context.report("scan: visual hull", static_cast<double>(first) / blocks);
+    parallel_for(context, std::min(kChunk, blocks - first), [&](int offset) {
+      const int z = first + offset;
+      for (int y = 0; y < blocks; ++y)
+        for (int x = 0; x < blocks; ++x) {
+          const Eigen::Vector3d corner = cube.corner + block * Eigen::Vector3d(x, y, z);
+          if (std::abs(hull(corner.array() + block / 2)) > reach)
+            continue;
+          Samples samples = sample_block(hull, corner, cell);
+          Samples &layer = of_layer[z];
+          layer.points.insert(layer.points.end(), samples.points.begin(), samples.points.end());
+          layer.normals.insert(layer.normals.end(), samples.normals.begin(), samples.normals.end());
+        }
+    });
+  }
+  Samples all;
+  for (const Samples &layer : of_layer) {
+    all.points.insert(all.points.end(), layer.points.begin(), layer.points.end());
+    all.normals.insert(all.normals.end(), layer.normals.begin(), layer.normals.end());
+  }
+  OrientedPoints result{Vertices(all.points.size(), 3), Vertices(all.points.size(), 3)};
+  for (std::size_t i = 0; i < all.points.size(); ++i) {
+    result.points.row(static_cast<Eigen::Index>(i)) = all.points[i].transpose();
+    result.normals.row(static_cast<Eigen::Index>(i)) = all.normals[i].transpose();
+  }
+  return result;
+}
+
+constexpr int kFewestPoints = 1000;
+
+/// Which camera is to blame: the one without which the hull is largest, if it is by far.
+std::string blame(const std::vector<Silhouette> &silhouettes, const ViewScanOptions &options, const Context &context) {
+  constexpr double kCoarse = 4, kByFar = 2; // times the cell: only whether there is something; times the next
+  Eigen::Index largest = 0, next = 0;
+  std::string name;
+  for (std::size_t without = 0; silhouettes.size() > 3 && without < silhouettes.size(); ++without) {
+    std::vector<Silhouette> others = silhouettes;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(without));
+    Eigen::Index size = 0;
+    try {
+      size = sample(Hull(others, options.outvoted), cube_around(others), kCoarse * options.cell, context).points.rows();
+    } catch (const Error &) { // then it is not this camera alone
+    }
+    if (size > largest)
+      name = silhouettes[without].camera->name;
+    next = std::max(next, std::min(size, largest));
+    largest = std::max(largest, size);
+  }
+  if (static_cast<double>(largest) > kByFar * static_cast<double>(next))
+    return "; without camera '" + name + "' they have: look at its calibration and mask";
+  return ": wrong calibration, order of cameras or masks";
+}
+
+} // namespace
+
+OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options,
+                           const Context &context) {
+  std::vector<Silhouette> silhouettes;
+  for (std::size_t c = 0; c < rig.size(); ++c) {
+    const Image &mask = views[c].mask;
+    if (mask.empty() || std::none_of(mask.data.begin(), mask.data.end(), [](std::uint8_t p) { return p >= 128; }))
+      continue;
+    silhouettes.push_back(silhouette_of(rig[c], mask));
+  }
+  constexpr int kFewest = 3;
+  if (static_cast<int>(silhouettes.size()) < kFewest)
+    throw Error("scan: expected the actor in at least 3 cameras, found " + std::to_string(silhouettes.size()) + " of " +
+                std::to_string(rig.size()) + " with a silhouette");
+  const Cube cube = cube_around(silhouettes);
+  OrientedPoints points = sample(Hull(silhouettes, options.outvoted), cube, options.cell, context);
+  if (points.points.rows() < kFewestPoints)
+    throw Error("scan: the silhouettes have no point in common" + blame(silhouettes, options, context));
+  return points;
+}
+
+} // namespace doublet::detail

@@ -1,0 +1,15 @@
+#pragma once
+#include "doublet/capture/scan_from_views.h"
+
+namespace doublet::detail {
+
+/// Points on a surface and the unit normals there, which point outward.
+struct OrientedPoints {
+  Vertices points, normals;
+};
+
+/// The visual hull of the silhouettes where it crosses the edges of a grid. Throws as scan_from_views() does.
+OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options,
+                           const Context &context);
+
+} // namespace doublet::detail

@@ -1,0 +1,194 @@
+// Scans out of silhouettes and images of cameras: known shapes, drawn by the library's own rasterizer.
+#include "doublet/capture/scan_from_views.h"
+
+#include "../support/figure.h"
+#include "../support/meshes.h"
+#include "../support/option_ranges.h"
+#include "doublet/core/error.h"
+#include "doublet/core/rasterizer.h"
+#include "doublet/rays/ray_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace doublet;
+using namespace doublet::testing;
+
+namespace {
+
+/// A pattern in space that looks different wherever one looks, 0 .. 255.
+std::uint8_t grain(const Eigen::Vector3d &p) {
+  const double a = std::sin(71 * p.x() + 3 * std::sin(23 * p.y())), b = std::sin(67 * p.y() + 2 * std::sin(31 * p.z())),
+               c = std::sin(61 * p.z() + 4 * std::sin(29 * p.x()));
+  return static_cast<std::uint8_t>(std::lround(127 + 42 * (a + b + c)));
+}
+
+CameraView view_of(const Mesh &mesh, const Camera &camera) {
+  const FaceBuffer buffer = rasterize(mesh.vertices, mesh.faces, camera);
+  CameraView view{Image(camera.width, camera.height, 3), silhouette(buffer)};
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) {
+      const int f = buffer.face_at(x, y);
+      if (f < 0)
+        continue;
+      const Eigen::Vector3d weights = barycentric_at(mesh.vertices, mesh.faces, f, camera, {x, y});
+      Eigen::Vector3d point = Eigen::Vector3d::Zero();
+      for (int k = 0; k < 3; ++k)
+        point += weights[k] * mesh.vertices.row(mesh.faces(f, k)).transpose();
+      for (int channel = 0; channel < 3; ++channel)
+        view.image.at(x, y, channel) = grain(point);
+    }
+  return view;
+}
+
+std::vector<CameraView> views_of(const Mesh &mesh, const CameraRig &rig) {
+  std::vector<CameraView> views;
+  for (const Camera &camera : rig)
+    views.push_back(view_of(mesh, camera));
+  return views;
+}
+
+ViewScanOptions hull_only() {
+  ViewScanOptions options;
+  options.cell = 0.012;
+  options.poisson_depth = 7;
+  options.search_depth = 0;
+  return options;
+}
+
+double mean_distance(const Mesh &from, const Mesh &to) {
+  const RayScene scene(to);
+  double sum = 0;
+  for (Eigen::Index v = 0; v < from.vertices.rows(); ++v)
+    sum += scene.closest(from.vertices.row(v)).distance;
+  return sum / static_cast<double>(from.vertices.rows());
+}
+
+/// A drum of 0.25 m with a dent of 6 cm in front that no silhouette shows.
+Mesh dented_drum() {
+  const auto distance = [](const Eigen::Vector3d &p) {
+    const double height = p.y() - 0.9, drum = std::max(std::hypot(p.x(), p.z()) - 0.25, std::abs(height) - 0.35);
+    const double dent = 0.12 - (p - Eigen::Vector3d(0, 0.9, 0.31)).norm();
+    return std::max(drum, dent);
+  };
+  return level_set(distance, {-0.3, 0.5, -0.3}, {0.3, 1.3, 0.3}, 0.015);
+}
+
+TEST(ViewScanOptions, Ranges) {
+  expect_ranges<ViewScanOptions>();
+}
+
+TEST(ScanFromViews, TheHullHoldsThePersonAndTouchesEverySilhouette) {
+  const Mesh person = figure_surface();
+  const CameraRig rig = camera_ring(8, 320);
+  std::vector<CameraView> views = views_of(person, rig);
+  for (CameraView &view : views)
+    view.image = {}; // masks are enough
+  const Mesh scan = scan_from_views(rig, views, hull_only());
+  for (std::size_t c = 0; c < rig.size(); ++c)
+    EXPECT_GT(mask_iou(silhouette(rasterize(scan.vertices, scan.faces, rig[c])), views[c].mask), 0.9) << rig[c].name;
+  EXPECT_LT(mean_distance(person, scan), 0.012);
+  EXPECT_LT(mean_distance(scan, person), 0.012);
+}
+
+TEST(ScanFromViews, WhereCamerasAgreeTheHullIsPressedIn) {
+  const Mesh drum = dented_drum();
+  CameraRig rig;
+  for (int c = 0; c < 12; ++c) {
+    const double a = pi * c / 6;
+    rig.push_back(look_at({2 * std::sin(a), 0.9 + 0.2 * (c % 2), 2 * std::cos(a)}, {0, 0.9, 0}, 600, 320, 320, "cam"));
+  }
+  const std::vector<CameraView> views = views_of(drum, rig);
+  ViewScanOptions options = hull_only();
+  const Mesh hull = scan_from_views(rig, views, options);
+  options.search_depth = 0.08;
+  const Mesh pressed = scan_from_views(rig, views, options);
+  const auto depth_of_dent = [](const Mesh &mesh) {
+    const auto hit = RayScene(mesh).cast({0, 0.9, 1}, {0, 0, -1});
+    return hit ? hit->distance - 0.75 : -1;
+  };
+  EXPECT_NEAR(depth_of_dent(dented_drum()), 0.06, 0.005);
+  EXPECT_LT(depth_of_dent(hull), 0.01);
+  EXPECT_NEAR(depth_of_dent(pressed), 0.06, 0.01);
+  EXPECT_LT(mean_distance(pressed, drum), 0.006);
+}
+
+TEST(ScanFromViews, WhatFacesDownUnseenIsLeftOut) {
+  const Mesh drum = cylinder({0, 0.5, 0}, {0, 1.3, 0}, 0.25, 20, 64); // open, which no camera beside it sees
+  CameraRig rig;
+  for (int c = 0; c < 8; ++c)
+    rig.push_back(look_at({2 * std::sin(pi * c / 4), 0.9, 2 * std::cos(pi * c / 4)}, {0, 0.9, 0}, 500, 320, 320, "cam"));
+  const Mesh scan = scan_from_views(rig, views_of(drum, rig), hull_only());
+  const RayScene scene(scan);
+  const auto top = scene.cast({0, -1, 0}, {0, 1, 0});
+  ASSERT_TRUE(top.has_value()) << "what faces up is closed";
+  EXPECT_NEAR(top->distance, 2.3, 0.1) << "the first that a ray from below meets is the top's back";
+  EXPECT_TRUE(scene.cast({2, 0.9, 0}, {-1, 0, 0}).has_value());
+}
+
+TEST(ScanFromViews, SameBitsOnAnyNumberOfThreads) {
+  const Mesh drum = dented_drum();
+  const CameraRig rig = camera_ring(6, 200);
+  const std::vector<CameraView> views = views_of(drum, rig);
+  ViewScanOptions options = hull_only();
+  options.search_depth = 0.05;
+  Context one, three;
+  one.threads = 1;
+  three.threads = 3;
+  const Mesh a = scan_from_views(rig, views, options, one), b = scan_from_views(rig, views, options, three);
+  ASSERT_EQ(a.vertices.rows(), b.vertices.rows());
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.faces, b.faces);
+}
+
+TEST(ScanFromViews, ASilhouetteWithAHoleMayBeOutvoted) {
+  const Mesh drum = dented_drum();
+  const CameraRig rig = camera_ring(8, 200);
+  std::vector<CameraView> views = views_of(drum, rig);
+  for (int y = 90; y < 110; ++y)
+    for (int x = 0; x < 200; ++x)
+      views[2].mask.at(x, y) = 0; // a slit through the whole drum
+  ViewScanOptions options = hull_only();
+  const auto wall = [&] { return RayScene(scan_from_views(rig, views, options)).cast({0, 0.9, 2}, {0, 0, -1}); };
+  const auto cut = wall();
+  EXPECT_TRUE(!cut || cut->distance > 1.78) << "the slit lets the ray in, or cuts off the half that is not the largest piece";
+  options.outvoted = 1;
+  const auto whole = wall();
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_NEAR(whole->distance, 1.75, 0.03);
+}
+
+TEST(ScanFromViews, SaysWhatIsWrong) {
+  const Mesh drum = dented_drum();
+  const CameraRig rig = camera_ring(8, 160);
+  const std::vector<CameraView> views = views_of(drum, rig);
+  const auto refused = [&](const std::vector<CameraView> &given, const CameraRig &cameras) -> std::string {
+    try {
+      scan_from_views(cameras, given, hull_only());
+    } catch (const std::exception &error) { // std::invalid_argument for sizes, Error for what the cameras show
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused({views[0]}, rig), "scan: expected 8 views, one a camera, found 1");
+  std::vector<CameraView> few = views;
+  for (int c = 0; c < 6; ++c)
+    few[c] = {};
+  EXPECT_EQ(refused(few, rig), "scan: expected the actor in at least 3 cameras, found 2 of 8 with a silhouette");
+  std::vector<CameraView> small = views;
+  small[1].mask = Image(10, 10, 1);
+  EXPECT_EQ(refused(small, rig), "scan: camera 'cam1': expected images of 160 x 160, found 10 x 10");
+  CameraRig moved = rig;
+  moved[3].t += Eigen::Vector3d(0.9, 0, 0);
+  EXPECT_NE(refused(views, moved).find("without camera 'cam3' they have"), std::string::npos) << refused(views, moved);
+  EXPECT_THROW(
+      {
+        Context context;
+        context.cancelled = [] { return true; };
+        scan_from_views(rig, views, hull_only(), context);
+      },
+      Cancelled);
+}
+
+} // namespace
