@@ -23,7 +23,8 @@ public:
 /// A copy of a problem for Python, which may keep it: when the call ends its pointers do, too.
 template <class Problem> class Lent {
 public:
-  explicit Lent(const Problem &problem) : object(py::cast(problem)), problem_(object.cast<Problem *>()) {}
+  /// A copy in every case: one that is lent already must outlive this call.
+  explicit Lent(const Problem &problem) : object(py::cast(Problem(problem))), problem_(object.cast<Problem *>()) {}
   Lent(const Lent &) = delete;
   Lent &operator=(const Lent &) = delete;
   ~Lent() {
@@ -247,6 +248,11 @@ void bind_capture_kits(py::module_ &m) {
         "The same of a PoseOptimizer, on a problem that it was given.");
   m.def("surface_refiner_violations", &testing::surface_refiner_violations, py::arg("refiner"), py::arg("problem"), Release(),
         "The same of a SurfaceRefiner, on a problem that it was given.");
+  m.def("limb_search_violations", &testing::limb_search_violations, py::arg("search"), py::arg("problem"), py::arg("dofs"),
+        py::arg("lost"), Release(), "The same of a LimbSearch, on a problem, a pose within the limits and limbs that are lost.");
+  m.def("performance_capture_violations", &testing::performance_capture_violations, py::arg("capture"), py::arg("actor"),
+        py::arg("rig"), py::arg("frames"), py::arg("extractor") = nullptr, Release(),
+        "The same of a PerformanceCapture, on a short film of yours, which it captures twice.");
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 
 #include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"
+#include "doublet/testing/objective_conformance.h"
 #include "doublet/testing/optimizer_conformance.h"
 
 namespace doublet::python {
@@ -105,28 +106,27 @@ void bind_minimise(py::module_ &m) {
       .def("part_count", &Objective::part_count, "Independent parts, each with n parameters and an energy of its own.")
       .def("evaluate", &Objective::evaluate, py::arg("samples"), py::arg("context") = interruptible_context(), Release(),
            "samples (S, parts * n) in [0, 1] -> energies (S, parts)");
+  OptionsClass<MinimiseOptions>(m, "Options of minimise.")
+      .get()
+      .def_readwrite("checkpoint", &MinimiseOptions::checkpoint,
+                     "written after every generation, read at the start if it is there; empty = none")
+      .def_readwrite("problem", &MinimiseOptions::problem, "what the checkpoint belongs to; that of another is not used")
+      .def_readwrite("on_generation", &MinimiseOptions::on_generation, "called with the MinimiseResult so far")
+      .def_property(
+          "make_optimizer", [](const MinimiseOptions &) { return py::none(); },
+          [](MinimiseOptions &options, const py::object &make) { options.make_optimizer = optimizer_factory(make); },
+          "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
   m.def(
-      "minimise",
-      [](Objective &objective, const py::object &make_optimizer, std::uint64_t seed, double penalty, bool relative_penalty,
-         const std::optional<Path> &checkpoint, const std::string &problem, const Context &context) {
-        MinimiseOptions options;
-        options.make_optimizer = optimizer_factory(make_optimizer);
-        options.seed = seed;
-        options.penalty = penalty;
-        options.relative_penalty = relative_penalty;
-        options.checkpoint = checkpoint.value_or(Path());
-        options.problem = problem;
-        const py::gil_scoped_release release;
-        return minimise(objective, options, context);
-      },
-      py::arg("objective"), py::arg("make_optimizer") = py::none(), py::arg("seed") = 1, py::arg("penalty") = 16.0,
-      py::arg("relative_penalty") = true, py::arg("checkpoint") = std::nullopt, py::arg("problem") = "",
-      py::arg("context") = interruptible_context(),
-      "Runs one optimiser a part of the objective until all stop. Goes on from `checkpoint` if it is there and belongs to "
-      "`problem`; raises Error if it is damaged.");
+      "minimise", &minimise, py::arg("objective"), py::arg("options") = MinimiseOptions{},
+      py::arg("context") = interruptible_context(), Release(),
+      "Runs one optimiser a part of the objective until all stop. Goes on from options.checkpoint if it is there and belongs to "
+      "options.problem; raises Error if it is damaged.");
 }
 
 void bind_conformance(py::module_ &m) {
+  m.def("objective_violations", &testing::objective_violations, py::arg("objective"), Release(),
+        "One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, "
+        "refusals.");
   m.def(
       "optimizer_violations",
       [](const py::object &make_optimizer) {

@@ -151,7 +151,7 @@ BodyFit fit_side(const RiggedMesh &actor, const BodyModel &model, const Marks &m
     const RayScene body(fit.body);
     parallel_for(context, static_cast<int>(surface.rows()),
                  [&](int v) { segmentation.clothness[v] = body.closest(surface.row(v)).distance > kOffSkin; });
-    constexpr double kMostHidden = 0.95; // share of the vertices
+    constexpr double kMostHidden = 0.9; // share of the vertices
     if (segmentation.clothness.mean() > kMostHidden)
       refuse_person("finds no surface near it");
     fit = fitter.fit(actor, segmentation, model, marks, context);
@@ -206,8 +206,6 @@ BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &
   for (int side = 0; side < 2; ++side)
     fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
   const std::array<double, 2> costs{cost_of(fits[0]), cost_of(fits[1])};
-  for (auto &f : fits)
-    fprintf(stderr, "%g %g\n", f.residual, f.coefficients.norm());
   const int better = costs[1] < costs[0];
   BodyMarks marks;
   marks.rival = costs[better] / costs[1 - better];

@@ -72,10 +72,8 @@ private:
   void prepare(const PoseProblem &problem) {
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
       throw std::invalid_argument("PoseOptimizer: the problem needs an actor, a rig and one outline a camera");
-    if (actor_ != problem.actor) {
-      actor_ = problem.actor;
-      influence_ = dof_influence(*actor_);
-    }
+    actor_ = problem.actor;
+    influence_ = dof_influence(*actor_); // anew: another actor may be at the same address
     views_ = static_cast<int>(problem.rig->size());
     indices_.clear();
     for (int v = 0; v < views_; ++v)

@@ -140,14 +140,20 @@ public:
   }
 
 private:
+  static bool same(const Mesh &a, const Mesh &b) {
+    return a.vertices.rows() == b.vertices.rows() && a.faces.rows() == b.faces.rows() && a.vertices == b.vertices &&
+           a.faces == b.faces;
+  }
+
   void prepare(const SurfaceProblem &problem) {
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
       throw std::invalid_argument("SurfaceRefiner: the problem needs an actor, a rig and one outline a camera");
     matches_.assign(problem.rig->size(), {});
-    if (actor_ == problem.actor)
-      return;
     actor_ = problem.actor;
-    system_.set_stiffness(stiffness_matrix(actor_->mesh, options_.bending, options_.stretching));
+    if (same(actor_->mesh, factorised_)) // by content: another actor may be at the same address
+      return;
+    factorised_ = actor_->mesh;
+    system_.set_stiffness(stiffness_matrix(factorised_, options_.bending, options_.stretching));
   }
 
   std::vector<Pull> find_pulls(const SurfaceProblem &problem, const SurfaceEstimate &estimate, const Vertices &displacement,
@@ -215,6 +221,7 @@ private:
 
   SurfaceOptions options_;
   const RiggedMesh *actor_ = nullptr;
+  Mesh factorised_; ///< that system_ was made for
   DisplacementSystem system_;
   std::vector<RimMatches> matches_;
 };

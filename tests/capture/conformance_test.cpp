@@ -18,19 +18,25 @@ struct Film {
   std::vector<Outline> outlines;
   PoseProblem pose;
   SurfaceProblem surface;
+  std::vector<Image> masks;
+  LimbProblem limbs;
 
   Film() {
-    for (int c = 0; c < static_cast<int>(rig.size()); ++c)
-      outlines.push_back(trace_outline(frames.mask(c, 0)));
+    for (int c = 0; c < static_cast<int>(rig.size()); ++c) {
+      masks.push_back(frames.mask(c, 0));
+      outlines.push_back(trace_outline(masks.back()));
+    }
     const Eigen::Index vertices = actor.mesh.vertices.rows();
-    pose.actor = surface.actor = &actor;
-    pose.rig = surface.rig = &rig;
+    pose.actor = surface.actor = limbs.actor = &actor;
+    pose.rig = surface.rig = limbs.rig = &rig;
+    limbs.masks = &masks;
     pose.outlines = surface.outlines = &outlines;
     pose.offset = Vertices::Zero(vertices, 3);
-    pose.reliability = surface.reliability = Eigen::VectorXd::Ones(vertices);
-    pose.start = pose.predicted = Eigen::VectorXd::Constant(actor.skeleton.dof_count(), 0.02);
+    pose.reliability = surface.reliability = limbs.reliability = Eigen::VectorXd::Ones(vertices);
+    pose.start = pose.predicted = limbs.predicted = Eigen::VectorXd::Constant(actor.skeleton.dof_count(), 0.02);
     surface.base = surface.skinned = pose_surface(actor, pose.start, {}).vertices;
   }
+  std::vector<Limb> lost() const { return {find_limbs(actor.skeleton).front()}; }
 };
 
 void expect_none(const std::vector<std::string> &violations) {
@@ -45,6 +51,8 @@ TEST(CaptureConformance, OurPartsConform) {
   expect_none(testing::feature_tracker_violations(*FeatureTracker::create(), image, mask, 20));
   expect_none(testing::pose_optimizer_violations(*PoseOptimizer::create(), film.pose));
   expect_none(testing::surface_refiner_violations(*SurfaceRefiner::create(), film.surface));
+  expect_none(testing::limb_search_violations(*LimbSearch::create(), film.limbs, film.pose.start, film.lost()));
+  expect_none(testing::performance_capture_violations(*PerformanceCapture::create(), film.actor, film.rig, film.frames));
   Image screen(64, 64, 3), actor = screen;
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x)
@@ -58,7 +66,9 @@ class Restless : public FrameSource,
                  public SilhouetteExtractor,
                  public FeatureTracker,
                  public PoseOptimizer,
-                 public SurfaceRefiner {
+                 public SurfaceRefiner,
+                 public LimbSearch,
+                 public PerformanceCapture {
 public:
   int frame_count() const override { return 2; }
   int camera_count() const override { return 1; }
@@ -72,20 +82,36 @@ public:
     return {Eigen::VectorXd::Constant(2, ++calls_), -1, 0, 0, 1};
   }
   SurfaceEstimate refine(const SurfaceProblem &, const Context &) override { return {Vertices::Constant(1, 3, ++calls_), -1, 0}; }
+  Eigen::VectorXd search(const LimbProblem &, const Eigen::VectorXd &dofs, const std::vector<Limb> &, const Context &) override {
+    return Eigen::VectorXd::Constant(dofs.size(), 100.0 + ++calls_);
+  }
+  CaptureResult capture(const RiggedMesh &actor, const CameraRig &, FrameSource &, const SilhouetteExtractor *,
+                        const Context &) override {
+    CaptureResult result;
+    result.performance.surface = {actor.mesh.faces, {Vertices::Constant(actor.mesh.vertices.rows(), 3, ++calls_)}};
+    result.performance.dofs = MatrixRM::Zero(1, actor.skeleton.dof_count());
+    result.performance.frames = {7};
+    return result;
+  }
 
 private:
   mutable std::uint8_t calls_ = 0;
 };
 
 TEST(CaptureConformance, TheKitsCatchWhatIsRestless) {
-  const Film film;
+  Film film;
   Restless all;
   const Image image(8, 8, 3), mask(8, 8, 1, 255);
   EXPECT_EQ(testing::frame_source_violations(all).size(), 4u);                         // channels, mask, sizes, another frame
   EXPECT_EQ(testing::silhouette_extractor_violations(all, {image}, image).size(), 4u); // untrained, mask, another, channels
   EXPECT_EQ(testing::feature_tracker_violations(all, image, mask, 20).size(), 4u);     // descriptors, others, outside, reach
-  EXPECT_EQ(testing::pose_optimizer_violations(all, film.pose).size(), 3u);            // degrees of freedom, residuals, bits
-  EXPECT_EQ(testing::surface_refiner_violations(all, film.surface).size(), 3u);        // vertices, residuals, bits
+  EXPECT_EQ(testing::pose_optimizer_violations(all, film.pose).size(), 4u);     // degrees of freedom, residuals, bits, actor
+  EXPECT_EQ(testing::surface_refiner_violations(all, film.surface).size(), 4u); // vertices, residuals, bits, actor
+  // Every degree of freedom is moved, or beyond its limits; other bits; a pose without lost limbs.
+  const std::size_t limb_rules = testing::limb_search_violations(all, film.limbs, film.pose.start, film.lost()).size();
+  EXPECT_EQ(limb_rules, film.actor.skeleton.dof_count() + 2u);
+  // A frame that the film has not, no observations, other bits, any rig.
+  EXPECT_EQ(testing::performance_capture_violations(all, film.actor, film.rig, film.frames).size(), 4u);
 }
 
 } // namespace

@@ -1,4 +1,6 @@
+#include "doublet/testing/objective_conformance.h"
 #include "doublet/testing/optimizer_conformance.h"
+#include "synthetic.h"
 
 #include <gtest/gtest.h>
 
@@ -33,6 +35,35 @@ public:
 TEST(Conformance, TheKitCatchesAStubbornOptimizer) {
   // Does not end, forgets the best, misses the minimum, refuses nothing (two ways).
   EXPECT_EQ(testing::optimizer_violations([](int, std::uint64_t) { return std::make_unique<Stubborn>(); }).size(), 5u);
+}
+
+TEST(Conformance, OurObjectiveConforms) {
+  const auto scene =
+      testing::make_scene({testing::cotton()}, {.frames = 12, .cameras = 2, .pixels = 160, .rings = 6, .segments = 16});
+  MaterialObjective objective(*scene->simulator, scene->performance, scene->observations);
+  for (const std::string &broken : testing::objective_violations(objective))
+    ADD_FAILURE() << broken;
+}
+
+/// Its energy is the sample's place in the generation, and another one each time.
+class Ranking : public Objective {
+public:
+  int parameter_count() const override { return 2; }
+  MatrixRM evaluate(const MatrixRM &samples, const Context &) override {
+    MatrixRM energies(samples.rows(), 1);
+    for (int i = 0; i < samples.rows(); ++i)
+      energies(i, 0) = i + 1000 * calls_ + samples.rows();
+    ++calls_;
+    return energies;
+  }
+
+private:
+  int calls_ = 0;
+};
+
+TEST(Conformance, TheKitCatchesARankingObjective) {
+  Ranking objective;
+  EXPECT_EQ(testing::objective_violations(objective).size(), 5u); // again, order, alone, too wide, too narrow
 }
 
 } // namespace

@@ -182,9 +182,9 @@ class Bowl(d.Objective):
 
 
 def search(path: Path) -> None:
-    d.minimise(
-        Bowl(), lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(max_evaluations=24, seed=seed)), checkpoint=path, problem="bowl"
-    )
+    options = d.MinimiseOptions(checkpoint=path, problem="bowl")
+    options.make_optimizer = lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(max_evaluations=24, seed=seed))
+    d.minimise(Bowl(), options)
 
 
 def write_session(folder: Path, world: World) -> None:

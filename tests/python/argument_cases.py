@@ -38,7 +38,7 @@ def calls(world, folder) -> dict:
     sequence, valid = w.performance.surface, [1] * len(f)
     masks, pictures = [w.mask] * 2, [w.picture] * 2
     animation = d.animate(w.character, w.motion, d.AnimateOptions(high=False, settle_seconds=0.05))
-    small = d.GarmentOptions(vertices=60)
+    small, coarse = d.GarmentOptions(vertices=60), d.ViewScanOptions(cell=0.03, poisson_depth=5)
     clothed = {"actor": w.actor, "segmentation": w.segmentation}
     reference = {"simulator": w.simulator, "performance": w.performance, "observations": w.observations}
 
@@ -96,6 +96,9 @@ def calls(world, folder) -> dict:
         "heat_weights": (d.heat_weights, {"mesh": w.mesh, "face_valid": valid, "skeleton": w.skeleton}),
         "summarise_template": (d.summarise_template, {"surface": template(w), "scan": w.mesh}),
         "rig_template": (d.rig_template, {"surface": template(w), "joints": w.marks}),
+        "scan_from_views": (
+            lambda rig, masks: d.scan_from_views(rig, [d.CameraView(mask=m) for m in masks], coarse), ring_of_discs(),
+        ),
         "build_template": (d.build_template, {"scan": w.mesh}),
         "segment_cloth": (d.segment_cloth, {"sequence": sequence, "face_valid": valid}),
         "ClothSegmenter.segment": (d.ClothSegmenter.create().segment, {"sequence": sequence, "face_valid": valid}),
@@ -240,10 +243,28 @@ ELSEWHERE = {
     "minimise", "retarget", "session_silhouettes", "train_body_model", "write_materials",
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
-    "surface_refiner_violations", "cloth_solver_violations", "optimizer_violations",
+    "find_body_marks", "require_scanned", "surface_refiner_violations",
+    "limb_search_violations", "performance_capture_violations", "cloth_solver_violations",
+    "optimizer_violations", "objective_violations",
     "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
     "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
+
+
+def ring_of_discs() -> dict:
+    """Four cameras around a ball of 0.5 m."""
+    y, x = np.mgrid[:96, :96] - 47.5
+    disc = (np.hypot(x, y) < 30).astype(np.uint8) * 255
+    rig = []
+    for turn in (0, 90, 180, 270):
+        back = np.array([np.sin(np.radians(turn)), 0, np.cos(np.radians(turn))])
+        camera = d.Camera()
+        camera.name, camera.width, camera.height = f"c{turn}", 96, 96
+        camera.K = np.array([[180.0, 0, 47.5], [0, 180, 47.5], [0, 0, 1]])
+        camera.R = np.array([np.cross([0, 1.0, 0], back), [0, -1.0, 0], -back])
+        camera.t = -camera.R @ (3 * back)
+        rig.append(camera)
+    return {"rig": rig, "masks": [disc] * 4}
 
 
 def template(world) -> d.Template:

@@ -161,12 +161,12 @@ class RandomSearch(d.Optimizer):
 
 
 def test_objective_in_python_optimizer_in_cpp():
-    answer = d.minimise(Bowl(), seed=3).parts[0].answer
+    answer = d.minimise(Bowl(), d.MinimiseOptions(seed=3)).parts[0].answer
     np.testing.assert_allclose(answer, 0.7, atol=0.05)
 
 
 def test_objective_and_optimizer_in_python():
-    result = d.minimise(Bowl(), make_optimizer=RandomSearch, seed=3).parts[0]
+    result = d.minimise(Bowl(), d.MinimiseOptions(make_optimizer=RandomSearch, seed=3)).parts[0]
     assert result.evaluations == 800
     np.testing.assert_allclose(result.answer, 0.7, atol=0.2)
 
@@ -212,7 +212,7 @@ def test_ctrl_c_stops_a_long_call():
     timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        d.minimise(Bowl(), make_optimizer=lambda dimension, seed: Endless())
+        d.minimise(Bowl(), d.MinimiseOptions(make_optimizer=lambda dimension, seed: Endless()))
     timer.join()
 
 

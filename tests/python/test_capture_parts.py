@@ -229,3 +229,49 @@ def test_wrong_sizes_of_pose_and_surface_are_named(scene):
         capture(scene, surface=Few())
     with pytest.raises(ValueError, match="one descriptor a point"):
         d.Features(np.zeros((3, 2)), np.zeros((2, 4)))
+
+
+class Kit(d.LimbSearch):
+    """Runs the kit on the built-in search, or on one that moves everything, with the problem that it is given."""
+
+    def __init__(self):
+        super().__init__()
+        self.inner, self.found, self.wild = d.LimbSearch.create(), [], []
+
+    def search(self, problem, dofs, lost, context):
+        self.found += d.limb_search_violations(self.inner, problem, dofs, lost)
+        self.wild += d.limb_search_violations(Everything(), problem, dofs, lost)
+        return self.inner.search(problem, dofs, lost, context)
+
+
+class Everything(d.LimbSearch):
+    def search(self, problem, dofs, lost, context):
+        return dofs + 100
+
+
+def test_the_kits_try_what_python_makes(scene):
+    actor, rig, stage, extractor = scene
+    kit = Kit()
+    options = d.CaptureOptions(smooth_window=1, second_pass=False)
+    options.limbs.lost = 1e-9  # every limb in every frame
+    capture(scene, options=options, limbs=kit)
+    assert kit.found == []
+    assert any("is of no lost limb" in s for s in kit.wild) and any("beyond its limits" in s for s in kit.wild)
+
+    class Passing(d.PerformanceCapture):
+        def __init__(self):
+            super().__init__()
+            self.inner, self.later = d.PerformanceCapture.create(options), 0
+
+        def capture(self, *arguments):
+            found = self.inner.capture(*arguments)
+            found.performance.dofs = found.performance.dofs + self.later
+            return found
+
+    class Restless(Passing):
+        def capture(self, *arguments):
+            self.later += 1
+            return super().capture(*arguments)
+
+    assert d.performance_capture_violations(Passing(), actor, rig, stage, extractor) == []
+    assert d.performance_capture_violations(Restless(), actor, rig, stage, extractor) == ["a second call gives other bits"]

@@ -44,19 +44,19 @@ def factory(request):
 
 
 def test_it_finds_the_minima_of_both_parts(factory):
-    first, second = d.minimise(Bowl(), make_optimizer=factory, seed=4).parts
+    first, second = d.minimise(Bowl(), d.MinimiseOptions(make_optimizer=factory, seed=4)).parts
     np.testing.assert_allclose(first.answer, 0.7, atol=0.15)
     np.testing.assert_allclose(second.answer, 1, atol=0.15)
     assert first.best_energy < 0.03 and 0 < first.evaluations <= 400 and first.stop_reason
 
 
 def test_a_killed_search_resumes_to_the_same_bits(factory, tmp_path):
-    whole = d.minimise(Bowl(), make_optimizer=factory, seed=4)
+    whole = d.minimise(Bowl(), d.MinimiseOptions(make_optimizer=factory, seed=4))
     checkpoint = tmp_path / "checkpoint.json"
     with pytest.raises(LookupError, match="power cut"):
-        d.minimise(Bowl(lives=5), make_optimizer=factory, seed=4, checkpoint=checkpoint)
+        d.minimise(Bowl(lives=5), d.MinimiseOptions(make_optimizer=factory, seed=4, checkpoint=checkpoint))
     rest = Bowl()
-    resumed = d.minimise(rest, make_optimizer=factory, seed=4, checkpoint=checkpoint)
+    resumed = d.minimise(rest, d.MinimiseOptions(make_optimizer=factory, seed=4, checkpoint=checkpoint))
     assert 10**6 - rest.lives == max(row.generation for row in whole.log) - 5
     for a, b in zip(whole.parts, resumed.parts):
         np.testing.assert_array_equal(a.answer, b.answer)
@@ -116,7 +116,7 @@ class Replies(d.Optimizer):
 )
 def test_what_an_optimizer_does_wrong_is_said(optimizer, error, text):
     with pytest.raises(error, match=text):
-        d.minimise(Bowl(), make_optimizer=optimizer)
+        d.minimise(Bowl(), d.MinimiseOptions(make_optimizer=optimizer))
 
 
 def test_a_state_that_is_not_its_own_is_refused():

@@ -73,6 +73,11 @@ def test_no_person_no_joints(model):
         d.find_body_marks(ball, [], model)
     with pytest.raises(ValueError, match="face_valid: expected"):
         d.find_body_marks(ball, [1, 0], model)
+    hole = d.Mesh(np.where(np.arange(len(ball.vertices))[:, None] == 7, np.nan, ball.vertices), ball.faces)
+    with pytest.raises(d.Error, match="1 non-finite vertices"):
+        d.find_body_marks(hole, [], model)
+    with pytest.raises(d.Error, match="corners in range"):
+        d.find_body_marks(d.Mesh(ball.vertices, ball.faces + 3), [], model)
 
 
 def test_the_command_completes_a_session(model, tmp_path, capsys):

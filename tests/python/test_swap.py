@@ -279,3 +279,25 @@ def test_the_other_kits(world):
             return "cloth"
 
     assert any("ClothSegmenter.segment must return a Segmentation" in s for s in d.cloth_segmenter_violations(Wrong()))
+
+
+class Distance(d.Objective):
+    """To the middle of the box; of the whole generation, if `shared`."""
+
+    def __init__(self, shared):
+        super().__init__()
+        self.shared = shared
+
+    def parameter_count(self):
+        return 3
+
+    def evaluate(self, samples, context):
+        if samples.shape[1] != 3:
+            raise ValueError(f"expected 3 parameters, found {samples.shape[1]}")
+        energies = np.square(samples - 0.5).sum(axis=1, keepdims=True)
+        return energies - energies.max() if self.shared else energies
+
+
+def test_the_kit_for_objectives():
+    assert d.objective_violations(Distance(shared=False)) == []
+    assert d.objective_violations(Distance(shared=True)) == ["a sample alone has another energy than among others"]

@@ -165,6 +165,23 @@ TEST(Segment, WhatDoesNotHangIsNoCloth) {
   EXPECT_EQ(result.clothness[38 * tube::kAround], 0.0);
 }
 
+TEST(Segment, AHeadThatHairReachesIsNoCloth) {
+  // The border slants: high at the front, low at the back, where hair falls on the collar. Its top is above the core's middle,
+  // but the core rises above it all around.
+  const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(pose.vertices.rows());
+  for (int i = 0; i < sigma.size(); ++i) {
+    const double border = 0.68 + 0.2 * std::cos(std::atan2(pose.vertices(i, 0), pose.vertices(i, 2)));
+    const double y = pose.vertices(i, 1);
+    if (y > border || y < 0.4)
+      sigma[i] = 0.05; // the head, and a garment
+  }
+  const Segmentation result = segmentation_from_deviation(pose, {}, sigma);
+  EXPECT_EQ(result.region_count, 1);
+  EXPECT_GT(result.clothness[8 * tube::kAround], 0.95);
+  EXPECT_EQ(result.clothness[38 * tube::kAround], 0.0);
+}
+
 TEST(Segment, FaintDeviationFarFromClothIsRigid) {
   const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
   const SegmentOptions options;

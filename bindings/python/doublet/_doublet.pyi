@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_limbs', 'fit_proxies', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'optimizer_violations', 'orbit_camera', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'retarget', 'rig_template', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_limbs', 'fit_proxies', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -931,6 +931,8 @@ class CameraView:
     """
     What a camera shows at a frame.
     """
+    def __init__(self, image: typing.Annotated[numpy.ndarray, numpy.uint8] = ..., mask: typing.Annotated[numpy.ndarray, numpy.uint8] = ...) -> None:
+        ...
     @property
     def image(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
         """
@@ -941,6 +943,81 @@ class CameraView:
         """
         (H, W) uint8, 255 = actor; (0, 0) = none
         """
+class ViewScanOptions:
+    """
+    Options of scan_from_views.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def cell(self) -> float:
+        """
+        m, of the grid that the visual hull is sampled on: a number in [0.001, 0.05]
+        """
+    @cell.setter
+    def cell(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def grazing_angle(self) -> float:
+        """
+        degrees, surface that faces down and that every camera sees flatter than this, or not at all, is left out: under a hem: a number in [10, 90]
+        """
+    @grazing_angle.setter
+    def grazing_angle(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def outvoted(self) -> int:
+        """
+        cameras, that may miss a point which all others see: silhouettes with holes cut less, the hull gets thicker: a number in [0, 7]
+        """
+    @outvoted.setter
+    def outvoted(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def patch(self) -> float:
+        """
+        m, side of the square of surface that two cameras compare: a number in [0.01, 0.3]
+        """
+    @patch.setter
+    def patch(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def poisson_depth(self) -> int:
+        """
+        octree depth of the surface through the samples: a number in [5, 11]
+        """
+    @poisson_depth.setter
+    def poisson_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def search_depth(self) -> float:
+        """
+        m, how far inside the hull the surface is looked for; 0 = the hull itself: a number in [0, 0.3]
+        """
+    @search_depth.setter
+    def search_depth(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smoothness(self) -> float:
+        """
+        correlation that a step of a centimetre between neighbours must gain: a number above 0
+        """
+    @smoothness.setter
+    def smoothness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class TemplateOptions:
     """
     Options of build_template.
@@ -2815,6 +2892,30 @@ class BodyFitter:
         """
         One shape, a pose a scan; a list of BodyFit.
         """
+class BodyMarks:
+    """
+    Joints and landmarks of a person that nobody marked.
+    """
+    @property
+    def fit(self) -> BodyFit:
+        """
+        the body that they were read from
+        """
+    @property
+    def joints(self) -> list[JointMark]:
+        """
+        the standard joints, JointMark
+        """
+    @property
+    def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
+        """
+        name -> point on the body, m
+        """
+    @property
+    def rival(self) -> float:
+        """
+        how unlikely it is over the fit that looks the other way: near 1 = hard to tell
+        """
 class BodyRegion:
     """
     How far a fit can be trusted along one bone.
@@ -4261,6 +4362,97 @@ class Objective:
         """
         Independent parts, each with n parameters and an energy of its own.
         """
+class MinimiseOptions:
+    """
+    Options of minimise.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def budget(self) -> int:
+        """
+        evaluations at which the optimisers stop; 0 = not known: a number of at least 0
+        """
+    @budget.setter
+    def budget(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def checkpoint(self) -> pathlib.Path:
+        """
+        written after every generation, read at the start if it is there; empty = none
+        """
+    @checkpoint.setter
+    def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def expected_evaluations(self) -> int:
+        """
+        for the progress bar and the time left only: a number of at least 1
+        """
+    @expected_evaluations.setter
+    def expected_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def make_optimizer(self) -> None:
+        """
+        make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.
+        """
+    @make_optimizer.setter
+    def make_optimizer(self, arg1: typing.Any) -> None:
+        ...
+    @property
+    def on_generation(self) -> collections.abc.Callable[[MinimiseResult], None]:
+        """
+        called with the MinimiseResult so far
+        """
+    @on_generation.setter
+    def on_generation(self, arg0: collections.abc.Callable[[MinimiseResult], None]) -> None:
+        ...
+    @property
+    def penalty(self) -> float:
+        """
+        omega: energy(clamped sample) + omega scale |sample - clamped|^2: a number of at least 0
+        """
+    @penalty.setter
+    def penalty(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def problem(self) -> str:
+        """
+        what the checkpoint belongs to; that of another is not used
+        """
+    @problem.setter
+    def problem(self, arg0: str) -> None:
+        ...
+    @property
+    def relative_penalty(self) -> bool:
+        """
+        scale = median energy of the first generation; off = 1 (the paper's)
+        """
+    @relative_penalty.setter
+    def relative_penalty(self, arg0: bool) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        part r gets seed + r: a number of at least 0
+        """
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
 class Influence:
     """
     What each parameter, moved alone, does to the energy.
@@ -4844,6 +5036,10 @@ def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[
     """
     The same of a FeatureTracker, on an image of yours; reach in pixels.
     """
+def find_body_marks(surface: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], model: BodyModel, options: BodyFitOptions = ..., context: Context = ...) -> BodyMarks:
+    """
+    Joints and landmarks of a person, upright (+Y), arms and legs apart, by the body model. face_valid: 0 = invented, empty = all valid.
+    """
 def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
@@ -4868,6 +5064,10 @@ def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.Support
     """
     (V, J) skin weights by heat equilibrium; rows sum to one.
     """
+def limb_search_violations(search: LimbSearch, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], lost: collections.abc.Sequence[Limb]) -> list[str]:
+    """
+    The same of a LimbSearch, on a problem, a pose within the limits and limbs that are lost.
+    """
 def make_character(actor: RiggedMesh, segmentation: Segmentation, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
     """
     Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
@@ -4888,9 +5088,13 @@ def mesh_garment(actor: RiggedMesh, segmentation: Segmentation, body: Mesh, capt
     """
     All cloth of the actor as a mesh of its own, in one call.
     """
-def minimise(objective: Objective, make_optimizer: typing.Any = None, seed: typing.SupportsInt | typing.SupportsIndex = 1, penalty: typing.SupportsFloat | typing.SupportsIndex = 16.0, relative_penalty: bool = True, checkpoint: os.PathLike | str | bytes | None = None, problem: str = '', context: Context = ...) -> MinimiseResult:
+def minimise(objective: Objective, options: MinimiseOptions = ..., context: Context = ...) -> MinimiseResult:
     """
-    Runs one optimiser a part of the objective until all stop. Goes on from `checkpoint` if it is there and belongs to `problem`; raises Error if it is damaged.
+    Runs one optimiser a part of the objective until all stop. Goes on from options.checkpoint if it is there and belongs to options.problem; raises Error if it is damaged.
+    """
+def objective_violations(objective: Objective) -> list[str]:
+    """
+    One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, refusals.
     """
 def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
     """
@@ -4899,6 +5103,10 @@ def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
 def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
+    """
+def performance_capture_violations(capture: ..., actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor = None) -> list[str]:
+    """
+    The same of a PerformanceCapture, on a short film of yours, which it captures twice.
     """
 def pose_optimizer_violations(optimizer: PoseOptimizer, problem: PoseProblem) -> list[str]:
     """
@@ -4968,6 +5176,10 @@ def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options
     """
     (H, W, 3) uint8, BGR
     """
+def require_scanned(session: Session) -> None:
+    """
+    Raises if the session has no scan or no joints.
+    """
 def retarget(clip: SourceMotion, skeleton: Skeleton, options: RetargetOptions = ..., context: Context = ...) -> Motion:
     """
     A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.
@@ -4975,6 +5187,10 @@ def retarget(clip: SourceMotion, skeleton: Skeleton, options: RetargetOptions = 
 def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark], context: Context = ...) -> RiggedMesh:
     """
     Skeleton from the marked joints and skin weights -> RiggedMesh.
+    """
+def scan_from_views(rig: collections.abc.Sequence[Camera], views: collections.abc.Sequence[CameraView], options: ViewScanOptions = ..., context: Context = ...) -> Mesh:
+    """
+    Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a camera, of one frame.
     """
 def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Segmentation:
     """

@@ -53,7 +53,7 @@ def scan_session(job: pipeline.Job, options: d.ViewScanOptions | None = None, fo
     if "markers" in wanted:
         marks = marks_of(job)
         rival = marks.rival
-        write_json(claimed(folder / MARKS, force), described(marks))
+        write_json(claimed(folder / MARKS, force), joints_file(marks))
         made.append(folder / MARKS)
         description["markers"] = MARKS
         write_json(folder / "session.json", description)
@@ -86,7 +86,7 @@ def marks_of(job: pipeline.Job) -> d.BodyMarks:
     return d.find_body_marks(surface.mesh, surface.face_valid, model, job.group("body"), job.context)
 
 
-def described(marks: d.BodyMarks) -> dict:
+def joints_file(marks: d.BodyMarks) -> dict:
     """joints.json"""
 
     def rounded(point) -> list[float]:

@@ -3,14 +3,17 @@
 // lists. Frames and problems are yours; tests/capture/conformance_test.cpp shows how little they need.
 
 #include "doublet/capture/parts/feature_tracker.h"
+#include "doublet/capture/parts/limb_search.h"
 #include "doublet/capture/parts/pose_optimizer.h"
 #include "doublet/capture/parts/surface_refiner.h"
+#include "doublet/capture/performance_capture.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
 
 #include <algorithm>
 #include <exception>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -123,9 +126,12 @@ inline std::vector<std::string> feature_tracker_violations(const FeatureTracker 
   });
 }
 
-/// A finite pose of all degrees of freedom, residuals of at least 0, and the same bits from the same problem.
+/// A finite pose of all degrees of freedom, residuals of at least 0, the same bits from the same problem; and an actor that was
+/// changed where it stands in memory is another actor.
 inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimizer, const PoseProblem &problem) {
   return detail::tried("the optimizer", [&](std::vector<std::string> &broken) {
+    if (!problem.actor)
+      throw std::invalid_argument("the problem has no actor");
     const PoseEstimate found = optimizer.optimize(problem, {}), again = optimizer.optimize(problem, {});
     if (found.dofs.size() != problem.start.size())
       broken.push_back("expected " + std::to_string(problem.start.size()) + " degrees of freedom, found " +
@@ -134,12 +140,26 @@ inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimiz
       broken.push_back("expected a finite pose and residuals of at least 0");
     if (found.dofs.size() != again.dofs.size() || found.dofs != again.dofs)
       broken.push_back("a second call gives other bits");
+    const auto solved = [&](const RiggedMesh &actor) {
+      PoseProblem own = problem;
+      own.actor = &actor;
+      return optimizer.optimize(own, {}).dofs;
+    };
+    RiggedMesh changed = *problem.actor;
+    solved(changed);
+    changed.weights = changed.weights.rowwise().reverse().eval();
+    const RiggedMesh elsewhere = changed;
+    if (solved(changed) != solved(elsewhere))
+      broken.push_back("an actor whose weights were changed is taken for the one before");
   });
 }
 
-/// A finite surface of all vertices, residuals of at least 0, and the same bits from the same problem.
+/// A finite surface of all vertices, residuals of at least 0, the same bits from the same problem; and an actor that was changed
+/// where it stands in memory is another actor.
 inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refiner, const SurfaceProblem &problem) {
   return detail::tried("the refiner", [&](std::vector<std::string> &broken) {
+    if (!problem.actor)
+      throw std::invalid_argument("the problem has no actor");
     const SurfaceEstimate found = refiner.refine(problem, {}), again = refiner.refine(problem, {});
     if (found.vertices.rows() != problem.base.rows())
       broken.push_back("expected " + std::to_string(problem.base.rows()) + " vertices, found " +
@@ -148,6 +168,85 @@ inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refin
       broken.push_back("expected a finite surface and residuals of at least 0");
     if (found.vertices.rows() != again.vertices.rows() || found.vertices != again.vertices)
       broken.push_back("a second call gives other bits");
+    const auto refined = [&](const RiggedMesh &actor) {
+      SurfaceProblem own = problem;
+      own.actor = &actor;
+      return refiner.refine(own, {}).vertices;
+    };
+    RiggedMesh changed = *problem.actor;
+    refined(changed);
+    changed.mesh.vertices.col(1) *= 1.5; // other areas and angles: another stiffness
+    const RiggedMesh elsewhere = changed;
+    if (refined(changed) != refined(elsewhere))
+      broken.push_back("an actor whose mesh was changed is taken for the one before");
+  });
+}
+
+/// A finite pose within the limits of the skeleton, in which only the lost limbs have moved; none moves if none is lost; the same
+/// bits from the same problem. `dofs` (D) within the limits; `lost` of find_limbs(), not empty.
+inline std::vector<std::string> limb_search_violations(LimbSearch &search, const LimbProblem &problem,
+                                                       const Eigen::VectorXd &dofs, const std::vector<Limb> &lost) {
+  return detail::tried("the search", [&](std::vector<std::string> &broken) {
+    if (!problem.actor)
+      throw std::invalid_argument("the problem has no actor");
+    const Skeleton &skeleton = problem.actor->skeleton;
+    const Eigen::VectorXd found = search.search(problem, dofs, lost, {}), again = search.search(problem, dofs, lost, {});
+    if (found.size() != dofs.size() || !found.allFinite()) {
+      broken.push_back("expected " + std::to_string(dofs.size()) + " finite degrees of freedom, found " +
+                       std::to_string(found.size()));
+      return;
+    }
+    std::vector<char> may_move(dofs.size(), 0);
+    for (const Limb &limb : lost)
+      for (int dof : limb.dofs)
+        may_move[dof] = 1;
+    for (Eigen::Index i = 0; i < found.size(); ++i) {
+      if (!may_move[i] && found[i] != dofs[i])
+        broken.push_back("degree of freedom " + std::to_string(i) + " is of no lost limb, and was moved");
+      else if (found[i] < skeleton.lower[i] || found[i] > skeleton.upper[i])
+        broken.push_back("degree of freedom " + std::to_string(i) + " is beyond its limits");
+    }
+    if (again.size() != found.size() || again != found)
+      broken.push_back("a second call gives other bits");
+    if (const Eigen::VectorXd kept = search.search(problem, dofs, {}, {}); kept.size() != dofs.size() || kept != dofs)
+      broken.push_back("a pose without lost limbs was changed");
+  });
+}
+
+/// A performance of the actor and observations of as many frames and cameras, in the order of the film; the same bits a second
+/// time; a rig of another number of cameras is refused. As PerformanceCapture::capture.
+inline std::vector<std::string> performance_capture_violations(PerformanceCapture &capture, const RiggedMesh &actor,
+                                                               const CameraRig &rig, FrameSource &frames,
+                                                               const SilhouetteExtractor *extractor = nullptr) {
+  return detail::tried("the capture", [&](std::vector<std::string> &broken) {
+    const CaptureResult found = capture.capture(actor, rig, frames, extractor, {});
+    try {
+      require_performance(found.performance, actor, "performance");
+    } catch (const std::exception &error) {
+      broken.push_back(error.what());
+      return;
+    }
+    const std::vector<int> &numbers = found.performance.frames;
+    const std::size_t count = found.performance.surface.frames.size();
+    if (numbers.size() != count || !std::is_sorted(numbers.begin(), numbers.end(), std::less_equal<>()) || numbers.front() < 0 ||
+        numbers.back() >= frames.frame_count())
+      broken.push_back("expected a frame number of the film for each frame, in rising order");
+    const Observations &seen = found.observations;
+    if (seen.frames != numbers || seen.views.size() != count || seen.cameras.size() != rig.size())
+      broken.push_back("expected observations of the same frames, and all cameras");
+    for (const auto &views : seen.views)
+      if (views.size() != rig.size()) {
+        broken.push_back("expected one observation a camera and frame");
+        break;
+      }
+    const CaptureResult again = capture.capture(actor, rig, frames, extractor, {});
+    if (again.performance.surface.frames != found.performance.surface.frames || again.performance.dofs != found.performance.dofs)
+      broken.push_back("a second call gives other bits");
+    try {
+      capture.capture(actor, CameraRig(rig.begin(), rig.end() - 1), frames, extractor, {});
+      broken.push_back("a rig without one of the cameras is not refused");
+    } catch (const std::exception &) { // of whatever kind: Python has its own
+    }
   });
 }
 

@@ -15,7 +15,8 @@ namespace doublet::pbd {
 using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Faces = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// Tapered capsule in the world: two spheres and the cone between them, m.
+/// Tapered capsule in the world: two spheres and the cone between them, m. (core's PosedCapsule; this library uses nothing of
+/// core's.)
 struct Capsule {
   Eigen::Vector3d p0, p1;
   double r0 = 0, r1 = 0;
