@@ -72,6 +72,7 @@ void bind_session(py::module_ &m) {
       .def_readwrite("video", &SessionCamera::video, "mp4 or printf pattern of images; empty if there are only masks")
       .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video")
       .def_readwrite("background", &SessionCamera::background, "image of the empty stage or pattern of several; empty = none")
+      .def_readwrite("first_frame", &SessionCamera::first_frame, "of video and masks: frame 0 of the session")
       .def_readonly("video_fps", &SessionCamera::video_fps, "what the video's container says; 0 = nothing");
   py::class_<Session>(m, "Session", "A capture session on disk, checked as a whole.")
       .def(py::init(&read_session), py::arg("folder"), Release())

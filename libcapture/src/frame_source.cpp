@@ -37,7 +37,7 @@ public:
 
   Image image(int camera, int frame) override {
     check(camera, frame);
-    const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame);
+    const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame + session_.cameras[camera].first_frame);
     check_size(mat, camera, frame, session_.cameras[camera].video);
     if (mat.empty() || single_colour(mat))
       return {};
@@ -47,7 +47,7 @@ public:
 
   Image mask(int camera, int frame) override {
     check(camera, frame);
-    const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], frame);
+    const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], frame + session_.cameras[camera].first_frame);
     check_size(mat, camera, frame, session_.cameras[camera].masks);
     if (mat.empty())
       return {};

@@ -15,6 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json; // keeps the order of joints in the file
+constexpr int kMostFrames = 100'000'000;
 
 Json read_json(const fs::path &path) {
   const std::string text = read_json_text(path);
@@ -108,6 +109,11 @@ SessionCamera read_camera(const Json &object, const fs::path &folder, const fs::
     camera.masks = existing_frames(folder, masks, "mask series of camera '" + camera.name + "'", source);
   if (camera.video.empty() && camera.masks.empty())
     camera.masks = masks_by_name(folder, camera.name);
+  if (object.contains("first_frame"))
+    camera.first_frame = value<int>(object, "first_frame", where, "a number of frames");
+  if (camera.first_frame < 0 || camera.first_frame > kMostFrames)
+    throw Error(where + ": expected \"first_frame\" to be in [0, " + std::to_string(kMostFrames) + "], found " +
+                std::to_string(camera.first_frame));
   if (camera.video.empty() && camera.masks.empty())
     throw Error(where + ": expected \"video\" or \"masks\", found neither, nor masks/" + camera.name + "_0000.png");
   return camera;
@@ -173,10 +179,10 @@ void read_joints(const fs::path &path, Session &session) {
 }
 
 /// Returns the frame rate that the file states; 0 = none.
-double check_frames(const fs::path &path, const Session &session, const Camera &camera) try {
+double check_frames(const fs::path &path, int frame_count, const Camera &camera) try {
   if (path.empty())
     return 0;
-  const auto [size, fps] = detail::probe_frames(path, session.frame_count);
+  const auto [size, fps] = detail::probe_frames(path, frame_count);
   if (size.width != camera.width || size.height != camera.height)
     throw Error(path.string() + ": expected " + std::to_string(camera.width) + " x " + std::to_string(camera.height) +
                 " pixels as the calibration of camera '" + camera.name + "' says, found " + std::to_string(size.width) + " x " +
@@ -214,8 +220,9 @@ Session read_session(const fs::path &folder) {
   session.frame_count = value<int>(json, "frame_count", where, "a number of frames");
   if (!(session.fps > 0) || !std::isfinite(session.fps))
     throw Error(where + ": expected \"fps\" to be positive, found " + options::shown(session.fps));
-  if (session.frame_count < 1)
-    throw Error(where + ": expected \"frame_count\" to be at least 1, found " + std::to_string(session.frame_count));
+  if (session.frame_count < 1 || session.frame_count > kMostFrames)
+    throw Error(where + ": expected \"frame_count\" to be in [1, " + std::to_string(kMostFrames) + "], found " +
+                std::to_string(session.frame_count));
   session.cameras = read_cameras(json, session.folder, source);
   if (const std::string scan = text_or(json, "scan", where); !scan.empty())
     session.scan = existing(session.folder, scan, "scan", source);
@@ -229,8 +236,9 @@ Session read_session(const fs::path &folder) {
     read_joints(session.markers, session);
   }
   for (std::size_t c = 0; c < session.cameras.size(); ++c) {
-    session.cameras[c].video_fps = check_frames(session.cameras[c].video, session, session.rig[c]);
-    check_frames(session.cameras[c].masks, session, session.rig[c]);
+    const int needed = session.cameras[c].first_frame + session.frame_count;
+    session.cameras[c].video_fps = check_frames(session.cameras[c].video, needed, session.rig[c]);
+    check_frames(session.cameras[c].masks, needed, session.rig[c]);
     check_plates(session.cameras[c].background, session.rig[c]);
   }
   return session;

@@ -85,6 +85,15 @@ TEST(Session, FramesAreTheSameInAnyOrder) {
   EXPECT_GT(images[0].at(5, 5, 1), images[0].at(5, 5, 2) + 20);
 }
 
+TEST(Session, ACameraMayBeginLater) {
+  Session session = read_session(kShipped);
+  const auto plain = FrameSource::open(session);
+  session.cameras[2].first_frame = 5;
+  const auto later = FrameSource::open(session);
+  EXPECT_EQ(later->image(2, 0).data, plain->image(2, 5).data);
+  EXPECT_EQ(later->image(1, 0).data, plain->image(1, 0).data);
+}
+
 TEST(Session, FramesOutsideThrow) {
   const auto frames = FrameSource::open(read_session(kShipped));
   EXPECT_THROW(frames->image(0, -1), std::invalid_argument);
@@ -134,6 +143,16 @@ TEST_F(SessionFiles, CalibrationIsBroken) {
 TEST_F(SessionFiles, CalibrationOfAnotherSize) {
   replace("calibration.yml", "cam1_image_width: 502", "cam1_image_width: 1004");
   expect_failure({"cam1.mp4", "1004", "502"});
+}
+
+TEST_F(SessionFiles, FirstFrame) {
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 50");
+  replace("session.json", "\"name\": \"cam3\"", "\"first_frame\": 7, \"name\": \"cam3\"");
+  EXPECT_EQ(read_session(folder.path()).cameras[3].first_frame, 7);
+  replace("session.json", "\"first_frame\": 7", "\"first_frame\": 700");
+  expect_failure({"cam3.mp4", "750 frames"});
+  replace("session.json", "\"first_frame\": 700", "\"first_frame\": -1");
+  expect_failure({"session.json", "cam3", "first_frame", "-1"});
 }
 
 TEST_F(SessionFiles, TruncatedVideo) {

@@ -37,18 +37,21 @@ class Person:
         return {n: 1000 * np.linalg.norm(np.ravel(p) - self.joints[n]) for n, p in positions.items() if n in self.joints}
 
 
-def write_session(folder, person: Person, cameras: int = 8, size: int = 300):
+def write_session(folder, person: Person, cameras: int = 8, size: int = 300, before=()):
+    """before: meshes of the frames before the person's; with any, the person stands for two frames."""
     folder.mkdir()
+    meshes = [*before, person.mesh, person.mesh] if before else [person.mesh]
     rig = []
     for c in range(cameras):
         camera = d.orbit_camera([0.2, 0.9, -0.3], 1.0, 2 * np.pi * (c + 0.3) / cameras, 0.15, size, size)
         camera.name = f"cam{c}"
         rig.append(camera)
         (folder / "masks" / camera.name).mkdir(parents=True)
-        mask = d.rasterize(person.mesh.vertices, person.mesh.faces, camera)[0] >= 0
-        Image.fromarray(mask.astype(np.uint8) * 255).save(folder / "masks" / camera.name / "0000.png")
+        for t, mesh in enumerate(meshes):
+            mask = d.rasterize(mesh.vertices, mesh.faces, camera)[0] >= 0
+            Image.fromarray(mask.astype(np.uint8) * 255).save(folder / "masks" / camera.name / f"{t:04d}.png")
     d.write_calibration(folder / "calibration.yml", rig)
-    described = {"name": "ring", "fps": 30, "frame_count": 1, "calibration": "calibration.yml"}
+    described = {"name": "ring", "fps": 30, "frame_count": len(meshes), "calibration": "calibration.yml"}
     described["cameras"] = [{"name": c.name, "masks": f"masks/{c.name}/%04d.png"} for c in rig]
     (folder / "session.json").write_text(json.dumps(described), encoding="utf-8")
     return folder
@@ -96,6 +99,24 @@ def test_the_command_completes_a_session(model, tmp_path, capsys):
     capsys.readouterr()
     assert main(["scan", str(folder), *FAST]) == 1
     assert "names a scan and joints already; --force makes them anew" in capsys.readouterr().err
+
+
+def test_the_best_frame_is_found_and_the_session_begins_there(model, tmp_path, capsys):
+    person = Person(model, 0.7, 3)
+    ball = d.capsule_mesh([0.2, 0.5, -0.3], [0.2, 1.2, -0.3], 0.3, 0.3)
+    folder = write_session(tmp_path / "session", person, before=[ball, ball])
+    before = (folder / "session.json").read_text(encoding="utf-8")
+    assert main(["scan", str(folder), *FAST, "--frame", "3"]) == 1
+    assert "--frame: expected 0 to 2, for a motion to be left, found 3" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["scan", str(folder), *FAST, "--frame", "last"])
+    assert "expected the number of a frame, or best, found 'last'" in capsys.readouterr().err
+    assert (folder / "session.json").read_text(encoding="utf-8") == before
+    assert main(["scan", str(folder), *FAST, "--frame", "best"]) in (0, 3)
+    session = d.Session(folder)
+    assert session.frame_count == 2 and {camera.first_frame for camera in session.cameras} == {2}
+    assert np.mean(list(person.errors_mm({mark.name: mark.position for mark in session.joints}).values())) < 25
+    assert main(["scan", str(folder), *FAST, "--force", "--frame", "1"]) == 1  # of what is left
 
 
 def test_only_what_is_missing_is_made(model, tmp_path, capsys):

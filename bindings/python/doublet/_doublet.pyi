@@ -672,6 +672,14 @@ class SessionCamera:
     def background(self, arg0: os.PathLike | str | bytes) -> None:
         ...
     @property
+    def first_frame(self) -> int:
+        """
+        of video and masks: frame 0 of the session
+        """
+    @first_frame.setter
+    def first_frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
     def masks(self) -> pathlib.Path:
         """
         the same kinds; empty = key the video

@@ -146,7 +146,7 @@ def run_scan(arguments) -> int:
     job = pipeline.Job(
         arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
     )
-    made = scan.scan_session(job, scan_options, arguments.force)
+    made = scan.scan_session(job, scan_options, arguments.force, arguments.frame)
     console.finish()
     print("\n".join(map(str, made.files)))
     for finding in made.findings:
@@ -308,6 +308,12 @@ def add_stage_flags(parser, groups, with_body_model: bool) -> None:
     add_option_flags(parser, groups)
 
 
+def frame_or_best(text: str) -> int | str:
+    if text != "best" and not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected the number of a frame, or best, found '{text}'")
+    return text if text == "best" else int(text)
+
+
 def add_scan(commands) -> None:
     from .scan import GROUPS
 
@@ -315,6 +321,14 @@ def add_scan(commands) -> None:
     scan = commands.add_parser("scan", help=text, description=text)
     scan.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json; gets scan.ply and joints.json")
     scan.add_argument("--force", action="store_true", help="make them anew, and overwrite files made elsewhere")
+    scan.add_argument(
+        "--frame",
+        type=frame_or_best,
+        default=0,
+        metavar="N",
+        help="frame in which the person stands upright, arms and legs apart, or 'best': found; the session then begins there "
+        "(default: 0)",
+    )
     scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(scan)
     add_option_flags(scan, GROUPS)

@@ -19,9 +19,12 @@ GROUPS = {
     "body": d.BodyFitOptions,
     **{name: pipeline.OPTION_GROUPS[name] for name in ("silhouette", "key", "background")},
 }
+BEST = "best"
 SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
 #: Above this ratio it is hard to tell which way the person faces.
 LIKELY_RIVAL = 0.7
+#: How coarsely frames are tried for the best one, and how many at most.
+TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
 #: Octree depth of the closed surface that the body is fitted to: joints need no fingers.
 MARKS_DEPTH = 8
 
@@ -34,21 +37,28 @@ class Made:
     findings: list[Finding]
 
 
-def scan_session(job: pipeline.Job, options: d.ViewScanOptions | None = None, force: bool = False) -> Made:
-    """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), at frame 0, where the
-    tracker starts, and a picture that shows both. A session that has both is refused."""
+def scan_session(job: pipeline.Job, options: d.ViewScanOptions | None = None, force: bool = False, frame: int | str = 0) -> Made:
+    """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
+    both. frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found. A session
+    that has scan and joints is refused."""
     folder = job.session_folder
     description = read_description(folder)
     wanted = [key for key in ("scan", "markers") if force or not description.get(key)]
     if not wanted:
         raise RuntimeError(f"{folder / 'session.json'}: names a scan and joints already; --force makes them anew")
+    if frame and "scan" not in wanted:
+        raise RuntimeError(
+            f"{folder / 'session.json'}: names a scan already, made at its frame 0; --force makes another at --frame"
+        )
     made = []
     if "scan" in wanted:
-        d.write_mesh(claimed(folder / SCAN, force), scan_of(job, options or d.ViewScanOptions()))
+        chosen = best_frame(job) if frame == BEST else frame
+        require_motion_after(job, chosen)
+        d.write_mesh(claimed(folder / SCAN, force), scan_of(job, options or d.ViewScanOptions(), chosen))
         made.append(folder / SCAN)
         description["scan"] = SCAN
-        write_json(folder / "session.json", description)
-        job.__dict__.pop("session", None)
+        begin_at(description, chosen)
+        save(job, description)
     rival = 0.0
     if "markers" in wanted:
         marks = marks_of(job)
@@ -56,11 +66,56 @@ def scan_session(job: pipeline.Job, options: d.ViewScanOptions | None = None, fo
         write_json(claimed(folder / MARKS, force), joints_file(marks))
         made.append(folder / MARKS)
         description["markers"] = MARKS
-        write_json(folder / "session.json", description)
-        job.__dict__.pop("session", None)
+        save(job, description)
     evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
     session_check.write_picture(folder / PICTURE, session_check.draw(evidence))
     return Made([*made, folder / PICTURE], [*facing(rival), *session_check.check_session(evidence)])
+
+
+def require_motion_after(job: pipeline.Job, frame: int) -> None:
+    last = max(job.session.frame_count - 2, 0)  # a motion has two frames
+    if not 0 <= frame <= last:
+        raise RuntimeError(f"--frame: expected 0 to {last}, for a motion to be left, found {frame}")
+    if frame:
+        job.console.say(f"scan: the session begins at what was frame {frame} ({frame / job.session.fps:.2f} s)")
+
+
+def begin_at(description: dict, frame: int) -> None:
+    """The session's frame 0 becomes this one of its frames."""
+    if frame:
+        description["frame_count"] -= frame
+        for camera in description["cameras"]:
+            camera["first_frame"] = camera.get("first_frame", 0) + frame
+
+
+def save(job: pipeline.Job, description: dict) -> None:
+    write_json(job.session_folder / "session.json", description)
+    job.__dict__.pop("session", None)  # read again
+
+
+def best_frame(job: pipeline.Job) -> int:
+    """The frame, of MOST_TRIED evenly spread over the first nine tenths, whose coarse hull is most like a standing body."""
+    frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.body_model)
+    tried = np.unique(np.linspace(0, 0.9 * (job.session.frame_count - 1), MOST_TRIED).astype(int))
+    costs = {}
+    quiet = d.Context(threads=job.context.threads)
+    for i, frame in enumerate(tried):
+        job.context.report("scan: the best frame", i / len(tried))
+        try:
+            hull = d.scan_from_views(job.session.rig, views_at(job, frames, int(frame)), TRIED, quiet)
+            marks = d.find_body_marks(hull, [], model, d.BodyFitOptions(iterations=6), quiet)
+        except d.Error:
+            continue  # nobody, or nobody who stands: another frame may do
+        costs[int(frame)] = marks.fit.residual * np.linalg.norm(marks.fit.coefficients)
+    if not costs:
+        raise RuntimeError(
+            f"scan: in none of {len(tried)} frames of {job.session_folder} do the silhouettes show a standing person"
+        )
+    return min(costs, key=costs.get)
+
+
+def views_at(job: pipeline.Job, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
+    return [d.read_view(frames, camera, frame, job.silhouettes) for camera in range(frames.camera_count)]
 
 
 def read_description(folder: Path) -> dict:
@@ -74,9 +129,8 @@ def claimed(path: Path, force: bool) -> Path:
     return path
 
 
-def scan_of(job: pipeline.Job, options: d.ViewScanOptions) -> d.Mesh:
-    frames = d.FrameSource.open(job.session)
-    views = [d.read_view(frames, camera, 0, job.silhouettes) for camera in range(frames.camera_count)]
+def scan_of(job: pipeline.Job, options: d.ViewScanOptions, frame: int) -> d.Mesh:
+    views = views_at(job, d.FrameSource.open(job.session), frame)
     return d.scan_from_views(job.session.rig, views, options, job.context)
 
 

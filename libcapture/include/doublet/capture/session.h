@@ -19,6 +19,7 @@ struct SessionCamera {
   std::filesystem::path video; ///< absolute; an mp4, or a printf pattern such as cam0/%04d.png; empty if there are only masks
   std::filesystem::path masks; ///< absolute; the same kinds; empty = key the video
   std::filesystem::path background; ///< absolute; an image of the empty stage or a pattern of several; empty = none
+  int first_frame = 0;              ///< of video and masks: frame 0 of the session; what is before it takes no part
   double video_fps = 0;             ///< what the video's container says, which may be wrong; 0 = nothing, as images do
 };
 
@@ -39,7 +40,8 @@ struct Session {
 };
 
 /// Reads and checks a whole session within seconds, before any work: every file named exists, every camera is calibrated, every
-/// joint's parent is known, every video opens with the stated size and has frame_count frames (a truncated mp4 is found here).
+/// joint's parent is known, every video opens with the stated size and has first_frame + frame_count frames (a truncated mp4 is
+/// found here).
 /// Throws FileNotFound or Error with one sentence naming file, expectation and finding.
 Session read_session(const std::filesystem::path &folder);
 
