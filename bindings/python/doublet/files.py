@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import shutil
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from zipfile import BadZipFile
@@ -32,6 +33,34 @@ def written_atomically(path: Path):
     finally:
         with suppress(FileNotFoundError):
             beside.unlink()
+
+
+@contextmanager
+def folder_written_atomically(path: Path):
+    """A new folder beside `path` to fill; renamed to `path`, in the place of what may be there, if the block succeeds, removed if
+    not. What is said about a file in it names the file that it would have become."""
+    path = Path(path).absolute()
+    beside, before = (path.with_name(f".{path.name}.{os.getpid()}.{what}") for what in ("part", "old"))
+    beside.mkdir(parents=True)
+    try:
+        yield beside
+        if path.exists():
+            path.replace(before)
+        beside.replace(path)
+    except OSError as error:
+        if error.errno is None or str(beside) not in str(error.filename):
+            raise
+        name = str(error.filename).replace(str(beside), str(path))
+        raise OSError(error.errno, f"cannot be written: {error.strerror.removeprefix('cannot be written: ')}", name) from error
+    except RuntimeError as error:
+        if str(beside) not in str(error):
+            raise
+        raise RuntimeError(str(error).replace(str(beside), str(path))) from error
+    finally:
+        if before.exists() and not path.exists():
+            before.replace(path)
+        for left in (beside, before):
+            shutil.rmtree(left, ignore_errors=True)
 
 
 def write_text(path: Path, text: str) -> None:

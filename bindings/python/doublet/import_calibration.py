@@ -37,12 +37,16 @@ def camera_line(calibrated: d.CalibratedCamera) -> str:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
+def options_of(arguments: argparse.Namespace) -> d.CalibrationOptions:
+    """What the flags of `add_flags` say."""
     width, height = arguments.image_size or (0, 0)
-    options = d.CalibrationOptions(
+    return d.CalibrationOptions(
         format=arguments.format, units=arguments.units, up=arguments.up, image_width=width, image_height=height
     )
-    cameras = d.read_calibration(arguments.input, options)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    cameras = d.read_calibration(arguments.input, options_of(arguments))
     d.write_calibration(arguments.out, cameras)
     print(*map(camera_line, cameras), sep="\n")
     print(f"{arguments.out}: {len(cameras)} cameras{distances(cameras)}")
@@ -51,11 +55,18 @@ def run(arguments: argparse.Namespace) -> None:
 def add_command(commands) -> None:
     text = "cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys -> calibration.yml"
     command = commands.add_parser("import-calibration", help=text, description=text)
-    says = d.CalibrationOptions.described()
     flag = command.add_argument
     flag("input", type=Path, metavar="INPUT", help="file, or the folder that the program writes")
     out = Path("calibration.yml")
     flag("-o", "--out", type=Path, default=out, metavar="FILE", help=f"of the session (default: {out})")
+    add_flags(command)
+    flag("--debug", action="store_true", help="show the traceback of an error")
+    command.set_defaults(run=run)
+
+
+def add_flags(parser) -> None:
+    """How a calibration file is to be read."""
+    says, flag = d.CalibrationOptions.described(), parser.add_argument
     flag("--format", choices=says["format"]["choices"], default="found", help=f"{says['format']['meaning']} (default)")
     flag("--units", default="found", metavar="found|m|cm|mm|X", help=f"{says['units']['meaning']} (default)")
     flag(
@@ -65,5 +76,3 @@ def add_command(commands) -> None:
         help=f"{says['up']['meaning']} (default); a negative one as --up=-y",
     )
     flag("--image-size", type=image_size, metavar="WxH", help="px, of all images, where the format has none")
-    flag("--debug", action="store_true", help="show the traceback of an error")
-    command.set_defaults(run=run)

@@ -1,21 +1,177 @@
-"""H.264 video through the ffmpeg program."""
+"""Video through the programs ffmpeg and ffprobe, and series of images, which are read in the same way."""
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from PIL import Image, ImageOps
 
 from .files import written_atomically
+
+#: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
+PROBED = "stream=codec_type,width,height,nb_frames,start_time:stream_tags=rotate:stream_side_data=rotation:packet=pts_time,flags"
+
+
+@dataclass(frozen=True)
+class VideoFile:
+    """A video and what its container says."""
+
+    path: Path
+    stored_size: tuple[int, int]  # width, height, px, before it is turned
+    rotation: int  # degrees by which players turn it: 0, 90, 180, 270
+    times: np.ndarray  # (N) s, of the frames, on the clock of the file
+    sound_start: float | None  # s, on the same clock; None = no sound track
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height as players show it, px."""
+        return self.stored_size[::-1] if self.rotation % 180 else self.stored_size
+
+    @property
+    def fps(self) -> float:
+        """Frames a second, measured; 0 for a single frame."""
+        return rate_of(self.times)
+
+    def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
+        """Every frame: (H, W, 3) uint8 BGR, or grey (H, W); of another `size` (width, height) if that is given; turned as the
+        container says unless `upright` is off. Raises RuntimeError if one cannot be decoded."""
+        width, height = size or (self.size if upright else self.stored_size)
+        command = ["ffmpeg", "-loglevel", "error", "-nostdin", *([] if upright else ["-noautorotate"]), "-i", str(self.path)]
+        command += ["-map", "0:V:0", "-vsync", "passthrough"]  # every frame once, whatever the clock says
+        command += ["-vf", f"scale={width}:{height}:flags=area"] if size else []
+        command += ["-f", "rawvideo", "-pix_fmt", "gray" if grey else "bgr24", "-"]
+        shape = (height, width) if grey else (height, width, 3)
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        try:
+            for index in range(len(self.times)):
+                data = process.stdout.read(int(np.prod(shape)))
+                if len(data) < np.prod(shape):
+                    raise RuntimeError(
+                        f"{self.path}: expected {len(self.times)} frames as the file says, found that frame {index} cannot be "
+                        "decoded; is the video truncated or damaged?"
+                    )
+                yield np.frombuffer(data, np.uint8).reshape(shape)
+        finally:
+            process.kill()
+            process.stdout.close()
+            process.wait()
+
+    def sound(self, rate: int) -> np.ndarray:
+        """(N) float32 in [-1, 1): the sound track, all channels together, `rate` samples a second from `sound_start` on."""
+        command = ["ffmpeg", "-loglevel", "error", "-nostdin", "-i", str(self.path), "-map", "0:a:0", "-ac", "1"]
+        done = subprocess.run([*command, "-ar", str(rate), "-f", "s16le", "-"], capture_output=True)
+        if done.returncode:
+            raise RuntimeError(f"{self.path}: expected a sound track that can be decoded, ffmpeg says: {first_line(done.stderr)}")
+        return np.frombuffer(done.stdout, np.int16).astype(np.float32) / 32768
+
+
+@dataclass(frozen=True)
+class ImageSeries:
+    """Numbered images, read as a video."""
+
+    path: Path  # the folder
+    files: tuple[Path, ...]
+    fps: float
+    rotation = 0
+    sound_start = None
+
+    @property
+    def times(self) -> np.ndarray:
+        return np.arange(len(self.files)) / self.fps
+
+    @cached_property
+    def size(self) -> tuple[int, int]:
+        return read_image(self.files[0]).size
+
+    stored_size = size
+
+    def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
+        """As those of a video."""
+        for file in self.files:
+            image = read_image(file)
+            image = image.convert("L" if grey else "RGB")
+            image = image.resize(size, Image.Resampling.BOX) if size else image
+            yield np.asarray(image) if grey else np.asarray(image)[..., ::-1]
+
+
+def read_image(path: Path) -> Image.Image:
+    """Decoded, and turned as its EXIF data say. Raises RuntimeError naming the file if that is not possible."""
+    try:
+        with Image.open(path) as image:
+            image.load()
+            return ImageOps.exif_transpose(image)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise RuntimeError(f"{path}: expected an image, found a file that cannot be decoded ({error})") from error
+
+
+def read_video(path: Path) -> VideoFile:
+    """Raises FileNotFoundError if there is no such file, RuntimeError naming it if it is no video, or is truncated."""
+    path = Path(path)
+    if not path.is_file():
+        raise FileNotFoundError(f"{path}: no such file")
+    for program in ("ffprobe", "ffmpeg"):
+        if not shutil.which(program):
+            raise FileNotFoundError(f"the program {program} is not installed; a video needs it")
+    picture = probe(path, "V:0")
+    streams, packets = picture.get("streams", []), picture.get("packets", [])
+    if not streams or not packets or not streams[0].get("width"):
+        raise RuntimeError(f"{path}: expected a video, found no pictures in it")
+    stream, shown = streams[0], [p for p in packets if "D" not in p.get("flags", "")]
+    if any("pts_time" not in packet for packet in shown):
+        raise RuntimeError(f"{path}: expected frames with time stamps, found none; `ffmpeg -r RATE -i IN -c copy OUT.mp4` adds them")
+    if int(stream.get("nb_frames", 0)) > len(packets):
+        raise RuntimeError(f"{path}: expected {stream['nb_frames']} frames as the file says, found {len(packets)}; it is truncated")
+    sounds = probe(path, "a:0", "stream=codec_type,start_time").get("streams", [])
+    return VideoFile(
+        path,
+        (int(stream["width"]), int(stream["height"])),
+        rotation_of(stream),
+        np.sort([float(packet["pts_time"]) for packet in shown]),
+        float(sounds[0].get("start_time", 0)) if sounds else None,
+    )
+
+
+def probe(path: Path, stream: str, entries: str = PROBED) -> dict:
+    """What ffprobe says about a stream of a file."""
+    command = ["ffprobe", "-v", "error", "-select_streams", stream, "-show_entries", entries, "-of", "json", str(path)]
+    done = subprocess.run(command, capture_output=True)
+    if done.returncode:
+        said = first_line(done.stderr).rpartition("] ")[2].removeprefix(f"{path}: ")
+        raise RuntimeError(f"{path}: expected a complete video file, found one that cannot be opened ({said})")
+    return json.loads(done.stdout)
+
+
+def rotation_of(stream: dict) -> int:
+    """Degrees, a multiple of 90: the container's matrix, or the tag of older files."""
+    said = [data["rotation"] for data in stream.get("side_data_list", []) if "rotation" in data]
+    said = said or [stream.get("tags", {}).get("rotate", 0)]
+    return round(float(said[0]) / 90) * 90 % 360
+
+
+def rate_of(times: np.ndarray) -> float:
+    """Frames a second of times (N) s; 0 for fewer than two."""
+    span = float(times[-1] - times[0]) if len(times) > 1 else 0.0
+    return (len(times) - 1) / span if span > 0 else 0.0
+
+
+def first_line(said: bytes) -> str:
+    return (said.decode(errors="replace").strip().splitlines() or ["nothing"])[0]
 
 
 class VideoWriter:
     """`with VideoWriter(path, width, height, fps) as video: video.write(bgr)`; the file is complete or absent."""
 
-    def __init__(self, path: Path, width: int, height: int, fps: float):
-        self.path, self.shape, self.fps = Path(path), (height, width, 3), fps
+    def __init__(self, path: Path, width: int, height: int, fps: float, crf: int = 20):
+        self.path, self.shape, self.fps, self.crf = Path(path), (height, width, 3), fps, crf
 
     def __enter__(self) -> VideoWriter:
         if not shutil.which("ffmpeg"):
@@ -23,7 +179,9 @@ class VideoWriter:
         height, width, _ = self.shape
         self._file = written_atomically(self.path)
         raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
-        coded = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart"]
+        # Colour of half the resolution needs even sizes.
+        pixels = "yuv420p" if width % 2 == height % 2 == 0 else "yuv444p"
+        coded = ["-an", "-c:v", "libx264", "-pix_fmt", pixels, "-crf", str(self.crf), "-movflags", "+faststart"]
         # Without -xerror ffmpeg calls a file success whose end did not fit on the disk.
         command = ["ffmpeg", "-loglevel", "error", "-xerror", "-y", *raw, *coded, str(self._file.__enter__())]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)

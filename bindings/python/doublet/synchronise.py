@@ -1,0 +1,264 @@
+"""By how much cameras began to film after each other: from their sound tracks, or from how what they show moves.
+
+A camera's offset (s) is the time at which its file begins on the clock that all share: common time = time in the file + offset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from .video import ImageSeries, VideoFile
+
+RATE = 8000  #: Hz, to which sound is brought
+ONSET_STEP = 16  #: samples, 2 ms
+SIGHT_STEP = 0.005  #: s
+PREVIEW = 160  #: px, larger side of the images in which motion is measured
+CHANGED = 12  #: grey levels, above the noise of sensors and codecs
+SOUND_APART, SIGHT_APART = 0.1, 0.2  #: s, how far from the highest peak another one is separate
+SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one the highest peak must be for a pair to be believed
+LEAST_SCORE = 0.25  #: of a pair that is believed: the correlation, less where little overlaps
+LEAST_OVERLAP = 0.3  #: share of the shorter of two files that must overlap
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Where two signals agree best."""
+
+    lag: float  # s, time in the first less time in the second
+    score: float
+    second: float  # score of the highest separate peak
+
+    @property
+    def clearness(self) -> float:
+        return self.score / max(self.second, 1e-3)
+
+
+@dataclass(frozen=True)
+class Signal:
+    """Channels (K, N) of what happens in a file, at equal steps (s) from `start` on the file's clock."""
+
+    values: np.ndarray
+    step: float
+    start: float
+
+
+@dataclass(frozen=True)
+class Offsets:
+    """Seconds (C), the first camera's 0, whether they are to be believed, and why, in words."""
+
+    seconds: np.ndarray
+    trusted: bool
+    reason: str
+    doubtful_pairs: list[tuple[int, int]] = field(default_factory=list)
+
+
+def scores(a: Signal, b: Signal) -> tuple[np.ndarray, np.ndarray]:
+    """Lags (s), and for each the correlation of what overlaps, averaged over channels; less where little overlaps, since chance
+    agrees there."""
+    n, m = a.values.shape[1], b.values.shape[1]
+    size = 1 << int(np.ceil(np.log2(n + m)))
+
+    def correlated(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        product = np.fft.irfft(np.fft.rfft(x, size) * np.conj(np.fft.rfft(y, size)), size)
+        return np.concatenate([product[..., size - m + 1 :], product[..., :n]], axis=-1)  # lags -(m - 1) .. n - 1
+
+    overlap = np.rint(correlated(np.ones(n), np.ones(m)))
+    power = correlated(a.values**2, np.ones(m)) * correlated(np.ones(n), b.values**2)
+    agreement = (correlated(a.values, b.values) / np.sqrt(np.maximum(power, 1e-9 * overlap**2 + 1e-12))).mean(axis=0)
+    result = agreement * np.sqrt(overlap / min(n, m))
+    result[overlap < LEAST_OVERLAP * min(n, m)] = -1
+    return (np.arange(-(m - 1), n)) * a.step + a.start - b.start, result
+
+
+def find_peak(lags: np.ndarray, score: np.ndarray, apart: float) -> Peak:
+    """The highest score, to a part of a step, and the highest separate one."""
+    top = int(score.argmax())
+    part = 0.0
+    if 0 < top < len(score) - 1 and min(score[top - 1], score[top + 1]) > -1:
+        left, middle, right = score[top - 1 : top + 2]
+        part = 0.5 * (left - right) / min(left - 2 * middle + right, -1e-12)
+    local = np.r_[False, (score[1:-1] >= score[:-2]) & (score[1:-1] >= score[2:]), False]
+    others = score[local & (np.abs(lags - lags[top]) > apart)]
+    return Peak(float(lags[top] + part * (lags[1] - lags[0])), float(score[top]), float(max(others, default=0.0)))
+
+
+def standardised(channels: np.ndarray) -> np.ndarray:
+    """Mean 0, deviation 1; a channel in which nothing happens is 0."""
+    channels = channels - channels.mean(axis=1, keepdims=True)
+    deviation = channels.std(axis=1, keepdims=True)
+    return np.where(deviation > 1e-9, channels / np.maximum(deviation, 1e-9), 0)
+
+
+def smoothed(values: np.ndarray, steps: float) -> np.ndarray:
+    """Gaussian of a deviation in steps, along the last axis."""
+    reach = int(np.ceil(3 * steps))
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(steps, 1e-6)) ** 2)
+    kernel /= kernel.sum()
+    padded = np.pad(values, ((0, 0), (reach, reach)), mode="edge")
+    return np.stack([np.convolve(row, kernel, mode="valid") for row in padded])
+
+
+def sound_signal(video: VideoFile) -> Signal:
+    """Onsets: how fast the loudness rises."""
+    sound = video.sound(RATE)
+    count = len(sound) // ONSET_STEP
+    power = (sound[: count * ONSET_STEP].reshape(count, ONSET_STEP) ** 2).mean(axis=1) if count else np.zeros(1)
+    loudness = np.log(smoothed(power[None], 2) + 1e-7)
+    onsets = np.maximum(np.diff(loudness, axis=1, prepend=loudness[:, :1]), 0)
+    step = ONSET_STEP / RATE
+    return Signal(standardised(smoothed(onsets, 2)), step, video.sound_start + step / 2)
+
+
+def preview_size(size: tuple[int, int]) -> tuple[int, int]:
+    scale = min(1.0, PREVIEW / max(size))
+    return max(1, round(scale * size[0])), max(1, round(scale * size[1]))
+
+
+def video_signal(video: VideoFile | ImageSeries) -> Signal:
+    """Of a video without silhouettes: what differs from the median of its frames stands for one."""
+    frames = np.stack(list(video.frames(preview_size(video.size), grey=True)))
+    spread = frames[np.unique(np.linspace(0, len(frames) - 1, 41).round().astype(int))]
+    background = np.median(spread, axis=0)
+    shown = (np.abs(frame - background) > 2 * CHANGED for frame in frames)
+    change = [float((np.abs(b.astype(np.int16) - a) > CHANGED).mean()) for a, b in zip(frames, frames[1:])]
+    return motion_signal(video.times, shown, np.array(change))
+
+
+def mask_signal(times: np.ndarray, masks: Iterable[np.ndarray]) -> Signal:
+    """Of ready silhouettes, bool (H, W) at times (N) s."""
+    shown = list(masks)
+    change = np.array([float((a != b).mean()) for a, b in zip(shown, shown[1:])])
+    return motion_signal(times, shown, change)
+
+
+def motion_signal(times: np.ndarray, shown: Iterable[np.ndarray], change: np.ndarray) -> Signal:
+    """What cameras on different sides see alike: how much moves, and how fast area and upper end of the silhouette change.
+    `change` (N - 1): share of the pixels that change from frame to frame."""
+    area, top = np.array([silhouette_numbers(mask) for mask in shown]).T
+    seconds = np.maximum(np.diff(times), 1e-6)
+    middle = (times[1:] + times[:-1]) / 2
+    channels = [np.sqrt(change / seconds), np.diff(top) / seconds, np.abs(np.diff(area)) / seconds]
+    at = np.arange(middle[0], middle[-1] + 1e-9, SIGHT_STEP)
+    resampled = np.stack([np.interp(at, middle, channel) for channel in channels])
+    frame = float(np.median(seconds)) / SIGHT_STEP
+    limited = np.clip(standardised(smoothed(resampled, frame)), -4, 4)  # one jump must not outweigh all the rest
+    return Signal(standardised(limited), SIGHT_STEP, float(middle[0]))
+
+
+def silhouette_numbers(mask: np.ndarray) -> tuple[float, float]:
+    """Share of the image, and the height of the upper end as a share of the image's; specks do not count."""
+    rows = mask.sum(axis=1)
+    filled = np.flatnonzero(rows > max(1, 0.01 * mask.shape[1]))
+    return float(mask.mean()), float(1 - filled[0] / len(rows)) if len(filled) else 0.0
+
+
+def pair_peaks(signals: Sequence[Signal], apart: float, report: Callable[[float], None]) -> dict[tuple[int, int], Peak]:
+    pairs = list(combinations(range(len(signals)), 2))
+    found = {}
+    for done, (i, j) in enumerate(pairs):
+        found[i, j] = find_peak(*scores(signals[i], signals[j]), apart)
+        report((done + 1) / len(pairs))
+    return found
+
+
+def solve(count: int, peaks: dict[tuple[int, int], Peak], near: float) -> tuple[np.ndarray, list[tuple[int, int]]]:
+    """Offsets (C) s that the most pairs agree with to `near` seconds, by least squares over these, which are given, too. A wrong
+    peak is wrong by any amount, so that no mean over all pairs would do."""
+    best: tuple[np.ndarray, list[tuple[int, int]]] = (np.zeros(count), [])
+    for middle in range(count):
+        start = np.array([signed_lag(peaks, middle, c) for c in range(count)])
+        agreeing = agreeing_pairs(peaks, start, 2 * near)
+        for _ in range(3):
+            offsets = least_squares(count, {pair: peaks[pair] for pair in agreeing})
+            agreeing = agreeing_pairs(peaks, offsets, near)
+        if len(agreeing) > len(best[1]):
+            best = offsets, agreeing
+    return best[0] - best[0][0], best[1]
+
+
+def signed_lag(peaks: dict[tuple[int, int], Peak], i: int, j: int) -> float:
+    """Offset of j less that of i: the time in i less the time in j at which the same happens."""
+    if i == j:
+        return 0.0
+    return peaks[i, j].lag if i < j else -peaks[j, i].lag
+
+
+def agreeing_pairs(peaks: dict[tuple[int, int], Peak], offsets: np.ndarray, near: float) -> list[tuple[int, int]]:
+    return [(i, j) for (i, j), peak in peaks.items() if abs(offsets[j] - offsets[i] - peak.lag) <= near]
+
+
+def least_squares(count: int, peaks: dict[tuple[int, int], Peak]) -> np.ndarray:
+    rows, lags = np.zeros((len(peaks), count)), np.zeros(len(peaks))
+    for row, ((i, j), peak) in enumerate(peaks.items()):
+        weight = max(peak.score, 1e-3)
+        rows[row, i], rows[row, j], lags[row] = -weight, weight, weight * peak.lag
+    return np.linalg.lstsq(rows, lags, rcond=None)[0]
+
+
+def find_offsets(
+    signals: Sequence[Signal],
+    clear: float,
+    apart: float,
+    near: float,
+    names: Sequence[str],
+    report: Callable[[float], None] = lambda share: None,
+) -> Offsets:
+    """Offsets from signals of every camera. `clear`: ratio of peaks from which a pair is believed, `apart`: s, how far a separate
+    peak is; `near`: s, how far a pair may be from the answer and agree. Trusted if every camera agrees with most of the others, or
+    is tied to the rest by clear pairs that do."""
+    peaks = pair_peaks(signals, apart, report)
+    offsets, agreeing = solve(len(signals), peaks, near)
+    believed = [pair for pair in agreeing if peaks[pair].score >= LEAST_SCORE]
+    clear_pairs = [pair for pair in believed if peaks[pair].clearness >= clear]
+    doubtful = [c for c in range(len(signals)) if not camera_is_tied(c, len(signals), believed, clear_pairs)]
+    residual = [abs(offsets[j] - offsets[i] - peaks[i, j].lag) for i, j in agreeing]
+    numbers = f"{len(agreeing)} of {len(peaks)} pairs agree to {1000 * max(residual, default=0):.0f} ms, "
+    numbers += f"peaks {np.median([min(peak.clearness, 99) for peak in peaks.values()]):.1f} times as high as the next"
+    if doubtful or not connected(len(signals), believed):
+        where = f"not clear for {', '.join(names[c] for c in doubtful)}" if doubtful else "two groups that nothing ties together"
+        return Offsets(np.zeros(len(signals)), False, f"{where} ({numbers})")
+    return Offsets(offsets, True, numbers)
+
+
+def camera_is_tied(camera: int, count: int, believed: list[tuple[int, int]], clear: list[tuple[int, int]]) -> bool:
+    """By a clear pair and at least half of its pairs: agreement of many is worth as much as a clear peak."""
+    own = [pair for pair in believed if camera in pair]
+    return len(own) >= (count - 1) / 2 and any(camera in pair for pair in clear)
+
+
+def connected(count: int, pairs: list[tuple[int, int]]) -> bool:
+    group = {0}
+    for _ in range(count):
+        group |= {c for pair in pairs if group & set(pair) for c in pair}
+    return len(group) == count
+
+
+def frame_numbers(
+    times: Sequence[np.ndarray], offsets: Sequence[float], fps: float, start: float = 0.0, count: int | None = None
+) -> np.ndarray:
+    """(C, T) the frame of each camera that is nearest to each of T common times, `fps` of them a second, from `start` s after the
+    last camera has begun until the first one ends, or `count` of them. `times`: of each camera's frames (N) s, on its own clock.
+    Raises ValueError if that is more than all have, or nothing."""
+    begin = max(t[0] + o for t, o in zip(times, offsets))
+    end = min(t[-1] + o for t, o in zip(times, offsets))
+    if begin > end + 1e-6:
+        raise ValueError(f"expected cameras that film at the same time, found that one begins {begin - end:.2f} s after another ended")
+    most = int(np.floor((end - begin - start) * fps + 0.01)) + 1
+    if start < 0 or most < 1:
+        raise ValueError(f"--start: expected 0 to {end - begin:.2f} s, in which all cameras film, found {start:g}")
+    if count is not None and not 1 <= count <= most:
+        raise ValueError(f"--frames: expected 1 to {most}, which all cameras have at {fps:g} a second, found {count}")
+    common = begin + start + np.arange(count or most) / fps
+    return np.stack([nearest(t + o, common) for t, o in zip(times, offsets)])
+
+
+def nearest(times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Index of the time (N, rising) nearest to each wanted one; of two equally near the earlier."""
+    after = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
+    if len(times) == 1:
+        return np.zeros(len(wanted), int)
+    return after - (wanted - times[after - 1] <= times[after] - wanted + 1e-9)
