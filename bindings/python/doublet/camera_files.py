@@ -86,7 +86,9 @@ def numbered(images: Sequence[Path]) -> tuple[Path, ...]:
 def told_apart(files: list[CameraFile]) -> list[CameraFile]:
     """cam0/video.mp4, cam1/video.mp4: the folders' names tell, not the files'."""
     count = Counter(file.name for file in files)
-    if all(count[file.name] > 1 and not file.images for file in files) and len({file.path.parent for file in files}) == len(files):
+    if all(count[file.name] > 1 and not file.images for file in files) and len({file.path.parent for file in files}) == len(
+        files
+    ):
         return [replace(file, name=file.path.parent.name) for file in files]
     return files
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import __version__, body_model_path, import_calibration, pipeline
+from . import __version__, body_model_path, import_calibration, new_session, pipeline
 from . import _doublet as d
 from .console import Console
 from .plausible import DOUBTFUL
@@ -130,7 +130,7 @@ def run_reconstruct(arguments) -> int:
 def run_stages(arguments) -> int:
     session = arguments.session or pipeline.recorded_session(arguments.out)
     job = make_job(arguments, session)
-    pipeline.start_record(job)
+    pipeline.start_record(job, scanned=tuple(arguments.stages) != ("check",))
     for stage in job.stages:
         if stage.name in arguments.stages:
             pipeline.run_stage(job, stage, arguments.force)
@@ -288,6 +288,7 @@ def build_parser() -> argparse.ArgumentParser:
         add_stage_flags(command, groups, with_body_model=name == "body")
         command.set_defaults(run=run_stages, stages=stages)
 
+    new_session.add_command(commands, common_flags)
     import_calibration.add_command(commands)
     add_scan(commands)
     add_edit_template(commands)

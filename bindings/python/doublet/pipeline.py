@@ -408,7 +408,7 @@ def run_character(job: Job) -> dict:
 STAGES = (
     Stage(
         "check", (), ("check.png",), ("silhouette", "key", "background"), run_check,
-        lambda s: [s.folder / "session.json", s.scan, s.markers, s.calibration, *image_files(s)],
+        lambda s: [s.folder / "session.json", *scan_files(s), s.calibration, *image_files(s)],
     ),
     Stage(
         "template", (), ("template.ply", "template_high.ply", template_mask.SUGGESTED), ("template",), run_template,
@@ -452,6 +452,11 @@ STAGES = (
         ("report.html",), (), run_report, lambda s: image_files(s),
     ),
 )  # fmt: skip
+
+
+def scan_files(session: d.Session) -> list[Path]:
+    """Scan and joints, where there are any."""
+    return [path for path in (session.scan, session.markers) if path.name]
 
 
 def image_files(session: d.Session) -> list[Path]:
@@ -575,12 +580,14 @@ def refuse_other_session(job: Job) -> None:
             raise d.Error(f"{job.out} holds results of {before}, which is not {job.session.folder}; choose another folder")
 
 
-def start_record(job: Job) -> None:
-    """Writes what the whole run was asked to do. Throws Error if the folder has the results of another session."""
+def start_record(job: Job, scanned: bool = True) -> None:
+    """Writes what the whole run was asked to do. Throws Error if the folder has the results of another session, or if the session
+    has no scan or joints, which only `check` does without."""
     if job.out.exists() and not job.out.is_dir():
         raise RuntimeError(f"{job.out}: expected a folder for the results, found a file")
     refuse_other_session(job)
-    d.require_scanned(job.session)
+    if scanned:
+        d.require_scanned(job.session)
     job.out.mkdir(parents=True, exist_ok=True)
     job.console.log_file = job.path("log.txt")
     job.record.data["session"] = str(job.session.folder)

@@ -35,6 +35,11 @@ class Evidence:
     frames: d.FrameSource
     extractor: d.SilhouetteExtractor | None
 
+    @property
+    def scanned(self) -> bool:
+        """Is there a scan to compare with?"""
+        return bool(self.session.scan.name)
+
     @cached_property
     def scan(self) -> d.Mesh:
         return d.read_mesh(self.session.scan)
@@ -240,12 +245,16 @@ def check_rates(evidence: Evidence) -> Iterator[Finding]:
 
 
 CHECKS = (check_scan, check_joints, check_calibration, check_rates, check_masks, check_overlap)
+WITHOUT_SCAN = (check_rates, check_masks)
 
 
 def check_session(evidence: Evidence) -> list[Finding]:
-    """Every check, the cheap ones first; none is made on what an earlier one found impossible."""
+    """Every check, the cheap ones first; none is made on what an earlier one found impossible, or on a scan that is not there."""
     found: list[Finding] = []
-    for check in CHECKS:
+    checks = CHECKS if evidence.scanned else WITHOUT_SCAN
+    for check in checks:
+        if check is check_joints and not evidence.session.joints:
+            continue
         found += check(evidence)
         if any(finding.impossible for finding in found):
             break
@@ -254,7 +263,7 @@ def check_session(evidence: Evidence) -> list[Finding]:
 
 def draw(evidence: Evidence) -> np.ndarray:
     """(H, W, 3) RGB: frame 0 of every camera with the outlines of scan (magenta) and silhouette (green), the joints (yellow), and
-    the camera's name and overlap."""
+    the camera's name and overlap; without a scan, silhouettes alone."""
     tiles = []
     for c, full in enumerate(evidence.session.rig):
         camera = small(full)
@@ -265,10 +274,13 @@ def draw(evidence: Evidence) -> np.ndarray:
             photo = np.asarray(Image.fromarray(image[..., ::-1]).resize(shape[::-1]))
         if evidence.masks[c].size:
             photo = picture.draw_outline(photo, picture.mask_outline(resized(evidence.masks[c], shape)), (0, 220, 60))
-        photo = picture.draw_outline(photo, picture.mask_outline(evidence.shadows[c]))
+        text = full.name
+        if evidence.scanned:
+            photo = picture.draw_outline(photo, picture.mask_outline(evidence.shadows[c]))
+            text += f"  overlap {evidence.overlaps[c, c]:.2f}"
         for mark in evidence.session.joints:
             dot(photo, camera.project(mark.position))
-        tiles.append(labelled(photo, f"{full.name}  overlap {evidence.overlaps[c, c]:.2f}"))
+        tiles.append(labelled(photo, text))
     height = max(tile.shape[0] for tile in tiles)
     columns = min(4, len(tiles))
     tiles = [np.pad(tile, ((0, height - len(tile)), (0, CHECKED_SIZE - tile.shape[1]), (0, 0))) for tile in tiles]

@@ -6,7 +6,7 @@ A camera's offset (s) is the time at which its file begins on the clock that all
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -53,7 +53,6 @@ class Offsets:
     seconds: np.ndarray
     trusted: bool
     reason: str
-    doubtful_pairs: list[tuple[int, int]] = field(default_factory=list)
 
 
 def scores(a: Signal, b: Signal) -> tuple[np.ndarray, np.ndarray]:
@@ -207,9 +206,9 @@ def find_offsets(
     names: Sequence[str],
     report: Callable[[float], None] = lambda share: None,
 ) -> Offsets:
-    """Offsets from signals of every camera. `clear`: ratio of peaks from which a pair is believed, `apart`: s, how far a separate
-    peak is; `near`: s, how far a pair may be from the answer and agree. Trusted if every camera agrees with most of the others, or
-    is tied to the rest by clear pairs that do."""
+    """Offsets from signals of every camera. `clear`: ratio of peaks from which a pair is clear, `apart`: s, how far a separate
+    peak is; `near`: s, how far a pair may be from the answer and agree. Trusted if every camera agrees with half of the others
+    and is tied to one by a clear pair."""
     peaks = pair_peaks(signals, apart, report)
     offsets, agreeing = solve(len(signals), peaks, near)
     believed = [pair for pair in agreeing if peaks[pair].score >= LEAST_SCORE]
@@ -246,7 +245,9 @@ def frame_numbers(
     begin = max(t[0] + o for t, o in zip(times, offsets))
     end = min(t[-1] + o for t, o in zip(times, offsets))
     if begin > end + 1e-6:
-        raise ValueError(f"expected cameras that film at the same time, found that one begins {begin - end:.2f} s after another ended")
+        raise ValueError(
+            f"expected cameras that film at the same time, found that one begins {begin - end:.2f} s after another ended"
+        )
     most = int(np.floor((end - begin - start) * fps + 0.01)) + 1
     if start < 0 or most < 1:
         raise ValueError(f"--start: expected 0 to {end - begin:.2f} s, in which all cameras film, found {start:g}")

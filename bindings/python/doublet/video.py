@@ -90,7 +90,9 @@ class ImageSeries:
     def size(self) -> tuple[int, int]:
         return read_image(self.files[0]).size
 
-    stored_size = size
+    @property
+    def stored_size(self) -> tuple[int, int]:
+        return self.size
 
     def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
         """As those of a video."""
@@ -127,9 +129,13 @@ def read_video(path: Path) -> VideoFile:
         raise RuntimeError(f"{path}: expected a video, found no pictures in it")
     stream, shown = streams[0], [p for p in packets if "D" not in p.get("flags", "")]
     if any("pts_time" not in packet for packet in shown):
-        raise RuntimeError(f"{path}: expected frames with time stamps, found none; `ffmpeg -r RATE -i IN -c copy OUT.mp4` adds them")
+        raise RuntimeError(
+            f"{path}: expected frames with time stamps, found none; `ffmpeg -r RATE -i IN -c copy OUT.mp4` adds them"
+        )
     if int(stream.get("nb_frames", 0)) > len(packets):
-        raise RuntimeError(f"{path}: expected {stream['nb_frames']} frames as the file says, found {len(packets)}; it is truncated")
+        raise RuntimeError(
+            f"{path}: expected {stream['nb_frames']} frames as the file says, found {len(packets)}; it is truncated"
+        )
     sounds = probe(path, "a:0", "stream=codec_type,start_time").get("streams", [])
     return VideoFile(
         path,
