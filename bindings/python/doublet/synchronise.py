@@ -135,12 +135,12 @@ def mask_signal(times: np.ndarray, masks: Iterable[np.ndarray]) -> Signal:
 
 
 def motion_signal(times: np.ndarray, shown: Iterable[np.ndarray], change: np.ndarray) -> Signal:
-    """What cameras on different sides see alike: how much moves, and how fast area and upper end of the silhouette change.
-    `change` (N - 1): share of the pixels that change from frame to frame."""
-    area, top = np.array([silhouette_numbers(mask) for mask in shown]).T
+    """What cameras on different sides see alike: how much moves, and how fast the upper end of the silhouette rises. (Its area
+    changes with the side.) `change` (N - 1): share of the pixels that change from frame to frame."""
+    top = np.array([upper_end(mask) for mask in shown])
     seconds = np.maximum(np.diff(times), 1e-6)
     middle = (times[1:] + times[:-1]) / 2
-    channels = [np.sqrt(change / seconds), np.diff(top) / seconds, np.abs(np.diff(area)) / seconds]
+    channels = [np.sqrt(change / seconds), np.diff(top) / seconds]
     at = np.arange(middle[0], middle[-1] + 1e-9, SIGHT_STEP)
     resampled = np.stack([np.interp(at, middle, channel) for channel in channels])
     frame = float(np.median(seconds)) / SIGHT_STEP
@@ -148,11 +148,11 @@ def motion_signal(times: np.ndarray, shown: Iterable[np.ndarray], change: np.nda
     return Signal(standardised(limited), SIGHT_STEP, float(middle[0]))
 
 
-def silhouette_numbers(mask: np.ndarray) -> tuple[float, float]:
-    """Share of the image, and the height of the upper end as a share of the image's; specks do not count."""
+def upper_end(mask: np.ndarray) -> float:
+    """Height of the silhouette's upper end as a share of the image's; specks do not count."""
     rows = mask.sum(axis=1)
     filled = np.flatnonzero(rows > max(1, 0.01 * mask.shape[1]))
-    return float(mask.mean()), float(1 - filled[0] / len(rows)) if len(filled) else 0.0
+    return float(1 - filled[0] / len(rows)) if len(filled) else 0.0
 
 
 def pair_peaks(signals: Sequence[Signal], apart: float, report: Callable[[float], None]) -> dict[tuple[int, int], Peak]:
