@@ -190,7 +190,7 @@ def check_masks(evidence: Evidence) -> Iterator[Finding]:
         where, kind = f"camera {camera.name}", "masks" if ready else "silhouettes"
         known = [share for share in shares if share is not None]
         for limit, wrong in ((lambda x: x < NO_ACTOR, "nothing"), (lambda x: x > ALL_ACTOR, "the whole image")):
-            count = sum(map(limit, known))
+            count = sum(bool(limit(share)) for share in known)
             if count:
                 text = f"{where}: expected {kind} that show a person, found {wrong} in {count} of the {len(known)} looked at"
                 yield Finding(count > len(known) / 2, text)
