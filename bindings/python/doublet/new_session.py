@@ -168,8 +168,15 @@ def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:
 
 
 def describe(source: VideoFile | ImageSeries) -> str:
-    turned = f", turned by {source.rotation} degrees" if source.rotation else ""
-    return f"{source.size[0]} x {source.size[1]}, {len(source.times)} frames at {source.fps:.5g} a second{turned}"
+    turned = {
+        0: "",
+        90: ", turned by 90 degrees to the left",
+        180: ", turned by 180 degrees",
+        270: ", turned by 90 degrees to the right",
+    }
+    return (
+        f"{source.size[0]} x {source.size[1]}, {len(source.times)} frames at {source.fps:.5g} a second{turned[source.rotation]}"
+    )
 
 
 def checked_masks(file: CameraFile, camera: FilmedCamera) -> ReadyMasks:

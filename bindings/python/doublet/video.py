@@ -25,7 +25,7 @@ class VideoFile:
 
     path: Path
     stored_size: tuple[int, int]  # width, height, px, before it is turned
-    rotation: int  # degrees by which players turn it: 0, 90, 180, 270
+    rotation: int  # degrees by which players turn it, counterclockwise: 0, 90, 180, 270
     times: np.ndarray  # (N) s, of the frames, on the clock of the file
     sound_start: float | None  # s, on the same clock; None = no sound track
 
@@ -157,9 +157,9 @@ def probe(path: Path, stream: str, entries: str = PROBED) -> dict:
 
 
 def rotation_of(stream: dict) -> int:
-    """Degrees, a multiple of 90: the container's matrix, or the tag of older files."""
+    """Degrees counterclockwise, a multiple of 90: the container's matrix, or the tag of older files, which is clockwise."""
     said = [data["rotation"] for data in stream.get("side_data_list", []) if "rotation" in data]
-    said = said or [stream.get("tags", {}).get("rotate", 0)]
+    said = said or [-float(stream.get("tags", {}).get("rotate", 0))]
     return round(float(said[0]) / 90) * 90 % 360
 
 
