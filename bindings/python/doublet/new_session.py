@@ -252,7 +252,7 @@ def found_offsets(
     open_cameras = [camera for camera in cameras if camera.name not in request.offsets]
     found = dict(request.offsets)
     if request.sync != "none" and len(open_cameras) > 1:
-        result = synchronised(request.sync, open_cameras, fps, console, findings)
+        result = synchronised(request.sync, open_cameras, fps, console, said, findings)
         found.update(zip([camera.name for camera in open_cameras], result))
     elif request.sync == "none" and open_cameras:
         said.append(f"{', '.join(camera.name for camera in open_cameras)}: taken as synchronous, as --sync none says")
@@ -265,7 +265,7 @@ def found_offsets(
 
 
 def synchronised(
-    method: str, cameras: Sequence[FilmedCamera], fps: float, console: Console, findings: list[Finding]
+    method: str, cameras: Sequence[FilmedCamera], fps: float, console: Console, said: list[str], findings: list[Finding]
 ) -> np.ndarray:
     """(C) s, the first camera's 0; all 0 and a finding if they are not to be trusted."""
     silent = [camera for camera in cameras if camera.source.sound_start is None]
@@ -277,10 +277,8 @@ def synchronised(
             continue
         result = offsets_by(way, cameras, fps, console)
         if result.trusted:
-            console.say(f"synchronised by {way}: {result.reason}")
-            # Silhouettes tell no more than a frame: cameras that may be synchronous stay as they are.
-            within = np.abs(result.seconds - np.median(result.seconds)).max() * fps <= 1
-            return np.zeros(len(cameras)) if way == "silhouettes" and within else result.seconds
+            said.append(f"synchronised by {way}: {result.reason}")
+            return result.seconds
         reasons.append(f"{way}: {result.reason}")
     text = f"synchronisation: expected videos that tell by how much they are apart, found {'; '.join(reasons)}"
     advice = "; they are taken as synchronous, give what you know: --offset CAMERA=SECONDS, or --sync none"

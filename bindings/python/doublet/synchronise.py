@@ -5,7 +5,7 @@ A camera's offset (s) is the time at which its file begins on the clock that all
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -21,6 +21,7 @@ CHANGED = 12  #: grey levels, above the noise of sensors and codecs
 SOUND_APART, SIGHT_APART = 0.1, 0.2  #: s, how far from the highest peak another one is separate
 SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one the highest peak must be for a pair to be believed
 LEAST_SCORE = 0.25  #: of a pair that is believed: the correlation, less where little overlaps
+AS_GOOD = 0.95  #: share of the best agreement from which no offsets at all are the better explanation
 LEAST_OVERLAP = 0.3  #: share of the shorter of two files that must overlap
 
 
@@ -155,13 +156,9 @@ def upper_end(mask: np.ndarray) -> float:
     return float(1 - filled[0] / len(rows)) if len(filled) else 0.0
 
 
-def pair_peaks(signals: Sequence[Signal], apart: float, report: Callable[[float], None]) -> dict[tuple[int, int], Peak]:
-    pairs = list(combinations(range(len(signals)), 2))
-    found = {}
-    for done, (i, j) in enumerate(pairs):
-        found[i, j] = find_peak(*scores(signals[i], signals[j]), apart)
-        report((done + 1) / len(pairs))
-    return found
+def agreement(curves: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]], offsets: np.ndarray) -> float:
+    """Mean score of all pairs, of which `curves` has lags (s) and scores, if the cameras have these offsets (C) s."""
+    return float(np.mean([np.interp(offsets[j] - offsets[i], *curve) for (i, j), curve in curves.items()]))
 
 
 def solve(count: int, peaks: dict[tuple[int, int], Peak], near: float) -> tuple[np.ndarray, list[tuple[int, int]]]:
@@ -198,18 +195,13 @@ def least_squares(count: int, peaks: dict[tuple[int, int], Peak]) -> np.ndarray:
     return np.linalg.lstsq(rows, lags, rcond=None)[0]
 
 
-def find_offsets(
-    signals: Sequence[Signal],
-    clear: float,
-    apart: float,
-    near: float,
-    names: Sequence[str],
-    report: Callable[[float], None] = lambda share: None,
-) -> Offsets:
+def find_offsets(signals: Sequence[Signal], clear: float, apart: float, near: float, names: Sequence[str]) -> Offsets:
     """Offsets from signals of every camera. `clear`: ratio of peaks from which a pair is clear, `apart`: s, how far a separate
     peak is; `near`: s, how far a pair may be from the answer and agree. Trusted if every camera agrees with half of the others
-    and is tied to one by a clear pair."""
-    peaks = pair_peaks(signals, apart, report)
+    and is tied to one by a clear pair. Offsets that agree hardly better than none are none: most rigs are synchronous, and what
+    moves smoothly tells no small offsets."""
+    curves = {(i, j): scores(signals[i], signals[j]) for i, j in combinations(range(len(signals)), 2)}
+    peaks = {pair: find_peak(*curve, apart) for pair, curve in curves.items()}
     offsets, agreeing = solve(len(signals), peaks, near)
     believed = [pair for pair in agreeing if peaks[pair].score >= LEAST_SCORE]
     clear_pairs = [pair for pair in believed if peaks[pair].clearness >= clear]
@@ -217,9 +209,12 @@ def find_offsets(
     residual = [abs(offsets[j] - offsets[i] - peaks[i, j].lag) for i, j in agreeing]
     numbers = f"{len(agreeing)} of {len(peaks)} pairs agree to {1000 * max(residual, default=0):.0f} ms, "
     numbers += f"peaks {np.median([min(peak.clearness, 99) for peak in peaks.values()]):.1f} times as high as the next"
+    none = np.zeros(len(signals))
     if doubtful or not connected(len(signals), believed):
         where = f"not clear for {', '.join(names[c] for c in doubtful)}" if doubtful else "two groups that nothing ties together"
-        return Offsets(np.zeros(len(signals)), False, f"{where} ({numbers})")
+        return Offsets(none, False, f"{where} ({numbers})")
+    if agreement(curves, none) >= AS_GOOD * agreement(curves, offsets):
+        return Offsets(none, True, f"no offsets fit as well as the best ({numbers})")
     return Offsets(offsets, True, numbers)
 
 
