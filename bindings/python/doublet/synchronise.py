@@ -19,8 +19,8 @@ SIGHT_STEP = 0.005  #: s
 PREVIEW = 160  #: px, larger side of the images in which motion is measured
 CHANGED = 12  #: grey levels, above the noise of sensors and codecs
 SOUND_APART, SIGHT_APART = 0.1, 0.2  #: s, how far from the highest peak another one is separate
-SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one the highest peak must be for a pair to be believed
-LEAST_SCORE = 0.25  #: of a pair that is believed: the correlation, less where little overlaps
+SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one a camera's highest peak must be
+LEAST_SCORE = 0.25  #: of a camera's peak: the correlation, less where little overlaps
 AS_GOOD = 0.95  #: share of the best agreement from which no offsets at all are the better explanation
 LEAST_OVERLAP = 0.3  #: share of the shorter of two files that must overlap
 
@@ -45,6 +45,10 @@ class Signal:
     values: np.ndarray
     step: float
     start: float
+
+
+#: Of each pair of cameras lags (s), rising, and the score of each.
+Curves = dict[tuple[int, int], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -156,14 +160,40 @@ def upper_end(mask: np.ndarray) -> float:
     return float(1 - filled[0] / len(rows)) if len(filled) else 0.0
 
 
-def agreement(curves: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]], offsets: np.ndarray) -> float:
-    """Mean score of all pairs, of which `curves` has lags (s) and scores, if the cameras have these offsets (C) s."""
+def agreement(curves: Curves, offsets: np.ndarray) -> float:
+    """Mean score of all pairs if the cameras have these offsets (C) s."""
     return float(np.mean([np.interp(offsets[j] - offsets[i], *curve) for (i, j), curve in curves.items()]))
 
 
-def solve(count: int, peaks: dict[tuple[int, int], Peak], near: float) -> tuple[np.ndarray, list[tuple[int, int]]]:
-    """Offsets (C) s that the most pairs agree with to `near` seconds, by least squares over these, which are given, too. A wrong
-    peak is wrong by any amount, so that no mean over all pairs would do."""
+def camera_curve(curves: Curves, offsets: np.ndarray, camera: int, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets (s) that a camera could have, and for each its mean score with all others, where they stay."""
+    own = [(j if camera == i else i, camera == i, curve) for (i, j), curve in curves.items() if camera in (i, j)]
+    reach = max(float(np.abs(curve[0]).max()) for _, _, curve in own)
+    at = np.arange(offsets.min() - reach, offsets.max() + reach, step)
+    total = np.zeros(len(at))
+    for other, is_first, (lags, score) in own:
+        lag = offsets[other] - at if is_first else at - offsets[other]
+        total += np.interp(lag, lags, score, left=-1, right=-1)
+    return at, total / len(own)
+
+
+def refined(curves: Curves, offsets: np.ndarray, apart: float, step: float) -> tuple[np.ndarray, list[Peak]]:
+    """Every camera in turn to where it agrees best with all others, until none moves; and the peak of each there. What one pair
+    mistakes all others outvote."""
+    offsets = offsets.copy()
+    for _ in range(10):
+        before = offsets.copy()
+        for camera in range(len(offsets)):
+            offsets[camera] = find_peak(*camera_curve(curves, offsets, camera, step), apart).lag
+        if np.abs(offsets - before).max() < step / 10:
+            break
+    peaks = [find_peak(*camera_curve(curves, offsets, camera, step), apart) for camera in range(len(offsets))]
+    return offsets - offsets[0], peaks
+
+
+def solve(count: int, peaks: dict[tuple[int, int], Peak], near: float) -> np.ndarray:
+    """Offsets (C) s that the most pairs agree with to `near` seconds, by least squares over these. A wrong peak is wrong by any
+    amount, so that no mean over all pairs would do."""
     best: tuple[np.ndarray, list[tuple[int, int]]] = (np.zeros(count), [])
     for middle in range(count):
         start = np.array([signed_lag(peaks, middle, c) for c in range(count)])
@@ -173,7 +203,7 @@ def solve(count: int, peaks: dict[tuple[int, int], Peak], near: float) -> tuple[
             agreeing = agreeing_pairs(peaks, offsets, near)
         if len(agreeing) > len(best[1]):
             best = offsets, agreeing
-    return best[0] - best[0][0], best[1]
+    return best[0] - best[0][0]
 
 
 def signed_lag(peaks: dict[tuple[int, int], Peak], i: int, j: int) -> float:
@@ -196,39 +226,22 @@ def least_squares(count: int, peaks: dict[tuple[int, int], Peak]) -> np.ndarray:
 
 
 def find_offsets(signals: Sequence[Signal], clear: float, apart: float, near: float, names: Sequence[str]) -> Offsets:
-    """Offsets from signals of every camera. `clear`: ratio of peaks from which a pair is clear, `apart`: s, how far a separate
-    peak is; `near`: s, how far a pair may be from the answer and agree. Trusted if every camera agrees with half of the others
-    and is tied to one by a clear pair. Offsets that agree hardly better than none are none: most rigs are synchronous, and what
-    moves smoothly tells no small offsets."""
-    curves = {(i, j): scores(signals[i], signals[j]) for i, j in combinations(range(len(signals)), 2)}
-    peaks = {pair: find_peak(*curve, apart) for pair, curve in curves.items()}
-    offsets, agreeing = solve(len(signals), peaks, near)
-    believed = [pair for pair in agreeing if peaks[pair].score >= LEAST_SCORE]
-    clear_pairs = [pair for pair in believed if peaks[pair].clearness >= clear]
-    doubtful = [c for c in range(len(signals)) if not camera_is_tied(c, len(signals), believed, clear_pairs)]
-    residual = [abs(offsets[j] - offsets[i] - peaks[i, j].lag) for i, j in agreeing]
-    numbers = f"{len(agreeing)} of {len(peaks)} pairs agree to {1000 * max(residual, default=0):.0f} ms, "
-    numbers += f"peaks {np.median([min(peak.clearness, 99) for peak in peaks.values()]):.1f} times as high as the next"
-    none = np.zeros(len(signals))
-    if doubtful or not connected(len(signals), believed):
-        where = f"not clear for {', '.join(names[c] for c in doubtful)}" if doubtful else "two groups that nothing ties together"
-        return Offsets(none, False, f"{where} ({numbers})")
+    """Offsets from signals of every camera, of one step. Trusted if the peak of each camera with all others is high enough and
+    `clear` times as high as any that is more than `apart` s away; `near`: s, how far a pair may be from the answer and agree.
+    Offsets that agree hardly better than none are none: most rigs are synchronous, and smooth motion tells no small ones."""
+    count, none = len(signals), np.zeros(len(signals))
+    curves = {(i, j): scores(signals[i], signals[j]) for i, j in combinations(range(count), 2)}
+    pairs = {pair: find_peak(*curve, apart) for pair, curve in curves.items()}
+    offsets, peaks = refined(curves, solve(count, pairs, near), apart, signals[0].step)
+    residual = [abs(offsets[j] - offsets[i] - peak.lag) for (i, j), peak in pairs.items()]
+    numbers = f"{sum(r <= near for r in residual)} of {len(pairs)} pairs agree to {1000 * near:.0f} ms, "
+    numbers += f"the least clear camera's peak is {min(min(peak.clearness for peak in peaks), 99):.2f} times as high as the next"
+    doubtful = [c for c, peak in enumerate(peaks) if peak.score < LEAST_SCORE or peak.clearness < clear]
+    if doubtful:
+        return Offsets(none, False, f"not clear for {', '.join(names[c] for c in doubtful)} ({numbers})")
     if agreement(curves, none) >= AS_GOOD * agreement(curves, offsets):
         return Offsets(none, True, f"no offsets fit as well as the best ({numbers})")
     return Offsets(offsets, True, numbers)
-
-
-def camera_is_tied(camera: int, count: int, believed: list[tuple[int, int]], clear: list[tuple[int, int]]) -> bool:
-    """By a clear pair and at least half of its pairs: agreement of many is worth as much as a clear peak."""
-    own = [pair for pair in believed if camera in pair]
-    return len(own) >= (count - 1) / 2 and any(camera in pair for pair in clear)
-
-
-def connected(count: int, pairs: list[tuple[int, int]]) -> bool:
-    group = {0}
-    for _ in range(count):
-        group |= {c for pair in pairs if group & set(pair) for c in pair}
-    return len(group) == count
 
 
 def frame_numbers(
