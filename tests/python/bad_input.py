@@ -18,6 +18,7 @@ import doublet as d
 import numpy as np
 from doublet import cli
 from doublet.files import write_json
+from doublet.video import VideoWriter
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]
@@ -50,7 +51,8 @@ CASES: list[Case] = []
 
 
 def spoilt_by(group: str, command: str, **cases):
-    """Each function spoils a folder that has session/, calibrations/, out/, c.glb, walk.bvh, person.asf and person_01.amc."""
+    """Each function spoils a folder that has session/, footage/, calibrations/, out/, c.glb, walk.bvh, person.asf and
+    person_01.amc."""
     for what, spoil in cases.items():
         CASES.append(Case(group, what.replace("_", " "), command, spoil))
 
@@ -61,6 +63,7 @@ def spoilt_by(group: str, command: str, **cases):
 def make_folder(folder: Path) -> None:
     world = World()
     write_session(folder / "session", world)
+    write_footage(folder / "footage", world)
     write_all(folder / "calibrations")
     out = folder / "out"
     d.write_mesh(out / "template.ply", world.mesh)
@@ -80,6 +83,20 @@ def make_folder(folder: Path) -> None:
     (folder / "walk.bvh").write_text(BVH)
     (folder / "person.asf").write_text(ASF)
     (folder / "person_01.amc").write_text(AMC)
+
+
+def write_footage(folder: Path, world: World) -> None:
+    """What the session's cameras filmed, before there was a session: videos/ and masks/, four frames."""
+    masks = np.zeros((4, 48, 48), np.uint8)
+    for frame in range(4):
+        masks[frame, 8:40, 18 + frame : 30 + frame] = 255
+    for camera in world.cameras:
+        with VideoWriter(folder / "videos" / f"{camera.name}.mp4", 48, 48, 40) as video:
+            for mask in masks:
+                video.write(np.where(mask[..., None] > 0, [60, 70, 200], [40, 180, 30]).astype(np.uint8))
+        (folder / "masks" / camera.name).mkdir(parents=True)
+        for frame, mask in enumerate(masks):
+            Image.fromarray(mask).save(folder / "masks" / camera.name / f"{frame:04d}.png")
 
 
 def text(path: str, *replacements):
@@ -269,6 +286,59 @@ spoilt_by(
     a_joint_of_7_degrees_of_freedom=text("session/joints.json", ('"dof": 3', '"dof": 7')),
     a_joint_without_a_place=text("session/joints.json", ('"position"', '"place"')),
     a_landmark_of_two_numbers=text("session/joints.json", ("0,\n   1.1,\n   0.2", "0, 1.1")),
+)
+
+# --- what a session is made from
+
+NEW_SESSION = "new-session footage/videos --calibration session/calibration.yml -o new"
+FOOTAGE = "footage/videos/"
+
+
+def copied(path: str, target: str):
+    return lambda folder: shutil.copy(folder / path, folder / target)
+
+
+def all_masks(change):
+    """Every mask of cam1, changed."""
+
+    def spoil(folder: Path) -> None:
+        for path in sorted((folder / "footage" / "masks" / "cam1").iterdir()):
+            changed = change(np.asarray(Image.open(path)))
+            Image.fromarray(changed).save(path)
+
+    return spoil
+
+
+spoilt_by(
+    "New session",
+    NEW_SESSION,
+    no_videos=gone("footage/videos"),
+    a_file_that_is_no_video=content(FOOTAGE + "cam1.mp4", "a letter"),
+    a_video_cut_in_half=cut(FOOTAGE + "cam1.mp4"),
+    two_files_for_one_camera=copied(FOOTAGE + "cam0.mp4", FOOTAGE + "cam0.mov"),
+    a_camera_without_a_file=gone(FOOTAGE + "cam1.mp4"),
+    a_file_without_a_camera=copied(FOOTAGE + "cam0.mp4", FOOTAGE + "garden.mp4"),
+    a_calibration_that_is_none=content("session/calibration.yml", "a letter"),
+    images_of_another_size=text("session/calibration.yml", ("cam0_image_width: 48", "cam0_image_width: 64")),
+    a_session_that_is_there=lambda folder: shutil.copytree(folder / "session", folder / "new"),
+    a_folder_of_something_else=lambda folder: [(folder / "new").mkdir(), content("new/letter.txt", "dear")(folder)],
+)
+for more, case in (
+    ("--offset cam1=5", "no_overlap_in_time"),
+    ("--offset cam7=1", "an_offset_of_an_unknown_camera"),
+    ("--sync sound", "no_sound_track"),
+    ("--fps 0", "a_frame_rate_of_0"),
+    ("--sync none --frames 9", "more_frames_than_there_are"),
+):
+    spoilt_by("New session", f"{NEW_SESSION} {more}", **{case: lambda folder: None})
+spoilt_by(
+    "New session",
+    f"{NEW_SESSION} --sync none --masks footage/masks",
+    masks_that_show_nothing=all_masks(lambda mask: 0 * mask),
+    masks_that_are_white=all_masks(lambda mask: mask | 255),
+    masks_that_are_inverted=all_masks(lambda mask: 255 - mask),
+    a_mask_too_few=gone("footage/masks/cam1/0003.png"),
+    masks_of_another_size=all_masks(lambda mask: mask[::2].copy()),
 )
 
 # --- calibrations of other programs

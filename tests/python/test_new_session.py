@@ -458,9 +458,13 @@ def test_names_tell(cameras, files):
 @pytest.mark.parametrize(
     ("cameras", "files", "expected"),
     [
-        (["cam0", "cam1"], ["cam0.mp4"], "cam1 without a file, no file without a camera"),
-        (["cam0"], ["cam0.mp4", "other.mp4"], "no camera without a file, other.mp4 without a camera"),
-        (["cam0", "cam1"], ["GX1.mp4", "GX2.mp4"], "cam0, cam1 without a file, GX1.mp4, GX2.mp4 without a camera; say which"),
+        (["cam0", "cam1"], ["cam0.mp4"], "none for cam1 among cam0.mp4; leave cameras out: --without NAME"),
+        (["cam0"], ["cam0.mp4", "other.mp4"], "found other.mp4 beside those of cam0"),
+        (
+            ["cam0", "cam1"],
+            ["GX1.mp4", "GX2.mp4"],
+            "none for cam0, cam1, and GX1.mp4, GX2.mp4, whose camera is not clear; say which is which: --camera NAME=FILE",
+        ),
         (["cam0"], ["cam0.mp4", "cam0.mov"], "camera 'cam0': expected one video, found cam0.mp4, cam0.mov"),
     ],
 )
@@ -497,8 +501,12 @@ def spoilt(name, content):
         (spoilt("videos/cam1.mp4", b"no video at all"), (), "videos/cam1.mp4: expected a complete video file"),
         (lambda home: truncate(home / "videos/cam2.mp4"), (), "videos/cam2.mp4: expected"),
         (lambda home: shutil.copy(home / "videos/cam0.mp4", home / "videos/cam0.mov"), (), "camera 'cam0': expected one video"),
-        (lambda home: (home / "videos/cam3.mp4").unlink(), (), "cam3 without a file"),
-        (lambda home: shutil.copy(home / "videos/cam0.mp4", home / "videos/cat.mp4"), (), "cat.mp4 without a camera"),
+        (lambda home: (home / "videos/cam3.mp4").unlink(), (), "none for cam3 among"),
+        (
+            lambda home: shutil.copy(home / "videos/cam0.mp4", home / "videos/cat.mp4"),
+            (),
+            "cat.mp4 beside those of cam0, cam1, cam2, cam3",
+        ),
         (spoilt("calibration.yml", b"nothing"), (), "calibration.yml: "),
         (lambda home: None, ("--offset", "cam2=100"), "begins 96.03 s after another ended"),
         (lambda home: None, ("--offset", "cam9=1"), "--offset cam9: expected one of the calibration's cameras cam0, cam1"),

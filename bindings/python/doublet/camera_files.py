@@ -108,14 +108,31 @@ def match(
     free = [file for file in files if file not in found.values()]
     refuse_two(cameras, found, free, what)
     if left or free:
-        advice = "; say which is which: --camera NAME=FILE" if what == "video" else f"; name each {what} after its camera"
-        if not free and what == "video":
-            advice += ", or leave cameras out: --without NAME"
         raise ValueError(
-            f"cameras: expected one {what} for each, by name; {', '.join(left) or 'no camera'} without a file, "
-            f"{', '.join(str(file.path) for file in free) or 'no file'} without a camera{advice}"
+            f"expected one {what} for each camera, by name, found {unmatched(left, free, cameras, files)}{advice(left, free, what)}"
         )
     return {camera: found[camera] for camera in cameras}
+
+
+def unmatched(left: Sequence[str], free: Sequence[CameraFile], cameras: Sequence[str], files: Sequence[CameraFile]) -> str:
+    """Both sides, in words."""
+
+    def shown(some: Sequence[CameraFile]) -> str:
+        return ", ".join(str(file.path) for file in some)
+
+    if not free:
+        return f"none for {', '.join(left)} among {shown(files)}"
+    if not left:
+        return f"{shown(free)} beside those of {', '.join(cameras)}"
+    return f"none for {', '.join(left)}, and {shown(free)}, whose camera is not clear"
+
+
+def advice(left: Sequence[str], free: Sequence[CameraFile], what: str) -> str:
+    if what != "video":
+        return f"; name each {what} after its camera"
+    if not free:
+        return "; leave cameras out: --without NAME"
+    return "; say which is which: --camera NAME=FILE" if left else "; leave it out"
 
 
 def given_files(cameras: Sequence[str], files: Sequence[CameraFile], given: dict[str, Path]) -> dict[str, CameraFile]:
