@@ -108,9 +108,8 @@ def match(
     free = [file for file in files if file not in found.values()]
     refuse_two(cameras, found, free, what)
     if left or free:
-        raise ValueError(
-            f"expected one {what} for each camera, by name, found {unmatched(left, free, cameras, files)}{advice(left, free, what)}"
-        )
+        found_instead = unmatched(left, free, cameras, files) + advice(left, free, what)
+        raise ValueError(f"expected one {what} for each camera, by name, found {found_instead}")
     return {camera: found[camera] for camera in cameras}
 
 

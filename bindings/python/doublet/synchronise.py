@@ -21,7 +21,7 @@ CHANGED = 12  #: grey levels, above the noise of sensors and codecs
 SOUND_APART, SIGHT_APART = 0.1, 0.2  #: s, how far from the highest peak another one is separate
 SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one a camera's highest peak must be
 LEAST_SCORE = 0.25  #: of a camera's peak: the correlation, less where little overlaps
-AS_GOOD = 0.95  #: share of the best agreement from which no offsets at all are the better explanation
+AS_GOOD = 0.95  #: share of every camera's best agreement from which no offsets at all are the better explanation
 LEAST_OVERLAP = 0.3  #: share of the shorter of two files that must overlap
 
 
@@ -160,9 +160,12 @@ def upper_end(mask: np.ndarray) -> float:
     return float(1 - filled[0] / len(rows)) if len(filled) else 0.0
 
 
-def agreement(curves: Curves, offsets: np.ndarray) -> float:
-    """Mean score of all pairs if the cameras have these offsets (C) s."""
-    return float(np.mean([np.interp(offsets[j] - offsets[i], *curve) for (i, j), curve in curves.items()]))
+def agreement(curves: Curves, offsets: np.ndarray) -> np.ndarray:
+    """(C) mean score of each camera with all others if they have these offsets (C) s."""
+    table = np.zeros((len(offsets), len(offsets)))
+    for (i, j), curve in curves.items():
+        table[i, j] = table[j, i] = np.interp(offsets[j] - offsets[i], *curve)
+    return table.sum(axis=1) / (len(offsets) - 1)
 
 
 def camera_curve(curves: Curves, offsets: np.ndarray, camera: int, step: float) -> tuple[np.ndarray, np.ndarray]:
@@ -239,7 +242,7 @@ def find_offsets(signals: Sequence[Signal], clear: float, apart: float, near: fl
     doubtful = [c for c, peak in enumerate(peaks) if peak.score < LEAST_SCORE or peak.clearness < clear]
     if doubtful:
         return Offsets(none, False, f"not clear for {', '.join(names[c] for c in doubtful)} ({numbers})")
-    if agreement(curves, none) >= AS_GOOD * agreement(curves, offsets):
+    if (agreement(curves, none) >= AS_GOOD * agreement(curves, offsets)).all():
         return Offsets(none, True, f"no offsets fit as well as the best ({numbers})")
     return Offsets(offsets, True, numbers)
 
