@@ -331,6 +331,7 @@ for more, case in (
     ("--sync none --frames 9", "more_frames_than_there_are"),
 ):
     spoilt_by("New session", f"{NEW_SESSION} {more}", **{case: lambda folder: None})
+spoilt_by("New session", f"{NEW_SESSION} --sync none", a_disk_that_is_full=small_disk)
 spoilt_by(
     "New session",
     f"{NEW_SESSION} --sync none --masks footage/masks",

@@ -262,7 +262,7 @@ def test_cameras_of_other_rates_show_the_nearest_frame(home, world, capsys):
     call(home, "--offset", *(f"cam{c}={offset}" for c, offset in enumerate(OFFSETS)))
     said = capsys.readouterr().out
     assert "25 frames a second, the nearest frame of cameras of another rate: cam0 (30), cam2 (50), cam3 (30)" in said
-    assert "cam1: begins +0.310 s after cam0 does (given)" in said
+    assert "cam1: began at +0.310 s on the common clock (given)" in said
     session = d.Session(home / "new")
     assert session.fps == 25
     for c in range(CAMERAS):
@@ -276,6 +276,23 @@ def test_nobody_moves_so_nothing_is_told(home, world, capsys):
     said = capsys.readouterr().err
     assert "doubtful: synchronisation: expected videos that tell by how much they are apart" in said and "--offset" in said
     assert d.Session(home / "new").frame_count == 40
+
+
+def test_a_single_frame_tells_no_time(home, world, capsys):
+    for c in range(CAMERAS):
+        film(home / "videos" / f"cam{c}.mp4", world.masks[c][:1])
+    assert "expected a frame rate above 0, found none in a single frame; give it: --fps" in refused(home, capsys)
+    call(home, "--fps", 30, status=3)
+    assert d.Session(home / "new").frame_count == 1
+
+
+def test_a_clock_may_begin_anywhere(home):
+    """Camcorders begin at 1.4 s, and offsets are those of the first frames."""
+    ffmpeg("-i", home / "videos/cam1.mp4", "-c", "copy", "-output_ts_offset", "1.4", home / "videos/cam1.mkv")
+    (home / "videos/cam1.mp4").unlink()
+    call(home, "--sync", "none")
+    session = d.Session(home / "new")
+    assert session.frame_count == SECONDS * FPS and (home / "new/videos/cam1.mkv").samefile(home / "videos/cam1.mkv")
 
 
 def test_a_beat_is_no_clear_sound():
@@ -508,7 +525,7 @@ def spoilt(name, content):
             "cat.mp4 beside those of cam0, cam1, cam2, cam3",
         ),
         (spoilt("calibration.yml", b"nothing"), (), "calibration.yml: "),
-        (lambda home: None, ("--offset", "cam2=100"), "begins 96.03 s after another ended"),
+        (lambda home: None, ("--offset", "cam2=100"), "found that camera cam2 begins 96.03 s after camera cam0 ended"),
         (lambda home: None, ("--offset", "cam9=1"), "--offset cam9: expected one of the calibration's cameras cam0, cam1"),
         (lambda home: None, ("--without", "cam9"), "--without cam9: expected one of"),
         (lambda home: None, ("--camera", "cam9=a.mp4"), "--camera cam9=a.mp4: expected one of"),

@@ -48,9 +48,9 @@ def folder_written_atomically(path: Path):
             path.replace(before)
         beside.replace(path)
     except OSError as error:
-        if error.errno is None or str(beside) not in str(error.filename):
+        if error.errno is None or (error.filename is not None and str(beside) not in str(error.filename)):
             raise
-        name = str(error.filename).replace(str(beside), str(path))
+        name = str(error.filename or path).replace(str(beside), str(path))
         raise OSError(error.errno, f"cannot be written: {error.strerror.removeprefix('cannot be written: ')}", name) from error
     except RuntimeError as error:
         if str(beside) not in str(error):

@@ -94,7 +94,8 @@ def new_session(request: Request, console: Console | None = None) -> Made:
     fps = common_rate(request, cameras, said)
     offsets = found_offsets(request, cameras, fps, console, said, findings)
     times = [camera.source.times for camera in cameras]
-    numbers = synchronise.frame_numbers(times, offsets, fps, request.start, request.frames)
+    names = [camera.name for camera in cameras]
+    numbers = synchronise.frame_numbers(times, offsets, fps, request.start, request.frames, names)
     say_frames(cameras, times, offsets, numbers, fps, said)
     with folder_written_atomically(request.out) as folder:
         write_session(folder, request, cameras, numbers, fps, console, said)
@@ -152,6 +153,8 @@ def chosen_cameras(request: Request) -> list[d.CalibratedCamera]:
         for name in given:
             if name not in names:
                 raise ValueError(f"{flag} {name}: expected one of the calibration's cameras {', '.join(names)}")
+    if not set(names) - set(request.without):
+        raise ValueError("--without: expected a camera that is left, found none")
     return [c for c in calibrated if c.camera.name not in request.without]
 
 
@@ -260,7 +263,7 @@ def found_offsets(
     for camera, offset in zip(cameras, offsets):
         if offset or camera.name in request.offsets:
             given = " (given)" if camera.name in request.offsets else ""
-            said.append(f"{camera.name}: begins {offset:+.3f} s after {cameras[0].name} does{given}")
+            said.append(f"{camera.name}: began at {offset:+.3f} s on the common clock{given}")
     return offsets
 
 

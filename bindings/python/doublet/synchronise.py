@@ -22,6 +22,7 @@ SOUND_APART, SIGHT_APART = 0.1, 0.2  #: s, how far from the highest peak another
 SOUND_CLEAR, SIGHT_CLEAR = 1.5, 1.25  #: how much higher than a separate one a camera's highest peak must be
 LEAST_SCORE = 0.25  #: of a camera's peak: the correlation, less where little overlaps
 AS_GOOD = 0.95  #: share of every camera's best agreement from which no offsets at all are the better explanation
+SHORTEST = 20  #: steps of a signal in which something can be found
 LEAST_OVERLAP = 0.3  #: share of the shorter of two files that must overlap
 
 
@@ -142,6 +143,8 @@ def mask_signal(times: np.ndarray, masks: Iterable[np.ndarray]) -> Signal:
 def motion_signal(times: np.ndarray, shown: Iterable[np.ndarray], change: np.ndarray) -> Signal:
     """What cameras on different sides see alike: how much moves, and how fast the upper end of the silhouette rises. (Its area
     changes with the side.) `change` (N - 1): share of the pixels that change from frame to frame."""
+    if len(times) < 2:
+        return Signal(np.zeros((2, 1)), SIGHT_STEP, 0.0)
     top = np.array([upper_end(mask) for mask in shown])
     seconds = np.maximum(np.diff(times), 1e-6)
     middle = (times[1:] + times[:-1]) / 2
@@ -233,6 +236,9 @@ def find_offsets(signals: Sequence[Signal], clear: float, apart: float, near: fl
     `clear` times as high as any that is more than `apart` s away; `near`: s, how far a pair may be from the answer and agree.
     Offsets that agree hardly better than none are none: most rigs are synchronous, and smooth motion tells no small ones."""
     count, none = len(signals), np.zeros(len(signals))
+    short = [name for name, signal in zip(names, signals) if signal.values.shape[1] < SHORTEST]
+    if short:
+        return Offsets(none, False, f"too short for {', '.join(short)}")
     curves = {(i, j): scores(signals[i], signals[j]) for i, j in combinations(range(count), 2)}
     pairs = {pair: find_peak(*curve, apart) for pair, curve in curves.items()}
     offsets, peaks = refined(curves, solve(count, pairs, near), apart, signals[0].step)
@@ -248,17 +254,22 @@ def find_offsets(signals: Sequence[Signal], clear: float, apart: float, near: fl
 
 
 def frame_numbers(
-    times: Sequence[np.ndarray], offsets: Sequence[float], fps: float, start: float = 0.0, count: int | None = None
+    times: Sequence[np.ndarray],
+    offsets: Sequence[float],
+    fps: float,
+    start: float = 0.0,
+    count: int | None = None,
+    names: Sequence[str] | None = None,
 ) -> np.ndarray:
     """(C, T) the frame of each camera that is nearest to each of T common times, `fps` of them a second, from `start` s after the
     last camera has begun until the first one ends, or `count` of them. `times`: of each camera's frames (N) s, on its own clock.
     Raises ValueError if that is more than all have, or nothing."""
-    begin = max(t[0] + o for t, o in zip(times, offsets))
-    end = min(t[-1] + o for t, o in zip(times, offsets))
+    begins, ends = np.array([[t[0] + o, t[-1] + o] for t, o in zip(times, offsets)]).T
+    begin, end = begins.max(), ends.min()
     if begin > end + 1e-6:
-        raise ValueError(
-            f"expected cameras that film at the same time, found that one begins {begin - end:.2f} s after another ended"
-        )
+        last, first = ((names or range(len(times)))[int(i)] for i in (begins.argmax(), ends.argmin()))
+        where = f"camera {last} begins {begin - end:.2f} s after camera {first} ended"
+        raise ValueError(f"expected cameras that film at the same time, found that {where}")
     most = int(np.floor((end - begin - start) * fps + 0.01)) + 1
     if start < 0 or most < 1:
         raise ValueError(f"--start: expected 0 to {end - begin:.2f} s, in which all cameras film, found {start:g}")

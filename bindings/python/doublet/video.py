@@ -16,7 +16,8 @@ from PIL import Image, ImageOps
 from .files import written_atomically
 
 #: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
-PROBED = "stream=codec_type,width,height,nb_frames,start_time:stream_tags=rotate:stream_side_data=rotation:packet=pts_time,flags"
+PROBED = "stream=width,height,nb_frames,avg_frame_rate:stream_tags=rotate:stream_side_data=rotation:packet=pts_time,flags"
+EVEN = 0.1  #: of a frame, by which the times of one rate may be rounded
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,8 @@ class VideoFile:
     path: Path
     stored_size: tuple[int, int]  # width, height, px, before it is turned
     rotation: int  # degrees by which players turn it, counterclockwise: 0, 90, 180, 270
-    times: np.ndarray  # (N) s, of the frames, on the clock of the file
-    sound_start: float | None  # s, on the same clock; None = no sound track
+    times: np.ndarray  # (N) s, of the frames, after the first
+    clock: float  # s, what the file's clock shows at the first
 
     @property
     def size(self) -> tuple[int, int]:
@@ -38,6 +39,12 @@ class VideoFile:
     def fps(self) -> float:
         """Frames a second, measured; 0 for a single frame."""
         return rate_of(self.times)
+
+    @cached_property
+    def sound_start(self) -> float | None:
+        """s after the first frame; None = no sound track."""
+        sounds = probe(self.path, "a:0", "stream=codec_type,start_time").get("streams", [])
+        return float(sounds[0].get("start_time", self.clock)) - self.clock if sounds else None
 
     def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
         """Every frame: (H, W, 3) uint8 BGR, or grey (H, W); of another `size` (width, height) if that is given; turned as the
@@ -136,13 +143,13 @@ def read_video(path: Path) -> VideoFile:
         raise RuntimeError(
             f"{path}: expected {stream['nb_frames']} frames as the file says, found {len(packets)}; it is truncated"
         )
-    sounds = probe(path, "a:0", "stream=codec_type,start_time").get("streams", [])
+    times = np.sort([float(packet["pts_time"]) for packet in shown])
     return VideoFile(
         path,
         (int(stream["width"]), int(stream["height"])),
         rotation_of(stream),
-        np.sort([float(packet["pts_time"]) for packet in shown]),
-        float(sounds[0].get("start_time", 0)) if sounds else None,
+        even_times(times - times[0], stream.get("avg_frame_rate", "0/0")),
+        float(times[0]),
     )
 
 
@@ -161,6 +168,15 @@ def rotation_of(stream: dict) -> int:
     said = [data["rotation"] for data in stream.get("side_data_list", []) if "rotation" in data]
     said = said or [-float(stream.get("tags", {}).get("rotate", 0))]
     return round(float(said[0]) / 90) * 90 % 360
+
+
+def even_times(times: np.ndarray, stated: str) -> np.ndarray:
+    """Times (N) s of the rate that the file states ("30000/1001"), if they are these, rounded (Matroska has milliseconds)."""
+    above, _, below = stated.partition("/")
+    if not float(above) or not float(below or 1):
+        return times
+    even = np.arange(len(times)) * float(below or 1) / float(above)
+    return even if np.abs(times - even).max() * float(above) / float(below or 1) < EVEN else times
 
 
 def rate_of(times: np.ndarray) -> float:
