@@ -19,7 +19,6 @@ from PIL import Image
 SIZE, FPS, SECONDS, CAMERAS = 96, 30.0, 4.0, 4
 CENTRE = np.array([0, 1.0, 0])
 GREEN = (40, 180, 30)  # B G R
-TONE = 0.002  # s, of a click
 
 # --- a person, cameras, files
 
@@ -84,24 +83,25 @@ def ffmpeg(*arguments) -> None:
     subprocess.run(["ffmpeg", "-loglevel", "error", "-y", *map(str, arguments)], check=True)
 
 
-def add_sound(path, offset: float, seconds: float, seed: int) -> None:
-    """The same clicks and knocks for all, as a camera hears them that begins at `offset`, in noise of its own."""
+def add_sound(path, offset: float, seconds: float, seed: int, late: float = 0.0) -> None:
+    """The same clicks and knocks for all, as a camera hears them that begins at `offset`, in noise of its own; the track begins
+    `late` s after the pictures."""
     rate = 16000
     noise = np.random.default_rng(seed).normal(0, 0.01, round(seconds * rate))
     t = np.arange(len(noise)) / rate + offset
     for at in (0.45, 0.93, 1.12, 1.9, 2.23, 2.71, 3.37, 3.8):
         noise += 0.6 * np.exp(-np.maximum(t - at, 0) / 0.02) * (t >= at) * np.sin(2 * np.pi * 900 * (t - at))
-    write_sound(path, noise, rate)
+    write_sound(path, noise[round(late * rate) :], rate, late)
 
 
-def write_sound(path, samples, rate) -> None:
+def write_sound(path, samples, rate, late) -> None:
     with wave.open(str(path.with_suffix(".wav")), "wb") as file:
         file.setnchannels(1)
         file.setsampwidth(2)
         file.setframerate(rate)
         file.writeframes((np.clip(samples, -1, 1) * 32767).astype("<i2").tobytes())
     heard = path.with_name(f"heard_{path.name}")
-    ffmpeg("-i", path, "-i", path.with_suffix(".wav"), "-c:v", "copy", "-c:a", "aac", heard)
+    ffmpeg("-i", path, "-itsoffset", late, "-i", path.with_suffix(".wav"), "-c:v", "copy", "-c:a", "aac", heard)
     heard.replace(path)
     path.with_suffix(".wav").unlink()
 
@@ -228,7 +228,7 @@ def sources(home):
 def test_sound_tells_offsets_to_half_a_frame(home, world):
     shifted(home, world)
     for c in range(CAMERAS):
-        add_sound(home / "videos" / f"cam{c}.mp4", OFFSETS[c], SECONDS, c)
+        add_sound(home / "videos" / f"cam{c}.mp4", OFFSETS[c], SECONDS, c, late=0.25 if c == 1 else 0)
     signals = [synchronise.sound_signal(video) for video in sources(home)]
     clear, apart = synchronise.SOUND_CLEAR, synchronise.SOUND_APART
     found = synchronise.find_offsets(signals, clear, apart, 0.5 / FPS, list("abcd"))
@@ -395,8 +395,7 @@ def save_masks(folder, masks, kind) -> None:
             rgba = np.dstack([picture(mask)[..., ::-1], 255 * mask.astype(np.uint8)])
             image = Image.fromarray(rgba)
         elif kind == "palette":
-            image = Image.fromarray(3 * mask.astype(np.uint8)).convert("P")
-            image = Image.fromarray(3 * mask.astype(np.uint8), "L")
+            image = Image.fromarray(3 * mask.astype(np.uint8))
             image.putpalette([0, 0, 0, 9, 9, 9, 5, 5, 5, 60, 0, 0])
         else:
             image = Image.fromarray({"grey": 255, "numbers": 2}[kind] * mask.astype(np.uint8))
@@ -579,8 +578,7 @@ def test_check_of_masks_that_show_nothing(home, world, capsys):
     """Found by `check`, in words."""
     for c, masks in enumerate(world.masks):
         save_masks(home / "masks" / f"cam{c}", masks[:9], "grey")
-        truncate_to = [*masks[:9]]
-        film(home / "videos" / f"cam{c}.mp4", np.stack(truncate_to))
+        film(home / "videos" / f"cam{c}.mp4", masks[:9])
     call(home, "--masks", home / "masks", "--sync", "none")
     for path in (home / "new" / "masks" / "cam1").iterdir():
         Image.new("L", (SIZE, SIZE)).save(path)

@@ -442,7 +442,7 @@ def write_plate(folder: Path, camera: FilmedCamera, said: list[str]) -> str:
                 f"{camera.plate.path}: expected {camera.size[0]} x {camera.size[1]} pixels as the video has, {found}"
             )
         said.append(f"{camera.name}: clean plate of {plate.width} x {plate.height} scaled to the video's size")
-        plate = plate.resize(camera.size, Image.Resampling.BICUBIC)
+        plate = plate.resize(camera.size, Image.BICUBIC)
     (folder / name).parent.mkdir(exist_ok=True)
     plate.save(folder / name)
     return name

@@ -58,7 +58,7 @@ def kind_of(images: list[Image.Image]) -> str:
         return "numbers"
     if all("A" in image.getbands() for image in images) and any(image.getextrema()[-1][0] < 255 for image in images):
         return "alpha"
-    brightest = max(np.ptp(brightness(image)) if image.mode == "1" else brightness(image).max() for image in images)
+    brightest = max(brightness(image).max() for image in images)
     return "numbers" if 0 < brightest <= MOST_NUMBERS else "grey"
 
 

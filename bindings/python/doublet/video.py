@@ -106,7 +106,7 @@ class ImageSeries:
         for file in self.files:
             image = read_image(file)
             image = image.convert("L" if grey else "RGB")
-            image = image.resize(size, Image.Resampling.BOX) if size else image
+            image = image.resize(size, Image.BOX) if size else image
             yield np.asarray(image) if grey else np.asarray(image)[..., ::-1]
 
 
