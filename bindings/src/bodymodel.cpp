@@ -114,11 +114,12 @@ void bind_marks(py::module_ &m) {
       .def_readonly("fit", &BodyMarks::fit, "the body that they were read from")
       .def_readonly("rival", &BodyMarks::rival,
                     "how unlikely it is over the fit that looks the other way: near 1 = hard to tell");
-  m.def(
-      "find_body_marks", &find_body_marks, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
-      py::arg("options") = BodyFitOptions{}, py::arg("context") = interruptible_context(), Release(),
-      "Joints and landmarks of a person, upright (+Y), arms and legs apart, by the body model. face_valid: 0 = invented, empty = "
-      "all valid.");
+  m.def("find_body_marks", &find_body_marks, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
+        py::arg("options") = BodyFitOptions{}, py::arg("seen") = std::map<std::string, Eigen::Vector3d>{},
+        py::arg("context") = interruptible_context(), Release(),
+        "Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: "
+        "joints "
+        "whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.");
 }
 
 void bind_regions(py::module_ &m) {

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 
 namespace doublet {
 namespace {
@@ -55,6 +54,8 @@ constexpr std::array kLandmarks{"head_top",    "nose_tip",    "l_middle_fingerti
 
 /// m; the ends of the surface are not quite the landmarks: hair, another finger, a shoe.
 constexpr double kEndDeviation = 0.05;
+/// m; joints that a network sees in images are not quite the model's.
+constexpr double kSeenDeviation = 0.03;
 /// m; surface that is farther from the fitted body is cloth: skin is nearer even if the model is not this person's.
 constexpr double kOffSkin = 0.03;
 /// m; mean distance of what is taken for skin to the body beyond which the body is somewhere else.
@@ -135,6 +136,19 @@ RiggedMesh unrigged(const Mesh &surface, const std::vector<std::uint8_t> &face_v
   return actor;
 }
 
+/// As the fitter takes them: names and places, nothing hangs on them.
+std::vector<Joint> seen_joints(const Marks &seen) {
+  std::vector<Joint> joints;
+  for (const auto &[name, place] : seen) {
+    if (!place.allFinite())
+      throw Error("body marks: joint '" + name + "': expected a finite position");
+    joints.emplace_back();
+    joints.back().name = name;
+    joints.back().rest = place;
+  }
+  return joints;
+}
+
 [[noreturn]] void refuse_person(const std::string &what) {
   throw Error("body marks: expected a person, upright (+Y) and in metres, with arms and legs apart; the body model " + what);
 }
@@ -194,22 +208,29 @@ void read_marks(const BodyModel &model, BodyMarks &marks) {
 } // namespace
 
 BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
-                          const BodyFitOptions &options, const Context &context) {
+                          const BodyFitOptions &options, const std::map<std::string, Eigen::Vector3d> &seen,
+                          const Context &context) {
   require_usable(surface, "body marks");
   require_names(model);
-  const RiggedMesh actor = unrigged(surface, face_valid);
-  const Ends ends = named_ends(surface);
+  RiggedMesh actor = unrigged(surface, face_valid);
   BodyFitOptions loose = options;
   loose.landmark_deviation = std::max(options.landmark_deviation, kEndDeviation);
+  loose.joint_deviation = std::max(options.joint_deviation, kSeenDeviation);
   const auto fitter = BodyFitter::create(loose);
-  std::array<BodyFit, 2> fits;
-  for (int side = 0; side < 2; ++side)
-    fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
-  const std::array<double, 2> costs{cost_of(fits[0]), cost_of(fits[1])};
-  const int better = costs[1] < costs[0];
   BodyMarks marks;
-  marks.rival = costs[better] / costs[1 - better];
-  marks.fit = std::move(fits[better]);
+  if (seen.empty()) {
+    const Ends ends = named_ends(surface);
+    std::array<BodyFit, 2> fits;
+    for (int side = 0; side < 2; ++side)
+      fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
+    const std::array<double, 2> costs{cost_of(fits[0]), cost_of(fits[1])};
+    const int better = costs[1] < costs[0];
+    marks.rival = costs[better] / costs[1 - better];
+    marks.fit = std::move(fits[better]);
+  } else {
+    actor.skeleton.joints = seen_joints(seen);
+    marks.fit = fit_side(actor, model, {}, *fitter, context);
+  }
   if (!(marks.fit.residual < kLargestResidual))
     refuse_person("stays " + options::shown(1000 * marks.fit.residual, 3) + " mm from the surface on average");
   read_marks(model, marks);

@@ -1,11 +1,12 @@
 """Scan and joints out of the cameras alone: a known body, seen by a ring of cameras."""
 
 import json
+import re
 
 import doublet as d
 import numpy as np
 import pytest
-from doublet import body_model_path
+from doublet import body_model_path, keypoints
 from doublet.cli import main
 from PIL import Image
 
@@ -141,3 +142,93 @@ def test_too_few_cameras(model, tmp_path, capsys):
     assert main(["scan", str(folder), *FAST]) == 1
     assert "scan: expected the actor in at least 3 cameras, found 2 of 2 with a silhouette" in capsys.readouterr().err
     assert (folder / "session.json").read_text(encoding="utf-8") == before
+
+
+def write_keypoints(folder, session: d.Session, person: Person, kind: str) -> None:
+    """The model's own joints as each camera sees them, in its images; one camera has left and right exchanged, in another nobody
+    is sure."""
+    folder.mkdir()
+    for i, camera in enumerate(session.rig):
+        seen = []
+        for name in keypoints.JOINTS:
+            side = {"l": "r", "r": "l"}[name[0]] if i == 1 else name[0]
+            seen.append([*np.ravel(camera.project(person.joints[side + name[1:]])), 0.1 if i == 2 else 0.9])
+        count = {"openpose": 25, "rtmpose": 17, "mediapipe": 33}[kind]
+        points = np.zeros((count, 3))
+        points[list(keypoints.LAYOUTS[count])] = seen
+        if kind == "openpose":
+            (folder / f"{camera.name}_json").mkdir()
+            nobody = {"pose_keypoints_2d": [0.0] * 75}
+            people = {"people": [nobody, {"pose_keypoints_2d": points.ravel().tolist()}]}
+            (folder / f"{camera.name}_json" / "take_000000000000_keypoints.json").write_text(json.dumps(people))
+        elif kind == "rtmpose":
+            found = {"keypoints": points[:, :2].tolist(), "keypoint_scores": points[:, 2].tolist()}
+            content = {"instance_info": [{"frame_id": 1, "instances": [found]}]}
+            (folder / f"{camera.name}.json").write_text(json.dumps(content))
+        else:
+            (folder / f"{camera.name}.json").write_text(json.dumps([points.tolist()]))
+
+
+@pytest.mark.parametrize("kind", ["openpose", "rtmpose", "mediapipe"])
+def test_keypoints_of_all_cameras_are_triangulated(model, tmp_path, kind):
+    person = Person(model, 0.7, 3)
+    session = d.Session(write_session(tmp_path / "session", person, cameras=5))
+    write_keypoints(tmp_path / "keypoints", session, person, kind)
+    found = keypoints.triangulated(session, tmp_path / "keypoints", 0)
+    assert found.keys() == set(keypoints.JOINTS)
+    assert max(person.errors_mm(found).values()) < 1
+    with pytest.raises(ValueError, match="expected keypoints of frame 1, found those of 1 frames"):
+        keypoints.triangulated(session, tmp_path / "keypoints", 1)
+
+
+def test_lenses_do_not_bend_what_is_triangulated(model, tmp_path):
+    person = Person(model, 0.7, 3)
+    folder = write_session(tmp_path / "session", person, cameras=4)
+    rig = [bent(camera) for camera in d.Session(folder).rig]
+    d.write_calibration(folder / "calibration.yml", rig)
+    write_keypoints(tmp_path / "keypoints", d.Session(folder), person, "mediapipe")
+    found = keypoints.triangulated(d.Session(folder), tmp_path / "keypoints", 0)
+    assert max(person.errors_mm(found).values()) < 1
+
+
+def bent(camera: d.Camera) -> d.Camera:
+    camera.distortion = np.array([-0.2, 0.05, 0.001, 0.0, 0.0])
+    return camera
+
+
+def test_joints_come_from_keypoints_where_arms_hang(model, tmp_path, capsys):
+    person = Person(model, 0.7, 3)
+    folder = write_session(tmp_path / "session", person)
+    person.joints["l_knee"] = person.joints["l_knee"] + [0, 0, 0.1]  # as if the network saw it there
+    write_keypoints(tmp_path / "keypoints", d.Session(folder), person, "mediapipe")
+    assert main(["scan", str(folder), *FAST, "--keypoints", str(tmp_path / "keypoints")]) in (0, 3)
+    errors = person.errors_mm({mark.name: mark.position for mark in d.Session(folder).joints})
+    assert np.mean(list(errors.values())) < 25 and errors["l_knee"] < 1, errors
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("{", "expected JSON"),
+        ('{"a": 1}', "expected keypoints (a list of frames"),
+        ("[[[1, 2, 1], [3, 4, 1]]]", "expected 17, 18, 25, 26, 33, 133 keypoints of x, y and confidence, found (2, 3)"),
+        ('[[["x", 2, 1]]]', "expected 17, 18, 25"),
+        ("[null]", "expected at least 6 joints that two cameras agree on at frame 0, found 0"),
+    ],
+)
+def test_wrong_keypoints_are_named(model, tmp_path, content, words):
+    session = d.Session(write_session(tmp_path / "session", Person(model, 0.0, 5), cameras=3))
+    with pytest.raises(FileNotFoundError, match="expected a folder with the keypoints"):
+        keypoints.triangulated(session, tmp_path / "nowhere", 0)
+    (tmp_path / "keypoints").mkdir()
+    with pytest.raises(FileNotFoundError, match="expected a JSON file, or a folder of them"):
+        keypoints.triangulated(session, tmp_path / "keypoints", 0)
+    for camera in session.cameras:
+        (tmp_path / "keypoints" / f"{camera.name}.json").write_text(content)
+    with pytest.raises(ValueError, match=re.escape(words)):
+        keypoints.triangulated(session, tmp_path / "keypoints", 0)
+    (tmp_path / "keypoints" / f"{session.cameras[0].name}.json").unlink()
+    with pytest.raises(
+        ValueError, match="expected one file or folder of keypoints for each camera, by name, found none for cam0"
+    ):
+        keypoints.triangulated(session, tmp_path / "keypoints", 0)

@@ -5044,9 +5044,9 @@ def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[
     """
     The same of a FeatureTracker, on an image of yours; reach in pixels.
     """
-def find_body_marks(surface: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], model: BodyModel, options: BodyFitOptions = ..., context: Context = ...) -> BodyMarks:
+def find_body_marks(surface: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> BodyMarks:
     """
-    Joints and landmarks of a person, upright (+Y), arms and legs apart, by the body model. face_valid: 0 = invented, empty = all valid.
+    Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: joints whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.
     """
 def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """

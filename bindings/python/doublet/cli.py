@@ -146,7 +146,7 @@ def run_scan(arguments) -> int:
     job = pipeline.Job(
         arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
     )
-    made = scan.scan_session(job, scan_options, arguments.force, arguments.frame)
+    made = scan.scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints)
     console.finish()
     print("\n".join(map(str, made.files)))
     for finding in made.findings:
@@ -329,6 +329,12 @@ def add_scan(commands) -> None:
         metavar="N",
         help="frame in which the person stands upright, arms and legs apart, or 'best': found; the session then begins there "
         "(default: 0)",
+    )
+    scan.add_argument(
+        "--keypoints",
+        type=Path,
+        metavar="FOLDER",
+        help="joints in the images, of OpenPose, RTMPose or MediaPipe: a JSON file or a folder of them for each camera",
     )
     scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(scan)

@@ -11,6 +11,7 @@ import numpy as np
 from . import _doublet as d
 from . import pipeline, session_check
 from .files import write_json
+from .keypoints import triangulated
 from .plausible import Finding
 
 #: Option groups of the command.
@@ -23,6 +24,8 @@ BEST = "best"
 SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
 #: Above this ratio it is hard to tell which way the person faces.
 LIKELY_RIVAL = 0.7
+#: m; a joint farther from where keypoints see it is put there.
+FAR_FROM_KEYPOINT = 0.06
 #: How coarsely frames are tried for the best one, and how many at most.
 TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
 #: Octree depth of the closed surface that the body is fitted to: joints need no fingers.
@@ -37,10 +40,16 @@ class Made:
     findings: list[Finding]
 
 
-def scan_session(job: pipeline.Job, options: d.ViewScanOptions | None = None, force: bool = False, frame: int | str = 0) -> Made:
+def scan_session(
+    job: pipeline.Job,
+    options: d.ViewScanOptions | None = None,
+    force: bool = False,
+    frame: int | str = 0,
+    keypoints: Path | None = None,
+) -> Made:
     """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
-    both. frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found. A session
-    that has scan and joints is refused."""
+    both. frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found. keypoints:
+    of all cameras, see triangulated(). A session that has scan and joints is refused."""
     folder = job.session_folder
     description = read_description(folder)
     wanted = [key for key in ("scan", "markers") if force or not description.get(key)]
@@ -61,9 +70,10 @@ def scan_session(job: pipeline.Job, options: d.ViewScanOptions | None = None, fo
         save(job, description)
     rival = 0.0
     if "markers" in wanted:
-        marks = marks_of(job)
+        seen = triangulated(job.session, keypoints, 0) if keypoints else {}
+        marks = marks_of(job, seen)
         rival = marks.rival
-        write_json(claimed(folder / MARKS, force), joints_file(marks))
+        write_json(claimed(folder / MARKS, force), corrected(joints_file(marks), seen, job))
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
@@ -103,7 +113,7 @@ def best_frame(job: pipeline.Job) -> int:
         job.context.report("scan: the best frame", i / len(tried))
         try:
             hull = d.scan_from_views(job.session.rig, views_at(job, frames, int(frame)), TRIED, quiet)
-            marks = d.find_body_marks(hull, [], model, d.BodyFitOptions(iterations=6), quiet)
+            marks = d.find_body_marks(hull, [], model, d.BodyFitOptions(iterations=6), context=quiet)
         except d.Error:
             continue  # nobody, or nobody who stands: another frame may do
         costs[int(frame)] = marks.fit.residual * np.linalg.norm(marks.fit.coefficients)
@@ -134,18 +144,33 @@ def scan_of(job: pipeline.Job, options: d.ViewScanOptions, frame: int) -> d.Mesh
     return d.scan_from_views(job.session.rig, views, options, job.context)
 
 
-def marks_of(job: pipeline.Job) -> d.BodyMarks:
+def corrected(marks: dict, seen: dict[str, np.ndarray], job: pipeline.Job) -> dict:
+    """joints.json with the joints that keypoints see somewhere else put there; what the model says of landmarks beyond them does
+    not count then."""
+    joints, landmarks = marks["joints"], marks["landmarks"]
+    for name, point in seen.items():
+        off = float(np.linalg.norm(point - joints[name]["position"]))
+        if off > FAR_FROM_KEYPOINT:
+            job.console.say(f"joints: {name} is {1000 * off:.0f} mm from where the keypoints see it, and was put there")
+            joints[name]["position"] = rounded(point)
+            ends = {"wrist": ("middle_fingertip", "thumb_tip"), "ankle": ("big_toe_tip", "heel")}.get(name[2:], ())
+            for end in ends:
+                landmarks.pop(f"{name[0]}_{end}", None)
+    return marks
+
+
+def rounded(point) -> list[float]:
+    return [round(float(x), 4) for x in np.ravel(point)]
+
+
+def marks_of(job: pipeline.Job, seen: dict[str, np.ndarray]) -> d.BodyMarks:
     surface = d.build_template(d.read_mesh(job.session.scan), d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
     model = d.BodyModel.read(job.body_model)
-    return d.find_body_marks(surface.mesh, surface.face_valid, model, job.group("body"), job.context)
+    return d.find_body_marks(surface.mesh, surface.face_valid, model, job.group("body"), seen, job.context)
 
 
 def joints_file(marks: d.BodyMarks) -> dict:
     """joints.json"""
-
-    def rounded(point) -> list[float]:
-        return [round(float(x), 4) for x in np.ravel(point)]
-
     return {
         "comment": f"found by doublet scan with {marks.fit.model}",
         "joints": {j.name: {"position": rounded(j.position), "parent": j.parent or None} for j in marks.joints},
