@@ -23,18 +23,22 @@ struct Silhouette {
   double focal;     ///< px
   cv::Rect box;     ///< of the actor
 
+  bool cut = false; ///< at the picture's edge: what lies beyond is not known. A whole silhouette says that nothing does.
+
   /// m, about: how far inside this camera's cone the point is. False where the camera has no say.
   bool inside(const Eigen::Vector3d &point, double &metres) const {
     const double depth = camera->depth(point);
-    if (depth <= 1e-3)
+    const Eigen::Vector2d pixel = depth > 1e-3 ? camera->project(point) : Eigen::Vector2d(-1e6, -1e6);
+    const Eigen::Vector2d shown(std::clamp(pixel.x(), 0.0, distance.cols - 1.001),
+                                std::clamp(pixel.y(), 0.0, distance.rows - 1.001));
+    const double beyond = (pixel - shown).norm();
+    if (beyond > 0 && cut)
       return false;
-    const Eigen::Vector2d pixel = camera->project(point);
-    const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
-    if (x < 0 || y < 0 || x + 1 >= distance.cols || y + 1 >= distance.rows)
-      return false;
-    const float fx = static_cast<float>(pixel.x() - x), fy = static_cast<float>(pixel.y() - y);
+    const int x = static_cast<int>(shown.x()), y = static_cast<int>(shown.y());
+    const float fx = static_cast<float>(shown.x() - x), fy = static_cast<float>(shown.y() - y);
     const float *row = distance.ptr<float>(y) + x, *next = distance.ptr<float>(y + 1) + x;
-    metres = ((1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * next[0] + fx * next[1])) * depth / focal;
+    const float at = (1 - fy) * ((1 - fx) * row[0] + fx * row[1]) + fy * ((1 - fx) * next[0] + fx * next[1]);
+    metres = (at - beyond) * std::max(depth, 1e-3) / focal;
     return true;
   }
 };
@@ -47,7 +51,9 @@ Silhouette silhouette_of(const Camera &camera, const Image &mask) {
   // Distances run between centres of pixels; the outline lies half a pixel before the first of the other kind.
   cv::Mat shift(inside.size(), CV_32FC1, cv::Scalar(0.5));
   shift.setTo(-0.5, inside);
-  return {&camera, to_outside - to_inside + shift, (camera.K(0, 0) + camera.K(1, 1)) / 2, cv::boundingRect(inside)};
+  const cv::Rect box = cv::boundingRect(inside);
+  const bool cut = box.x == 0 || box.y == 0 || box.br().x == inside.cols || box.br().y == inside.rows;
+  return {&camera, to_outside - to_inside + shift, (camera.K(0, 0) + camera.K(1, 1)) / 2, box, cut};
 }
 
 /// The hull as an implicit function, m: positive inside.

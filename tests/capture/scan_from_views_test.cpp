@@ -92,6 +92,21 @@ TEST(ScanFromViews, TheHullHoldsThePersonAndTouchesEverySilhouette) {
   EXPECT_LT(mean_distance(scan, person), 0.012);
 }
 
+TEST(ScanFromViews, FourCamerasMakeNoPhantom) {
+  // Beside the pictures of two cameras, the other two, which look at each other, would see more of the person.
+  const Mesh person = figure_surface();
+  CameraRig rig = camera_ring(4, 320);
+  for (int c : {1, 3}) { // narrow pictures
+    rig[c].K(0, 2) -= 100;
+    rig[c].width -= 200;
+  }
+  const std::vector<CameraView> views = views_of(person, rig);
+  const Mesh scan = scan_from_views(rig, views, hull_only());
+  const Eigen::RowVector3d low = person.vertices.colwise().minCoeff(), high = person.vertices.colwise().maxCoeff();
+  EXPECT_LT((low - scan.vertices.colwise().minCoeff()).maxCoeff(), 0.1);
+  EXPECT_LT((scan.vertices.colwise().maxCoeff() - high).maxCoeff(), 0.1);
+}
+
 TEST(ScanFromViews, WhereCamerasAgreeTheHullIsPressedIn) {
   const Mesh drum = dented_drum();
   CameraRig rig;
