@@ -45,6 +45,9 @@ void bind_segment(py::module_ &m) {
   m.def("segment_cloth", &segment_cloth, py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "ClothSegmenter.create(options).segment(sequence, face_valid, context).");
+  m.def("fitting_thresholds", &fitting_thresholds, py::arg("pose"), py::arg("face_valid"), py::arg("sigma"),
+        py::arg("options") = SegmentOptions{}, Release(),
+        "The options, with both thresholds raised while all of the surface moves: the noise of a poor capture.");
   m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
         py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");

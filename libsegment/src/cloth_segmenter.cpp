@@ -192,6 +192,45 @@ void label_regions(const Surface &surface, Segmentation &result) {
   }
 }
 
+Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
+  require_usable(pose, "first frame of the mesh sequence");
+  const int n = static_cast<int>(pose.vertices.rows());
+  if (sigma.size() != n)
+    throw std::invalid_argument("sigma: expected " + std::to_string(n) + " entries, one a vertex, found " +
+                                std::to_string(sigma.size()));
+  if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
+    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
+                                std::to_string(face_valid.size()));
+  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
+  const Faces faces = valid_faces(pose.faces, scanned);
+  return {pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
+          seam_vertices(pose.faces, scanned, n)};
+}
+
+/// Eq. 1, diffused; NaN is filled in by the diffusion.
+Eigen::VectorXd raw_clothness(const Surface &surface, const Eigen::VectorXd &sigma, const SegmentOptions &options) {
+  Eigen::VectorXd delta = (sigma.array() - options.rigid_threshold) / (options.cloth_threshold - options.rigid_threshold);
+  for (double &value : delta)
+    value = std::isnan(value) ? value : std::clamp(value, 0.0, 1.0);
+  delta = diffuse_on_surface(surface.vertices, surface.faces, delta, options.diffusion);
+  snap(delta);
+  return delta;
+}
+
+/// Is more than half of the surface one core that hangs from nothing, or has the top of the person? Then it is not cloth alone.
+bool all_moves(const Surface &surface, const Eigen::VectorXd &delta, double smallest) {
+  const auto cores = connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; }));
+  if (cores.empty() || cores.front().area < 0.5 * surface.areas.sum())
+    return false;
+  double top = -std::numeric_limits<double>::infinity(), reached = top;
+  for (int i = 0; i < surface.size(); ++i)
+    if (surface.areas[i] > 0)
+      top = std::max(top, surface.vertices(i, 1));
+  for (int i : cores.front().members)
+    reached = std::max(reached, surface.vertices(i, 1));
+  return reached == top || !hangs(surface, cores.front(), carrying(surface, smallest, delta));
+}
+
 class OppositeRaySegmenter : public ClothSegmenter {
 public:
   explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
@@ -216,7 +255,13 @@ public:
       sigma = sigma.cwiseMin(opposite_distance_deviation(unposed, points, options_.opposite, context));
     }
     context.report("segment", 0.8);
-    Segmentation result = segmentation_from_deviation(pose, face_valid, sigma, options_);
+    const SegmentOptions raised = fitting_thresholds(pose, face_valid, sigma, options_);
+    if (raised.rigid_threshold > options_.rigid_threshold)
+      context.say("segment: everything moves as cloth would: thresholds are raised from " +
+                  options::shown(1000 * options_.rigid_threshold) + " and " + options::shown(1000 * options_.cloth_threshold) +
+                  " mm to " + options::shown(1000 * raised.rigid_threshold, 3) + " and " +
+                  options::shown(1000 * raised.cloth_threshold, 3));
+    Segmentation result = segmentation_from_deviation(pose, face_valid, sigma, raised);
     context.report("segment", 1.0);
     return result;
   }
@@ -234,33 +279,33 @@ void SegmentOptions::validate() const {
                     options::shown(rigid_threshold));
 }
 
+SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
+                                  const SegmentOptions &options) {
+  options.validate();
+  const Surface surface = surface_of(pose, face_valid, sigma);
+  constexpr double kStep = 1.25, kMost = 8; // times the options
+  SegmentOptions raised = options;
+  for (double scale = 1; scale < kMost; scale *= kStep) {
+    raised.rigid_threshold = scale * options.rigid_threshold;
+    raised.cloth_threshold = scale * options.cloth_threshold;
+    Eigen::VectorXd delta = raw_clothness(surface, sigma, raised);
+    fill_holes(surface, options.smallest_region, delta);
+    if (!all_moves(surface, delta, options.smallest_region))
+      return raised;
+  }
+  return options; // no level tells anything apart
+}
+
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                          const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   options.validate();
-  require_usable(pose, "first frame of the mesh sequence");
-  const int n = static_cast<int>(pose.vertices.rows());
-  if (sigma.size() != n)
-    throw std::invalid_argument("sigma: expected " + std::to_string(n) + " entries, one a vertex, found " +
-                                std::to_string(sigma.size()));
-  if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
-    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
-                                std::to_string(face_valid.size()));
-  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
-  const Faces faces = valid_faces(pose.faces, scanned);
-  const Surface surface{pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
-                        seam_vertices(pose.faces, scanned, n)};
-
+  const Surface surface = surface_of(pose, face_valid, sigma);
   Segmentation result;
   result.sigma = sigma;
-  // Eq. 1; NaN stays NaN and is filled in by the diffusion.
-  Eigen::VectorXd delta = (sigma.array() - options.rigid_threshold) / (options.cloth_threshold - options.rigid_threshold);
-  for (double &value : delta)
-    value = std::isnan(value) ? value : std::clamp(value, 0.0, 1.0);
-  delta = diffuse_on_surface(pose.vertices, faces, delta, options.diffusion);
-  snap(delta);
+  Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
   fill_holes(surface, options.smallest_region, delta);
   drop_islands(surface, options.smallest_region, delta);
-  delta = diffuse_on_surface(pose.vertices, faces, delta, 0.5 * options.diffusion); // smooths the borders that both left
+  delta = diffuse_on_surface(pose.vertices, surface.faces, delta, 0.5 * options.diffusion); // smooths the borders both left
   snap(delta);
   result.clothness = delta;
   label_regions(surface, result);

@@ -239,6 +239,8 @@ def test_sound_tells_offsets_to_half_a_frame(home, world):
     assert session.frame_count == pytest.approx((SECONDS + min(OFFSETS) - max(OFFSETS)) * FPS, abs=1)
     for c in range(CAMERAS):
         assert frames_late(session, c) == 0
+        assert session.cameras[c].video.samefile(home / "videos" / f"cam{c}.mp4")  # as it was filmed
+    assert [camera.first_frame for camera in session.cameras] == [round((max(OFFSETS) - o) * FPS) for o in OFFSETS]
 
 
 @pytest.mark.parametrize("ready", [False, True])
@@ -561,7 +563,7 @@ def test_stopped_half_way_leaves_nothing(home, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(VideoWriter, "write", stop)
-    call(home, "--sync", "none", "--start", "0.2", status=130)
+    call(home, "--sync", "none", "--fps", "15", status=130)
     assert not (home / "new").exists() and not list(home.glob(".*"))
 
 

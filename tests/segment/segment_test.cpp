@@ -182,6 +182,27 @@ TEST(Segment, AHeadThatHairReachesIsNoCloth) {
   EXPECT_EQ(result.clothness[38 * tube::kAround], 0.0);
 }
 
+TEST(Segment, ThresholdsRiseAboveTheNoiseOfAPoorCapture) {
+  const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(pose.vertices.rows(), 0.012); // skin, seen by few cameras
+  for (int i = 0; on_side(i); ++i)
+    if (height(i) < 0.5)
+      sigma[i] = 0.06;
+  const SegmentOptions plain, raised = fitting_thresholds(pose, {}, sigma);
+  EXPECT_GT(raised.rigid_threshold, 1.5 * plain.rigid_threshold);
+  EXPECT_NEAR(raised.cloth_threshold / raised.rigid_threshold, plain.cloth_threshold / plain.rigid_threshold, 1e-9);
+  const Segmentation result = segmentation_from_deviation(pose, {}, sigma, raised);
+  EXPECT_EQ(result.region_count, 1);
+  EXPECT_GT(result.clothness[10 * tube::kAround], 0.95);
+  EXPECT_EQ(result.clothness[38 * tube::kAround], 0.0);
+  // A good capture keeps its thresholds, and so does one in which all levels are alike.
+  for (int i = 0; on_side(i); ++i)
+    if (height(i) >= 0.5)
+      sigma[i] = 0.002;
+  EXPECT_EQ(fitting_thresholds(pose, {}, sigma).rigid_threshold, plain.rigid_threshold);
+  EXPECT_EQ(fitting_thresholds(pose, {}, Eigen::VectorXd::Constant(sigma.size(), 1.0)).rigid_threshold, plain.rigid_threshold);
+}
+
 TEST(Segment, FaintDeviationFarFromClothIsRigid) {
   const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
   const SegmentOptions options;

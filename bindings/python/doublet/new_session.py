@@ -340,9 +340,13 @@ def write_session(
 
         entry = {"name": camera.name}
         entry["video"] = write_frames(folder, camera, chosen, fps, request.copy, report)
-        kept += [camera.name] if is_kept(camera, chosen, fps) else []
+        if is_kept(camera, chosen, fps):
+            kept.append(camera.name)
+            if first := first_frame(camera, chosen):
+                entry["first_frame"] = first
         if camera.masks:
-            entry["masks"] = write_masks(folder, camera, chosen, report)
+            start = entry.get("first_frame", 0)
+            entry["masks"] = write_masks(folder, camera, np.r_[np.arange(start), chosen], report)
         if camera.plate:
             entry["background"] = write_plate(folder, camera, said)
         described.append(entry)
@@ -365,11 +369,16 @@ def write_session(
 
 
 def is_kept(camera: FilmedCamera, chosen: np.ndarray, fps: float) -> bool:
-    """Nothing has to change: images may be chosen one by one, a video begins with its first frame and leaves none out."""
+    """Nothing has to change: images may be chosen one by one, of a video no frame is left out after the first that is used."""
     if isinstance(camera.source, ImageSeries):
         return True
     same_rate = abs(camera.source.fps - fps) <= SAME_RATE * fps
-    return same_rate and not camera.source.rotation and bool((chosen == np.arange(len(chosen))).all())
+    return same_rate and not camera.source.rotation and bool((np.diff(chosen) == 1).all())
+
+
+def first_frame(camera: FilmedCamera, chosen: np.ndarray) -> int:
+    """Of a file that is kept: the frame that is the session's frame 0."""
+    return 0 if isinstance(camera.source, ImageSeries) else int(chosen[0])
 
 
 def write_frames(folder: Path, camera: FilmedCamera, chosen: np.ndarray, fps: float, copy: bool, report) -> str:

@@ -265,14 +265,27 @@ def run_segment(job: Job) -> dict:
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.actor, cloth, areas)
+    noise = [asdict(f) for f in noisy_capture(job, result)]
     text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
-        "findings": [asdict(Finding(False, text.format(joint))) for joint in doubtful],
+        "findings": [*noise, *(asdict(Finding(False, text.format(joint))) for joint in doubtful)],
         "regions": result.region_count,
         "doubtful_ends": doubtful,
         "cloth_area_m2": float(areas[cloth].sum()),
         "fullness": float(np.average(result.fullness[cloth], weights=areas[cloth])) if cloth.any() else 1.0,
     }
+
+
+def noisy_capture(job: Job, segmentation: d.Segmentation) -> list[Finding]:
+    surface = job.performance().surface
+    options = job.group("segment")
+    pose = d.Mesh(surface.frames[0], surface.faces)
+    raised = d.fitting_thresholds(pose, job.actor.face_valid, segmentation.sigma, options)
+    times = raised.rigid_threshold / options.rigid_threshold if options.rigid_threshold else 1
+    if times <= 1:
+        return []
+    text = "expected some of the surface to move as skin, found all of it to move as cloth would: few cameras or a rough scan? "
+    return [Finding(False, text + f"cloth is what moves {times:.1f} times as much as it takes elsewhere; look at it")]
 
 
 def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> list[str]:
