@@ -100,6 +100,9 @@ def calls(world, folder) -> dict:
             lambda rig, masks: d.scan_from_views(rig, [d.CameraView(mask=m) for m in masks], coarse), ring_of_discs(),
         ),
         "build_template": (d.build_template, {"scan": w.mesh}),
+        "fitting_thresholds": (
+            d.fitting_thresholds, {"pose": w.mesh, "face_valid": valid, "sigma": np.zeros(len(v))},
+        ),
         "segment_cloth": (d.segment_cloth, {"sequence": sequence, "face_valid": valid}),
         "ClothSegmenter.segment": (d.ClothSegmenter.create().segment, {"sequence": sequence, "face_valid": valid}),
         "segment_performance": (
