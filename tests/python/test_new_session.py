@@ -558,12 +558,13 @@ def test_a_video_that_is_damaged_within(home, capsys):
     assert "videos/cam1.mp4: " in refused(home, capsys, "--sync", "none", "--start", "0.2")
 
 
-def test_stopped_half_way_leaves_nothing(home, monkeypatch):
+def test_stopped_half_way_leaves_nothing(home, monkeypatch, capsys):
     def stop(self, picture):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(VideoWriter, "write", stop)
     call(home, "--sync", "none", "--fps", "15", status=130)
+    assert "stopped; nothing was written" in capsys.readouterr().err
     assert not (home / "new").exists() and not list(home.glob(".*"))
 
 

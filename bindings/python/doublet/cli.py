@@ -430,7 +430,8 @@ def main(arguments=None) -> int:
         with stopped_by_signals():
             return parsed.run(parsed) or 0
     except KeyboardInterrupt as stop:
-        print("doublet: stopped; what is complete stays, the same command goes on from there", file=sys.stderr)
+        left = getattr(parsed, "when_stopped", "what is complete stays, the same command goes on from there")
+        print(f"doublet: stopped; {left}", file=sys.stderr)
         return getattr(stop, "status", 128 + signal.SIGINT)
     except BrokenPipeError:
         return 1

@@ -535,7 +535,7 @@ def add_command(commands, common_flags) -> None:
     flag("--force", action="store_true", help="put it in the place of the session that is there")
     import_calibration.add_flags(command)
     common_flags(command)
-    command.set_defaults(run=run)
+    command.set_defaults(run=run, when_stopped="nothing was written")
 
 
 def request_of(arguments: argparse.Namespace) -> Request:
