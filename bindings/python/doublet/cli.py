@@ -146,7 +146,7 @@ def run_scan(arguments) -> int:
     job = pipeline.Job(
         arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
     )
-    made = scan.scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints)
+    made = scan.scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
     console.finish()
     print("\n".join(map(str, made.files)))
     for finding in made.findings:
@@ -335,6 +335,12 @@ def add_scan(commands) -> None:
         type=Path,
         metavar="FOLDER",
         help="joints in the images, of OpenPose, RTMPose or MediaPipe: a JSON file or a folder of them for each camera",
+    )
+    scan.add_argument(
+        "--given",
+        type=Path,
+        metavar="FILE",
+        help="a scan in the pose of the frame, in any unit, on any axis, with its floor: brought to what the cameras see",
     )
     scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(scan)

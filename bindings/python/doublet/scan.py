@@ -11,6 +11,7 @@ import numpy as np
 from . import _doublet as d
 from . import pipeline, session_check
 from .files import write_json
+from .given_scan import align_scan
 from .keypoints import triangulated
 from .plausible import Finding
 
@@ -26,6 +27,8 @@ SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
 LIKELY_RIVAL = 0.7
 #: m; a joint farther from where keypoints see it is put there.
 FAR_FROM_KEYPOINT = 0.06
+#: The hull that a given scan is aligned to.
+COARSE = d.ViewScanOptions(cell=0.012, poisson_depth=7, search_depth=0)
 #: How coarsely frames are tried for the best one, and how many at most.
 TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
 #: Octree depth of the closed surface that the body is fitted to: joints need no fingers.
@@ -46,10 +49,14 @@ def scan_session(
     force: bool = False,
     frame: int | str = 0,
     keypoints: Path | None = None,
+    given: Path | None = None,
 ) -> Made:
     """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
-    both. frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found. keypoints:
-    of all cameras, see triangulated(). A session that has scan and joints is refused."""
+    both. A session that has scan and joints is refused.
+
+    frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found.
+    keypoints: of all cameras, see triangulated().
+    given: a scan of the same pose, which is brought to where the cameras see it."""
     folder = job.session_folder
     description = read_description(folder)
     wanted = [key for key in ("scan", "markers") if force or not description.get(key)]
@@ -63,7 +70,9 @@ def scan_session(
     if "scan" in wanted:
         chosen = best_frame(job) if frame == BEST else frame
         require_motion_after(job, chosen)
-        d.write_mesh(claimed(folder / SCAN, force), scan_of(job, options or d.ViewScanOptions(), chosen))
+        options = options or d.ViewScanOptions()
+        mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen)
+        d.write_mesh(claimed(folder / SCAN, force), mesh)
         made.append(folder / SCAN)
         description["scan"] = SCAN
         begin_at(description, chosen)
@@ -161,6 +170,14 @@ def corrected(marks: dict, seen: dict[str, np.ndarray], job: pipeline.Job) -> di
 
 def rounded(point) -> list[float]:
     return [round(float(x), 4) for x in np.ravel(point)]
+
+
+def aligned(job: pipeline.Job, given: Path, frame: int) -> d.Mesh:
+    found = align_scan(d.read_mesh(given), scan_of(job, COARSE, frame))
+    floor = ", without its floor" if found.floor else ""
+    off = f"{1000 * found.distance:.0f} mm from what the cameras see"
+    job.console.say(f"scan: {given} is in {found.unit}, {found.up} is up{floor}; brought to {off}")
+    return found.mesh
 
 
 def marks_of(job: pipeline.Job, seen: dict[str, np.ndarray]) -> d.BodyMarks:
