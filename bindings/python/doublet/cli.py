@@ -170,6 +170,12 @@ def run_edit_template(arguments) -> None:
     edit_template(arguments.out, arguments.port, arguments.browser)
 
 
+def run_edit_joints(arguments) -> None:
+    from .edit_joints import edit_joints
+
+    edit_joints(arguments.session, arguments.port, arguments.browser)
+
+
 def run_evaluate(arguments) -> None:
     from . import garment_motion
     from .evaluate import Reconstruction, Truth, evaluate, format_table
@@ -291,6 +297,7 @@ def build_parser() -> argparse.ArgumentParser:
     new_session.add_command(commands, common_flags)
     import_calibration.add_command(commands)
     add_scan(commands)
+    add_edit_joints(commands)
     add_edit_template(commands)
     add_animate(commands)
     add_evaluate(commands)
@@ -352,10 +359,22 @@ def add_edit_template(commands) -> None:
     text = "paint the template's invalid triangles in a browser"
     edit = commands.add_parser("edit-template", help=text, description=text)
     edit.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far, with a template")
-    edit.add_argument("--port", type=int, default=0, metavar="N", help="of the page on this machine (default: any free one)")
-    edit.add_argument("--no-browser", dest="browser", action="store_false", help="only print the address")
-    edit.add_argument("--debug", action="store_true", help="show the traceback of an error")
+    page_flags(edit)
     edit.set_defaults(run=run_edit_template)
+
+
+def add_edit_joints(commands) -> None:
+    text = "move joints and landmarks in the cameras' images, in a browser"
+    edit = commands.add_parser("edit-joints", help=text, description=text)
+    edit.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json that names its joints")
+    page_flags(edit)
+    edit.set_defaults(run=run_edit_joints)
+
+
+def page_flags(command) -> None:
+    command.add_argument("--port", type=int, default=0, metavar="N", help="of the page on this machine (default: any free one)")
+    command.add_argument("--no-browser", dest="browser", action="store_false", help="only print the address")
+    command.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
 
 def add_animate(commands) -> None:
