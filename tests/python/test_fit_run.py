@@ -30,6 +30,7 @@ def fit():
     """Starts `doublet fit` without the checks of a whole session."""
     program = (
         "import sys; from doublet import cli, pipeline\n"
+        "pipeline.d.require_scanned = lambda session: None\n"
         "pipeline.Job.session = type('S', (), {'fps': 40.0, 'folder': pipeline.Path('session'), 'name': 'bell'})()\n"
         "sys.exit(cli.main(sys.argv[1:]))"
     )
