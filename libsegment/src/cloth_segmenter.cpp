@@ -1,5 +1,6 @@
 #include "doublet/segment/cloth_segmenter.h"
 
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/sheets.h"
 #include "doublet/segment/parts/diffusion.h"
 
@@ -7,7 +8,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -147,33 +147,19 @@ bool hangs(const Surface &surface, const Patch &core, const std::vector<char> &c
 /// legs.
 void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
   const std::vector<char> carries = carrying(surface, smallest, delta);
-  std::vector<char> kept(surface.size(), 0);
-  std::vector<double> distance(surface.size(), kTransition);
-  std::set<std::pair<double, int>> front; // Dijkstra's algorithm from all cores at once
+  std::vector<int> kept, dropped;
   for (const Patch &core :
        connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0.5 && !surface.seam[i]; }))) {
-    const bool keep = core.area >= smallest && hangs(surface, core, carries);
-    for (int i : core.members) {
-      kept[i] = keep;
-      distance[i] = 0;
-      front.emplace(0.0, i);
-    }
+    std::vector<int> &cores = core.area >= smallest && hangs(surface, core, carries) ? kept : dropped;
+    cores.insert(cores.end(), core.members.begin(), core.members.end());
   }
-  while (!front.empty()) {
-    const auto [reached, i] = *front.begin();
-    front.erase(front.begin());
-    for (int j : surface.neighbours[i]) {
-      const double next = reached + (surface.vertices.row(i) - surface.vertices.row(j)).norm();
-      if (delta[j] <= 0 || next >= distance[j])
-        continue;
-      front.erase({distance[j], j});
-      distance[j] = next;
-      kept[j] = kept[i];
-      front.emplace(next, j);
-    }
-  }
+  std::vector<std::vector<int>> loose = surface.neighbours; // ways lead through clothness alone
+  for (std::vector<int> &around : loose)
+    std::erase_if(around, [&](int v) { return delta[v] <= 0; });
+  const Eigen::VectorXd to_kept = edge_distances(surface.vertices, loose, kept, kTransition),
+                        to_dropped = edge_distances(surface.vertices, loose, dropped, kTransition);
   for (int i = 0; i < surface.size(); ++i)
-    if (!kept[i])
+    if (!(to_kept[i] < to_dropped[i])) // also where neither reaches
       delta[i] = 0;
 }
 
