@@ -2,6 +2,7 @@
 
 python benchmarks/pictures.py overview OUT MOTION -o docs/pictures/overview.jpg [--frame 72] [--camera 0] [--new 95 130]
 python benchmarks/pictures.py dance OUT --truth SESSION/ground_truth -o docs/pictures/dance.jpg [--frames 0 30 ...]
+python benchmarks/pictures.py captured OUT -o docs/pictures/own-footage.jpg [--frames 0 30 ...] [--cameras 0 2 ...]
 """
 
 from __future__ import annotations
@@ -94,10 +95,32 @@ def dance(chosen: argparse.Namespace) -> np.ndarray:
     return np.hstack(columns)
 
 
+def captured(chosen: argparse.Namespace) -> np.ndarray:
+    """Film, and the captured surface on it, by clothness; a frame and a camera each."""
+    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
+    performance, film = job.performance(), d.FrameSource.open(job.session)
+    faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
+    colours = picture.cloth_colours(job.segmentation().clothness)
+    panels = []
+    for number, row in enumerate(chosen.frames):
+        c = chosen.cameras[number % len(chosen.cameras)]
+        camera, surface = job.session.rig[c], performance.surface.frames[row]
+        photo = film.image(c, performance.frames[row])[..., ::-1]
+        covered = d.rasterize(surface, faces, camera)[0] >= 0
+        shaded = picture.shade([d.RenderMesh(surface, faces, colours=colours)], camera)
+        mixed = np.where(covered[..., None], 0.4 * photo + 0.6 * shaded, photo).astype(np.uint8)
+        box = picture.crop_box(surface, camera, margin=25)
+        panels += [scaled(photo[box], HEIGHT // 2), scaled(mixed[box], HEIGHT // 2)]
+    middle = 2 * ((len(chosen.frames) + 1) // 2)
+    rows = [np.hstack(part) for part in (panels[:middle], panels[middle:]) if part]
+    width = max(row.shape[1] for row in rows)
+    return np.vstack([np.pad(row, ((0, 6), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(required=True)
-    for name, make in (("overview", overview), ("dance", dance)):
+    for name, make in (("overview", overview), ("dance", dance), ("captured", captured)):
         command = commands.add_parser(name)
         command.add_argument("out", type=Path, metavar="OUT")
         command.add_argument("-o", "--picture", type=Path, required=True, metavar="FILE.jpg")
@@ -107,6 +130,9 @@ def main() -> None:
             command.add_argument("--frame", type=int, default=72, metavar="N", help="row of the performance (default: 72)")
             command.add_argument("--camera", type=int, default=0, metavar="N", help="of the session (default: 0)")
             command.add_argument("--new", type=int, nargs="+", default=[76, 156], metavar="N", help="frames of the new motion")
+        elif name == "captured":
+            command.add_argument("--frames", type=int, nargs="+", default=[0, 30, 55, 75, 95, 118], metavar="N", help="rows")
+            command.add_argument("--cameras", type=int, nargs="+", default=[0, 2, 5, 1, 3, 7], metavar="N", help="in turn")
         else:
             command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
             default = [0, 30, 60, 90, 108, 120, 150, 170]
