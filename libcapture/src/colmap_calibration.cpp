@@ -2,8 +2,8 @@
 
 #include "calibration_formats.h"
 #include "doublet/core/error.h"
-#include "doublet/options/options.h"
 #include "doublet/files/files.h"
+#include "doublet/options/options.h"
 
 #include <array>
 #include <cmath>
