@@ -149,7 +149,8 @@ inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimiz
     solved(changed);
     changed.weights = changed.weights.rowwise().reverse().eval();
     const RiggedMesh elsewhere = changed;
-    if (solved(changed) != solved(elsewhere))
+    const Eigen::VectorXd in_place = solved(changed), anew = solved(elsewhere); // in this order
+    if (in_place != anew)
       broken.push_back("an actor whose weights were changed is taken for the one before");
   });
 }
@@ -177,7 +178,8 @@ inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refin
     refined(changed);
     changed.mesh.vertices.col(1) *= 1.5; // other areas and angles: another stiffness
     const RiggedMesh elsewhere = changed;
-    if (refined(changed) != refined(elsewhere))
+    const Vertices in_place = refined(changed), anew = refined(elsewhere); // in this order
+    if (in_place != anew)
       broken.push_back("an actor whose mesh was changed is taken for the one before");
   });
 }
