@@ -1,9 +1,9 @@
 #include "first_pose.h"
 
 #include "doublet/core/error.h"
+#include "ray_bundle.h"
 #include "small_view.h"
 
-#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
@@ -22,21 +22,6 @@ bool centroid(const Image &mask, Eigen::Vector2d &centre) {
   centre /= std::max(count, 1.0);
   return count > 0;
 }
-
-/// The point closest to the rays through the pixels, in least squares.
-struct RayBundle {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  int rays = 0;
-  void add(const Camera &camera, const Eigen::Vector2d &pixel) {
-    const Eigen::Vector3d d = camera.ray_direction(pixel);
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
-    normal += across;
-    right += across * camera.centre();
-    ++rays;
-  }
-  Eigen::Vector3d point() const { return normal.ldlt().solve(right); }
-};
 
 const Joint &root_joint(const Skeleton &skeleton) {
   for (const Joint &joint : skeleton.joints)
@@ -72,7 +57,7 @@ public:
     constexpr int kRounds = 4;
     double overlap = 0;
     for (int round = 0; round <= kRounds; ++round) {
-      RayBundle wanted, got;
+      detail::RayBundle wanted, got;
       overlap = compare(dofs, wanted, got);
       if (got.rays >= 2 && round < kRounds)
         dofs.segment<3>(root_.first_dof) += wanted.point() - got.point();
@@ -83,7 +68,7 @@ public:
 private:
   static constexpr int kSize = 192; // px; the overlap of whole silhouettes needs no more
 
-  double compare(const Eigen::VectorXd &dofs, RayBundle &wanted, RayBundle &got) const {
+  double compare(const Eigen::VectorXd &dofs, detail::RayBundle &wanted, detail::RayBundle &got) const {
     const Vertices surface = pose_surface(actor_, dofs, {}).vertices;
     std::vector<Eigen::Vector2d> centres(views_.size());
     std::vector<double> overlap(views_.size(), 0);
@@ -111,7 +96,7 @@ private:
   const Joint &root_;
   std::vector<SmallView> views_;
   std::vector<Eigen::Vector2d> centres_; // of the masks
-  RayBundle rays_;
+  detail::RayBundle rays_;
 };
 
 } // namespace

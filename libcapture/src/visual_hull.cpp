@@ -1,8 +1,8 @@
 #include "visual_hull.h"
 
 #include "doublet/core/error.h"
+#include "ray_bundle.h"
 
-#include <Eigen/Cholesky>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
@@ -102,18 +102,13 @@ struct Cube {
 };
 
 Cube cube_around(const std::vector<Silhouette> &silhouettes) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  RayBundle rays;
   const auto middle = [](const Silhouette &s) {
     return Eigen::Vector2d(s.box.x + s.box.width / 2.0, s.box.y + s.box.height / 2.0);
   };
-  for (const Silhouette &silhouette : silhouettes) {
-    const Eigen::Vector3d ray = silhouette.camera->ray_direction(middle(silhouette));
-    const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-    normal += across;
-    right += across * silhouette.camera->centre();
-  }
-  const Eigen::Vector3d centre = normal.ldlt().solve(right);
+  for (const Silhouette &silhouette : silhouettes)
+    rays.add(*silhouette.camera, middle(silhouette));
+  const Eigen::Vector3d centre = rays.point();
   double half = 0;
   for (const Silhouette &silhouette : silhouettes) {
     const double depth = silhouette.camera->depth(centre);

@@ -478,8 +478,7 @@ def look(session: d.Session, path: Path, console: Console, said: list[str]) -> l
     extractor = d.session_silhouettes(session, frames, d.SilhouetteOptions(), context)
     console.finish()
     evidence = session_check.Evidence(session, frames, extractor)
-    session_check.write_picture(path, session_check.draw(evidence))
-    return session_check.check_session(evidence)
+    return session_check.look(evidence, path)
 
 
 # --- the command

@@ -180,8 +180,7 @@ CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
 
 def run_check(job: Job) -> dict:
     evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    found = session_check.check_session(evidence)
-    session_check.write_picture(job.path("check.png"), session_check.draw(evidence))
+    found = session_check.look(evidence, job.path("check.png"))
     return {"findings": [asdict(finding) for finding in found]}
 
 

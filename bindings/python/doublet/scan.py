@@ -87,8 +87,7 @@ def scan_session(
         description["markers"] = MARKS
         save(job, description)
     evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    session_check.write_picture(folder / PICTURE, session_check.draw(evidence))
-    return Made([*made, folder / PICTURE], [*facing(rival), *session_check.check_session(evidence)])
+    return Made([*made, folder / PICTURE], [*facing(rival), *session_check.look(evidence, folder / PICTURE)])
 
 
 def require_motion_after(job: pipeline.Job, frame: int) -> None:

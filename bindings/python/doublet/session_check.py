@@ -301,6 +301,12 @@ def dot(image: np.ndarray, place) -> None:
         image[max(0, y - 2) : y + 3, max(0, x - 2) : x + 3] = (255, 220, 0)
 
 
+def look(evidence: Evidence, path: Path) -> list[Finding]:
+    """Every check, and the picture of it."""
+    write_picture(path, draw(evidence))
+    return check_session(evidence)
+
+
 def write_picture(path: Path, image: np.ndarray) -> None:
     with written_atomically(path) as partial:
         Image.fromarray(image).save(partial, "PNG")
