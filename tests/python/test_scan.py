@@ -131,6 +131,8 @@ def test_only_what_is_missing_is_made(model, tmp_path, capsys):
     assert "joints.json exists, but session.json does not name it" in capsys.readouterr().err
     assert (folder / "joints.json").read_text(encoding="utf-8") == "mine"
     (folder / "joints.json").unlink()
+    assert main(["scan", str(folder), *FAST, "--given", "raw.ply"]) == 1
+    assert "--given: " in capsys.readouterr().err
     assert main(["scan", str(folder), *FAST]) == 0
     assert d.Session(folder).scan.name == "own.ply"
     assert not (folder / "scan.ply").exists()

@@ -66,6 +66,9 @@ def scan_session(
         raise RuntimeError(
             f"{folder / 'session.json'}: names a scan already, made at its frame 0; --force makes another at --frame"
         )
+    for flag, value, key in (("--given", given, "scan"), ("--keypoints", keypoints, "markers")):
+        if value and key not in wanted:
+            raise RuntimeError(f"{flag}: {folder / 'session.json'} names what it would make already; --force makes it anew")
     made = []
     if "scan" in wanted:
         chosen = best_frame(job) if frame == BEST else frame
