@@ -63,11 +63,12 @@ class NumpySolver(d.ClothSolver):
         before = np.array([i.previous_targets if len(i.previous_targets) else t for i, t in zip(inputs, still)])
         capsules = [self.ends(i.previous_capsules, i.capsules) for i in inputs]
         wind = np.array([i.wind for i in inputs])[:, None]
+        gravity = np.array([options.gravity if i.gravity is None else i.gravity for i in inputs])[:, None]
         friction = 1 - (1 - column([m.k_friction for m in materials])) ** (1 / n)
         with np.errstate(all="ignore"):  # what is not finite afterwards is named to the caller
             for k in range(n):
                 target = before + (k + 1) / n * (still - before)
-                u = v + h * np.array(options.gravity) - wind
+                u = v + h * gravity - wind
                 old, x = x, x + h * (self.drag(x, u, h, materials) + wind)
                 x[:, ~self.free] = target[:, ~self.free]
                 self.project(x, target, h, materials)

@@ -209,6 +209,55 @@ void bind_streaming(py::module_ &m) {
         "An animation as glTF 2.0 that any viewer plays: bones and a shape for every key. Complete or not at all.");
 }
 
+/// What the player returns is its own: a view, which the next step writes over.
+void bind_player(py::module_ &m) {
+  constexpr auto kView = py::return_value_policy::reference_internal;
+  py::class_<Player>(m, "Player",
+                     "A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the "
+                     "AnimationFrame that it returns are views, which the next step writes over: copy what you keep.")
+      .def(py::init([](const Character &character, const AnimateOptions &options, const py::object &make_solver) {
+             const pbd::ClothSolverFactory make = solver_factory(make_solver);
+             const py::gil_scoped_release release;
+             return std::make_unique<Player>(character, options, make);
+           }),
+           py::arg("character"), py::arg("options") = AnimateOptions{}, py::arg("make_solver") = py::none(),
+           "Stands in the rest pose; begin with reset(). make_solver: as of CharacterSimulator.")
+      .def("reset", &Player::reset, py::arg("dofs"), kView, Release(),
+           "Begins anew in this pose (D): the cloth falls into place for AnimateOptions.settle_seconds.")
+      .def(
+          "step",
+          [](Player &player, const Eigen::VectorXd &dofs, std::optional<double> seconds) -> const AnimationFrame & {
+            return seconds ? player.step(dofs, *seconds) : player.step(dofs);
+          },
+          py::arg("dofs"), py::arg("seconds") = py::none(), kView, Release(),
+          "Goes on to this pose (D) in `seconds`, in (0, 1]; None = the character's own step. The cloth moves alike at every "
+          "frame "
+          "rate. Raises Error if it comes out not finite; it then stays as it was, and reset() helps.")
+      .def("teleport", &Player::teleport, py::arg("dofs"), kView, Release(),
+           "Stands in this pose (D) at once; the cloth is carried along with the root, with its speed.")
+      .def_property_readonly("frame", &Player::frame, kView, "The last AnimationFrame.")
+      .def_property_readonly("character", &Player::character, kView)
+      .def_property("materials", &Player::materials, &Player::set_materials, py::return_value_policy::copy,
+                    "One a cloth region; assign a list to change them.")
+      .def_property("wind", &Player::wind, &Player::set_wind, py::return_value_policy::copy, "(3) m/s")
+      .def_property("gravity", &Player::gravity, &Player::set_gravity, py::return_value_policy::copy, "(3) m/s^2, within 1000")
+      .def_property("proxies", &Player::proxies, &Player::set_proxies, py::return_value_policy::copy,
+                    "Tapered capsules that the cloth collides with; assign a list to change them.")
+      .def_property("state", &Player::state, &Player::set_state, py::return_value_policy::copy,
+                    "A copy of the cloth's positions and velocities; assign it to go back.")
+      .def(
+          "copy", [](const Player &player) { return player; },
+          "A character of its own, which shares what never changes: see step_players.");
+  m.def(
+      "step_players",
+      [](const std::vector<Player *> &players, const std::vector<Eigen::VectorXd> &dofs, double seconds, int threads) {
+        step_players(require_objects(players, "players"), dofs, seconds, threads);
+      },
+      py::arg("players"), py::arg("dofs"), py::arg("seconds"), py::arg("threads") = 1, Release(),
+      "player.step(pose, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to "
+      "`threads` threads, with the same bits; dofs: a pose (D) for each.");
+}
+
 void bind_pictures(py::module_ &m) {
   py::class_<RenderMesh>(m, "RenderMesh", "One mesh of a picture; colours in [0, 1], RGB.")
       .def(py::init([](Vertices vertices, Faces faces, const Eigen::Vector3d &colour, const std::optional<Vertices> &colours,
@@ -270,6 +319,7 @@ void bind_animate(py::module_ &m) {
   bind_motion(m);
   bind_animator(m);
   bind_streaming(m);
+  bind_player(m);
   bind_pictures(m);
   bind_texture(m);
 }

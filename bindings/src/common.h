@@ -13,6 +13,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -106,6 +107,13 @@ std::function<std::shared_ptr<T>(Arguments...)> factory_from(const py::object &m
       throw py::type_error(std::string(expected) + ", found " + described(made));
     return kept<T>(made);
   };
+}
+
+/// What a caller gave as a list of objects; None is no object.
+template <class T> std::vector<T *> require_objects(const std::vector<T *> &objects, const char *what) {
+  if (std::find(objects.begin(), objects.end(), nullptr) != objects.end())
+    throw py::type_error(std::string(what) + ": expected objects, found None");
+  return objects;
 }
 
 /// An array that owns `values` without a copy.

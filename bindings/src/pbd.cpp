@@ -20,6 +20,7 @@ struct OwnedInputs {
   std::vector<Capsule> capsules, previous_capsules;
   double dt = 1.0 / 40.0;
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> gravity;
 
   StepInputs view() const {
     StepInputs inputs;
@@ -30,6 +31,7 @@ struct OwnedInputs {
     inputs.previous_capsules = previous_capsules.empty() ? &capsules : &previous_capsules;
     inputs.dt = dt;
     inputs.wind = wind;
+    inputs.gravity = gravity;
     return inputs;
   }
 
@@ -45,6 +47,7 @@ struct OwnedInputs {
       owned.previous_capsules = *inputs.previous_capsules;
     owned.dt = inputs.dt;
     owned.wind = inputs.wind;
+    owned.gravity = inputs.gravity;
     return owned;
   }
 };
@@ -145,19 +148,26 @@ void bind_state(py::module_ &m) {
           "copy", [](const ClothState &state) { return state; }, "A state of its own.");
   py::class_<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,
-                       std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind) {
-             return OwnedInputs{
-                 std::move(targets), std::move(previous_targets), std::move(capsules), std::move(previous_capsules), dt, wind};
+                       std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind,
+                       const std::optional<Eigen::Vector3d> &gravity) {
+             return OwnedInputs{std::move(targets),
+                                std::move(previous_targets),
+                                std::move(capsules),
+                                std::move(previous_capsules),
+                                dt,
+                                wind,
+                                gravity};
            }),
            py::kw_only(), py::arg("targets") = Vertices(0, 3), py::arg("previous_targets") = Vertices(0, 3),
            py::arg("capsules") = std::vector<Capsule>{}, py::arg("previous_capsules") = std::vector<Capsule>{},
-           py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0))
+           py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0), py::arg("gravity") = std::nullopt)
       .def_readwrite("targets", &OwnedInputs::targets)
       .def_readwrite("previous_targets", &OwnedInputs::previous_targets)
       .def_readwrite("capsules", &OwnedInputs::capsules)
       .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules)
       .def_readwrite("dt", &OwnedInputs::dt, "s")
-      .def_readwrite("wind", &OwnedInputs::wind, "m/s");
+      .def_readwrite("wind", &OwnedInputs::wind, "m/s")
+      .def_readwrite("gravity", &OwnedInputs::gravity, "m/s^2; None = the model's");
 }
 
 } // namespace

@@ -3,20 +3,7 @@
 #include "doublet/simulate/character_simulator.h"
 #include "doublet/simulate/solver_settings.h"
 
-#include <algorithm>
-
 namespace doublet::python {
-namespace {
-
-/// What a caller gave as a list of objects; None is no object.
-template <class T> std::vector<T *> require_objects(const std::vector<T *> &objects, const char *what) {
-  if (std::find(objects.begin(), objects.end(), nullptr) != objects.end())
-    throw py::type_error(std::string(what) + ": expected objects, found None");
-  return objects;
-}
-
-} // namespace
-
 void bind_simulate(py::module_ &m) {
   OptionsClass<SolverSettings>(m, "How the cloth was simulated when its material was estimated.")
       .get()

@@ -61,6 +61,13 @@ Eigen::Vector3d area_vector(const Vertices &vertices, const Faces &faces, int f)
   return 0.5 * (b - a).cross(c - a);
 }
 
+/// Unit; zero for a degenerate face.
+Eigen::Vector3d face_normal(const Vertices &vertices, const Faces &faces, int f) {
+  const Eigen::Vector3d a = area_vector(vertices, faces, f);
+  const double length = a.norm();
+  return length >= kDegenerateArea ? Eigen::Vector3d(a / length) : Eigen::Vector3d::Zero();
+}
+
 struct UnionFind {
   std::vector<int> parent;
   explicit UnionFind(int n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
@@ -151,25 +158,23 @@ void require_usable(const Mesh &mesh, const std::string &what) {
 Vertices face_normals(const Vertices &vertices, const Faces &faces) {
   require_in_range(faces, vertices.rows(), "face_normals");
   Vertices normals(faces.rows(), 3);
-  for (int f = 0; f < faces.rows(); ++f) {
-    const Eigen::Vector3d a = area_vector(vertices, faces, f);
-    const double length = a.norm();
-    normals.row(f) = length >= kDegenerateArea ? Eigen::Vector3d(a / length) : Eigen::Vector3d::Zero();
-  }
+  for (int f = 0; f < faces.rows(); ++f)
+    normals.row(f) = face_normal(vertices, faces, f);
   return normals;
 }
 
-Vertices vertex_normals(const Vertices &vertices, const Faces &faces) {
-  const Vertices of_face = face_normals(vertices, faces);
-  Vertices normals = Vertices::Zero(vertices.rows(), 3);
+void vertex_normals(const Vertices &vertices, const Faces &faces, Vertices &normals) {
+  require_in_range(faces, vertices.rows(), "vertex_normals");
+  normals.setZero(vertices.rows(), 3);
   for (int f = 0; f < faces.rows(); ++f) {
-    if (of_face.row(f).isZero(0))
+    const Eigen::Vector3d of_face = face_normal(vertices, faces, f);
+    if (of_face.isZero(0))
       continue;
     for (int k = 0; k < 3; ++k) {
       const int v = faces(f, k);
       const Eigen::Vector3d a = vertices.row(faces(f, (k + 1) % 3)) - vertices.row(v);
       const Eigen::Vector3d b = vertices.row(faces(f, (k + 2) % 3)) - vertices.row(v);
-      normals.row(v) += std::atan2(a.cross(b).norm(), a.dot(b)) * of_face.row(f);
+      normals.row(v) += std::atan2(a.cross(b).norm(), a.dot(b)) * of_face;
     }
   }
   for (int v = 0; v < normals.rows(); ++v) {
@@ -179,6 +184,11 @@ Vertices vertex_normals(const Vertices &vertices, const Faces &faces) {
     else
       normals.row(v).setZero();
   }
+}
+
+Vertices vertex_normals(const Vertices &vertices, const Faces &faces) {
+  Vertices normals;
+  vertex_normals(vertices, faces, normals);
   return normals;
 }
 

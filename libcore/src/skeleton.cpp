@@ -141,21 +141,31 @@ Vector3d yaw_pitch_roll(const Matrix3d &R) {
 
 } // namespace
 
-Transforms forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs) {
+void forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs, Transforms &world_from_rest) {
   require_pose(skeleton, dofs, "forward_kinematics");
-  Transforms world_from_rest(skeleton.joint_count());
+  world_from_rest.resize(skeleton.joint_count());
   for (int j = 0; j < skeleton.joint_count(); ++j)
     world_from_rest[j] = joint_transform(skeleton.joints[j], dofs, parent_transform(skeleton.joints[j], world_from_rest));
+}
+
+Transforms forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs) {
+  Transforms world_from_rest;
+  forward_kinematics(skeleton, dofs, world_from_rest);
   return world_from_rest;
 }
 
-Vertices joint_positions(const Skeleton &skeleton, const Transforms &world_from_rest) {
+void joint_positions(const Skeleton &skeleton, const Transforms &world_from_rest, Vertices &positions) {
   if (static_cast<int>(world_from_rest.size()) != skeleton.joint_count())
     throw std::invalid_argument("joint_positions: expected " + std::to_string(skeleton.joint_count()) + " transforms, found " +
                                 std::to_string(world_from_rest.size()));
-  Vertices positions(skeleton.joint_count(), 3);
+  positions.resize(skeleton.joint_count(), 3);
   for (int j = 0; j < skeleton.joint_count(); ++j)
     positions.row(j) = world_from_rest[j] * skeleton.joints[j].rest;
+}
+
+Vertices joint_positions(const Skeleton &skeleton, const Transforms &world_from_rest) {
+  Vertices positions;
+  joint_positions(skeleton, world_from_rest, positions);
   return positions;
 }
 

@@ -8,12 +8,10 @@ namespace doublet {
 
 namespace {
 
-using DualQuaternion = Eigen::Matrix<double, 8, 1>; ///< real w x y z, dual w x y z
-
-void require_sizes(const char *caller, Eigen::Index vertices, const MatrixRM &weights, const Transforms &transforms) {
-  if (weights.rows() != vertices || weights.cols() != static_cast<Eigen::Index>(transforms.size()))
+void require_sizes(const char *caller, Eigen::Index vertices, const MatrixRM &weights, Eigen::Index joints) {
+  if (weights.rows() != vertices || weights.cols() != joints)
     throw std::invalid_argument(std::string(caller) + ": expected weights (" + std::to_string(vertices) + ", " +
-                                std::to_string(transforms.size()) + "), found (" + std::to_string(weights.rows()) + ", " +
+                                std::to_string(joints) + "), found (" + std::to_string(weights.rows()) + ", " +
                                 std::to_string(weights.cols()) + ")");
 }
 
@@ -27,37 +25,56 @@ DualQuaternion dual_quaternion(const Eigen::Isometry3d &transform) {
   return out;
 }
 
-/// Blends in the hemisphere of the joint with the largest weight, and normalises the real part.
-class Blender {
-public:
-  explicit Blender(const Transforms &transforms) {
-    for (const Eigen::Isometry3d &t : transforms)
-      joints_.push_back(dual_quaternion(t));
-  }
-
-  DualQuaternion blend(const MatrixRM &weights, Eigen::Index v) const {
-    const double *w = weights.data() + v * weights.cols();
-    std::size_t pivot = 0;
-    for (std::size_t j = 1; j < joints_.size(); ++j)
-      if (w[j] > w[pivot])
-        pivot = j;
-    DualQuaternion sum = DualQuaternion::Zero();
-    for (std::size_t j = 0; j < joints_.size(); ++j) {
-      if (w[j] == 0)
-        continue;
-      const bool opposite = joints_[j].head<4>().dot(joints_[pivot].head<4>()) < 0;
-      sum += (opposite ? -w[j] : w[j]) * joints_[j];
-    }
-    const double norm = sum.head<4>().norm();
-    if (!(norm > 0))
-      throw std::invalid_argument("dual quaternion skinning: expected skin weights that sum to one, found none at vertex " +
-                                  std::to_string(v));
-    return sum / norm;
-  }
-
-private:
-  std::vector<DualQuaternion> joints_;
+/// What a vertex takes of each joint that moves it, in ascending order of the joints.
+struct Shares {
+  const int *joints;
+  const double *weights;
+  int count;
+  int pivot; ///< the joint with the largest weight, the first of equal ones
 };
+
+/// Blends in the hemisphere of the pivot, and normalises the real part.
+DualQuaternion blend(const std::vector<DualQuaternion> &joints, const Shares &of, Eigen::Index vertex) {
+  DualQuaternion sum = DualQuaternion::Zero();
+  for (int k = 0; k < of.count; ++k) {
+    const DualQuaternion &joint = joints[of.joints[k]];
+    const bool opposite = joint.head<4>().dot(joints[of.pivot].head<4>()) < 0;
+    sum += (opposite ? -of.weights[k] : of.weights[k]) * joint;
+  }
+  const double norm = sum.head<4>().norm();
+  if (!(norm > 0))
+    throw std::invalid_argument("dual quaternion skinning: expected skin weights that sum to one, found none at vertex " +
+                                std::to_string(vertex));
+  return sum / norm;
+}
+
+/// Appends what row v of the weights (V, J) holds beside zeros; returns the pivot.
+int append_shares(const MatrixRM &weights, Eigen::Index v, std::vector<int> &joints, std::vector<double> &values) {
+  Eigen::Index pivot = 0;
+  for (Eigen::Index j = 0; j < weights.cols(); ++j) {
+    if (weights(v, j) > weights(v, pivot))
+      pivot = j;
+    if (weights(v, j) != 0) {
+      joints.push_back(static_cast<int>(j));
+      values.push_back(weights(v, j));
+    }
+  }
+  return static_cast<int>(pivot);
+}
+
+/// The blend of every vertex, in turn.
+template <class Use> void blend_each(const MatrixRM &weights, const Transforms &world_from_rest, const Use &use) {
+  std::vector<DualQuaternion> joints;
+  dual_quaternions(world_from_rest, joints);
+  std::vector<int> used;
+  std::vector<double> values;
+  for (Eigen::Index v = 0; v < weights.rows(); ++v) {
+    used.clear();
+    values.clear();
+    const int pivot = append_shares(weights, v, used, values);
+    use(v, blend(joints, {used.data(), values.data(), static_cast<int>(used.size()), pivot}, v));
+  }
+}
 
 /// Translation 2 (w_r d - w_d r + r x d) of a dual quaternion with unit real part.
 Eigen::Vector3d translation_of(const DualQuaternion &q) {
@@ -65,36 +82,65 @@ Eigen::Vector3d translation_of(const DualQuaternion &q) {
   return 2 * (q[0] * d - q[4] * r + r.cross(d));
 }
 
+Eigen::Vector3d moved(const DualQuaternion &q, const Eigen::Vector3d &p) {
+  const Eigen::Vector3d r = q.segment<3>(1);
+  return p + 2 * r.cross(r.cross(p) + q[0] * p) + translation_of(q);
+}
+
+void require_finite_rest(const Vertices &rest, const char *caller) {
+  if (!rest.allFinite())
+    throw std::invalid_argument(std::string(caller) + ": expected finite rest positions, found NaN or infinity");
+}
+
 } // namespace
 
-Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest) {
-  require_sizes("dual_quaternion_skinning", rest.rows(), weights, world_from_rest);
-  if (!rest.allFinite())
-    throw std::invalid_argument("dual_quaternion_skinning: expected finite rest positions, found NaN or infinity");
-  const Blender blender(world_from_rest);
-  Vertices out(rest.rows(), 3);
+void dual_quaternions(const Transforms &world_from_rest, std::vector<DualQuaternion> &joints) {
+  joints.clear();
+  for (const Eigen::Isometry3d &transform : world_from_rest)
+    joints.push_back(dual_quaternion(transform));
+}
+
+Skin::Skin(const Vertices &rest, const MatrixRM &weights) : rest_(rest), joint_count_(weights.cols()), first_{0} {
+  require_sizes("Skin", rest.rows(), weights, weights.cols());
+  require_finite_rest(rest, "Skin");
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-    const DualQuaternion q = blender.blend(weights, v);
-    const Eigen::Vector3d r = q.segment<3>(1), p = rest.row(v);
-    out.row(v) = p + 2 * r.cross(r.cross(p) + q[0] * p) + translation_of(q);
+    pivots_.push_back(append_shares(weights, v, joints_, weights_));
+    first_.push_back(static_cast<int>(joints_.size()));
   }
+}
+
+void Skin::pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) const {
+  if (static_cast<Eigen::Index>(joints.size()) != joint_count_)
+    throw std::invalid_argument("Skin::pose: expected " + std::to_string(joint_count_) + " dual quaternions, found " +
+                                std::to_string(joints.size()));
+  skinned.resize(rest_.rows(), 3);
+  for (Eigen::Index v = 0; v < rest_.rows(); ++v) {
+    const int first = first_[v];
+    const Shares shares{joints_.data() + first, weights_.data() + first, first_[v + 1] - first, pivots_[v]};
+    skinned.row(v) = moved(blend(joints, shares, v), rest_.row(v));
+  }
+}
+
+Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest) {
+  require_sizes("dual_quaternion_skinning", rest.rows(), weights, static_cast<Eigen::Index>(world_from_rest.size()));
+  require_finite_rest(rest, "dual_quaternion_skinning");
+  Vertices out(rest.rows(), 3);
+  blend_each(weights, world_from_rest, [&](Eigen::Index v, const DualQuaternion &q) { out.row(v) = moved(q, rest.row(v)); });
   return out;
 }
 
 Transforms dual_quaternion_blend(const MatrixRM &weights, const Transforms &world_from_rest) {
-  require_sizes("dual_quaternion_blend", weights.rows(), weights, world_from_rest);
-  const Blender blender(world_from_rest);
+  require_sizes("dual_quaternion_blend", weights.rows(), weights, static_cast<Eigen::Index>(world_from_rest.size()));
   Transforms out(weights.rows(), Eigen::Isometry3d::Identity());
-  for (Eigen::Index v = 0; v < weights.rows(); ++v) {
-    const DualQuaternion q = blender.blend(weights, v);
+  blend_each(weights, world_from_rest, [&](Eigen::Index v, const DualQuaternion &q) {
     out[v].linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
     out[v].translation() = translation_of(q);
-  }
+  });
   return out;
 }
 
 Vertices linear_blend_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest) {
-  require_sizes("linear_blend_skinning", rest.rows(), weights, world_from_rest);
+  require_sizes("linear_blend_skinning", rest.rows(), weights, static_cast<Eigen::Index>(world_from_rest.size()));
   Vertices out = Vertices::Zero(rest.rows(), 3);
   for (Eigen::Index v = 0; v < rest.rows(); ++v)
     for (Eigen::Index j = 0; j < weights.cols(); ++j)

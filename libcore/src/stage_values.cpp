@@ -108,20 +108,23 @@ std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePer
   return unposed;
 }
 
-std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
-                                        const Transforms &world_from_rest) {
+PosedCapsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, const Transforms &world_from_rest) {
   if (static_cast<int>(world_from_rest.size()) != skeleton.joint_count())
     throw std::invalid_argument("pose_capsules: expected " + std::to_string(skeleton.joint_count()) + " transforms, found " +
                                 std::to_string(world_from_rest.size()));
+  if (c.joint < 0 || c.joint >= skeleton.joint_count())
+    throw std::invalid_argument("pose_capsules: a capsule names joint " + std::to_string(c.joint) + ", there are " +
+                                std::to_string(skeleton.joint_count()));
+  const Eigen::Isometry3d &T = world_from_rest[c.joint];
+  const Eigen::Vector3d &origin = skeleton.joints[c.joint].rest;
+  return {T * (origin + c.p0), T * (origin + c.p1), c.r0, c.r1};
+}
+
+std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
+                                        const Transforms &world_from_rest) {
   std::vector<PosedCapsule> out;
-  for (const TaperedCapsule &c : capsules) {
-    if (c.joint < 0 || c.joint >= skeleton.joint_count())
-      throw std::invalid_argument("pose_capsules: a capsule names joint " + std::to_string(c.joint) + ", there are " +
-                                  std::to_string(skeleton.joint_count()));
-    const Eigen::Isometry3d &T = world_from_rest[c.joint];
-    const Eigen::Vector3d &origin = skeleton.joints[c.joint].rest;
-    out.push_back({T * (origin + c.p0), T * (origin + c.p1), c.r0, c.r1});
-  }
+  for (const TaperedCapsule &c : capsules)
+    out.push_back(pose_capsule(c, skeleton, world_from_rest));
   return out;
 }
 

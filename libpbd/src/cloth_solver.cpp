@@ -38,6 +38,9 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
     refuse_step("dt must lie in (0, 1] s, found " + options::shown(in.dt));
   if (!in.wind.allFinite())
     refuse_step("wind is not finite");
+  if (in.gravity && !(in.gravity->cwiseAbs().maxCoeff() <= 1000))
+    refuse_step("gravity must lie within 1000 m/s^2, found (" + options::shown(in.gravity->x()) + ", " +
+                options::shown(in.gravity->y()) + ", " + options::shown(in.gravity->z()) + ")");
   if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
     refuse_step("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
                 std::to_string(in.previous_capsules->size()));

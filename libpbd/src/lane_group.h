@@ -13,7 +13,8 @@ template <class T> struct Substep {
   T k_bend, k_stretch;     ///< per iteration; the compliances of the kernels where the model is compliant
   T k_friction, k_damping; ///< per substep
   T half_dn_h, tangential_factor;
-  T wind[3]; ///< m/s
+  T wind[3];    ///< m/s
+  T gravity[3]; ///< m/s^2
 };
 
 class LaneGroup {

@@ -56,7 +56,6 @@ struct LaneModel {
   int resting_pair_count;
   int iterations;
   float thickness, self_thickness, restitution;
-  float gravity[3];
   float largest_extent; ///< m, see SelfCollision
   bool self_collision, compliant;
 };

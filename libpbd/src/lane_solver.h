@@ -323,7 +323,7 @@ private:
 
   const Vec3<T> &x(int i) const { return x_[i]; }
   const Vec3<T> &p(int i) const { return p_[i]; }
-  Vec3<T> gravity() const { return {T(m_.gravity[0]), T(m_.gravity[1]), T(m_.gravity[2])}; }
+  Vec3<T> gravity() const { return {s_.gravity[0], s_.gravity[1], s_.gravity[2]}; }
 
   const LaneModel &m_;
   Substep<T> s_;

@@ -237,8 +237,6 @@ void PbdModel::set_arrays() {
   a.thickness = static_cast<float>(options().thickness);
   a.self_thickness = static_cast<float>(options().self_thickness);
   a.restitution = static_cast<float>(options().restitution);
-  for (int k = 0; k < 3; ++k)
-    a.gravity[k] = static_cast<float>(options().gravity[k]);
   double sum = 0, longest = 0;
   for (const StretchConstraint &c : stretches_) {
     sum += c.length;

@@ -151,8 +151,11 @@ private:
     s.k_damping = share_of(material.k_damping, options.substeps);
     s.half_dn_h = static_cast<float>(0.5 * material.d_n * h);
     s.tangential_factor = static_cast<float>(std::exp(-0.5 * material.d_t * h));
-    for (int k = 0; k < 3; ++k)
+    const Eigen::Vector3d gravity = lane.in->gravity.value_or(options.gravity);
+    for (int k = 0; k < 3; ++k) {
       s.wind[k] = static_cast<float>(lane.in->wind[k]);
+      s.gravity[k] = static_cast<float>(gravity[k]);
+    }
     return s;
   }
 

@@ -26,10 +26,14 @@ std::vector<int> region_faces(const RiggedMesh &actor, const Segmentation &segme
   return chosen;
 }
 
-Vertices gather(const Vertices &all, const std::vector<int> &rows) {
-  Vertices part(rows.size(), 3);
+void gather(const Vertices &all, const std::vector<int> &rows, Vertices &part) {
+  part.resize(static_cast<Eigen::Index>(rows.size()), 3);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    part.row(i) = all.row(rows[i]);
+    part.row(static_cast<Eigen::Index>(i)) = all.row(rows[i]);
+}
+Vertices gather(const Vertices &all, const std::vector<int> &rows) {
+  Vertices part;
+  gather(all, rows, part);
   return part;
 }
 
@@ -56,6 +60,11 @@ ClothRegion make_region(const RiggedMesh &actor, const Segmentation &segmentatio
   return result;
 }
 
+const RiggedMesh &checked(const RiggedMesh &actor) {
+  require_actor(actor, "CharacterSimulator");
+  return actor;
+}
+
 void check_regions(const CharacterState &state, const std::vector<pbd::Material> &materials, std::size_t count) {
   if (materials.size() != count || state.regions.size() != count)
     throw std::invalid_argument("CharacterSimulator::step: the character has " + std::to_string(count) + " cloth regions, got " +
@@ -63,29 +72,21 @@ void check_regions(const CharacterState &state, const std::vector<pbd::Material>
                                 " states");
 }
 
-/// What a region's solver is told about a frame.
-struct RegionInputs {
-  Vertices targets, previous_targets;
-  pbd::StepInputs view;
-  RegionInputs(const ClothRegion &region, const PosedFrame &previous, const PosedFrame &current, double dt)
-      : targets(gather(current.skinned, region.vertex_from_cloth)),
-        previous_targets(gather(previous.skinned, region.vertex_from_cloth)) {
-    view.targets = &targets;
-    view.previous_targets = &previous_targets;
-    view.capsules = &current.capsules;
-    view.previous_capsules = &previous.capsules;
-    view.dt = dt;
-  }
-  RegionInputs(const RegionInputs &) = delete; // view points into this one
-};
+/// What a region's solver is told about a frame; `targets` must outlive it.
+pbd::StepInputs region_inputs(const ClothRegion &region, const PosedFrame &previous, const PosedFrame &current,
+                              const World &world, Vertices &previous_targets, Vertices &targets) {
+  gather(previous.skinned, region.vertex_from_cloth, previous_targets);
+  gather(current.skinned, region.vertex_from_cloth, targets);
+  return {&targets, &previous_targets, &current.capsules, &previous.capsules, world.dt, world.wind, world.gravity};
+}
 
 } // namespace
 
 CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Segmentation &segmentation,
                                        const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options,
                                        const pbd::ClothSolverFactory &make_solver)
-    : actor_(actor), proxies_(proxies), options_(options), rest_(segmentation.rest) {
-  require_actor(actor, "CharacterSimulator");
+    : actor_(checked(actor)), proxies_(proxies), options_(options), skin_(actor.mesh.vertices, actor.weights),
+      rest_(segmentation.rest) {
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "CharacterSimulator");
   require_proxies(proxies, actor.skeleton, "CharacterSimulator");
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
@@ -94,16 +95,24 @@ CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Segmentati
 }
 
 PosedFrame CharacterSimulator::pose(const Eigen::VectorXd &dofs) const {
+  PosedFrame frame;
+  pose(dofs, frame);
+  return frame;
+}
+
+void CharacterSimulator::pose(const Eigen::VectorXd &dofs, PosedFrame &frame) const {
   if (dofs.size() != actor_.skeleton.dof_count())
     throw std::invalid_argument("CharacterSimulator::pose: dofs has " + std::to_string(dofs.size()) +
                                 " entries, the skeleton has " + std::to_string(actor_.skeleton.dof_count()) +
                                 " degrees of freedom");
-  PosedFrame frame;
-  frame.world_from_rest = forward_kinematics(actor_.skeleton, dofs);
-  frame.skinned = dual_quaternion_skinning(actor_.mesh.vertices, actor_.weights, frame.world_from_rest);
-  for (const PosedCapsule &c : pose_capsules(proxies_, actor_.skeleton, frame.world_from_rest))
+  forward_kinematics(actor_.skeleton, dofs, frame.world_from_rest);
+  dual_quaternions(frame.world_from_rest, frame.joints);
+  skin_.pose(frame.joints, frame.skinned);
+  frame.capsules.clear();
+  for (const TaperedCapsule &capsule : proxies_) {
+    const PosedCapsule c = pose_capsule(capsule, actor_.skeleton, frame.world_from_rest);
     frame.capsules.push_back({c.p0, c.p1, c.r0, c.r1});
-  return frame;
+  }
 }
 
 CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices *surface) const {
@@ -115,15 +124,29 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   CharacterState state;
   const Vertices spread = rest_.rows() > 0 ? dual_quaternion_skinning(rest_, actor_.weights, frame.world_from_rest) : Vertices();
   const Vertices &from = spread.rows() > 0 && !surface ? spread : surface ? *surface : frame.skinned;
-  for (const ClothRegion &region : regions_) {
-    Vertices positions = gather(from, region.vertex_from_cloth);
-    // The ring the cloth hangs from follows the skeleton, wherever the given surface has it.
-    for (Eigen::Index i = 0; i < positions.rows(); ++i)
-      if (region.model->inverse_masses()[i] == 0)
-        positions.row(i) = frame.skinned.row(region.vertex_from_cloth[i]);
-    state.regions.push_back(pbd::initial_state(positions));
-  }
+  for (const ClothRegion &region : regions_)
+    state.regions.push_back(pbd::initial_state(gather(from, region.vertex_from_cloth)));
+  pin(state, frame);
   return state;
+}
+
+/// The ring the cloth hangs from follows the skeleton.
+void CharacterSimulator::pin(CharacterState &state, const PosedFrame &frame) const {
+  for (std::size_t r = 0; r < regions_.size(); ++r)
+    for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
+      if (regions_[r].model->inverse_masses()[static_cast<Eigen::Index>(i)] == 0)
+        state.regions[r].positions.row(static_cast<Eigen::Index>(i)) = frame.skinned.row(regions_[r].vertex_from_cloth[i]);
+}
+
+void CharacterSimulator::carry(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const {
+  require_state(state, "CharacterSimulator::carry");
+  const Eigen::Isometry3d way = to.world_from_rest.at(0) * from.world_from_rest.at(0).inverse();
+  for (pbd::ClothState &cloth : state.regions)
+    for (Eigen::Index i = 0; i < cloth.positions.rows(); ++i) {
+      cloth.positions.row(i) = way * Eigen::Vector3d(cloth.positions.row(i));
+      cloth.velocities.row(i) = way.linear() * Eigen::Vector3d(cloth.velocities.row(i));
+    }
+  pin(state, to);
 }
 
 void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials,
@@ -138,10 +161,23 @@ void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, 
 
 void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
                               const std::vector<pbd::Material> &materials, double dt) const {
+  World world;
+  world.dt = dt;
+  StepBuffers buffers;
+  step(state, previous, current, materials, world, buffers);
+}
+
+void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
+                              const std::vector<pbd::Material> &materials, const World &world, StepBuffers &buffers) const {
   check_regions(state, materials, regions_.size());
+  buffers.targets.resize(regions_.size());
+  buffers.previous_targets.resize(regions_.size());
   for (std::size_t r = 0; r < regions_.size(); ++r) {
-    const RegionInputs inputs(regions_[r], previous, current, dt);
-    regions_[r].solver->step(state.regions[r], inputs.view, materials[r]);
+    const pbd::StepInputs inputs =
+        region_inputs(regions_[r], previous, current, world, buffers.previous_targets[r], buffers.targets[r]);
+    if (!regions_[r].solver->step_each({&state.regions[r], 1}, {&inputs, 1}, {&materials[r], 1}).empty())
+      throw Error("CharacterSimulator::step: cloth region " + std::to_string(r) +
+                  " came out with a position or velocity that is not finite; expected a stable simulation");
   }
 }
 
@@ -149,45 +185,87 @@ std::vector<FailedRegion> CharacterSimulator::step_each(std::span<CharacterState
                                                         const PosedFrame &current,
                                                         std::span<const std::vector<pbd::Material> *const> materials,
                                                         double dt) const {
-  if (states.size() != materials.size())
-    throw std::invalid_argument("CharacterSimulator::step_each: " + std::to_string(states.size()) + " states and " +
+  const PosedFrame *const before = &previous, *const after = &current;
+  World world;
+  world.dt = dt;
+  return step_each(states, {&before, 1}, {&after, 1}, materials, {&world, 1});
+}
+
+std::vector<FailedRegion> CharacterSimulator::step_each(std::span<CharacterState *const> states,
+                                                        std::span<const PosedFrame *const> previous,
+                                                        std::span<const PosedFrame *const> current,
+                                                        std::span<const std::vector<pbd::Material> *const> materials,
+                                                        std::span<const World> worlds, int threads) const {
+  const std::size_t count = states.size(), poses = current.size();
+  if (materials.size() != count)
+    throw std::invalid_argument("CharacterSimulator::step_each: " + std::to_string(count) + " states and " +
                                 std::to_string(materials.size()) + " lists of materials, expected equally many");
-  for (std::size_t i = 0; i < states.size(); ++i)
+  if (previous.size() != poses || worlds.size() != poses || (poses != count && poses != 1))
+    throw std::invalid_argument("CharacterSimulator::step_each: expected as many poses before, poses after and worlds as states, "
+                                "or one of each, found " +
+                                std::to_string(previous.size()) + ", " + std::to_string(poses) + " and " +
+                                std::to_string(worlds.size()) + " for " + std::to_string(count));
+  for (std::size_t i = 0; i < count; ++i)
     check_regions(*states[i], *materials[i], regions_.size());
   std::vector<FailedRegion> failed;
-  std::vector<pbd::ClothState> cloth(states.size());
-  std::vector<pbd::Material> material(states.size());
+  std::vector<pbd::ClothState> cloth(count);
+  std::vector<pbd::Material> material(count);
+  std::vector<pbd::StepInputs> inputs(poses);
+  StepBuffers buffers;
+  buffers.targets.resize(poses);
+  buffers.previous_targets.resize(poses);
   for (std::size_t r = 0; r < regions_.size(); ++r) {
-    const RegionInputs inputs(regions_[r], previous, current, dt);
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      cloth[i] = std::move(states[i]->regions[r]);
+    for (std::size_t i = 0; i < poses; ++i)
+      inputs[i] =
+          region_inputs(regions_[r], *previous[i], *current[i], worlds[i], buffers.previous_targets[i], buffers.targets[i]);
+    for (std::size_t i = 0; i < count; ++i)
       material[i] = (*materials[i])[r];
+    const auto lend = [&] { // to and fro
+      for (std::size_t i = 0; i < count; ++i)
+        std::swap(cloth[i], states[i]->regions[r]);
+    };
+    lend();
+    try {
+      for (int i : regions_[r].solver->step_each(cloth, inputs, material, threads))
+        failed.push_back({i, static_cast<int>(r)});
+    } catch (...) {
+      lend();
+      throw;
     }
-    for (int i : regions_[r].solver->step_each(cloth, {&inputs.view, 1}, material))
-      failed.push_back({i, static_cast<int>(r)});
-    for (std::size_t i = 0; i < states.size(); ++i)
-      states[i]->regions[r] = std::move(cloth[i]);
+    lend();
   }
   return failed;
 }
 
 Vertices CharacterSimulator::surface(const CharacterState &state, const PosedFrame &frame) const {
-  if (state.regions.size() != regions_.size())
-    throw std::invalid_argument("CharacterSimulator::surface: state has " + std::to_string(state.regions.size()) +
-                                " cloth regions, the character " + std::to_string(regions_.size()));
-  Vertices result = frame.skinned;
-  if (result.rows() != actor_.mesh.vertices.rows())
-    throw std::invalid_argument("CharacterSimulator::surface: the frame has " + std::to_string(result.rows()) +
-                                " vertices, the character " + std::to_string(actor_.mesh.vertices.rows()));
-  for (std::size_t r = 0; r < regions_.size(); ++r) {
-    if (state.regions[r].positions.rows() != static_cast<Eigen::Index>(regions_[r].vertex_from_cloth.size()))
-      throw std::invalid_argument("CharacterSimulator::surface: region " + std::to_string(r) + " of the state has " +
-                                  std::to_string(state.regions[r].positions.rows()) + " vertices, that of the character " +
-                                  std::to_string(regions_[r].vertex_from_cloth.size()));
-    for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
-      result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(i);
-  }
+  Vertices result;
+  surface(state, frame, result);
   return result;
+}
+
+void CharacterSimulator::surface(const CharacterState &state, const PosedFrame &frame, Vertices &result) const {
+  require_state(state, "CharacterSimulator::surface");
+  if (frame.skinned.rows() != actor_.mesh.vertices.rows())
+    throw std::invalid_argument("CharacterSimulator::surface: the frame has " + std::to_string(frame.skinned.rows()) +
+                                " vertices, the character " + std::to_string(actor_.mesh.vertices.rows()));
+  result = frame.skinned;
+  for (std::size_t r = 0; r < regions_.size(); ++r)
+    for (std::size_t i = 0; i < regions_[r].vertex_from_cloth.size(); ++i)
+      result.row(regions_[r].vertex_from_cloth[i]) = state.regions[r].positions.row(static_cast<Eigen::Index>(i));
+}
+
+void CharacterSimulator::require_state(const CharacterState &state, const char *caller) const {
+  if (state.regions.size() != regions_.size())
+    throw std::invalid_argument(std::string(caller) + ": state has " + std::to_string(state.regions.size()) +
+                                " cloth regions, the character " + std::to_string(regions_.size()));
+  for (std::size_t r = 0; r < regions_.size(); ++r) {
+    const auto expected = static_cast<Eigen::Index>(regions_[r].vertex_from_cloth.size());
+    for (const Vertices *values : {&state.regions[r].positions, &state.regions[r].velocities})
+      if (values->rows() != expected)
+        throw std::invalid_argument(std::string(caller) + ": region " + std::to_string(r) + " of the state has " +
+                                    std::to_string(values->rows()) + " vertices, that of the character " +
+                                    std::to_string(expected));
+  }
 }
 
 } // namespace doublet

@@ -38,6 +38,8 @@ def calls(world, folder) -> dict:
     sequence, valid = w.performance.surface, [1] * len(f)
     masks, pictures = [w.mask] * 2, [w.picture] * 2
     animation = d.animate(w.character, w.motion, d.AnimateOptions(high=False, settle_seconds=0.05))
+    quick = d.AnimateOptions(settle_seconds=0.05)
+    player = d.Player(w.character, quick)
     small, coarse = d.GarmentOptions(vertices=60), d.ViewScanOptions(cell=0.03, poisson_depth=5)
     clothed = {"actor": w.actor, "segmentation": w.segmentation}
     reference = {"simulator": w.simulator, "performance": w.performance, "observations": w.observations}
@@ -209,6 +211,13 @@ def calls(world, folder) -> dict:
         "animate_each": (
             lambda character, motion: d.animate_each(character, motion, print, d.AnimateOptions(settle_seconds=0.05)),
             {"character": w.character, "motion": w.motion},
+        ),
+        "Player": (lambda character: d.Player(character, quick), {"character": w.character}),
+        "Player.reset": (player.reset, {"dofs": w.motion.dofs[0]}),
+        "Player.step": (player.step, {"dofs": w.motion.dofs[1], "seconds": 0.02}),
+        "Player.teleport": (player.teleport, {"dofs": w.motion.dofs[0]}),
+        "step_players": (
+            lambda dofs, seconds: d.step_players([player], [dofs], seconds), {"dofs": w.motion.dofs[0], "seconds": 0.02}
         ),
         "write_actor": (lambda actor: d.write_actor(folder / "a.npz", actor), {"actor": w.actor}),
         "write_performance": (

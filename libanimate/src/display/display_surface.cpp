@@ -333,26 +333,46 @@ DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.me
 }
 
 Vertices DisplaySurface::apply(const Vertices &surface) const {
+  Vertices high;
+  DisplayBuffers buffers;
+  apply(surface, high, buffers);
+  return high;
+}
+
+void DisplaySurface::apply(const Vertices &surface, Vertices &high, DisplayBuffers &b) const {
   if (surface.rows() != coarse_vertices_)
     throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) + " vertices, expected " +
                                 std::to_string(coarse_vertices_));
   if (!surface.allFinite())
     throw std::invalid_argument("DisplaySurface::apply: surface: expected finite positions, found NaN or infinity");
-  Vertices high(skin_vertices_ + subdivide_.rows(), 3);
+  high.resize(skin_vertices_ + subdivide_.rows(), 3);
   if (skin_)
-    high.topRows(skin_vertices_) = skin_->apply(surface);
-  if (!garment_vertices_.empty()) {
-    const Mesh garment{rows_of(surface, garment_vertices_), garment_faces_};
-    high.bottomRows(subdivide_.rows()) =
-        subdivide_ * garment.vertices + heights_.asDiagonal() * smooth_normals(subdivide_, garment);
+    skin_->apply(surface, high.topRows(skin_vertices_), b.skin_rows);
+  if (garment_vertices_.empty())
+    return;
+  b.garment.resize(static_cast<Eigen::Index>(garment_vertices_.size()), 3);
+  for (std::size_t i = 0; i < garment_vertices_.size(); ++i)
+    b.garment.row(static_cast<Eigen::Index>(i)) = surface.row(garment_vertices_[i]);
+  vertex_normals(b.garment, garment_faces_, b.garment_normals);
+  b.cloth.resize(subdivide_.rows(), 3);
+  b.cloth_normals.resize(subdivide_.rows(), 3);
+  b.garment_rows.resize(b.garment.rows(), 4);
+  b.garment_rows << b.garment, Eigen::VectorXd::Zero(b.garment.rows());
+  multiply(subdivide_, b.garment_rows, b.cloth);
+  b.garment_rows.leftCols<3>() = b.garment_normals;
+  multiply(subdivide_, b.garment_rows, b.cloth_normals);
+  for (Eigen::Index v = 0; v < b.cloth.rows(); ++v) {
+    const double length = b.cloth_normals.row(v).norm();
+    b.cloth.row(v) += (length > 0 ? heights_[v] / length : 0.0) * b.cloth_normals.row(v);
   }
-  if (under_garment_) {
-    const Vertices under = under_garment_->apply(high.bottomRows(subdivide_.rows()));
-    for (std::size_t i = 0; i < under_vertices_.size(); ++i)
-      if (under_vertices_[i] >= 0)
-        high.row(under_vertices_[i]) = under.row(static_cast<Eigen::Index>(i));
-  }
-  return high;
+  high.bottomRows(subdivide_.rows()) = b.cloth;
+  if (!under_garment_)
+    return;
+  b.under.resize(static_cast<Eigen::Index>(under_vertices_.size()), 3);
+  under_garment_->apply(b.cloth, b.under, b.under_rows);
+  for (std::size_t i = 0; i < under_vertices_.size(); ++i)
+    if (under_vertices_[i] >= 0)
+      high.row(under_vertices_[i]) = b.under.row(static_cast<Eigen::Index>(i));
 }
 
 MatrixRM DisplaySurface::sample(const MatrixRM &values) const {

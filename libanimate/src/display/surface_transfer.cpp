@@ -65,6 +65,21 @@ void take_out_slivers(const Mesh &mesh, std::vector<std::uint8_t> &valid) {
 
 } // namespace
 
+void multiply(const SparseRows &weights, const PaddedRows &rows, Eigen::Ref<Vertices> out) {
+  if (weights.cols() != rows.rows() || weights.rows() != out.rows())
+    throw std::invalid_argument("multiply: expected (" + std::to_string(out.rows()) + ", " + std::to_string(rows.rows()) +
+                                ") weights, found (" + std::to_string(weights.rows()) + ", " + std::to_string(weights.cols()) +
+                                ")");
+  const int *first = weights.outerIndexPtr(), *column = weights.innerIndexPtr();
+  const double *weight = weights.valuePtr();
+  for (Eigen::Index i = 0; i < out.rows(); ++i) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int k = first[i]; k < first[i + 1]; ++k)
+      sum += weight[k] * rows.row(column[k]).transpose();
+    out.row(i) = sum.head<3>();
+  }
+}
+
 SurfaceTransfer::SurfaceTransfer(const Mesh &coarse, const std::vector<std::uint8_t> &coarse_valid, const Mesh &fine,
                                  const std::vector<std::uint8_t> &fine_valid)
     : coarse_faces_(coarse.faces), coarse_vertices_(static_cast<int>(coarse.vertices.rows())) {
@@ -88,7 +103,7 @@ SurfaceTransfer::SurfaceTransfer(const Mesh &coarse, const std::vector<std::uint
   const auto whole_ring = faces_at_vertices(coarse.faces, coarse_vertices_, whole);
   const double edge = mean_edge_length(coarse.vertices, coarse.faces);
   closest_.resize(fine.vertices.rows(), 3);
-  first_.push_back(0);
+  std::vector<Eigen::Triplet<double>> weights;
   std::vector<std::pair<double, int>> near;
   for (Eigen::Index i = 0; i < fine.vertices.rows(); ++i) {
     const Vector3d p = fine.vertices.row(i);
@@ -115,36 +130,42 @@ SurfaceTransfer::SurfaceTransfer(const Mesh &coarse, const std::vector<std::uint
       sum -= entry.first;
     for (const auto &[weight, f] : near) {
       const double share = sum > 1e-30 ? -weight / sum : 1.0 / near.size();
-      bindings_.push_back(
-          {f, static_cast<float>(share), local_coordinates(frame_of(coarse.vertices, coarse.faces, f), p).cast<float>()});
+      const Vector3d local = local_coordinates(frame_of(coarse.vertices, coarse.faces, f), p);
+      const int row = static_cast<int>(i);
+      weights.emplace_back(row, coarse.faces(f, 0), share * (1 - local[0] - local[1]));
+      weights.emplace_back(row, coarse.faces(f, 1), share * local[0]);
+      weights.emplace_back(row, coarse.faces(f, 2), share * local[1]);
+      weights.emplace_back(row, coarse_vertices_ + f, share * local[2]);
     }
-    first_.push_back(static_cast<int>(bindings_.size()));
   }
+  weights_.resize(fine.vertices.rows(), coarse_vertices_ + coarse.faces.rows());
+  weights_.setFromTriplets(weights.begin(), weights.end());
 }
 
 Vertices SurfaceTransfer::apply(const Vertices &coarse) const {
+  Vertices fine(weights_.rows(), 3);
+  PaddedRows buffer;
+  apply(coarse, fine, buffer);
+  return fine;
+}
+
+void SurfaceTransfer::apply(const Vertices &coarse, Eigen::Ref<Vertices> fine, PaddedRows &buffer) const {
   if (coarse.rows() != coarse_vertices_)
     throw std::invalid_argument("SurfaceTransfer::apply: coarse has " + std::to_string(coarse.rows()) + " vertices, expected " +
                                 std::to_string(coarse_vertices_));
+  if (fine.rows() != weights_.rows())
+    throw std::invalid_argument("SurfaceTransfer::apply: fine has " + std::to_string(fine.rows()) + " rows, expected " +
+                                std::to_string(weights_.rows()));
   if (!coarse.allFinite())
     throw std::invalid_argument("SurfaceTransfer::apply: coarse: expected finite positions, found NaN or infinity");
-  std::vector<Frame> frames(coarse_faces_.rows());
-  for (int f = 0; f < coarse_faces_.rows(); ++f)
-    frames[f] = frame_of(coarse, coarse_faces_, f);
-  Vertices fine(first_.size() - 1, 3);
-  for (Eigen::Index i = 0; i < fine.rows(); ++i) {
-    Vector3d sum = Vector3d::Zero();
-    double weights = 0; // stored as float: divided out again, so that a translation carries over exactly
-    for (int b = first_[i]; b < first_[i + 1]; ++b) {
-      const Binding &binding = bindings_[b];
-      const Frame &frame = frames[binding.face];
-      sum += binding.weight *
-             (frame.origin + binding.local[0] * frame.u + binding.local[1] * frame.v + binding.local[2] * frame.normal);
-      weights += binding.weight;
-    }
-    fine.row(i) = sum / weights;
+  buffer.resize(weights_.cols(), 4);
+  for (int v = 0; v < coarse_vertices_; ++v)
+    buffer.row(v) << coarse(v, 0), coarse(v, 1), coarse(v, 2), 0;
+  for (int f = 0; f < coarse_faces_.rows(); ++f) {
+    const Vector3d normal = frame_of(coarse, coarse_faces_, f).normal;
+    buffer.row(coarse_vertices_ + f) << normal[0], normal[1], normal[2], 0;
   }
-  return fine;
+  multiply(weights_, buffer, fine);
 }
 
 MatrixRM SurfaceTransfer::sample(const MatrixRM &coarse_values) const {

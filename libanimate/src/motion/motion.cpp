@@ -26,7 +26,14 @@ double short_way(double from, double to) {
 } // namespace
 
 Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s) {
-  Eigen::VectorXd result = (1 - s) * a + s * b;
+  Eigen::VectorXd pose;
+  interpolate_pose(skeleton, a, b, s, pose);
+  return pose;
+}
+
+void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s,
+                      Eigen::VectorXd &result) {
+  result = (1 - s) * a + s * b;
   for (const Joint &joint : skeleton.joints) {
     const int d = joint.first_dof;
     if (joint.kind == JointKind::Root) {
@@ -37,7 +44,6 @@ Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd
       result.segment<3>(d) = vector_from_rotation(from.slerp(s, to).normalized().toRotationMatrix());
     }
   }
-  return result;
 }
 
 Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {

@@ -6,8 +6,6 @@
 #include "doublet/animate/parts/surface_transfer.h"
 #include "doublet/core/stage_values.h"
 
-#include <Eigen/SparseCore>
-
 #include <optional>
 
 namespace doublet {
@@ -26,6 +24,12 @@ struct Display {
 /// garment, so that it does not open. Throws Error on unusable meshes.
 Display make_display(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high);
 
+/// Memory of DisplaySurface::apply().
+struct DisplayBuffers {
+  PaddedRows skin_rows, garment_rows, under_rows;
+  Vertices garment, garment_normals, cloth, cloth_normals, under;
+};
+
 /// Immutable after construction; apply() is exact in the scan pose and under rigid motion.
 class DisplaySurface {
 public:
@@ -34,6 +38,8 @@ public:
 
   /// (VH, 3) m, M_high for the vertices (V, 3) of M.
   Vertices apply(const Vertices &surface) const;
+  /// The same into `high`; nothing is allocated once it and the buffers have been used.
+  void apply(const Vertices &surface, Vertices &high, DisplayBuffers &buffers) const;
   /// (VH, C) values of M's vertices (V, C) at M_high's, e.g. skin weights.
   MatrixRM sample(const MatrixRM &values) const;
 
@@ -42,10 +48,10 @@ private:
   std::optional<SurfaceTransfer> under_garment_; ///< the skin below the seam follows the garment as it is drawn
   std::vector<int> under_vertices_;              ///< of M_high, for each that it carries; -1 = it stays with the skin
   Eigen::Index skin_vertices_ = 0, coarse_vertices_ = 0;
-  std::vector<int> garment_vertices_;                      ///< [G] of M
-  Faces garment_faces_;                                    ///< (H, 3) of those
-  Eigen::SparseMatrix<double, Eigen::RowMajor> subdivide_; ///< (G', G)
-  Eigen::VectorXd heights_;                                ///< (G') m over the subdivided garment
+  std::vector<int> garment_vertices_; ///< [G] of M
+  Faces garment_faces_;               ///< (H, 3) of those
+  SparseRows subdivide_;              ///< (G', G)
+  Eigen::VectorXd heights_;           ///< (G') m over the subdivided garment
 };
 
 } // namespace doublet

@@ -39,6 +39,7 @@ void require_usable(const Mesh &mesh, const std::string &what);
 Vertices face_normals(const Vertices &vertices, const Faces &faces);
 /// (V, 3) unit normals, weighted by angle; zero where no face is.
 Vertices vertex_normals(const Vertices &vertices, const Faces &faces);
+void vertex_normals(const Vertices &vertices, const Faces &faces, Vertices &normals);
 /// (F) areas, m^2.
 Eigen::VectorXd face_areas(const Vertices &vertices, const Faces &faces);
 /// (V) one third of the adjacent face areas, m^2.

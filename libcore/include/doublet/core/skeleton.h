@@ -58,8 +58,10 @@ std::vector<JointMark> joint_marks(const Skeleton &skeleton);
 
 /// world_from_rest of every joint for the pose `dofs` (D); throws std::invalid_argument unless it is that long and finite.
 Transforms forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs);
+void forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs, Transforms &world_from_rest);
 /// (J, 3) joint positions of a pose.
 Vertices joint_positions(const Skeleton &skeleton, const Transforms &world_from_rest);
+void joint_positions(const Skeleton &skeleton, const Transforms &world_from_rest, Vertices &positions);
 
 /// The instantaneous motion of one degree of freedom at a pose: a point x attached below `joint` moves by angular x x + linear.
 struct DofTwist {

@@ -8,6 +8,29 @@ namespace doublet {
 /// (V, 3) skinned positions of `rest` (V, 3) under `weights` (V, J), rows summing to one, and J transforms world_from_rest.
 Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest);
 
+/// A rigid transform as unit dual quaternion: real w x y z, dual w x y z (Kavan et al. 2007, eq. 4).
+using DualQuaternion = Eigen::Matrix<double, 8, 1>;
+/// One a joint.
+void dual_quaternions(const Transforms &world_from_rest, std::vector<DualQuaternion> &joints);
+
+/// Dual quaternion skinning of one surface in many poses: the weights that are not 0 lie in a row, and once `skinned` has its
+/// size nothing is allocated. The bits of dual_quaternion_skinning(). Immutable.
+class Skin {
+public:
+  /// rest (V, 3) finite, weights (V, J) with a row sum above 0; else std::invalid_argument.
+  Skin(const Vertices &rest, const MatrixRM &weights);
+  /// skinned (V, 3); throws std::invalid_argument unless there are J dual quaternions.
+  void pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) const;
+
+private:
+  Vertices rest_;
+  Eigen::Index joint_count_;
+  std::vector<int> first_;  ///< [V + 1] into what follows
+  std::vector<int> joints_; ///< ascending within a vertex
+  std::vector<double> weights_;
+  std::vector<int> pivots_; ///< [V] the joint with the largest weight, the first of equal ones
+};
+
 /// The blended rigid transform of every vertex (V): skinned position = transform * rest position.
 Transforms dual_quaternion_blend(const MatrixRM &weights, const Transforms &world_from_rest);
 

@@ -92,6 +92,7 @@ struct PosedCapsule {
   Eigen::Vector3d p0, p1;
   double r0 = 0, r1 = 0;
 };
+PosedCapsule pose_capsule(const TaperedCapsule &capsule, const Skeleton &skeleton, const Transforms &world_from_rest);
 std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
                                         const Transforms &world_from_rest);
 /// Closed triangle meshes of them, one behind the other. Throws std::invalid_argument unless ends are finite and radii positive.

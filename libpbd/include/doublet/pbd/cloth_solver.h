@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -118,7 +119,7 @@ struct ClothState {
   Vertices velocities; ///< (N, 3) m/s
 };
 
-/// What the world does during one frame.
+/// What the world does during one frame. A solver of your own heeds all of it.
 struct StepInputs {
   const Vertices *targets = nullptr;                       ///< (N, 3) skinned positions at the end of the frame
   const Vertices *previous_targets = nullptr;              ///< (N, 3) at its start
@@ -126,6 +127,7 @@ struct StepInputs {
   const std::vector<Capsule> *previous_capsules = nullptr; ///< at its start, same order
   double dt = 1.0 / 40.0;                                  ///< s, one video frame
   Eigen::Vector3d wind{0.0, 0.0, 0.0};                     ///< m/s, drag acts on the velocity relative to it
+  std::optional<Eigen::Vector3d> gravity;                  ///< m/s^2; none = the model's
 };
 
 /// The swap point: advances simulations of one model by a frame. Derive and define advance(). Implementations are immutable after

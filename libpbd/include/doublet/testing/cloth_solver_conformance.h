@@ -112,6 +112,15 @@ private:
     if (!(fallen > 0.2 * freely && fallen < 1.5 * freely))
       broken_.push_back("cloth does not fall: free cloth came down by " + options::shown(fallen, 4) + " m in 0.2 s, a stone by " +
                         options::shown(freely, 4));
+    state = pbd::initial_state(banner_.rest);
+    pbd::StepInputs sideways;
+    sideways.gravity = Eigen::Vector3d(0, 0, 9.81);
+    for (int f = 0; f < 8; ++f)
+      tested->step(state, sideways, {});
+    const Eigen::RowVector3d way = (state.positions - banner_.rest).colwise().mean();
+    if (!(way.z() > 0.2 * freely && std::abs(way.y()) < 0.1 * way.z()))
+      broken_.push_back("cloth does not fall where the gravity of its inputs points: it went " + options::shown(way.z(), 4) +
+                        " m that way in 0.2 s, and " + options::shown(-way.y(), 4) + " m down");
   }
 
   void obeys() {

@@ -1,10 +1,12 @@
 #pragma once
 // The forward model of Sect. 6.1: pose in, surface out. The estimator (libfit) runs exactly this.
 
+#include "doublet/core/skinning.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/pbd/cloth_solver.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +17,19 @@ struct PosedFrame {
   Vertices skinned;                   ///< (V, 3) M by dual quaternion skinning
   std::vector<pbd::Capsule> capsules; ///< proxies in the world
   Transforms world_from_rest;         ///< (J)
+  std::vector<DualQuaternion> joints; ///< (J) the same
+};
+
+/// What acts on the cloth during a step.
+struct World {
+  double dt = 1.0 / 40;                   ///< s, from one posed frame to the next
+  Eigen::Vector3d wind{0.0, 0.0, 0.0};    ///< m/s
+  std::optional<Eigen::Vector3d> gravity; ///< m/s^2; none = that of the cloth's options
+};
+
+/// Memory of a step; who keeps it from one to the next has nothing allocated.
+struct StepBuffers {
+  std::vector<Vertices> targets, previous_targets; ///< [region]
 };
 
 /// One piece of cloth: the valid faces of M with a vertex of this region, and the rigid ring they hang from.
@@ -46,28 +61,46 @@ public:
   /// Does cloth begin a motion at its rest shape, rather than at a captured surface?
   bool has_rest_shape() const { return rest_.rows() > 0; }
   PosedFrame pose(const Eigen::VectorXd &dofs) const;
+  /// The same into a frame whose memory is used again.
+  void pose(const Eigen::VectorXd &dofs, PosedFrame &frame) const;
   /// Cloth at rest: at `surface` (V, 3), e.g. a captured frame, if given; else spread out, at its skinned rest shape if the
   /// clothness has one; else at its skinned position.
   CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
+  /// Takes the cloth along from one pose to another as one rigid body, with the root.
+  void carry(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const;
   /// Lets the cloth fall into place in a still pose for `frames` frames.
   void settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials, double dt,
               int frames) const;
-  /// Advances every region from one posed frame to the next; materials: one a region.
+  /// Advances every region from one posed frame to the next; materials: one a region. Throws Error if a region comes out not
+  /// finite; it stays as it was.
   void step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
             const std::vector<pbd::Material> &materials, double dt) const;
+  /// The same in a world with wind, and without an allocation once warm.
+  void step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
+            const std::vector<pbd::Material> &materials, const World &world, StepBuffers &buffers) const;
   /// The same for several characters side by side (see pbd::ClothSolver::step_each): each gets the bits of a step of its own. A
   /// region that comes out not finite stays as it was. Returns those, ordered by region, then character.
   std::vector<FailedRegion> step_each(std::span<CharacterState *const> states, const PosedFrame &previous,
                                       const PosedFrame &current, std::span<const std::vector<pbd::Material> *const> materials,
                                       double dt) const;
+  /// The same for characters that move each in its own way: previous[i], current[i] are those of states[i].
+  std::vector<FailedRegion> step_each(std::span<CharacterState *const> states, std::span<const PosedFrame *const> previous,
+                                      std::span<const PosedFrame *const> current,
+                                      std::span<const std::vector<pbd::Material> *const> materials, std::span<const World> worlds,
+                                      int threads = 1) const;
+  /// As many regions and vertices as the character's; else std::invalid_argument naming the caller.
+  void require_state(const CharacterState &state, const char *caller) const;
   /// (V, 3): skinned vertices, cloth vertices replaced by the simulated ones.
   Vertices surface(const CharacterState &state, const PosedFrame &frame) const;
+  void surface(const CharacterState &state, const PosedFrame &frame, Vertices &surface) const;
 
 private:
+  void pin(CharacterState &state, const PosedFrame &frame) const;
   RiggedMesh actor_;
   std::vector<TaperedCapsule> proxies_;
   pbd::ClothOptions options_;
   std::vector<ClothRegion> regions_;
+  Skin skin_;
   Vertices rest_; ///< (V, 3) of the clothness; may be empty
 };
 

@@ -4,10 +4,18 @@
 
 #include "doublet/core/mesh.h"
 
+#include <Eigen/SparseCore>
+
 #include <cstdint>
 #include <vector>
 
 namespace doublet {
+
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+/// Rows of three numbers and an idle fourth: two whole registers each.
+using PaddedRows = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+/// out = weights * rows.
+void multiply(const SparseRows &weights, const PaddedRows &rows, Eigen::Ref<Vertices> out);
 
 /// Immutable after construction; apply() is exact in the rest pose and under rigid motion.
 class SurfaceTransfer {
@@ -19,19 +27,17 @@ public:
 
   /// (V', 3) fine vertices for the coarse vertices (V, 3), m.
   Vertices apply(const Vertices &coarse) const;
+  /// The same into rows that are there; nothing is allocated once `buffer` has been used.
+  void apply(const Vertices &coarse, Eigen::Ref<Vertices> fine, PaddedRows &buffer) const;
   /// (V', C) per-vertex values of the coarse mesh (V, C) at the closest coarse point of each fine vertex, e.g. skin weights.
   MatrixRM sample(const MatrixRM &coarse_values) const;
 
 private:
-  struct Binding {
-    int face;
-    float weight;
-    Eigen::Vector3f local; ///< u, v along the two edges from corner 0; height along the unit normal, m
-  };
   Faces coarse_faces_;
   int coarse_vertices_ = 0;
-  std::vector<int> first_; ///< (V' + 1) into bindings_
-  std::vector<Binding> bindings_;
+  /// (V', V + F): of the coarse vertices, and, below them, of the coarse faces' unit normals (m). A point in the frame of a
+  /// triangle, in-plane along two edges and up along the normal, is linear in those.
+  SparseRows weights_;
   std::vector<int> closest_face_; ///< (V')
   Vertices closest_;              ///< (V', 3) barycentric
 };

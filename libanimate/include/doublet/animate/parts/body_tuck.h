@@ -1,0 +1,27 @@
+#pragma once
+// The body under the clothes, kept from showing through them.
+
+#include "doublet/animate/character.h"
+#include "doublet/core/parts/moving_surface.h"
+
+namespace doublet {
+
+/// Brings the vertices of the body's drawn faces under the surface where they stand out of it: 10 mm deep and from up to 6 cm
+/// outside under cloth; 3 mm deep and from up to 12 mm outside under skin, where the two are the same surface, fitted with that
+/// error. A matter of display only: collision proxies are simpler than a body.
+class BodyTuck {
+public:
+  /// The character must outlive it.
+  explicit BodyTuck(const Character &character);
+  /// surface (V, 3) M in a pose, body (B, 3) in the same; once warm, nothing is allocated.
+  void apply(const Vertices &surface, Vertices &body);
+
+private:
+  const Character &character_;
+  std::vector<int> drawn_; ///< vertices of the body ...
+  std::vector<int> last_;  ///< ... and the face that was closest to each in the frame before; -1 = none
+  MovingSurface surface_;
+  Vertices normals_; ///< (V, 3) sums of the area vectors around
+};
+
+} // namespace doublet

@@ -1,0 +1,59 @@
+#include "doublet/animate/parts/body_tuck.h"
+
+namespace doublet {
+namespace {
+
+// m; deeper under cloth, because the body's triangles are flat where the cloth folds inward between their corners
+constexpr double kDeepUnderSkin = 0.003, kDeepUnderCloth = 0.010, kReachUnderSkin = 0.012, kReachUnderCloth = 0.06;
+
+/// Normals, without the angles of vertex_normals(): they cost as much as all else here.
+void sum_area_vectors(const Vertices &vertices, const Faces &faces, Vertices &sums) {
+  sums.setZero(vertices.rows(), 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d a = vertices.row(faces(f, 0)), b = vertices.row(faces(f, 1)), c = vertices.row(faces(f, 2));
+    const Eigen::RowVector3d area = (b - a).cross(c - a);
+    for (int k = 0; k < 3; ++k)
+      sums.row(faces(f, k)) += area;
+  }
+}
+
+} // namespace
+
+BodyTuck::BodyTuck(const Character &character)
+    : character_(character), surface_(character.actor.mesh, character.actor.face_valid) {
+  std::vector<std::uint8_t> drawn(character.body.vertices.rows(), 0);
+  for (Eigen::Index f = 0; f < character.body.faces.rows(); ++f)
+    for (int k = 0; k < 3 && character.body_shown[f]; ++k)
+      drawn[character.body.faces(f, k)] = 1;
+  for (std::size_t v = 0; v < drawn.size(); ++v)
+    if (drawn[v])
+      drawn_.push_back(static_cast<int>(v));
+  last_.assign(drawn_.size(), -1);
+}
+
+void BodyTuck::apply(const Vertices &surface, Vertices &body) {
+  const Faces &faces = character_.actor.mesh.faces;
+  const Eigen::VectorXd &delta = character_.segmentation.clothness;
+  surface_.move_to(surface);
+  sum_area_vectors(surface, faces, normals_);
+  for (std::size_t i = 0; i < drawn_.size(); ++i) {
+    const int v = drawn_[i];
+    const Eigen::Vector3d p = body.row(v);
+    const std::optional<MovingSurface::Point> at = surface_.closest(p, kReachUnderCloth, last_[i]);
+    last_[i] = at ? at->face : -1;
+    if (!at)
+      continue;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double cloth = 0;
+    for (int k = 0; k < 3; ++k) {
+      normal += at->barycentric[k] * normals_.row(faces(at->face, k)).normalized().transpose();
+      cloth += at->barycentric[k] * delta[faces(at->face, k)];
+    }
+    const double out = (p - at->point).dot(normal);
+    const double deep = kDeepUnderSkin + cloth * (kDeepUnderCloth - kDeepUnderSkin);
+    if (normal.norm() > 0.1 && out > -deep && at->distance < (cloth > 0 ? kReachUnderCloth : kReachUnderSkin))
+      body.row(v) = at->point - deep * normal.normalized();
+  }
+}
+
+} // namespace doublet

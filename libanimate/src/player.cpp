@@ -1,0 +1,326 @@
+#include "doublet/animate/player.h"
+
+#include "doublet/animate/display_surface.h"
+#include "doublet/animate/motion.h"
+#include "doublet/animate/parts/body_tuck.h"
+#include "doublet/core/context.h"
+#include "doublet/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+constexpr double kLongestStep = 1; // s
+constexpr double kMostGravity = 1000;
+
+const Character &checked(const Character &character) {
+  validate_character(character);
+  return character;
+}
+
+/// How a step is cut: whole, if it is the character's own; else into steps as near as can be to the substeps for which the
+/// material was estimated, because shorter ones take less energy out of the cloth.
+struct Cut {
+  bool whole;
+  int count;
+  double seconds; ///< of each
+};
+Cut cut_step(const SolverSettings &solver, double seconds) {
+  if (!(seconds > 0 && seconds <= kLongestStep))
+    throw std::invalid_argument("Player::step: expected seconds in (0, 1], found " + options::shown(seconds));
+  if (seconds == solver.dt)
+    return {true, 1, seconds};
+  const int count = std::max(1, static_cast<int>(std::lround(seconds / solver.dt * solver.cloth.substeps)));
+  return {false, count, seconds / count};
+}
+
+pbd::ClothOptions one_substep(pbd::ClothOptions options) {
+  options.substeps = 1;
+  return options;
+}
+
+void require_pose(const Character &character, const Eigen::VectorXd &dofs) {
+  const int expected = character.actor.skeleton.dof_count();
+  if (dofs.size() != expected || !dofs.allFinite())
+    throw std::invalid_argument("Player: expected a pose of " + std::to_string(expected) + " finite numbers, found " +
+                                (dofs.size() != expected ? std::to_string(dofs.size()) : "NaN or infinity"));
+}
+
+void require_vector(const Eigen::Vector3d &value, double most, const char *what, const char *unit) {
+  if (!(value.cwiseAbs().maxCoeff() <= most) || !value.allFinite())
+    throw std::invalid_argument(std::string("Player: expected ") + what + " within " + options::shown(most) + " " + unit +
+                                ", found (" + options::shown(value.x()) + ", " + options::shown(value.y()) + ", " +
+                                options::shown(value.z()) + ")");
+}
+
+} // namespace
+
+/// What all copies of a player have in common.
+struct Player::Shared {
+  Character character;
+  AnimateOptions options;
+  CharacterSimulator simulator, substeps; ///< a whole frame of the character's at once; one substep
+  std::optional<DisplaySurface> display;
+  std::optional<Skin> body;
+
+  Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
+      : character(std::move(c)), options(o),
+        simulator(checked(character).actor, character.segmentation, character.proxies, character.solver.cloth, make_solver),
+        substeps(character.actor, character.segmentation, character.proxies, one_substep(character.solver.cloth), make_solver) {
+    options.validate();
+    if (options.high && character.high.faces.rows() > 0)
+      display.emplace(character);
+    if (options.body && character.body.faces.rows() > 0)
+      body.emplace(character.body.vertices, character.body_weights);
+  }
+  Shared(const Shared &) = delete; // BodyTuck keeps the character's address
+};
+
+/// What is a player's own.
+struct Player::Playing {
+  explicit Playing(const Shared &shared) : materials(shared.character.materials), proxies(shared.character.proxies) {
+    world.dt = shared.character.solver.dt;
+    world.gravity = shared.character.solver.cloth.gravity;
+    if (shared.body && shared.options.tuck_body)
+      tuck.emplace(shared.character);
+  }
+  Playing(const Playing &other, const Shared &shared) : Playing(shared) {
+    materials = other.materials;
+    proxies = other.proxies;
+    world = other.world;
+    posed = other.posed;
+    state = other.state;
+    frame = other.frame;
+  }
+
+  void pose(const Shared &shared, const Eigen::VectorXd &dofs, PosedFrame &out) const {
+    shared.simulator.pose(dofs, out);
+    set_capsules(shared, out);
+  }
+  void set_capsules(const Shared &shared, PosedFrame &out) const {
+    out.capsules.clear();
+    for (const TaperedCapsule &proxy : proxies) {
+      const PosedCapsule c = pose_capsule(proxy, shared.character.actor.skeleton, out.world_from_rest);
+      out.capsules.push_back({c.p0, c.p1, c.r0, c.r1});
+    }
+  }
+
+  /// Makes ready for piece `index` of a step to `dofs`.
+  void aim(const Shared &shared, const Eigen::VectorXd &dofs, const Cut &cut, int index) {
+    world.dt = cut.seconds;
+    set_shares(cut.seconds / shared.character.solver.dt);
+    if (index + 1 < cut.count) {
+      interpolate_pose(shared.character.actor.skeleton, frame.dofs, dofs, (index + 1.0) / cut.count, between);
+      pose(shared, between, next);
+    } else {
+      pose(shared, dofs, next);
+    }
+  }
+  /// Friction and damping are shares of a whole frame's.
+  void set_shares(double frames) {
+    step_materials = materials;
+    for (pbd::Material &material : step_materials)
+      for (double *share : {&material.k_friction, &material.k_damping})
+        *share = frames == 1 ? *share : 1 - std::pow(1 - *share, frames);
+  }
+  void arrive() { std::swap(posed, next); }
+
+  /// What is seen of the state.
+  void show(const Shared &shared, const Eigen::VectorXd &dofs, int index) {
+    const Character &character = shared.character;
+    shared.simulator.surface(state, posed, frame.surface);
+    if (!frame.surface.allFinite())
+      throw Error("Player: the surface is not finite; expected a stable simulation");
+    frame.index = index;
+    frame.dofs = dofs;
+    frame.world_from_rest = posed.world_from_rest;
+    joint_positions(character.actor.skeleton, posed.world_from_rest, frame.joints);
+    if (shared.display)
+      shared.display->apply(frame.surface, frame.high, display);
+    if (shared.body)
+      shared.body->pose(posed.joints, frame.body);
+    if (tuck)
+      tuck->apply(frame.surface, frame.body);
+  }
+
+  std::vector<pbd::Material> materials, step_materials; ///< as given; of the step at hand
+  std::vector<TaperedCapsule> proxies;
+  World world;
+  CharacterState state;
+  PosedFrame posed, next; ///< where it stands, and where it goes
+  Eigen::VectorXd between;
+  StepBuffers buffers;
+  DisplayBuffers display;
+  std::optional<BodyTuck> tuck;
+  AnimationFrame frame;
+};
+
+Player::Player(Character character, const AnimateOptions &options, const pbd::ClothSolverFactory &make_solver)
+    : shared_(std::make_shared<const Shared>(std::move(character), options, make_solver)),
+      playing_(std::make_unique<Playing>(*shared_)) {
+  const Eigen::VectorXd rest = Eigen::VectorXd::Zero(shared_->character.actor.skeleton.dof_count());
+  playing_->pose(*shared_, rest, playing_->posed);
+  playing_->state = shared_->simulator.start(playing_->posed);
+  playing_->show(*shared_, rest, 0);
+}
+Player::~Player() = default;
+Player::Player(const Player &other)
+    : shared_(other.shared_), playing_(std::make_unique<Playing>(*other.playing_, *other.shared_)) {}
+Player &Player::operator=(const Player &other) {
+  return *this = Player(other);
+}
+Player::Player(Player &&) noexcept = default;
+Player &Player::operator=(Player &&) noexcept = default;
+
+const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
+  require_pose(character(), dofs);
+  Playing &p = *playing_;
+  p.pose(*shared_, dofs, p.posed);
+  p.state = shared_->simulator.start(p.posed);
+  p.world.dt = character().solver.dt;
+  const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
+  for (long i = 0; i < frames; ++i)
+    shared_->simulator.step(p.state, p.posed, p.posed, p.materials, p.world, p.buffers);
+  for (pbd::ClothState &cloth : p.state.regions)
+    cloth.velocities.setZero();
+  p.show(*shared_, dofs, 0);
+  return p.frame;
+}
+
+const AnimationFrame &Player::step(const Eigen::VectorXd &dofs) {
+  return step(dofs, character().solver.dt);
+}
+
+const AnimationFrame &Player::step(const Eigen::VectorXd &dofs, double seconds) {
+  const Cut cut = cut_step(character().solver, seconds);
+  require_pose(character(), dofs);
+  Playing &p = *playing_;
+  const CharacterSimulator &simulator = cut.whole ? shared_->simulator : shared_->substeps;
+  for (int i = 0; i < cut.count; ++i) {
+    p.aim(*shared_, dofs, cut, i);
+    simulator.step(p.state, p.posed, p.next, p.step_materials, p.world, p.buffers);
+    p.arrive();
+  }
+  p.show(*shared_, dofs, p.frame.index + 1);
+  return p.frame;
+}
+
+const AnimationFrame &Player::teleport(const Eigen::VectorXd &dofs) {
+  require_pose(character(), dofs);
+  Playing &p = *playing_;
+  p.pose(*shared_, dofs, p.next);
+  shared_->simulator.carry(p.state, p.posed, p.next);
+  p.arrive();
+  p.show(*shared_, dofs, p.frame.index + 1);
+  return p.frame;
+}
+
+const AnimationFrame &Player::frame() const {
+  return playing_->frame;
+}
+const Character &Player::character() const {
+  return shared_->character;
+}
+
+void Player::set_materials(const std::vector<pbd::Material> &materials) {
+  const std::size_t expected = shared_->simulator.regions().size();
+  if (materials.size() != expected)
+    throw std::invalid_argument("Player: expected " + std::to_string(expected) + " materials, one a cloth region, found " +
+                                std::to_string(materials.size()));
+  for (const pbd::Material &material : materials)
+    pbd::validate(material);
+  playing_->materials = materials;
+}
+void Player::set_wind(const Eigen::Vector3d &wind) {
+  require_vector(wind, 1000, "a wind", "m/s");
+  playing_->world.wind = wind;
+}
+void Player::set_gravity(const Eigen::Vector3d &gravity) {
+  require_vector(gravity, kMostGravity, "a gravity", "m/s^2");
+  playing_->world.gravity = gravity;
+}
+void Player::set_proxies(const std::vector<TaperedCapsule> &proxies) {
+  require_proxies(proxies, character().actor.skeleton, "Player");
+  playing_->proxies = proxies;
+  playing_->set_capsules(*shared_, playing_->posed);
+}
+const std::vector<pbd::Material> &Player::materials() const {
+  return playing_->materials;
+}
+const Eigen::Vector3d &Player::wind() const {
+  return playing_->world.wind;
+}
+const Eigen::Vector3d &Player::gravity() const {
+  return *playing_->world.gravity;
+}
+const std::vector<TaperedCapsule> &Player::proxies() const {
+  return playing_->proxies;
+}
+
+const CharacterState &Player::state() const {
+  return playing_->state;
+}
+void Player::set_state(const CharacterState &state) {
+  shared_->simulator.require_state(state, "Player::set_state");
+  for (const pbd::ClothState &cloth : state.regions)
+    if (!cloth.positions.allFinite() || !cloth.velocities.allFinite())
+      throw std::invalid_argument("Player::set_state: expected finite positions and velocities, found NaN or infinity");
+  playing_->state = state;
+  playing_->show(*shared_, playing_->frame.dofs, playing_->frame.index);
+}
+
+void step_players(std::span<Player *const> players, std::span<const Eigen::VectorXd> dofs, double seconds, int threads) {
+  if (players.empty() && dofs.empty())
+    return;
+  if (players.size() != dofs.size())
+    throw std::invalid_argument("step_players: expected a pose for each player, found " + std::to_string(dofs.size()) +
+                                " poses and " + std::to_string(players.size()) + " players");
+  std::vector<Player *> distinct(players.begin(), players.end());
+  std::sort(distinct.begin(), distinct.end());
+  if (std::adjacent_find(distinct.begin(), distinct.end()) != distinct.end())
+    throw std::invalid_argument("step_players: expected every player once, found one twice");
+  const Player::Shared &shared = *players[0]->shared_;
+  for (std::size_t i = 0; i < players.size(); ++i) {
+    if (players[i]->shared_.get() != &shared)
+      throw std::invalid_argument("step_players: expected copies of one player, found player " + std::to_string(i) +
+                                  " of another character");
+    require_pose(shared.character, dofs[i]);
+  }
+  const Cut cut = cut_step(shared.character.solver, seconds);
+  const CharacterSimulator &simulator = cut.whole ? shared.simulator : shared.substeps;
+  std::vector<CharacterState *> states;
+  std::vector<const PosedFrame *> before, after;
+  std::vector<const std::vector<pbd::Material> *> materials;
+  std::vector<World> worlds;
+  int failed = -1;
+  Context context;
+  context.threads = std::max(1, threads);
+  const int all = static_cast<int>(players.size());
+  for (int i = 0; i < cut.count; ++i) {
+    parallel_for(context, all, [&](int k) { players[k]->playing_->aim(shared, dofs[k], cut, i); });
+    states.clear(), before.clear(), after.clear(), materials.clear(), worlds.clear();
+    for (Player *player : players) {
+      Player::Playing &p = *player->playing_;
+      states.push_back(&p.state);
+      before.push_back(&p.posed);
+      after.push_back(&p.next);
+      materials.push_back(&p.step_materials);
+      worlds.push_back(p.world);
+    }
+    for (const FailedRegion &one : simulator.step_each(states, before, after, materials, worlds, context.threads))
+      failed = failed < 0 ? one.character : std::min(failed, one.character);
+    for (Player *player : players)
+      player->playing_->arrive();
+  }
+  parallel_for(context, all, [&](int k) {
+    Player::Playing &p = *players[k]->playing_;
+    p.show(shared, dofs[k], p.frame.index + 1);
+  });
+  if (failed >= 0)
+    throw Error("step_players: the cloth of player " + std::to_string(failed) +
+                " came out with a position or velocity that is not finite; expected a stable simulation");
+}
+
+} // namespace doublet
