@@ -62,7 +62,8 @@ private:
     for (Eigen::Index v = 0; v < w.size(); ++v) {
       const double loose = model().clothness()[v];
       Eigen::RowVector3d x = state.positions.row(v), u = state.velocities.row(v);
-      u = drag * (u + h * (push.row(v) + in.gravity.value_or(model().options().gravity).transpose()) - in.wind.transpose()) + in.wind.transpose();
+      u = drag * (u + h * (push.row(v) + in.gravity.value_or(model().options().gravity).transpose()) - in.wind.transpose()) +
+          in.wind.transpose();
       x += h * u;
       if (loose < 1) {
         const Vertices &after = *in.targets, &before = in.previous_targets ? *in.previous_targets : after;
