@@ -304,12 +304,14 @@ void bind_texture(py::module_ &m) {
         "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
   py::class_<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
-      .def("apply", &DisplaySurface::apply, py::arg("surface"), Release(), "(VH, 3) for the vertices (V, 3) of M")
+      .def("apply", py::overload_cast<const Vertices &>(&DisplaySurface::apply, py::const_), py::arg("surface"), Release(),
+           "(VH, 3) for the vertices (V, 3) of M")
       .def("sample", &DisplaySurface::sample, py::arg("values"), Release(), "(VH, C) values of M's vertices (V, C)");
   py::class_<SurfaceTransfer>(m, "SurfaceTransfer", "A fine mesh that follows a coarse one.")
       .def(py::init<const Mesh &, const std::vector<std::uint8_t> &, const Mesh &, const std::vector<std::uint8_t> &>(),
            py::arg("coarse"), py::arg("coarse_valid"), py::arg("fine"), py::arg("fine_valid"), Release())
-      .def("apply", &SurfaceTransfer::apply, py::arg("coarse"), Release(), "(V', 3) fine vertices for the coarse (V, 3)");
+      .def("apply", py::overload_cast<const Vertices &>(&SurfaceTransfer::apply, py::const_), py::arg("coarse"), Release(),
+           "(V', 3) fine vertices for the coarse (V, 3)");
 }
 
 } // namespace

@@ -151,8 +151,8 @@ void bind_mesh(py::module_ &m) {
       .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
   m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release(),
         "(F, 3) unit; zero for degenerate faces.");
-  m.def("vertex_normals", &vertex_normals, py::arg("vertices"), py::arg("faces"), Release(),
-        "(V, 3) unit, weighted by angle; zero where no face is.");
+  m.def("vertex_normals", py::overload_cast<const Vertices &, const Faces &>(&vertex_normals), py::arg("vertices"),
+        py::arg("faces"), Release(), "(V, 3) unit, weighted by angle; zero where no face is.");
   m.def("face_areas", &face_areas, py::arg("vertices"), py::arg("faces"), Release(), "(F) m^2.");
   m.def("vertex_areas", &vertex_areas, py::arg("vertices"), py::arg("faces"), Release(),
         "(V) m^2, a third of the faces around each vertex.");

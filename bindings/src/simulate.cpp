@@ -30,7 +30,8 @@ void bind_simulate(py::module_ &m) {
            "make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.")
       .def_property_readonly("region_count", [](const CharacterSimulator &s) { return s.regions().size(); })
       .def_property_readonly("actor", &CharacterSimulator::actor)
-      .def("pose", &CharacterSimulator::pose, py::arg("dofs"), Release(), "The PosedFrame of a pose (D).")
+      .def("pose", py::overload_cast<const Eigen::VectorXd &>(&CharacterSimulator::pose, py::const_), py::arg("dofs"), Release(),
+           "The PosedFrame of a pose (D).")
       .def(
           "start",
           [](const CharacterSimulator &simulator, const PosedFrame &frame, const std::optional<Vertices> &surface) {
@@ -41,8 +42,12 @@ void bind_simulate(py::module_ &m) {
       .def("settle", &CharacterSimulator::settle, py::arg("state"), py::arg("frame"), py::arg("materials"), py::arg("dt"),
            py::arg("frames"), Release(),
            "Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.")
-      .def("step", &CharacterSimulator::step, py::arg("state"), py::arg("previous"), py::arg("current"), py::arg("materials"),
-           py::arg("dt"), Release(), "Advances every cloth region from one posed frame to the next; materials: one a region.")
+      .def(
+          "step",
+          py::overload_cast<CharacterState &, const PosedFrame &, const PosedFrame &, const std::vector<pbd::Material> &, double>(
+              &CharacterSimulator::step, py::const_),
+          py::arg("state"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
+          "Advances every cloth region from one posed frame to the next; materials: one a region.")
       .def(
           "step_each",
           [](const CharacterSimulator &simulator, const std::vector<CharacterState *> &states, const PosedFrame &previous,
@@ -58,7 +63,8 @@ void bind_simulate(py::module_ &m) {
           py::arg("states"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
           "step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region "
           "of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.")
-      .def("surface", &CharacterSimulator::surface, py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");
+      .def("surface", py::overload_cast<const CharacterState &, const PosedFrame &>(&CharacterSimulator::surface, py::const_),
+           py::arg("state"), py::arg("frame"), Release(), "(V, 3) m");
 }
 
 } // namespace doublet::python

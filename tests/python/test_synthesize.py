@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from doublet.console import Console
 from doublet.evaluate import Truth
+from doublet.motions import read_motion
 from doublet.pipeline import with_pairs
-from doublet.synthesize import Surfaces, SynthesisOptions, photograph, read_motion, ring_of_cameras, synthesize
+from doublet.synthesize import Surfaces, SynthesisOptions, photograph, ring_of_cameras, synthesize
 
 MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
 FPS = 40.0
@@ -128,7 +129,7 @@ def test_wrong_input_is_one_sentence(made, character, motion, tmp_path):
         synthesize(character, motion, tmp_path, SynthesisOptions(image_size=63), console=quiet)
     np.savez(tmp_path / "other.npz", dofs=np.zeros((5, 3)))
     with pytest.raises(ValueError, match=r"expected finite 'dofs' of shape \(T, 9\), found \(5, 3\)"):
-        read_motion(tmp_path / "other.npz", character, FPS, d.RetargetOptions())
+        read_motion(tmp_path / "other.npz", character, d.RetargetOptions())
     with pytest.raises(ValueError, match="expected one of .*, found 'stiffness'"):
         with_pairs(d.Material(), ["stiffness=1"], "--material")
     assert with_pairs(d.Material(), ["k_bend=0.25"], "--material").k_bend == 0.25

@@ -16,7 +16,18 @@ from ._doublet import __version__
 __all__ = [name for name in dir(_doublet) if not name.startswith("_")] + ["__version__", "body_model_path"]
 
 #: Modules that are loaded when they are first named.
-MODULES = ("character", "evaluate", "garment_motion", "optimizers", "pipeline", "report", "study", "synthesize", "template_mask")
+MODULES = (
+    "character",
+    "evaluate",
+    "garment_motion",
+    "motions",
+    "optimizers",
+    "pipeline",
+    "report",
+    "study",
+    "synthesize",
+    "template_mask",
+)
 
 
 def __getattr__(name: str):

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_limbs', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_limbs', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -3193,7 +3193,7 @@ class StepInputs:
     """
     What the world does during one frame.
     """
-    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: typing.SupportsFloat | typing.SupportsIndex = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ...) -> None:
+    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: typing.SupportsFloat | typing.SupportsIndex = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None = None) -> None:
         ...
     @property
     def capsules(self) -> list[Capsule]:
@@ -3208,6 +3208,14 @@ class StepInputs:
         """
     @dt.setter
     def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
+        """
+        m/s^2; None = the model's
+        """
+    @gravity.setter
+    def gravity(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None) -> None:
         ...
     @property
     def previous_capsules(self) -> list[Capsule]:
@@ -3877,6 +3885,78 @@ class BakedGlbOptions:
         """
     @most_keys.setter
     def most_keys(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+class Player:
+    """
+    A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the AnimationFrame that it returns are views, which the next step writes over: copy what you keep.
+    """
+    def __init__(self, character: Character, options: AnimateOptions = ..., make_solver: typing.Any = None) -> None:
+        """
+        Stands in the rest pose; begin with reset(). make_solver: as of CharacterSimulator.
+        """
+    def copy(self) -> Player:
+        """
+        A character of its own, which shares what never changes: see step_players.
+        """
+    def reset(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> AnimationFrame:
+        """
+        Begins anew in this pose (D): the cloth falls into place for AnimateOptions.settle_seconds.
+        """
+    def step(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], seconds: typing.SupportsFloat | typing.SupportsIndex | None = None) -> AnimationFrame:
+        """
+        Goes on to this pose (D) in `seconds`, in (0, 1]; None = the character's own step. The cloth moves alike at every frame rate. Raises Error if it comes out not finite; it then stays as it was, and reset() helps.
+        """
+    def teleport(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> AnimationFrame:
+        """
+        Stands in this pose (D) at once; the cloth is carried along with the root, with its speed.
+        """
+    @property
+    def character(self) -> Character:
+        ...
+    @property
+    def frame(self) -> AnimationFrame:
+        """
+        The last AnimationFrame.
+        """
+    @property
+    def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3) m/s^2, within 1000
+        """
+    @gravity.setter
+    def gravity(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+        ...
+    @property
+    def materials(self) -> list[Material]:
+        """
+        One a cloth region; assign a list to change them.
+        """
+    @materials.setter
+    def materials(self, arg1: collections.abc.Sequence[Material]) -> None:
+        ...
+    @property
+    def proxies(self) -> list[TaperedCapsule]:
+        """
+        Tapered capsules that the cloth collides with; assign a list to change them.
+        """
+    @proxies.setter
+    def proxies(self, arg1: collections.abc.Sequence[TaperedCapsule]) -> None:
+        ...
+    @property
+    def state(self) -> CharacterState:
+        """
+        A copy of the cloth's positions and velocities; assign it to go back.
+        """
+    @state.setter
+    def state(self, arg1: CharacterState) -> None:
+        ...
+    @property
+    def wind(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
+        """
+        (3) m/s
+        """
+    @wind.setter
+    def wind(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
 class RenderMesh:
     """
@@ -5227,6 +5307,10 @@ def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: co
 def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) the reference motion re-animated
+    """
+def step_players(players: collections.abc.Sequence[Player], dofs: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]], seconds: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+    """
+    player.step(pose, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to `threads` threads, with the same bits; dofs: a pose (D) for each.
     """
 def summarise_garment(garment: Garment) -> GarmentSummary:
     """

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _doublet as d
 from .console import Console
+from .motions import read_motion
 from .video import VideoWriter
 
 FORMATS = (".npz", ".glb", ".mp4")
@@ -67,7 +68,7 @@ def animate(character_file: Path, motion_file: Path, out: Path, console: Console
         raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
     context = console.context()
     character = d.Character.read(character_file)
-    motion = d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, retargeting, context)
+    motion = read_motion(motion_file, character, retargeting, context)
     if out.suffix == ".mp4":
         return write_video(character, motion, out, context)
     animation = d.animate(character, motion, d.AnimateOptions(high=False), context)

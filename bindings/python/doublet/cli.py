@@ -214,8 +214,12 @@ def run_study(arguments) -> None:
         raise RuntimeError(f"{failed} of {len(rows)} fits failed; the same command tries them again")
 
 
+MOTION_HELP = ".bvh, .amc with its .asf beside it, poses of SMPL, SMPL-H or SMPL-X (AMASS) in .npz, or a performance.npz"
+
+
 def run_synthesize(arguments) -> None:
-    from .synthesize import SynthesisOptions, read_motion, synthesize
+    from .motions import read_motion
+    from .synthesize import SynthesisOptions, synthesize
 
     console = make_console(arguments)
     character = d.Character.read(arguments.character)
@@ -225,7 +229,8 @@ def run_synthesize(arguments) -> None:
     if arguments.material:
         character.materials = [pipeline.with_pairs(m, arguments.material, "--material") for m in character.materials]
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
-    motion = read_motion(arguments.motion, character, 1 / character.solver.dt, retargeting)
+    retargeting.fps = 1 / character.solver.dt
+    motion = read_motion(arguments.motion, character, retargeting)
     rig = d.Session(arguments.cameras).rig if arguments.cameras else None
     frames = synthesize(character, motion, arguments.out, options, rig, console)
     console.finish()
@@ -380,7 +385,7 @@ def page_flags(command) -> None:
 def add_animate(commands) -> None:
     animate = commands.add_parser("animate", help="a character and a motion -> a new animation")
     animate.add_argument("character", type=Path, metavar="CHARACTER.glb")
-    animate.add_argument("motion", type=Path, metavar="MOTION", help=".bvh, or .amc with its .asf beside it")
+    animate.add_argument("motion", type=Path, metavar="MOTION", help=MOTION_HELP)
     animate.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help=".npz, .glb or .mp4")
     common_flags(animate)
     add_option_flags(animate, {"retarget": d.RetargetOptions})
@@ -418,9 +423,7 @@ def add_synthesize(commands) -> None:
     text = "a character and a motion -> a capture session with known truth"
     synthesize = commands.add_parser("synthesize", help=text, description=text)
     synthesize.add_argument("character", type=Path, metavar="CHARACTER.glb")
-    synthesize.add_argument(
-        "--motion", type=Path, required=True, metavar="FILE", help=".bvh, .amc, or performance.npz of the same skeleton"
-    )
+    synthesize.add_argument("--motion", type=Path, required=True, metavar="FILE", help=MOTION_HELP)
     synthesize.add_argument("-o", "--out", type=Path, required=True, metavar="SESSION", help="folder of the new session")
     synthesize.add_argument("--cameras", type=Path, metavar="DIR", help="those of this session (default: a ring of them)")
     synthesize.add_argument(

@@ -13,7 +13,7 @@ from PIL import Image, ImageFilter
 from . import _doublet as d
 from . import body_model_path
 from .console import Console
-from .files import arrays_of, write_json, written_atomically
+from .files import write_json, written_atomically
 from .video import VideoWriter
 
 FRAMES_A_CHUNK = 32  # of ground_truth/frames_*.npz: bounds memory while writing and reading
@@ -45,23 +45,6 @@ class SynthesisOptions:
         for name in ("noise", "blur", "scan_noise", "mark_noise"):
             if not getattr(self, name) >= 0:
                 raise ValueError(f"{name} must not be negative, found {getattr(self, name)}")
-
-
-def read_motion(path: Path, character: d.Character, fps: float, retargeting: d.RetargetOptions) -> d.Motion:
-    """A clip (.bvh, .amc), retargeted; or the poses of a performance.npz of the same skeleton, as they are."""
-    if path.suffix != ".npz":
-        retargeting.fps = fps
-        return d.retarget(d.SourceMotion.read(path), character.actor.skeleton, retargeting)
-    if not path.exists():
-        raise FileNotFoundError(f"{path} does not exist")
-    with arrays_of(path) as file:
-        if "dofs" not in file:
-            raise ValueError(f"{path}: expected a performance with an array 'dofs', found {', '.join(file) or 'nothing'}")
-        dofs = file["dofs"].astype(float)
-    expected = len(character.actor.skeleton.dof_names)
-    if dofs.ndim != 2 or dofs.shape[1] != expected or not np.isfinite(dofs).all():
-        raise ValueError(f"{path}: expected finite 'dofs' of shape (T, {expected}), found {dofs.shape}")
-    return d.Motion(fps, dofs)
 
 
 def ring_of_cameras(character: d.Character, motion: d.Motion, count: int, size: int) -> list[d.Camera]:

@@ -1,0 +1,123 @@
+"""Poses of the SMPL family become motions of ours: known poses in worlds with any axis up, and what is refused."""
+
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet.motions import JOINTS, read_motion, read_smpl_motion
+
+sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
+from seeds import World  # noqa: E402
+
+NAMES = [name for name, _, _ in JOINTS]
+Z_UP = [np.pi / 2, 0, 0]  # of a body whose zero pose has +Y up
+FRAMES = 4
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+def smpl(path, pose=None, up=Z_UP, names=("poses",), **more):
+    """A file of one pose: joint -> axis times angle."""
+    angles = np.zeros((FRAMES, 52, 3))
+    angles[:, 0] = up
+    for joint, rotation in (pose or {}).items():
+        angles[:, NAMES.index(joint)] = rotation
+    arrays = {"trans": np.zeros((FRAMES, 3)), "mocap_framerate": np.array(120.0)}
+    if names == ("poses",):
+        arrays["poses"] = angles.reshape(FRAMES, -1)
+    else:
+        arrays[names[0]], arrays[names[1]] = angles[:, 0], angles[:, 1:22].reshape(FRAMES, -1)
+    arrays.update(more)
+    np.savez(path, **{name: array for name, array in arrays.items() if array is not None})
+    return path
+
+
+def bone(clip, start, end, frame=0):
+    names = clip.joint_names
+    way = clip.positions[frame][names.index(end)] - clip.positions[frame][names.index(start)]
+    return way / np.linalg.norm(way)
+
+
+@pytest.mark.parametrize("up", [Z_UP, [0, 0, 0], [np.pi, 0, 0], [0, 0, -np.pi / 2]])
+def test_the_body_stands_up_whatever_the_axis(tmp_path, up):
+    clip = read_smpl_motion(smpl(tmp_path / "a.npz", up=up))
+    assert clip.fps == 120 and clip.frame_count == FRAMES
+    np.testing.assert_allclose(bone(clip, "pelvis", "neck"), [0, 1, 0], atol=0.1)
+    np.testing.assert_allclose(bone(clip, "l_hip", "l_ankle"), [0, -1, 0], atol=0.1)
+
+
+@pytest.mark.parametrize("names", [("poses",), ("root_orient", "pose_body"), ("global_orient", "body_pose")])
+def test_rotations_add_up_along_the_arm(tmp_path, names):
+    bent = {"l_shoulder": [0, 0, -np.pi / 2], "l_elbow": [0, -np.pi / 2, 0], "r_knee": [np.pi / 2, 0, 0]}
+    clip = read_smpl_motion(smpl(tmp_path / "a.npz", bent, names=names))
+    np.testing.assert_allclose(bone(clip, "l_shoulder", "l_elbow"), [0, -1, 0], atol=0.1)  # the T-pose's arm hangs
+    np.testing.assert_allclose(bone(clip, "l_elbow", "l_wrist"), [0, 0, 1], atol=0.1)  # the forearm points ahead
+    np.testing.assert_allclose(bone(clip, "r_shoulder", "r_elbow"), [-1, 0, 0], atol=0.1)  # the other one is as it was
+    np.testing.assert_allclose(bone(clip, "r_knee", "r_ankle"), [0, 0, -1], atol=0.15)
+
+
+def test_it_walks_the_way_of_the_world(tmp_path):
+    """Two metres along +Y of a z-up world: along -Z of ours, which the body, facing -Y there and +Z here, walks backwards."""
+    place = np.outer(np.linspace(0, 1, FRAMES), [0, 2.0, 0])
+    clip = read_smpl_motion(smpl(tmp_path / "a.npz", trans=place))
+    np.testing.assert_allclose(clip.positions[-1][0] - clip.positions[0][0], [0, 0, -2], atol=1e-9)
+
+
+def actor_skeleton():
+    """An actor who stands with her arms half lowered, as marked in a scan: another rest pose than SMPL's."""
+    marks = [d.JointMark("pelvis", "", [0, 0.95, 0]), d.JointMark("spine", "pelvis", [0, 1.1, -0.02])]
+    marks += [d.JointMark("chest", "spine", [0, 1.25, -0.02]), d.JointMark("neck", "chest", [0, 1.45, -0.02])]
+    marks += [d.JointMark("head", "neck", [0, 1.55, 0.01]), d.JointMark("head_top", "head", [0, 1.72, 0.01])]
+    for side, x in (("l_", 1), ("r_", -1)):
+        limbs = [("hip", "pelvis", 0.09, 0.9, 0), ("knee", "hip", 0.1, 0.5, 0.02), ("ankle", "knee", 0.11, 0.08, 0)]
+        limbs += [("toe", "ankle", 0.12, 0.02, 0.13), ("clavicle", "chest", 0.03, 1.4, -0.01)]
+        limbs += [("shoulder", "clavicle", 0.17, 1.4, -0.02), ("elbow", "shoulder", 0.35, 1.2, -0.02)]
+        limbs += [("wrist", "elbow", 0.5, 1.03, 0.06), ("hand", "wrist", 0.56, 0.96, 0.1)]
+        for name, parent, *place in limbs:
+            above = parent if parent in ("pelvis", "chest") else side + parent
+            marks.append(d.JointMark(side + name, above, [x * place[0], *place[1:]]))
+    return d.Skeleton(marks)
+
+
+def test_an_actor_takes_the_pose(tmp_path):
+    skeleton = actor_skeleton()
+    options = d.RetargetOptions(hold_seconds=0, blend_seconds=0, align_start=False)
+    path = smpl(tmp_path / "a.npz", {"l_shoulder": [0, 0, -1.2], "r_shoulder": [0, 0, 1.2], "l_elbow": [0, -1.4, 0]})
+    places = skeleton.joint_positions(d.retarget(read_smpl_motion(path), skeleton, options).dofs[-1])
+    at = {name: places[skeleton.find(name)] for name in skeleton.joint_names}
+
+    def way(start, end):
+        return (at[end] - at[start]) / np.linalg.norm(at[end] - at[start])
+
+    bend = np.degrees(np.arccos(way("l_elbow", "l_wrist") @ way("l_shoulder", "l_elbow")))
+    assert bend == pytest.approx(80, abs=8)
+    assert way("l_shoulder", "l_elbow")[1] < -0.85 and way("r_shoulder", "r_elbow")[1] < -0.85
+    np.testing.assert_allclose(way("l_elbow", "l_wrist"), [0, 0, 1], atol=0.25)
+    np.testing.assert_allclose(way("pelvis", "head"), [0, 1, 0], atol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ({"poses": None}, "expected a performance with 'dofs', or 'poses', or 'root_orient' and 'pose_body'"),
+        ({"poses": np.zeros((FRAMES, 60))}, r"a row of at least 66 angles a frame, found \(4, 60\)"),
+        ({"poses": np.zeros(4)}, "at least 66 angles"),
+        ({"poses": np.full((FRAMES, 156), np.nan)}, "expected 'poses' to hold finite numbers"),
+        ({"poses": np.zeros((0, 156))}, "expected 'poses' to hold finite numbers"),
+        ({"trans": None}, "expected the root's place, 'trans' or 'transl'"),
+        ({"trans": np.zeros((3, 3))}, r"expected 'trans' of shape \(4, 3\), found \(3, 3\)"),
+        ({"mocap_framerate": None}, "expected a rate, 'mocap_framerate'"),
+        ({"mocap_framerate": np.array(0.0)}, r"one rate in \(0, 1000\], found 0"),
+        ({"mocap_framerate": np.array("fast")}, "expected 'mocap_framerate' to hold finite numbers"),
+    ],
+)
+def test_wrong_files_get_their_sentence(world, tmp_path, more, sentence):
+    path = smpl(tmp_path / "wrong.npz", **more)
+    with pytest.raises(ValueError, match=sentence) as error:
+        read_motion(path, world.character, d.RetargetOptions())
+    assert str(path) in str(error.value)
