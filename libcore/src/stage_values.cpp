@@ -108,10 +108,16 @@ std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePer
   return unposed;
 }
 
-PosedCapsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, const Transforms &world_from_rest) {
+namespace {
+void require_transforms(const Skeleton &skeleton, const Transforms &world_from_rest) {
   if (static_cast<int>(world_from_rest.size()) != skeleton.joint_count())
     throw std::invalid_argument("pose_capsules: expected " + std::to_string(skeleton.joint_count()) + " transforms, found " +
                                 std::to_string(world_from_rest.size()));
+}
+} // namespace
+
+PosedCapsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, const Transforms &world_from_rest) {
+  require_transforms(skeleton, world_from_rest);
   if (c.joint < 0 || c.joint >= skeleton.joint_count())
     throw std::invalid_argument("pose_capsules: a capsule names joint " + std::to_string(c.joint) + ", there are " +
                                 std::to_string(skeleton.joint_count()));
@@ -122,6 +128,7 @@ PosedCapsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, con
 
 std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
                                         const Transforms &world_from_rest) {
+  require_transforms(skeleton, world_from_rest);
   std::vector<PosedCapsule> out;
   for (const TaperedCapsule &c : capsules)
     out.push_back(pose_capsule(c, skeleton, world_from_rest));
