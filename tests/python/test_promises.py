@@ -1,4 +1,4 @@
-"""What README, docs and help promise."""
+"""What README, docs and help promise; their code blocks are in test_code_blocks.py."""
 
 import importlib
 import inspect
@@ -24,15 +24,6 @@ from seeds import World, write_fit, write_session  # noqa: E402
 @pytest.fixture(scope="module")
 def world():
     return World()
-
-
-def test_the_readmes_snippet_runs(world, tmp_path, monkeypatch):
-    (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    d.write_actor(tmp_path / "out" / "mine" / "actor.npz", world.actor)
-    d.write_performance(tmp_path / "out" / "mine" / "performance.npz", world.performance)
-    monkeypatch.chdir(tmp_path)
-    exec(compile(snippet, "README.md", "exec"), {"__name__": "snippet"})
-    assert d.read_segmentation(tmp_path / "out" / "mine" / "segmentation.npz").clothness.max() == 1
 
 
 def bound_callables():
