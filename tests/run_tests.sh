@@ -13,7 +13,7 @@ mkdir -p build
 
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
 "$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
-  cma optuna nevergrad distributed
+  cma optuna nevergrad distributed 'sphinx>=7' 'myst-parser>=2' 'breathe>=4.35' furo
 [ -d "$node/node_modules/gltf-validator" ] || npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10
 
 echo "== style"
@@ -31,6 +31,9 @@ CC=cc CXX=c++ "$venv/bin/pip" install -q --disable-pip-version-check --no-build-
 
 echo "== ctest"
 ctest --test-dir "$build" --output-on-failure --no-tests=error -LE slow -j "$(nproc)"
+
+echo "== documentation (warnings are errors)"
+scripts/build-docs.sh "$venv/bin/python"
 
 echo "== pytest"
 PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" "$venv/bin/python" -m pytest "$@"

@@ -16,6 +16,7 @@ import doublet as d
 import numpy as np
 import pytest
 from conftest import doublet
+from PIL import Image
 
 FIRST, COUNT = 0, 96  # from the scan pose on, as far as the skirt swings
 OPTIONS = [
@@ -288,3 +289,22 @@ def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
         assert done.returncode == 0, done.stderr
         runs.append(json.loads((out / "material.json").read_text())["regions"])
     assert runs[0] == runs[1]
+
+
+PICTURES = {
+    "overview": ["{motion}", "--frame", 72, "--new", 76],
+    "dance": ["--truth", "{truth}", "--frames", 0, 80],
+    "captured": ["--frames", 20, 88],
+    "segmentation": [],
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_pictures_of_the_pages_are_drawn(made, shipped, tmp_path, name):
+    """By the script that drew them (docs/pictures)."""
+    more = [str(a).format(motion=shipped / "motion.bvh", truth=shipped / "ground_truth") for a in PICTURES[name]]
+    file = tmp_path / "picture.png"
+    command = [sys.executable, ROOT / "benchmarks" / "pictures.py", name, made[0], *more, "-o", file]
+    subprocess.run([str(c) for c in command], check=True, timeout=300)
+    with Image.open(file) as picture:
+        assert min(picture.size) >= 300 and len(picture.convert("RGB").getcolors(1 << 24)) > 1000
