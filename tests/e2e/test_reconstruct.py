@@ -13,9 +13,12 @@ from functools import partial
 from pathlib import Path
 
 import doublet as d
+import nbformat
 import numpy as np
 import pytest
 from conftest import doublet
+from doublet import pipeline
+from nbclient import NotebookClient
 from PIL import Image
 
 FIRST, COUNT = 0, 96  # from the scan pose on, as far as the skirt swings
@@ -308,3 +311,18 @@ def test_pictures_of_the_pages_are_drawn(made, shipped, tmp_path, name):
     subprocess.run([str(c) for c in command], check=True, timeout=300)
     with Image.open(file) as picture:
         assert min(picture.size) >= 300 and len(picture.convert("RGB").getcolors(1 << 24)) > 1000
+
+
+def test_the_notebook_runs(made, shipped, tmp_path, monkeypatch):
+    """On these results, which are of its options: nothing is computed again but what it shows."""
+    path = ROOT / "examples" / "pipeline.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    assert not any(cell.get("outputs") or cell.get("execution_count") for cell in notebook.cells), "strip its outputs"
+    shutil.copytree(made[0], tmp_path / "out")
+    monkeypatch.setenv("DOUBLET_OUT", str(tmp_path / "out"))
+    cells = NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(path.parent)}}).execute().cells
+    outputs = [output for cell in cells for output in cell.get("outputs", [])]
+    said = "".join(output.get("text", "") for output in outputs)
+    assert "running" not in said and said.count("up to date") == len(pipeline.STAGES), said
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 7
+    assert "joint_mm" in said
