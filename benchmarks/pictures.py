@@ -4,6 +4,7 @@ python benchmarks/pictures.py overview OUT MOTION -o docs/pictures/overview.jpg 
 python benchmarks/pictures.py dance OUT --truth SESSION/ground_truth -o docs/pictures/dance.jpg [--frames 0 30 ...]
 python benchmarks/pictures.py captured OUT -o docs/pictures/own-footage.jpg [--frames 0 30 ...] [--cameras 0 2 ...]
 python benchmarks/pictures.py captured OUT -o docs/pictures/tracking.jpg --frames 20 55 88 115
+python benchmarks/pictures.py template OUT -o docs/pictures/template.png
 python benchmarks/pictures.py segmentation OUT -o docs/pictures/segmentation.jpg
 """
 
@@ -119,6 +120,18 @@ def captured(chosen: argparse.Namespace) -> np.ndarray:
     return np.vstack([np.pad(row, ((0, 6), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows])
 
 
+def template(chosen: argparse.Namespace) -> np.ndarray:
+    """The template, red where the scan does not support it: whole, its hem, and from below."""
+    actor = d.read_actor(chosen.out / "actor.npz")
+    mesh, valid = actor.mesh, np.asarray(actor.face_valid, bool)
+    parts = [d.RenderMesh(mesh.vertices, mesh.faces[m], np.array(c)) for m, c in ((valid, (0.7,) * 3), (~valid, (0.8, 0.1, 0.1)))]
+    middle = mesh.vertices[mesh.faces[~valid]].mean(axis=(0, 1))  # the sheet under a hem, most of it
+    size = HEIGHT // 2
+    cameras = [picture.around(mesh.vertices, 0.0, size)]
+    cameras += [d.orbit_camera(middle, 0.5, 0.0, elevation, size, size) for elevation in (-0.15, -0.8)]
+    return np.hstack([picture.shade(parts, camera) for camera in cameras])
+
+
 def segmentation(chosen: argparse.Namespace) -> np.ndarray:
     """In the scan pose, from the front and from behind: the deviation, from 0 (white) to 3 cm (red), and the clothness."""
     actor = d.read_actor(chosen.out / "actor.npz")
@@ -137,7 +150,13 @@ def segmentation(chosen: argparse.Namespace) -> np.ndarray:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(required=True)
-    for name, make in (("overview", overview), ("dance", dance), ("captured", captured), ("segmentation", segmentation)):
+    for name, make in (
+        ("overview", overview),
+        ("dance", dance),
+        ("captured", captured),
+        ("template", template),
+        ("segmentation", segmentation),
+    ):
         command = commands.add_parser(name)
         command.add_argument("out", type=Path, metavar="OUT")
         command.add_argument("-o", "--picture", type=Path, required=True, metavar="FILE.jpg")

@@ -298,6 +298,7 @@ PICTURES = {
     "overview": ["{motion}", "--frame", 72, "--new", 76],
     "dance": ["--truth", "{truth}", "--frames", 0, 80],
     "captured": ["--frames", 20, 88],
+    "template": [],
     "segmentation": [],
 }
 
