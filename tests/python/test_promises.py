@@ -174,3 +174,10 @@ def test_a_fit_log_of_another_kind_is_refused(tmp_path, damaged):
     (tmp_path / "out" / "fit_log.csv").write_bytes(damaged.encode("latin-1"))
     with pytest.raises(RuntimeError, match=r"fit_log\.csv: expected what the stage 'fit' writes"):
         sections(tmp_path / "out")
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_links_lead_somewhere(page):
+    """Those of docs/ are scripts/build-docs.sh's business."""
+    links = re.findall(r"\]\(([^)#:]+)[^)]*\)", (ROOT / page).read_text(encoding="utf-8"))
+    assert links and [link for link in links if not (ROOT / link).exists()] == []
