@@ -95,7 +95,7 @@ def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
                 flag["nargs"], flag["metavar"] = "+", "NAME=X"
             elif isinstance(default, (list, np.ndarray)):
                 flag["nargs"] = len(default) if isinstance(default, np.ndarray) else "*"
-                flag["type"] = number if "lower" in described[name] else str
+                flag["type"], flag["metavar"] = (number, "X") if "lower" in described[name] else (str, "NAME")
             else:
                 flag["type"] = type(default)
                 flag["metavar"] = "N" if isinstance(default, int) else "X"
