@@ -279,6 +279,7 @@ def commands(block: Block) -> list[list[str]]:
     return [words for line in lines if (words := shlex.split(line, comments=True))]
 
 
+PARSER = cli.build_parser()
 OURS = [(b, words) for b in BLOCKS if b.language == "sh" for words in commands(b)]
 
 
@@ -289,7 +290,7 @@ def test_commands_are_understood(block, words, stand_ins, tmp_path, monkeypatch)
         for word in words:  # files of ours that it names
             assert not re.match(r"(examples|tests)/", word) or (ROOT / word).exists(), word
         return
-    parsed = cli.build_parser().parse_args(words[1:])
+    parsed = PARSER.parse_args(words[1:])
     cli.chosen_options(parsed)
     if words[1] in CHEAP or "--write-config" in words:
         shutil.copytree(stand_ins, tmp_path, dirs_exist_ok=True)

@@ -13,6 +13,7 @@ from test_options import FLAGS, GROUPS, another
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World, write_session  # noqa: E402
 
+PARSER = cli.build_parser()
 CONFIGURED = [(g, n) for g, n in FLAGS if g in pipeline.OPTION_GROUPS]
 
 
@@ -23,7 +24,7 @@ def write(path, *flags):
 
 def options_of(*words) -> tuple[dict, int]:
     """Of a command line: the option objects, and the seed."""
-    arguments = cli.build_parser().parse_args(["reconstruct", "session", "-o", "out", *map(str, words)])
+    arguments = PARSER.parse_args(["reconstruct", "session", "-o", "out", *map(str, words)])
     job = cli.make_job(arguments, arguments.session)
     return {group: plain(options) for group, options in job.options.items()}, job.seed
 
