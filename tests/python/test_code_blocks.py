@@ -193,15 +193,14 @@ STAGES = f"""{ACTOR}, const doublet::Segmentation &segmentation, const doublet::
     const doublet::Observations &observations, const doublet::BodyFit &body,
     const std::vector<doublet::TaperedCapsule> &proxies"""
 VALUES = "doublet/core/garment.h doublet/core/stage_values.h"
-#: Page -> headers beside those that a block includes itself; arguments of the function that stands around it, for each block.
+#: Page -> headers beside those that a block includes itself; arguments of the function around it, for each block. Others stand
+#: alone.
 PROLOGUES = {
     "README.md": ("", ["const Vertices &rest, const Faces &faces, const std::vector<Capsule> &legs"]),
-    "animation.md": ("", [""]),
     "body-model.md": (
         "doublet/bodymodel/proxies.h",
         [f"{ACTOR}, const doublet::Segmentation &clothness, const std::map<std::string, Eigen::Vector3d> &landmarks"],
     ),
-    "capture-template.md": ("", [""]),
     "capture-tracking.md": ("doublet/capture/performance_capture.h", [ACTOR, ACTOR]),
     "cloth.md": (
         "iostream doublet/pbd/cloth_solver.h doublet/animate/animator.h",
@@ -234,20 +233,20 @@ PROLOGUES = {
         ],
     ),
     "segmentation.md": ("doublet/core/stage_values.h doublet/core/skinning.h", [STAGES]),
-    "swap.md": ("iostream", [""]),
+    "swap.md": ("iostream", []),
 }
 
 
 def translation_unit(block: Block) -> str:
     """The block, its statements inside a function."""
-    headers, arguments = PROLOGUES[block.page]
+    headers, arguments = PROLOGUES.get(block.page, ("", []))
     place = [b.line for b in BLOCKS if (b.page, b.language) == (block.page, "cpp")].index(block.line)
     outside = re.findall(r"^#include [^\n]*$|^using namespace [^\n]*$|^class .*?^};$", block.text, re.DOTALL | re.MULTILINE)
     body = block.text
     for piece in outside:
         body = body.replace(piece, "")
     includes = [f"#include <{name}>" for name in headers.split()]
-    return "\n".join([*includes, *outside, f"void block({arguments[place]}) {{ {{", body, "} }"]) + "\n"
+    return "\n".join([*includes, *outside, f"void block({dict(enumerate(arguments)).get(place, '')}) {{ {{", body, "} }"]) + "\n"
 
 
 def compiled(block: Block) -> str:
