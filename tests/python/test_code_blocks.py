@@ -108,6 +108,7 @@ def stand_ins(tmp_path_factory):
     for name in ("check.png", "simulated.npz", "report.html", "fit_log.csv"):
         (folder / "out" / name).touch()
     person(World()).write(folder / "out" / "character.glb")
+    shutil.copy(folder / "out" / "character.glb", folder / "character.glb")
     shutil.copy(SESSION / "motion.bvh", folder / "some_dance.bvh")
     for name, made in {
         "colmap/sparse/0": "colmap_text", "Calib_scene.toml": "toml/Calib.toml", "session.qca.txt": "qualisys/session.qca.txt",
@@ -151,6 +152,7 @@ def names_of(page: str, world: World) -> dict:
             "doublet": d, "cma": cma, "optuna": optuna, "nevergrad": nevergrad, "simulator": world.simulator,
             "performance": world.performance, "observations": world.observations,
         },
+        "player.md": {"pose": np.zeros(len(d.Skeleton(d.Session(SESSION).joints).dof_names))},
         "studies.md": {"jobs": [], "study": study},
         "synthesis.md": {"character": world.character, "motion": world.motion, "rig": world.cameras},
     }.get(page, {})  # fmt: skip
@@ -224,6 +226,13 @@ PROLOGUES = {
     "material-estimation.md": (
         VALUES,
         [f"{STAGES}, const doublet::Segmentation &clothness, const doublet::Garment &garment"],
+    ),
+    "player.md": (
+        "",
+        [
+            "const Eigen::VectorXd &first_pose, const Eigen::VectorXd &pose, double seconds, bool running, "
+            "void (*draw)(const doublet::Vertices &, const doublet::Faces &)"
+        ],
     ),
     "scan.md": (
         "doublet/capture/session.h doublet/capture/template_builder.h",
