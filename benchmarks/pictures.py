@@ -3,6 +3,9 @@
 python benchmarks/pictures.py overview OUT MOTION -o docs/pictures/overview.jpg [--frame 72] [--camera 0] [--new 95 130]
 python benchmarks/pictures.py dance OUT --truth SESSION/ground_truth -o docs/pictures/dance.jpg [--frames 0 30 ...]
 python benchmarks/pictures.py captured OUT -o docs/pictures/own-footage.jpg [--frames 0 30 ...] [--cameras 0 2 ...]
+python benchmarks/pictures.py captured OUT -o docs/pictures/tracking.jpg --frames 20 55 88 115
+python benchmarks/pictures.py template OUT -o docs/pictures/template.png
+python benchmarks/pictures.py segmentation OUT -o docs/pictures/segmentation.jpg
 """
 
 from __future__ import annotations
@@ -117,10 +120,43 @@ def captured(chosen: argparse.Namespace) -> np.ndarray:
     return np.vstack([np.pad(row, ((0, 6), (0, width - row.shape[1]), (0, 0)), constant_values=255) for row in rows])
 
 
+def template(chosen: argparse.Namespace) -> np.ndarray:
+    """The template, red where the scan does not support it: whole, its hem, and from below."""
+    actor = d.read_actor(chosen.out / "actor.npz")
+    mesh, valid = actor.mesh, np.asarray(actor.face_valid, bool)
+    parts = [d.RenderMesh(mesh.vertices, mesh.faces[m], np.array(c)) for m, c in ((valid, (0.7,) * 3), (~valid, (0.8, 0.1, 0.1)))]
+    middle = mesh.vertices[mesh.faces[~valid]].mean(axis=(0, 1))  # the sheet under a hem, most of it
+    size = HEIGHT // 2
+    cameras = [picture.around(mesh.vertices, 0.0, size)]
+    cameras += [d.orbit_camera(middle, 0.5, 0.0, elevation, size, size) for elevation in (-0.15, -0.8)]
+    return np.hstack([picture.shade(parts, camera) for camera in cameras])
+
+
+def segmentation(chosen: argparse.Namespace) -> np.ndarray:
+    """In the scan pose, from the front and from behind: the deviation, from 0 (white) to 3 cm (red), and the clothness."""
+    actor = d.read_actor(chosen.out / "actor.npz")
+    found = d.read_segmentation(chosen.out / "segmentation.npz")
+    valid = actor.mesh.faces[np.asarray(actor.face_valid, bool)]
+    share = np.nan_to_num(np.clip(found.sigma / 0.03, 0, 1))[:, None]
+    deviation = (1 - share) * np.array([0.95, 0.95, 0.95]) + share * np.array([0.75, 0.1, 0.1])
+    panels = []
+    for colours in (deviation, picture.cloth_colours(found.clothness)):
+        for azimuth in (0.4, 0.4 + np.pi):
+            camera = picture.around(actor.mesh.vertices, azimuth, HEIGHT // 2)
+            panels.append(narrowed(picture.shade([d.RenderMesh(actor.mesh.vertices, valid, colours=colours)], camera), 0.8))
+    return np.hstack(panels)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(required=True)
-    for name, make in (("overview", overview), ("dance", dance), ("captured", captured)):
+    for name, make in (
+        ("overview", overview),
+        ("dance", dance),
+        ("captured", captured),
+        ("template", template),
+        ("segmentation", segmentation),
+    ):
         command = commands.add_parser(name)
         command.add_argument("out", type=Path, metavar="OUT")
         command.add_argument("-o", "--picture", type=Path, required=True, metavar="FILE.jpg")
@@ -133,7 +169,7 @@ def main() -> None:
         elif name == "captured":
             command.add_argument("--frames", type=int, nargs="+", default=[0, 30, 55, 75, 95, 118], metavar="N", help="rows")
             command.add_argument("--cameras", type=int, nargs="+", default=[0, 2, 5, 1, 3, 7], metavar="N", help="in turn")
-        else:
+        elif name == "dance":
             command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
             default = [0, 30, 60, 90, 108, 120, 150, 170]
             command.add_argument("--frames", type=int, nargs="+", default=default, metavar="N", help="video frames")

@@ -13,24 +13,33 @@ mkdir -p build
 
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
 "$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
-  cma optuna nevergrad distributed
+  cma optuna nevergrad distributed 'sphinx>=7' 'myst-parser>=2' 'breathe>=4.35' furo nbclient ipykernel mypy vermin cffconvert
 [ -d "$node/node_modules/gltf-validator" ] || npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10
 
 echo "== style"
 "$venv/bin/ruff" check .
 "$venv/bin/ruff" format --check .
+"$venv/bin/vermin" -q -t=3.9- --no-tips --exclude file bindings/python examples tests docs scripts # what Python 3.9 has; file: no built-in of ours
+"$venv/bin/cffconvert" --validate >/dev/null
 git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
 
 echo "== build (warnings are errors)"
 # One build folder for the package and for ctest. Without isolation its paths stay the same from run to run. Four sources at a
 # time: half the work.
-CC=cc CXX=c++ "$venv/bin/pip" install -q --disable-pip-version-check --no-build-isolation . \
+rm -rf build/wheel
+CC=cc CXX=c++ "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w build/wheel . \
   --config-settings=build-dir="$build" \
   --config-settings=cmake.define.DOUBLET_BUILD_TESTS=ON --config-settings=cmake.define.DOUBLET_BUILD_EXAMPLES=ON --config-settings=cmake.define.DOUBLET_BUILD_BENCHMARKS=ON \
   --config-settings=cmake.define.DOUBLET_WERROR=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=4
 
+"$venv/bin/pip" install -q --disable-pip-version-check build/wheel/doublet-*.whl
+"$venv/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps build/wheel/doublet-*.whl
+
 echo "== ctest"
 ctest --test-dir "$build" --output-on-failure --no-tests=error -LE slow -j "$(nproc)"
 
+echo "== documentation (warnings are errors)"
+scripts/build-docs.sh "$venv/bin/python"
+
 echo "== pytest"
-PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" "$venv/bin/python" -m pytest "$@"
+PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest "$@"

@@ -13,9 +13,13 @@ from functools import partial
 from pathlib import Path
 
 import doublet as d
+import nbformat
 import numpy as np
 import pytest
 from conftest import doublet
+from doublet import pipeline
+from nbclient import NotebookClient
+from PIL import Image
 
 FIRST, COUNT = 0, 96  # from the scan pose on, as far as the skirt swings
 OPTIONS = [
@@ -288,3 +292,38 @@ def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
         assert done.returncode == 0, done.stderr
         runs.append(json.loads((out / "material.json").read_text())["regions"])
     assert runs[0] == runs[1]
+
+
+PICTURES = {
+    "overview": ["{motion}", "--frame", 72, "--new", 76],
+    "dance": ["--truth", "{truth}", "--frames", 0, 80],
+    "captured": ["--frames", 20, 88],
+    "template": [],
+    "segmentation": [],
+}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_pictures_of_the_pages_are_drawn(made, shipped, tmp_path, name):
+    """By the script that drew them (docs/pictures)."""
+    more = [str(a).format(motion=shipped / "motion.bvh", truth=shipped / "ground_truth") for a in PICTURES[name]]
+    file = tmp_path / "picture.png"
+    command = [sys.executable, ROOT / "benchmarks" / "pictures.py", name, made[0], *more, "-o", file]
+    subprocess.run([str(c) for c in command], check=True, timeout=300)
+    with Image.open(file) as picture:
+        assert min(picture.size) >= 300 and len(picture.convert("RGB").getcolors(1 << 24)) > 200
+
+
+def test_the_notebook_runs(made, shipped, tmp_path, monkeypatch):
+    """On these results, which are of its options: nothing is computed again but what it shows."""
+    path = ROOT / "examples" / "pipeline.ipynb"
+    notebook = nbformat.read(path, as_version=4)
+    assert not any(cell.get("outputs") or cell.get("execution_count") for cell in notebook.cells), "strip its outputs"
+    shutil.copytree(made[0], tmp_path / "out")
+    monkeypatch.setenv("DOUBLET_OUT", str(tmp_path / "out"))
+    cells = NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(path.parent)}}).execute().cells
+    outputs = [output for cell in cells for output in cell.get("outputs", [])]
+    said = "".join(output.get("text", "") for output in outputs)
+    assert "running" not in said and said.count("up to date") == len(pipeline.STAGES), said
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 7
+    assert "joint_mm" in said

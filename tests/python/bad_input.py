@@ -413,7 +413,7 @@ spoilt_by(
 spoilt_by(
     "Calibration",
     import_of("qualisys/session.qca.txt"),
-    XML_with_a_syntax_error=text("calibrations/qualisys/session.qca.txt", ("</cameras>", "")),
+    XML_with_a_syntax_error=content("calibrations/qualisys/session.qca.txt", "<calibration>\n<cameras>\n</calibration>\n"),
     a_word_for_a_focal_length=text("calibrations/qualisys/session.qca.txt", ('focalLengthU="', 'focalLengthU="long')),
     Qualisys_without_a_pose=text("calibrations/qualisys/session.qca.txt", ("<transform", "<transformation")),
 )
@@ -563,6 +563,25 @@ spoilt_by(
     "Options",
     "synthesize c.glb --motion walk.bvh -o new --material k_colour=1",
     a_material_parameter_that_is_not_there=lambda folder: None,
+)
+CONFIGURED = RECONSTRUCT + " --config mine.toml"
+spoilt_by(
+    "Options",
+    CONFIGURED,
+    a_file_of_options_that_is_missing=lambda folder: None,
+    a_file_of_options_with_a_syntax_error=content("mine.toml", "[segment\ndiffusion = 0.03\n"),
+    a_file_of_options_of_100000_levels=content("mine.toml", "a = " + "[" * 100000),
+    a_file_of_options_that_is_no_text=content("mine.toml", bytes(range(128, 256))),
+    a_group_of_options_that_is_not_there=content("mine.toml", "[sigment]\ndiffusion = 0.03\n"),
+    a_key_that_is_not_there=content("mine.toml", "[segment]\ndifusion = 0.03\n"),
+    a_text_for_a_number=content("mine.toml", '[segment]\ndiffusion = "0.03"\n'),
+    a_fraction_for_a_whole_number=content("mine.toml", "[fit]\nmax_evaluations = 1.5\n"),
+    a_number_beyond_its_bounds=content("mine.toml", "[segment]\ndiffusion = -1\n"),
+    a_word_for_a_number_in_a_list=content("mine.toml", '[trial]\nspreads = [0.1, "wide"]\n'),
+    a_material_parameter_of_another_name=content("mine.toml", "[space.fixed]\nk_colour = 1\n"),
+    an_option_that_the_session_sets=content("mine.toml", "[energy]\ndt = 0.1\n"),
+    a_seed_below_0=content("mine.toml", "seed = -1\n"),
+    a_number_for_a_group=content("mine.toml", "segment = 3\n"),
 )
 spoilt_by("Options", "evaluate out --truth truth", a_ground_truth_that_is_missing=lambda folder: None)
 spoilt_by("Options", "render out", a_command_that_is_not_there=lambda folder: None)

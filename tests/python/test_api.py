@@ -47,6 +47,14 @@ def test_a_change_needs_a_line_in_the_changelog(api, tmp_path, monkeypatch, caps
     assert api.main([]) == 0 and api.main(["--check"]) == 0
 
 
-def test_the_version_is_one(api):
-    text = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
-    assert f"VERSION {d.__version__} " in text
+PLACES = {
+    "CMakeLists.txt": " VERSION {} ",
+    "pyproject.toml": 'version = "{}"',
+    "CITATION.cff": "version: {}",
+    "packaging/conda/meta.yaml": 'version = "{}"',
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_the_version_is_one(place):
+    assert PLACES[place].format(d.__version__) in (ROOT / place).read_text(encoding="utf-8")

@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -32,8 +33,13 @@ def build(source: Path, folder: Path, *definitions) -> Path:
 
 @pytest.fixture(scope="session")
 def installed(build_dir, tmp_path_factory):
-    prefix = tmp_path_factory.mktemp("prefix")
-    run("cmake", "--install", build_dir, "--component", "development", "--prefix", prefix)
+    """Installed, and then moved to another place: nothing may know where it was."""
+    first, prefix = tmp_path_factory.mktemp("first") / "prefix", tmp_path_factory.mktemp("moved") / "to here"
+    run("cmake", "--install", build_dir, "--component", "development", "--prefix", first)
+    first.rename(prefix)
+    for path in prefix.rglob("*.cmake"):
+        text = path.read_text(encoding="utf-8")
+        assert str(first) not in text and str(build_dir) not in text and str(ROOT) not in text, path
     return prefix
 
 
@@ -53,6 +59,41 @@ def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
     run(program.with_name("mass_spring"))
     libraries = run("ldd", program)
     assert not any(name in libraries for name in ("opencv", "Open3D", "embree", "flann", "tinygltf"))
+
+
+ROOMS = ("core", "rays", "files", "capture", "segment", "bodymodel", "pbd", "simulate", "animate", "fit")
+COMPONENT = """cmake_minimum_required(VERSION 3.25)
+project(alone LANGUAGES CXX)
+find_package(doublet REQUIRED COMPONENTS {room})
+add_executable(consumer main.cpp)
+target_link_libraries(consumer PRIVATE "$<LINK_LIBRARY:WHOLE_ARCHIVE,doublet::{room}>") # every symbol that it needs
+"""
+
+
+@pytest.fixture(scope="module")
+def alone(installed, tmp_path_factory):
+    """Room -> what its component says, asked for alone: the complaint, or nothing. Two at a time."""
+
+    def built(room: str) -> str:
+        folder = tmp_path_factory.mktemp(room)
+        headers = sorted((installed / "include" / "doublet" / room).glob("*.h"))
+        lines = [*(f"#include <doublet/{room}/{header.name}>" for header in headers), "int main() {}"]
+        (folder / "main.cpp").write_text("\n".join(lines) + "\n")
+        (folder / "CMakeLists.txt").write_text(COMPONENT.format(room=room))
+        try:
+            run(build(folder, folder / "build", f"-DCMAKE_PREFIX_PATH={installed}", "-DCMAKE_CXX_FLAGS=-O0 -Wall -Werror"))
+        except AssertionError as error:
+            return str(error)
+        return ""
+
+    with ThreadPoolExecutor(2) as pool:
+        return dict(zip(ROOMS, pool.map(built, ROOMS)))
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_each_component_alone(alone, room):
+    """Its headers compile, and a program links, with what the component itself brings."""
+    assert alone[room] == ""
 
 
 def test_inside_the_tree_of_another_project(build_dir, tmp_path):

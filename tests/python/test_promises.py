@@ -1,4 +1,4 @@
-"""What README, docs and help promise."""
+"""What README, docs and help promise; their code blocks are in test_code_blocks.py."""
 
 import importlib
 import inspect
@@ -24,15 +24,6 @@ from seeds import World, write_fit, write_session  # noqa: E402
 @pytest.fixture(scope="module")
 def world():
     return World()
-
-
-def test_the_readmes_snippet_runs(world, tmp_path, monkeypatch):
-    (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    d.write_actor(tmp_path / "out" / "mine" / "actor.npz", world.actor)
-    d.write_performance(tmp_path / "out" / "mine" / "performance.npz", world.performance)
-    monkeypatch.chdir(tmp_path)
-    exec(compile(snippet, "README.md", "exec"), {"__name__": "snippet"})
-    assert d.read_segmentation(tmp_path / "out" / "mine" / "segmentation.npz").clothness.max() == 1
 
 
 def bound_callables():
@@ -183,3 +174,10 @@ def test_a_fit_log_of_another_kind_is_refused(tmp_path, damaged):
     (tmp_path / "out" / "fit_log.csv").write_bytes(damaged.encode("latin-1"))
     with pytest.raises(RuntimeError, match=r"fit_log\.csv: expected what the stage 'fit' writes"):
         sections(tmp_path / "out")
+
+
+@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_links_lead_somewhere(page):
+    """Those of docs/ are scripts/build-docs.sh's business."""
+    links = re.findall(r"\]\(([^)#:]+)[^)]*\)", (ROOT / page).read_text(encoding="utf-8"))
+    assert links and [link for link in links if not (ROOT / link).exists()] == []

@@ -27,7 +27,7 @@ class Person:
         c, n = np.cos(yaw), np.sin(yaw)
         self.turn, self.move = np.array([[c, 0, n], [0, 1, 0], [-n, 0, c]]), np.array([0.2, 0.9, -0.3])
         self.mesh = d.Mesh(self.world(model.vertices(s)), model.faces)
-        self.joints = dict(zip(model.joint_names, self.world(model.joints(s)[0]), strict=True))
+        self.joints = dict(zip(model.joint_names, self.world(model.joints(s)[0])))
         self.joints["chest"] = (self.joints["chest"] + self.joints["neck"]) / 2  # where the clavicles part
         self.joints["spine"] = self.joints["spine2"]
 

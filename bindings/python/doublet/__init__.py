@@ -11,7 +11,7 @@ from pathlib import Path
 
 from . import _doublet
 from ._doublet import *  # noqa: F403
-from ._doublet import __version__
+from ._doublet import __version__ as __version__
 
 __all__ = [name for name in dir(_doublet) if not name.startswith("_")] + ["__version__", "body_model_path"]
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import __version__, body_model_path, import_calibration, new_session, pipeline
+from . import __version__, body_model_path, config, import_calibration, new_session, pipeline
 from . import _doublet as d
 from .console import Console
 from .plausible import DOUBTFUL
@@ -46,6 +46,39 @@ def stopped_by_signals():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
+#: What `reconstruct --help` shows of the options; --help-all shows them all.
+USUAL = (
+    "capture.first_frame", "capture.frame_count", "segment.rigid_threshold", "segment.cloth_threshold", "garment.vertices",
+    "trial.spreads", "fit.max_evaluations",
+)  # fmt: skip
+
+
+class HelpAll(argparse.Action):
+    """Shows the help of the flags that --help leaves out, too."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        for action, text in self.const:
+            action.help = text
+        for group in parser._action_groups:
+            group.description = getattr(group, "whole_description", group.description)
+        parser.print_help()
+        parser.exit()
+
+
+def shorten_help(parser: argparse.ArgumentParser, shown) -> None:
+    """Leaves --help with the options that `shown` names, and adds --help-all."""
+    left_out = []
+    for group in parser._action_groups:
+        options = [action for action in group._group_actions if "." in action.dest]
+        hidden = [action for action in options if action.dest not in shown]
+        left_out += [(action, action.help) for action in hidden]
+        for action in hidden:
+            action.help = argparse.SUPPRESS
+        if options and len(hidden) == len(options):
+            group.whole_description, group.description = group.description, argparse.SUPPRESS
+    parser.add_argument("--help-all", action=HelpAll, nargs=0, const=left_out, help="show every option of every stage, and exit")
+
+
 def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
     """`--GROUP-FIELD` for every field of the option classes, with its meaning, range and default."""
     for group, options_class in groups.items():
@@ -54,24 +87,25 @@ def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
         for name, default in options_class().to_dict().items():
             if pipeline.is_derived(group, name, default):
                 continue
-            flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": flag_help(described[name], default)}
+            text = in_words(described[name], default).replace("%", "%%")
+            flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": text}
             if isinstance(default, bool):
                 flag["action"] = argparse.BooleanOptionalAction
             elif pipeline.takes_pairs(default):
                 flag["nargs"], flag["metavar"] = "+", "NAME=X"
             elif isinstance(default, (list, np.ndarray)):
                 flag["nargs"] = len(default) if isinstance(default, np.ndarray) else "*"
-                flag["type"] = number if "lower" in described[name] else str
+                flag["type"], flag["metavar"] = (number, "X") if "lower" in described[name] else (str, "NAME")
             else:
                 flag["type"] = type(default)
                 flag["metavar"] = "N" if isinstance(default, int) else "X"
             flags.add_argument(f"--{group}-{name.replace('_', '-')}", **flag)
 
 
-def flag_help(described: dict, default) -> str:
+def in_words(described: dict, default) -> str:
+    """What an option is: meaning, bounds, unit, default."""
     takes = " ".join(t for t in (described["takes"], described["unit"]) if t)
-    text = described["meaning"] + (f"; {takes}" if takes else "") + f" (default: {shown(default)})"
-    return text.replace("%", "%%")
+    return described["meaning"] + (f"; {takes}" if takes else "") + f" (default: {shown(default)})"
 
 
 def number(text: str) -> int | float:
@@ -105,6 +139,7 @@ def make_console(arguments: argparse.Namespace) -> Console:
 
 
 def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
+    config.complete(arguments)
     return pipeline.Job(
         session_folder=session,
         out=arguments.out,
@@ -113,6 +148,7 @@ def make_job(arguments: argparse.Namespace, session: Path) -> pipeline.Job:
         body_model=getattr(arguments, "body_model", None) or body_model_path(),
         console=make_console(arguments),
         keep_going=arguments.keep_going,
+        config=arguments.config,
     )
 
 
@@ -121,6 +157,13 @@ def exit_status(job: pipeline.Job) -> int:
 
 
 def run_reconstruct(arguments) -> int:
+    if arguments.write_config:
+        config.complete(arguments)
+        config.write(arguments.write_config, chosen_options(arguments), arguments.seed, arguments.body_model, in_words)
+        print(arguments.write_config)
+        return 0
+    if not (arguments.session and arguments.out):
+        arguments.usage_error("the following arguments are required: SESSION, -o/--out")
     job = make_job(arguments, arguments.session)
     pipeline.reconstruct(job, arguments.force)
     print(job.path("report.html"))
@@ -279,12 +322,15 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
     reconstruct = commands.add_parser("reconstruct", help="a capture session -> an animatable character and a report")
-    reconstruct.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json")
-    reconstruct.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results; an earlier run goes on"
-    )
+    reconstruct.add_argument("session", type=Path, nargs="?", metavar="SESSION", help="folder with session.json")
+    reconstruct.add_argument("-o", "--out", type=Path, metavar="OUT", help="folder of the results; an earlier run goes on")
+    text = "write every option with its value, unit and bounds to a file for --config, and run nothing"
+    reconstruct.add_argument("--write-config", type=Path, metavar="FILE", help=text)
     add_stage_flags(reconstruct, pipeline.OPTION_GROUPS, with_body_model=True)
-    reconstruct.set_defaults(run=run_reconstruct)
+    shorten_help(reconstruct, USUAL)
+    usage = "doublet reconstruct SESSION -o OUT [options]\n       doublet reconstruct --write-config FILE [options]"
+    reconstruct.usage = usage
+    reconstruct.set_defaults(run=run_reconstruct, usage_error=reconstruct.error)
 
     for name, (stages, text) in STAGE_COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
@@ -315,9 +361,11 @@ def build_parser() -> argparse.ArgumentParser:
 def add_stage_flags(parser, groups, with_body_model: bool) -> None:
     parser.add_argument("--force", action="store_true", help="run even if up to date, and overwrite files made elsewhere")
     parser.add_argument("--keep-going", action="store_true", help="go on with a result that cannot be true")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="options from a TOML file; flags beat it")
     if with_body_model:
         parser.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(parser)
+    parser.set_defaults(seed=None)  # 1, unless the file of --config has another
     add_option_flags(parser, groups)
 
 

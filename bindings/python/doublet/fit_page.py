@@ -100,21 +100,16 @@ def listed(names: list[str]) -> str:
 
 def drawing(rows: int, height: float):
     """A figure with `rows` axes below each other, without a display."""
-    import matplotlib
+    from matplotlib.figure import Figure  # not pyplot: whoever calls us may draw with it, in a window or a notebook
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    return pyplot.subplots(rows, 1, figsize=(8, height), sharex=True, squeeze=False)
+    chart = Figure(figsize=(8, height))
+    return chart, chart.subplots(rows, 1, sharex=True, squeeze=False)
 
 
 def svg(chart) -> str:
-    from matplotlib import pyplot
-
     chart.tight_layout()
     buffer = io.StringIO()
     chart.savefig(buffer, format="svg", metadata={"Date": None})
-    pyplot.close(chart)
     text = buffer.getvalue()
     return text[text.index("<svg") :]
 

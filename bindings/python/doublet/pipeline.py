@@ -90,6 +90,7 @@ class Job:
     console: Console = field(default_factory=Console)
     fps: float | None = None  # of the videos; None = as the session says
     keep_going: bool = False  # past a result that cannot be true
+    config: Path | None = None  # the file that options are from, for the record
     stages: tuple[Stage, ...] = field(default_factory=lambda: STAGES)  # see with_stage
     doubts: list[Finding] = field(default_factory=list)  # what the stages that were asked for found doubtful
 
@@ -605,6 +606,7 @@ def start_record(job: Job, scanned: bool = True) -> None:
     job.record.data["session"] = str(job.session.folder)
     job.record.data["seed"] = job.seed
     job.record.data["threads"] = job.console.threads
+    job.record.data["config"] = {"file": str(job.config), "hash": job.record.hash(job.config)} if job.config else None
     job.record.save()
 
 

@@ -1,0 +1,169 @@
+"""Objects of Python inside of calls of C++: collected neither too early nor never, called from several threads; log and bars."""
+
+import gc
+import io
+import logging
+import sys
+import weakref
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet.console import Console
+from tqdm import tqdm
+
+sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
+from seeds import World  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def world():
+    return World()
+
+
+class Collecting(d.ClothSolver):
+    """Ours, by way of Python; collects garbage in the middle of a step."""
+
+    def __init__(self, model):
+        super().__init__(model)
+        self.inner = d.ClothSolver.create(model)
+
+    def advance(self, states, inputs, materials, threads):
+        gc.collect()
+        return self.inner.step_each(states, inputs, materials, threads)
+
+
+def played(world, make_solver) -> np.ndarray:
+    """Of a simulator whose solvers nobody in Python holds."""
+    simulator = d.CharacterSimulator(world.actor, world.segmentation, world.proxies, make_solver=make_solver)
+    gc.collect()
+    frames = [simulator.pose(dofs) for dofs in world.dofs]
+    state = simulator.start(frames[0])
+    for before, after in zip(frames, frames[1:]):
+        simulator.step(state, before, after, [d.Material()], 0.025)
+    return np.array(simulator.surface(state, frames[-1]))
+
+
+def test_solvers_live_as_long_as_what_calls_them(world):
+    made = []
+
+    def make(model):
+        solver = Collecting(model)
+        made.append(weakref.ref(solver))
+        return solver
+
+    np.testing.assert_array_equal(played(world, make), played(world, None))
+    gc.collect()
+    assert made and all(solver() is None for solver in made)
+
+
+def test_subclasses_from_several_threads(world):
+    expected = played(world, None)
+    with ThreadPoolExecutor(4) as pool:
+        for surface in pool.map(lambda _: played(world, Collecting), range(8)):
+            np.testing.assert_array_equal(surface, expected)
+
+
+class Below(d.ClothSegmenter):
+    def segment(self, sequence, face_valid, context):
+        gc.collect()
+        context.report("below", 0.5)
+        context.say("below: looked")
+        cloth = (sequence.frames[0][:, 1] < 1.0).astype(float)
+        return d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+
+
+def segmented(world, segmenter, context=None):
+    options = d.FullnessOptions(estimate=False)
+    return d.segment_performance(world.actor, world.performance, segmenter, options, context or d.Context())
+
+
+def test_one_segmenter_in_several_threads(world):
+    """While another thread collects garbage all the time."""
+    expected, segmenter = segmented(world, Below()).clothness, Below()
+    with ThreadPoolExecutor(5) as pool:
+        collecting = pool.submit(lambda: [gc.collect() for _ in range(50)])
+        for found in pool.map(lambda _: segmented(world, segmenter), range(16)):
+            np.testing.assert_array_equal(found.clothness, expected)
+        assert len(collecting.result()) == 50
+
+
+class Bowl(d.Objective):
+    def parameter_count(self):
+        return 2
+
+    def evaluate(self, samples, context):
+        gc.collect()
+        return np.square(samples - 0.7).sum(axis=1, keepdims=True)
+
+
+def test_optimisers_made_on_the_way():
+    made = []
+
+    def make(dimension, seed):
+        optimizer = d.create_cma_es(dimension, d.CmaEsOptions(max_evaluations=32, seed=seed))
+        made.append(1)
+        return optimizer
+
+    options = d.MinimiseOptions()
+    options.make_optimizer = make
+    del make
+    gc.collect()
+    found = d.minimise(Bowl(), options)
+    assert made and found.parts[0].best_energy < 0.1
+
+
+class Corners(d.FeatureTracker):
+    def detect(self, image, mask):
+        return d.Features(np.zeros((0, 2), np.float32), np.zeros((0, 1)))
+
+    def match(self, previous, current, reach):
+        return []
+
+
+def test_parts_live_as_long_as_the_capture():
+    tracker = Corners()
+    seen = weakref.ref(tracker)
+    capture = d.PerformanceCapture.create(d.CaptureOptions(), d.CaptureParts(features=tracker))
+    del tracker
+    gc.collect()
+    assert seen() is not None
+    del capture
+    gc.collect()
+    assert seen() is None
+
+
+def test_arrays_outlive_their_owner(world):
+    mesh = d.Mesh(world.mesh.vertices, world.mesh.faces)
+    vertices, expected = mesh.vertices, np.array(mesh.vertices)
+    del mesh
+    gc.collect()
+    np.testing.assert_array_equal(vertices, expected)
+
+
+def test_the_log_goes_to_logging_and_progress_to_a_bar(world, caplog):
+    caplog.set_level(logging.INFO, logger="doublet")
+    shown = io.StringIO()
+    with tqdm(total=1.0, file=shown) as bar:
+        progress = lambda stage, fraction: bar.update(fraction - bar.n)  # noqa: E731
+        segmented(world, Below(), d.Context(progress=progress, log=logging.getLogger("doublet").info))
+        assert bar.n == 0.5
+    assert [(r.name, r.message) for r in caplog.records] == [("doublet", "below: looked")]
+    assert "50%" in shown.getvalue()
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_the_commands_bars(world):
+    """On a terminal a bar that goes when it is done, elsewhere lines."""
+    for stream, bar in ((Terminal(), True), (io.StringIO(), False)):
+        console = Console(stream=stream, verbose=True)
+        segmented(world, Below(), console.context())
+        console.finish()
+        assert ("below: looked" in stream.getvalue()) and ("|" in stream.getvalue()) == bar
+        assert ("below: 50 % after" in stream.getvalue()) != bar
