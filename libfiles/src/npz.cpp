@@ -22,6 +22,7 @@ static_assert(std::endian::native == std::endian::little, "raw array data is lit
 namespace {
 
 constexpr const char *kFormatName = "format";
+constexpr std::uint64_t kMostExpansion = 1100; // of deflate: 1032, https://zlib.net/zlib_tech.html
 
 using Bytes = std::vector<std::uint8_t>;
 using Shape = std::vector<std::int64_t>;
@@ -244,8 +245,9 @@ Zip open_zip(const std::filesystem::path &path) {
   return Zip(zip, &zip_discard);
 }
 
-/// Unpacks one member piece by piece: the size written in the archive is not to be trusted with an allocation.
-Bytes unpack(zip_t *zip, zip_uint64_t index, const std::string &where) {
+/// Unpacks one member piece by piece: the size written in the archive is not to be trusted with an allocation. `room`: bytes that
+/// all members together may still have; many can name the same packed bytes.
+Bytes unpack(zip_t *zip, zip_uint64_t index, std::uint64_t &room, const std::string &where) {
   const ZipFile file(zip_fopen_index(zip, index, 0), &zip_fclose);
   if (!file)
     throw Error(where + ": cannot be unpacked: " + zip_strerror(zip));
@@ -258,6 +260,9 @@ Bytes unpack(zip_t *zip, zip_uint64_t index, const std::string &where) {
     if (n < 0)
       throw Error(where + ": the data is damaged or truncated: " + zip_file_strerror(file.get()));
     data.resize(filled + static_cast<std::size_t>(n));
+    if (static_cast<std::uint64_t>(n) > room)
+      throw Error(where + ": expected no more than deflate can pack into a file of this size, found more");
+    room -= static_cast<std::uint64_t>(n);
     if (n == 0)
       return data;
   }
@@ -379,6 +384,7 @@ Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> 
   const Zip zip = open_zip(path);
   Npz npz;
   npz.source = path.string();
+  std::uint64_t room = kMostExpansion * std::filesystem::file_size(path);
   const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
   for (zip_int64_t i = 0; i < count; ++i) {
     const char *raw = zip_get_name(zip.get(), i, 0);
@@ -390,7 +396,7 @@ Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> 
     if (!is_wanted && name != kFormatName)
       continue;
     const std::string where = npz.source + ": array '" + name + "'";
-    npz.arrays[name] = NpyParser(unpack(zip.get(), i, where), where).parse();
+    npz.arrays[name] = NpyParser(unpack(zip.get(), i, room, where), where).parse();
   }
   if (newest_format < INT_MAX && npz.has(kFormatName)) {
     npz.require_shape(kFormatName, {1});
