@@ -113,7 +113,8 @@ def svg(chart) -> str:
 
     chart.tight_layout()
     buffer = io.StringIO()
-    chart.savefig(buffer, format="svg", metadata={"Date": None})
+    with pyplot.rc_context({"svg.hashsalt": "doublet"}):  # the same chart makes the same bytes
+        chart.savefig(buffer, format="svg", metadata={"Date": None})
     pyplot.close(chart)
     text = buffer.getvalue()
     return text[text.index("<svg") :]
