@@ -15,6 +15,6 @@ DOUBLET_HARNESS(calibration) {
     fuzz::put("calibration/" + name, content);
   for (const auto &[name, content] : files)
     if (kAlone.count(name))
-      fuzz::expect_read_or_refused([&] { read_calibration(fuzz::folder() / "calibration" / name); });
+      fuzz::expect_read_or_refused([&name = name] { read_calibration(fuzz::folder() / "calibration" / name); });
   fuzz::expect_read_or_refused([] { read_calibration(fuzz::folder() / "calibration"); });
 }
