@@ -251,12 +251,15 @@ Bytes unpack(zip_t *zip, zip_uint64_t index, std::uint64_t &room, const std::str
   const ZipFile file(zip_fopen_index(zip, index, 0), &zip_fclose);
   if (!file)
     throw Error(where + ": cannot be unpacked: " + zip_strerror(zip));
+  zip_stat_t stated;
+  zip_stat_init(&stated);
+  zip_stat_index(zip, index, 0, &stated);
+  const auto piece = static_cast<std::size_t>(std::clamp<zip_uint64_t>(stated.size, 1 << 10, (1 << 20) - 1) + 1);
   Bytes data;
   for (;;) {
-    constexpr std::size_t kPiece = 1 << 20;
     const std::size_t filled = data.size();
-    data.resize(filled + kPiece);
-    const zip_int64_t n = zip_fread(file.get(), data.data() + filled, kPiece);
+    data.resize(filled + piece);
+    const zip_int64_t n = zip_fread(file.get(), data.data() + filled, piece);
     if (n < 0)
       throw Error(where + ": the data is damaged or truncated: " + zip_file_strerror(file.get()));
     data.resize(filled + static_cast<std::size_t>(n));
