@@ -20,18 +20,18 @@ using Harness = void (*)(std::string_view input);
 
 #ifdef DOUBLET_LIBFUZZER
 #define DOUBLET_HARNESS(name)                                                                                                    \
-  static void read_##name(std::string_view input);                                                                               \
+  static void fuzz_##name(std::string_view input);                                                                               \
   extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *data, std::size_t size) {                                            \
-    read_##name({reinterpret_cast<const char *>(data), size});                                                                   \
+    fuzz_##name({reinterpret_cast<const char *>(data), size});                                                                   \
     return 0;                                                                                                                    \
   }                                                                                                                              \
-  static void read_##name(std::string_view input)
+  static void fuzz_##name(std::string_view input)
 #else
 std::map<std::string, Harness> &harnesses();
 #define DOUBLET_HARNESS(name)                                                                                                    \
-  static void read_##name(std::string_view input);                                                                               \
-  static const bool added_##name = harnesses().emplace(#name, &read_##name).second;                                              \
-  static void read_##name(std::string_view input)
+  static void fuzz_##name(std::string_view input);                                                                               \
+  static const bool added_##name = doublet::fuzz::harnesses().emplace(#name, &fuzz_##name).second;                               \
+  static void fuzz_##name(std::string_view input)
 #endif
 
 /// Where this process keeps the files that are read; run.sh has TMPDIR in memory, and removes it.
@@ -75,9 +75,7 @@ template <class Read> void expect_read_or_refused(Read read) {
   try {
     read();
     return;
-  } catch (const Error &error) {
-    said = error.what();
-  } catch (const FileNotFound &error) {
+  } catch (const Error &error) { // FileNotFound, too
     said = error.what();
   } catch (const std::invalid_argument &error) {
     said = error.what();
