@@ -40,6 +40,18 @@ number of a signal that stopped it); in Python the same sentence is the text of 
 or `FileNotFoundError`. Nothing is left half written. `tests/python/test_bad_input.py` runs every row of this table;
 `python tests/python/bad_input.py` writes it.
 
+What stops `doublet reconstruct` while a stage runs leaves the stages before it, and where capture and search stood; the same
+command goes on from there, to the same bits in every file. `python tests/slow/every_stage.py` tries all of it at each of the ten
+stages ([how](fuzzing.md#stopped-at-every-stage)):
+
+| what happens meanwhile | sentence | status |
+| --- | --- | --- |
+| Ctrl-C, SIGTERM | doublet: stopped; what is complete stays, the same command goes on from there | 130, 143 |
+| SIGKILL, power cut | none | 137 |
+| the disk is full | doublet: out/segmentation.npz: cannot be written: No space left on device | 1 |
+| the disk is read-only | doublet: out/fit_checkpoint.txt: cannot be written: Read-only file system | 1 |
+| no memory is left (`ulimit -v`) | doublet: expected more memory than this process may have; what is complete stays, the same command goes on from there | 1 |
+
 | input | command | sentence | status |
 | --- | --- | --- | --- |
 """
