@@ -50,7 +50,8 @@ stages ([how](fuzzing.md#stopped-at-every-stage)):
 | SIGKILL, power cut | none | 137 |
 | the disk is full | doublet: out/segmentation.npz: cannot be written: No space left on device | 1 |
 | the disk is read-only | doublet: out/fit_checkpoint.txt: cannot be written: Read-only file system | 1 |
-| no memory is left (`ulimit -v`) | doublet: expected more memory than this process may have; what is complete stays, the same command goes on from there | 1 |
+| no memory is left (`ulimit -v`) | doublet: expected more memory than this process may have; \
+what is complete stays, the same command goes on from there | 1 |
 
 | input | command | sentence | status |
 | --- | --- | --- | --- |
