@@ -8,12 +8,12 @@ seconds=${1:?expected the seconds that each harness runs}
 shift
 
 scripts/apt-install.sh scripts/apt-packages.txt scripts/apt-packages-fuzz.txt
-cmake --preset fuzz >/dev/null
-cmake --build --preset fuzz
-
 if [ $# -eq 0 ]; then
-  for source in tests/fuzz/corpus/*/; do set -- "$@" "$(basename "$source")"; done
+  for corpus in tests/fuzz/corpus/*/; do set -- "$@" "$(basename "$corpus")"; done
 fi
+cmake --preset fuzz >/dev/null
+cmake --build --preset fuzz --target "${@/#/fuzz_}"
+
 memory=$(mktemp -d -p /dev/shm doublet-fuzz-XXXXXX)
 trap 'rm -rf "$memory"' EXIT
 export TMPDIR=$memory
