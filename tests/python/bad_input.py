@@ -41,8 +41,8 @@ or `FileNotFoundError`. Nothing is left half written. `tests/python/test_bad_inp
 `python tests/python/bad_input.py` writes it.
 
 What stops `doublet reconstruct` while a stage runs leaves the stages before it, and where capture and search stood; the same
-command goes on from there, to the same bits in every file. `python tests/slow/every_stage.py` tries all of it at each of the ten
-stages ([how](fuzzing.md#stopped-at-every-stage)):
+command goes on from there, to the same bits in every file. `python tests/slow/every_stage.py` tries all of it at each of the
+ten stages ([how](fuzzing.md#stopped-at-every-stage)):
 
 | what happens meanwhile | sentence | status |
 | --- | --- | --- |
