@@ -41,9 +41,10 @@ void read_intrinsics(const pugi::xml_node &node, const pugi::xml_node &view, Cal
   if (!(width >= 1 && width < 1e6 && height >= 1 && height < 1e6))
     throw Error(where + ": expected <fov_video> to span 1 to 1000000 pixels each way, found another size");
   set_size(camera, {static_cast<int>(width), static_cast<int>(height)});
-  camera.camera.K << get("focalLengthU") / kSubpixels, get("skew") / kSubpixels, get("centerPointU") / kSubpixels - left, //
-      0, get("focalLengthV") / kSubpixels, get("centerPointV") / kSubpixels - top,                                        //
-      0, 0, 1;
+  const double fx = get("focalLengthU") / kSubpixels, cx = get("centerPointU") / kSubpixels - left;
+  const double fy = get("focalLengthV") / kSubpixels, cy = get("centerPointV") / kSubpixels - top;
+  const double skew = get("skew") / kSubpixels;
+  camera.camera.K << fx, skew, cx, 0, fy, cy, 0, 0, 1; // all read: an Eigen that checks itself aborts where a list ends early
   set_distortion(camera,
                  {get("radialDistortion1"), get("radialDistortion2"), get("tangentalDistortion1"), get("tangentalDistortion2"),
                   get("radialDistortion3")},
@@ -53,9 +54,10 @@ void read_intrinsics(const pugi::xml_node &node, const pugi::xml_node &view, Cal
 /// The file has the camera's axes, x right, y up, z backward, row by row, and its place.
 void read_pose(const pugi::xml_node &node, Camera &camera, const std::string &where) {
   const auto get = [&](const char *name) { return number(node, name, where); };
-  Eigen::Matrix3d axes;
-  axes << get("r11"), get("r12"), get("r13"), get("r21"), get("r22"), get("r23"), get("r31"), get("r32"), get("r33");
-  camera.R = Eigen::Vector3d(1, -1, -1).asDiagonal() * axes;
+  std::vector<double> axes;
+  for (const char *name : {"r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33"})
+    axes.push_back(get(name));
+  camera.R = Eigen::Vector3d(1, -1, -1).asDiagonal() * matrix_from(axes);
   camera.t = -camera.R * Eigen::Vector3d(get("x"), get("y"), get("z"));
 }
 

@@ -32,8 +32,22 @@ std::string one_line(const std::string &text) {
   return line;
 }
 
+/// Without the middle of what is said behind the name of the file, if that is long: it quotes a file that holds anything.
+std::string shortened(const std::string &line) {
+  constexpr std::size_t kLongest = 400, kEnd = 100, kStart = kLongest - kEnd - 8;
+  const std::size_t said = line.find(": ") == std::string::npos ? 0 : line.find(": ");
+  if (line.size() - said <= kLongest)
+    return line;
+  const auto character = [&](std::size_t at) { // that `at` is in
+    while ((static_cast<unsigned char>(line[at]) & 0xC0) == 0x80)
+      --at;
+    return at;
+  };
+  return line.substr(0, character(said + kStart)) + " ... " + line.substr(character(line.size() - kEnd));
+}
+
 } // namespace
 
-Error::Error(const std::string &message) : std::runtime_error(one_line(message)) {}
+Error::Error(const std::string &message) : std::runtime_error(shortened(one_line(message))) {}
 
 } // namespace doublet

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 
 namespace doublet {
 
@@ -100,11 +99,13 @@ std::string read_text(const Path &path) {
   if (std::filesystem::is_directory(path))
     throw Error(path.string() + ": expected a file, found a folder");
   std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in)
+  // Not by way of a stringstream: without memory it ends the text early, and says nothing.
+  std::string text, piece(1 << 16, '\0');
+  while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())) || in.gcount() > 0)
+    text.append(piece, 0, static_cast<std::size_t>(in.gcount()));
+  if (in.bad() || !in.eof())
     throw Error(path.string() + ": cannot be read");
-  return text.str();
+  return text;
 }
 
 void require_shallow_json(std::string_view text, const std::string &source) {

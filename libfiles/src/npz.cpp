@@ -22,6 +22,7 @@ static_assert(std::endian::native == std::endian::little, "raw array data is lit
 namespace {
 
 constexpr const char *kFormatName = "format";
+constexpr std::uint64_t kMostExpansion = 1100; // of deflate: 1032, https://zlib.net/zlib_tech.html
 
 using Bytes = std::vector<std::uint8_t>;
 using Shape = std::vector<std::int64_t>;
@@ -244,20 +245,27 @@ Zip open_zip(const std::filesystem::path &path) {
   return Zip(zip, &zip_discard);
 }
 
-/// Unpacks one member piece by piece: the size written in the archive is not to be trusted with an allocation.
-Bytes unpack(zip_t *zip, zip_uint64_t index, const std::string &where) {
+/// Unpacks one member piece by piece: the size written in the archive is not to be trusted with an allocation. `room`: bytes that
+/// all members together may still have; many can name the same packed bytes.
+Bytes unpack(zip_t *zip, zip_uint64_t index, std::uint64_t &room, const std::string &where) {
   const ZipFile file(zip_fopen_index(zip, index, 0), &zip_fclose);
   if (!file)
     throw Error(where + ": cannot be unpacked: " + zip_strerror(zip));
+  zip_stat_t stated;
+  zip_stat_init(&stated);
+  zip_stat_index(zip, index, 0, &stated);
+  const auto piece = static_cast<std::size_t>(std::clamp<zip_uint64_t>(stated.size, 1 << 10, (1 << 20) - 1) + 1);
   Bytes data;
   for (;;) {
-    constexpr std::size_t kPiece = 1 << 20;
     const std::size_t filled = data.size();
-    data.resize(filled + kPiece);
-    const zip_int64_t n = zip_fread(file.get(), data.data() + filled, kPiece);
+    data.resize(filled + piece);
+    const zip_int64_t n = zip_fread(file.get(), data.data() + filled, piece);
     if (n < 0)
       throw Error(where + ": the data is damaged or truncated: " + zip_file_strerror(file.get()));
     data.resize(filled + static_cast<std::size_t>(n));
+    if (static_cast<std::uint64_t>(n) > room)
+      throw Error(where + ": expected no more than deflate can pack into a file of this size, found more");
+    room -= static_cast<std::uint64_t>(n);
     if (n == 0)
       return data;
   }
@@ -379,6 +387,7 @@ Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> 
   const Zip zip = open_zip(path);
   Npz npz;
   npz.source = path.string();
+  std::uint64_t room = kMostExpansion * std::filesystem::file_size(path);
   const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
   for (zip_int64_t i = 0; i < count; ++i) {
     const char *raw = zip_get_name(zip.get(), i, 0);
@@ -390,7 +399,7 @@ Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> 
     if (!is_wanted && name != kFormatName)
       continue;
     const std::string where = npz.source + ": array '" + name + "'";
-    npz.arrays[name] = NpyParser(unpack(zip.get(), i, where), where).parse();
+    npz.arrays[name] = NpyParser(unpack(zip.get(), i, room, where), where).parse();
   }
   if (newest_format < INT_MAX && npz.has(kFormatName)) {
     npz.require_shape(kFormatName, {1});

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 namespace doublet {
@@ -124,7 +125,7 @@ struct RayScene::Impl {
     size = mesh.vertices.cwiseAbs().maxCoeff();
     device = rtcNewDevice("threads=1,user_threads=1");
     if (!device)
-      throw Error("RayScene: Embree gave no device");
+      fail("gave no device", rtcGetDeviceError(nullptr));
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
@@ -133,7 +134,7 @@ struct RayScene::Impl {
     const RTCError error = rtcGetDeviceError(device);
     if (error != RTC_ERROR_NONE) {
       release();
-      throw Error("RayScene: Embree failed to build the scene, error " + std::to_string(error));
+      fail("failed to build the scene", error);
     }
   }
   Impl(const Impl &) = delete;
@@ -143,6 +144,12 @@ struct RayScene::Impl {
   Eigen::Vector3d corner(int face, int k) const { return mesh.vertices.row(mesh.faces(face, k)); }
 
 private:
+  [[noreturn]] static void fail(const std::string &how, RTCError error) {
+    if (error == RTC_ERROR_OUT_OF_MEMORY)
+      throw std::bad_alloc();
+    throw Error("RayScene: Embree " + how + ", error " + std::to_string(error));
+  }
+
   void add_triangles() {
     const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(face_of.size()));

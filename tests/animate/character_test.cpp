@@ -4,10 +4,12 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "figure_character.h"
+#include "support/error_of.h"
 #include "support/temp_folder.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 using namespace doublet;
@@ -272,6 +274,20 @@ TEST(SurfaceTransfer, RefusesBrokenMeshes) {
   EXPECT_THROW(SurfaceTransfer(good, std::vector<std::uint8_t>(good.faces.rows(), 0), good, {}), Error);
   EXPECT_THROW(SurfaceTransfer(good, std::vector<std::uint8_t>(3, 1), good, {}), Error);
   EXPECT_THROW(SurfaceTransfer(good, {}, good, {}).apply(Vertices(3, 3)), std::invalid_argument);
+}
+
+TEST(ImageFile, AnImageLargerThanItsBytesCanHoldIsRefused) {
+  const Image image(16, 16, 3);
+  std::vector<std::uint8_t> png = encode_png(image), jpeg = encode_jpeg(image);
+  constexpr std::uint8_t kFrame[] = {0xFF, 0xC0};
+  png[17] = png[21] = 2; // 131088 x 131088
+  const auto frame = std::search(jpeg.begin(), jpeg.end(), std::begin(kFrame), std::end(kFrame));
+  ASSERT_LT(frame + 9, jpeg.end());
+  frame[5] = frame[7] = 0xFF; // 65296 x 65296
+  for (const auto &bytes : {png, jpeg}) {
+    const std::string said = error_of([&] { decode_image(bytes); });
+    EXPECT_NE(said.find("that its " + std::to_string(bytes.size()) + " bytes can hold"), std::string::npos) << said;
+  }
 }
 
 TEST(ImageFile, PngIsLossless) {

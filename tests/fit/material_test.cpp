@@ -199,7 +199,7 @@ TEST(MaterialObjective, AnExplosionCostsTheWorstAndStaysFinite) {
   for (const auto &[value, notices] : {std::pair{std::nan(""), false}, {1e300, false}, {-100.0, false}, {0.0, true}}) {
     const auto s = make_scene({cotton(), cotton()}, {12, 2, 160});
     const CharacterSimulator exploding(s->actor, s->segmentation, s->proxies, s->simulator->options(),
-                                       [&](std::shared_ptr<const pbd::ClothModel> model) {
+                                       [value = value, notices = notices](std::shared_ptr<const pbd::ClothModel> model) {
                                          return std::make_shared<Exploding>(std::move(model), value, notices);
                                        });
     EnergyOptions options;

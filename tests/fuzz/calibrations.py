@@ -102,7 +102,7 @@ def write_qualisys(folder: Path) -> None:
         text += f'<camera active="1" serial="{name}">'
         text += f'<fov_video left="0" top="0" right="{SIZE[0] - 1}" bottom="{SIZE[1] - 1}"/>'
         for tag, values in (("transform", transform), ("intrinsic", intrinsic)):
-            text += f"<{tag} " + " ".join(f'{key}="{float(value)!r}"' for key, value in values.items()) + "/>"
+            text += f"<{tag} " + " ".join(f'{key}="{round(float(value), 9) + 0.0!r}"' for key, value in values.items()) + "/>"
         text += "</camera>\n"
     (folder / "session.qca.txt").write_text(text + "</cameras></calibration>\n")
 

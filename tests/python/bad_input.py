@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import contextlib
+import copy
 import io
 import json
 import os
 import resource
 import shutil
+import signal
 import struct
 import sys
 import tempfile
+import zipfile
+from functools import partial
 from pathlib import Path
 from typing import Callable, NamedTuple
 
 import doublet as d
 import numpy as np
 from doublet import cli
+from doublet.console import Console
 from doublet.files import write_json
 from doublet.video import VideoWriter
 from PIL import Image
@@ -34,6 +39,19 @@ A command that cannot go on says why in one sentence on stderr, and ends with st
 number of a signal that stopped it); in Python the same sentence is the text of a `RuntimeError` (`doublet.Error`), `ValueError`
 or `FileNotFoundError`. Nothing is left half written. `tests/python/test_bad_input.py` runs every row of this table;
 `python tests/python/bad_input.py` writes it.
+
+What stops `doublet reconstruct` while a stage runs leaves the stages before it, and where capture and search stood; the same
+command goes on from there, to the same bits in every file. `python tests/slow/every_stage.py` tries all of it at each of the
+ten stages ([how](fuzzing.md#stopped-at-every-stage)):
+
+| what happens meanwhile | sentence | status |
+| --- | --- | --- |
+| Ctrl-C, SIGTERM | doublet: stopped; what is complete stays, the same command goes on from there | 130, 143 |
+| SIGKILL, power cut | none | 137 |
+| the disk is full | doublet: out/segmentation.npz: cannot be written: No space left on device | 1 |
+| the disk is read-only | doublet: out/fit_checkpoint.txt: cannot be written: Read-only file system | 1 |
+| no memory is left (`ulimit -v`) | doublet: expected more memory than this process may have; \
+what is complete stays, the same command goes on from there | 1 |
 
 | input | command | sentence | status |
 | --- | --- | --- | --- |
@@ -145,6 +163,21 @@ def arrays(path: str, **changes):
     return spoil
 
 
+def bomb(path: str):
+    """An archive of a few kilobytes that unpacks to gigabytes: its members are one and the same."""
+
+    def spoil(folder: Path) -> None:
+        with zipfile.ZipFile(folder / path, "w", zipfile.ZIP_DEFLATED) as archive:
+            with archive.open("vertices.npy", "w") as member:
+                np.save(member, np.zeros(1 << 20))
+            (one,) = archive.filelist
+            for name in ("faces", "face_valid", "weights", "joint_names", "joint_parents", "joint_positions"):
+                archive.filelist.append(copy.copy(one))
+                archive.filelist[-1].filename = f"{name}.npy"
+
+    return spoil
+
+
 def first(value):
     """An array with another first element."""
 
@@ -191,6 +224,23 @@ def scan(value: str):
 def small_disk(folder: Path) -> None:
     """From here on no file may grow beyond 512 bytes, which is to a program what a full disk is."""
     resource.setrlimit(resource.RLIMIT_FSIZE, (512, resource.RLIM_INFINITY))
+
+
+def while_it_runs(action: Callable[[], None]):
+    """Once a stage says that it runs."""
+
+    def spoil(folder: Path) -> None:
+        say = Console.say
+
+        def say_and_act(console: Console, line: str) -> None:
+            say(console, line)
+            if ": running (" in line:
+                Console.say = say
+                action()
+
+        Console.say = say_and_act
+
+    return spoil
 
 
 def png(path: str, size: int):
@@ -431,6 +481,7 @@ spoilt_by(
     "segment out --force",
     actor_npz_missing=gone("out/actor.npz"),
     actor_npz_cut_in_half=cut("out/actor.npz"),
+    actor_npz_of_many_names_for_one_large_array=bomb("out/actor.npz"),
     actor_npz_without_weights=arrays("out/actor.npz", weights=None),
     weights_for_another_number_of_joints=arrays("out/actor.npz", weights=lambda w: w[:, :1]),
     weights_that_do_not_sum_to_one=arrays("out/actor.npz", weights=lambda w: 2 * w),
@@ -554,6 +605,21 @@ spoilt_by("Motion", "animate c.glb walk.fbx -o new.npz", a_format_that_is_not_re
 spoilt_by("Output", "animate c.glb walk.bvh -o new.avi", a_format_that_is_not_written=lambda folder: None)
 spoilt_by("Output", RECONSTRUCT, a_file_where_the_folder_should_be=content("new", "here"))
 spoilt_by("Output", "segment out --force", a_disk_that_is_full=small_disk)
+
+# --- stopped: at every stage, with what is left then, in tests/slow/every_stage.py
+
+LATER_STAGES = ("segment", "body", "garment", "fit", "character")
+STOPS = (("Ctrl_C", signal.SIGINT), ("SIGTERM", signal.SIGTERM))
+
+for command in ("check session -o new", TEMPLATE, *(f"{stage} out --force" for stage in LATER_STAGES)):
+    spoilt_by(
+        "Stopped",
+        command,
+        **{
+            f"{name}_while_{command.split()[0]}_runs": while_it_runs(partial(signal.raise_signal, number))
+            for name, number in STOPS
+        },
+    )
 spoilt_by("Options", RECONSTRUCT + " --segment-rigid-threshold -1", a_threshold_below_0=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --cloth-substeps 0", no_steps_at_all=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --fit-optimizer newton", an_optimiser_that_is_not_there=lambda folder: None)

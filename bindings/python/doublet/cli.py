@@ -500,20 +500,32 @@ def add_train_body(commands) -> None:
     train.set_defaults(run=run_train_body)
 
 
+def what_is_left(parsed) -> str:
+    """After a command that was stopped."""
+    return getattr(parsed, "when_stopped", "what is complete stays, the same command goes on from there")
+
+
+def no_memory(parsed, error: MemoryError) -> str:
+    said = str(error)
+    found = f"({said[0].lower()}{said[1:]})" if said and said != "std::bad_alloc" else ""
+    return f"expected more memory than this process may have {found}; {what_is_left(parsed)}".replace(" ;", ";")
+
+
 def main(arguments=None) -> int:
     parsed = build_parser().parse_args(arguments)
     try:
         with stopped_by_signals():
             return parsed.run(parsed) or 0
     except KeyboardInterrupt as stop:
-        left = getattr(parsed, "when_stopped", "what is complete stays, the same command goes on from there")
-        print(f"doublet: stopped; {left}", file=sys.stderr)
+        print(f"doublet: stopped; {what_is_left(parsed)}", file=sys.stderr)
         return getattr(stop, "status", 128 + signal.SIGINT)
     except BrokenPipeError:
         return 1
     except Exception as error:
         if parsed.debug:
             raise
+        if isinstance(error, MemoryError):
+            error = RuntimeError(no_memory(parsed, error))
         expected = isinstance(error, (RuntimeError, OSError, ValueError))
         if isinstance(error, OSError) and error.filename and error.strerror:
             error = f"{error.filename}: {error.strerror}"

@@ -31,7 +31,7 @@ def written_atomically(path: Path):
             raise
         raise OSError(error.errno, f"cannot be written: {error.strerror}", str(path)) from error
     finally:
-        with suppress(FileNotFoundError):
+        with suppress(OSError):  # on a disk that is read-only even for what is not there
             beside.unlink()
 
 

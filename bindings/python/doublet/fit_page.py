@@ -107,9 +107,12 @@ def drawing(rows: int, height: float):
 
 
 def svg(chart) -> str:
+    from matplotlib import rc_context
+
     chart.tight_layout()
     buffer = io.StringIO()
-    chart.savefig(buffer, format="svg", metadata={"Date": None})
+    with rc_context({"svg.hashsalt": "doublet"}):  # the same chart makes the same bytes
+        chart.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
     return text[text.index("<svg") :]
 

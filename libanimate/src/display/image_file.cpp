@@ -34,6 +34,30 @@ std::vector<std::uint8_t> encode(const Image &image, const std::string &file_nam
   return bytes;
 }
 
+std::uint64_t big_endian(const std::vector<std::uint8_t> &bytes, std::size_t at, std::size_t count) {
+  std::uint64_t value = 0;
+  for (std::size_t i = at; i < at + count; ++i)
+    value = value << 8 | bytes[i];
+  return value;
+}
+
+/// Pixels that the header of a PNG (http://www.libpng.org/pub/png/spec/1.2, IHDR) or JPEG (ITU T.81, B.2.2) says; 0 if it is
+/// neither, or has none.
+std::uint64_t stated_pixels(const std::vector<std::uint8_t> &bytes) {
+  const std::size_t size = bytes.size();
+  if (size >= 24 && bytes[0] == 0x89 && bytes[1] == 'P')
+    return big_endian(bytes, 16, 4) * big_endian(bytes, 20, 4);
+  if (size < 4 || bytes[0] != 0xFF || bytes[1] != 0xD8)
+    return 0;
+  for (std::size_t at = 2; at + 9 <= size && bytes[at] == 0xFF;) {
+    const int marker = bytes[at + 1];
+    if (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC)
+      return big_endian(bytes, at + 5, 2) * big_endian(bytes, at + 7, 2);
+    at += marker == 0xFF ? 1 : 2 + big_endian(bytes, at + 2, 2);
+  }
+  return 0;
+}
+
 } // namespace
 
 std::vector<std::uint8_t> encode_png(const Image &image) {
@@ -45,6 +69,11 @@ std::vector<std::uint8_t> encode_jpeg(const Image &image) {
 }
 
 Image decode_image(const std::vector<std::uint8_t> &bytes) {
+  // What deflate, or a JPEG of one colour, may at most unpack to; the decoder would believe more, and ask for the memory.
+  constexpr std::uint64_t kMostExpansion = 1100;
+  if (const std::uint64_t pixels = stated_pixels(bytes); pixels > kMostExpansion * bytes.size())
+    throw Error("decode_image: expected an image that its " + std::to_string(bytes.size()) + " bytes can hold, found one of " +
+                std::to_string(pixels) + " pixels");
   tinygltf::Image raw;
   std::string error, warning;
   if (bytes.empty() ||

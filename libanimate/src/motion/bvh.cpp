@@ -21,11 +21,11 @@ struct Hierarchy {
 };
 
 void read_channels(const LineReader &reader, const TextLine &line, int joint, Hierarchy &out) {
-  const int count = static_cast<int>(reader.number(line, 1, "CHANNELS and their number"));
-  if (count < 0 || count > 6 || static_cast<int>(line.words.size()) != count + 2)
+  const double count = reader.number(line, 1, "CHANNELS and their number"); // any number: not yet to be made an integer
+  if (count < 0 || count > 6 || static_cast<double>(line.words.size()) != count + 2)
     reader.fail(line, "CHANNELS, a number from 0 to 6 and as many names");
-  for (int c = 0; c < count; ++c) {
-    const std::string name = lower(line.words[2 + c]);
+  for (std::size_t c = 2; c < line.words.size(); ++c) {
+    const std::string name = lower(line.words[c]);
     const int axis = name.empty() ? -1 : name[0] - 'x';
     const bool rotation = name.substr(1) == "rotation";
     if (axis < 0 || axis > 2 || (!rotation && name.substr(1) != "position"))

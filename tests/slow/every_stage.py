@@ -1,0 +1,284 @@
+"""Stops `doublet reconstruct` in every way at every stage, and goes on: python tests/slow/every_stage.py [--ways ...]
+
+A small session is made of the shipped one: few frames, half the size. It is reconstructed once without disturbance. Then, for
+each stage and each way, everything before the stage is there, the same command is started, and disturbed while the stage runs:
+
+    int, term, kill  a signal in the middle of it
+    full             no file may grow beyond half of the stage's largest
+    memory           16 MiB of address space more than when it began
+    readonly         the folder is on a disk that is read-only now (needs root)
+
+It has to end as docs/bad-input.md says: with one sentence (but for kill) and its exit status. The same command without
+disturbance then has to end in the same bits as the undisturbed run, every file but for times. It ends behind the stage, since
+later ones have nothing but these files to go by; --whole goes on to the report. Exit status 1 if anything does not hold.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from doublet import pipeline
+from PIL import Image
+
+SHIPPED = Path(__file__).resolve().parents[2] / "examples" / "data" / "session"
+FRAMES, STEP, SHRINK, CAMERAS = 5, 3, 2, 6
+#: Little moves in a few frames; few evaluations.
+OPTIONS = [
+    "--template-poisson-depth",
+    "6",
+    "--fit-max-evaluations",
+    "16",
+    "--trial-spreads",
+    "0.25",
+    "0.35",
+    "--segment-rigid-threshold",
+    "0.001",
+]
+OPTIONS += ["--segment-cloth-threshold", "0.004", "--no-capture-second-pass"]
+SIGNALS = {"int": signal.SIGINT, "term": signal.SIGTERM, "kill": signal.SIGKILL}
+WAYS = (*SIGNALS, "full", "memory", "readonly")
+MEMORY = 16 << 20  # bytes
+TIMES = {"seconds", "peak_memory_mb", "peak_memory_scope", "seconds_per_frame", "interrupted", "threads"}
+TIMED = {"material.json", "fit_log.csv", "report.html", "fit_checkpoint.txt"}
+STAGES = {stage.name: stage for stage in pipeline.STAGES}
+
+
+# --- the session
+
+
+def make_session(folder: Path) -> None:
+    session = d.Session(SHIPPED)
+    frames = d.FrameSource.open(session)
+    cameras = session.rig[:CAMERAS]
+    for c, camera in enumerate(cameras):
+        (folder / camera.name).mkdir(parents=True)
+        for f in range(FRAMES):
+            image = frames.image(c, f * STEP)[..., ::-1]
+            small = Image.fromarray(np.ascontiguousarray(image)).reduce(SHRINK)
+            small.save(folder / camera.name / f"{f:04d}.png")
+        camera.width, camera.height = small.size
+        K = np.array(camera.K)
+        K[:2] /= SHRINK
+        K[:2, 2] += (1 - SHRINK) / (2 * SHRINK)  # the centre of the top left pixel is (0, 0)
+        camera.K = K
+    d.write_calibration(folder / "calibration.yml", cameras)
+    for name in ("joints.json", "scan.ply"):
+        shutil.copy(SHIPPED / name, folder / name)
+    described = {
+        "name": "small",
+        "fps": session.fps / STEP,
+        "frame_count": FRAMES,
+        "cameras": [{"name": c.name, "video": f"{c.name}/%04d.png"} for c in cameras],
+        "calibration": "calibration.yml",
+        "scan": "scan.ply",
+        "markers": "joints.json",
+    }
+    (folder / "session.json").write_text(json.dumps(described, indent=1))
+
+
+# --- runs
+
+
+#: The command line, with the first stages alone.
+PROGRAM = "import sys; from doublet import cli, pipeline; n = int(sys.argv.pop(1)); pipeline.STAGES = pipeline.STAGES[:n]; "
+PROGRAM += "sys.exit(cli.main(sys.argv[1:]))"
+
+
+def start(session: Path, out: Path, last: str) -> subprocess.Popen:
+    """Reconstructs up to the stage `last`."""
+    count = str(1 + list(STAGES).index(last))
+    command = [sys.executable, "-c", PROGRAM, count, "reconstruct", str(session), "-o", str(out), "--keep-going", *OPTIONS]
+    # A runner in the background may ignore Ctrl-C, and its children would with it.
+    return subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    )
+
+
+def finished(process: subprocess.Popen) -> tuple[int, str]:
+    said = process.stderr.read()
+    return process.wait(), said
+
+
+def whole_run(session: Path, out: Path) -> None:
+    status, said = finished(start(session, out, "report"))
+    if status not in (0, 3):  # 3: doubts about so small a session
+        raise SystemExit(f"the undisturbed run ended with status {status}:\n{said}")
+
+
+def copy_before(undisturbed: Path, out: Path, stage: str) -> None:
+    """What the folder holds when `stage` begins."""
+    shutil.copytree(undisturbed, out, dirs_exist_ok=True)
+    record = json.loads((out / "run.json").read_text())
+    names = list(STAGES)
+    for name in names[names.index(stage) :]:
+        record["stages"].pop(name)
+        for file in (*STAGES[name].writes, *STAGES[name].goes_on_from):
+            (out / file).unlink(missing_ok=True)
+    (out / "run.json").write_text(json.dumps(record))
+
+
+def disturbed(session: Path, out: Path, stage: str, way: str, seconds: float, largest: int) -> tuple[int, str]:
+    process = start(session, out, stage)
+    before = ""
+    for line in process.stderr:
+        before += line
+        if line.startswith(f"{stage}: running"):
+            break
+    if way in SIGNALS:
+        time.sleep(0.5 * seconds)
+        process.send_signal(SIGNALS[way])
+    elif way == "full":
+        limit(process, resource.RLIMIT_FSIZE, largest // 2)
+    elif way == "memory":
+        limit(process, resource.RLIMIT_AS, address_space(process) + MEMORY)
+    elif way == "readonly":
+        mount("-o", "remount,ro", str(out))
+    status, said = finished(process)
+    return status, before + said
+
+
+def limit(process: subprocess.Popen, what: int, most: int) -> None:
+    resource.prlimit(process.pid, what, (most, resource.RLIM_INFINITY))
+
+
+def address_space(process: subprocess.Popen) -> int:
+    return int(Path(f"/proc/{process.pid}/statm").read_text().split()[0]) * resource.getpagesize()
+
+
+def mount(*arguments: str) -> None:
+    subprocess.run(["mount", *arguments], check=True, capture_output=True)
+
+
+# --- what has to hold
+
+
+def problems_of_the_end(way: str, status: int, said: str) -> list[str]:
+    sentences = [line for line in said.splitlines() if line.startswith("doublet: ")]
+    expected = -SIGNALS[way] if way == "kill" else 128 + SIGNALS[way] if way in SIGNALS else 1
+    found = []
+    if status != expected:
+        found.append(f"expected status {expected}, found {status}")
+    if way != "kill" and len(sentences) != 1:
+        found.append(f"expected one sentence, found {sentences or said.splitlines()[-3:]}")
+    if "Traceback" in said or "internal error" in said:
+        found.append(f"expected a sentence, found {said[-500:]}")
+    return found
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {k: without_times(v) for k, v in value.items() if k not in TIMES}
+    return [without_times(v) for v in value] if isinstance(value, list) else value
+
+
+def comparable(path: Path):
+    if path.suffix == ".json":
+        return without_times(json.loads(path.read_text()))
+    if path.suffix == ".csv":
+        return [{k: v for k, v in row.items() if k != "seconds"} for row in csv.DictReader(path.open())]
+    if path.suffix == ".html":
+        return re.sub(r"\b\d+(\.\d+)? (s|MB|min)\b", "", path.read_text())
+    if path.name == pipeline.CHECKPOINT:
+        search = without_times(json.loads(path.read_text()))
+        return {**search, "log": [row[:-1] for row in search["log"]]}
+    return path.read_bytes()
+
+
+def comparable_record(path: Path, stages: list[str]) -> dict:
+    """What run.json says of the stages; hashes of files with times in them differ."""
+    record = without_times(json.loads(path.read_text()))
+    record["stages"] = {name: entry for name, entry in record["stages"].items() if name in stages}
+    for entry in record["stages"].values():
+        for kind in ("inputs", "outputs"):
+            entry[kind] = {k: v for k, v in entry[kind].items() if k not in TIMED}
+    return record
+
+
+def differences(undisturbed: Path, out: Path, last: str) -> list[str]:
+    """Every file of both, but for the log and what the stages after `last` write."""
+    names = list(STAGES)
+    done, later = names[: names.index(last) + 1], names[names.index(last) + 1 :]
+    not_yet = {file for name in later for file in (*STAGES[name].writes, *STAGES[name].goes_on_from)} | {"log.txt"}
+    expected, made = ({p.name for p in folder.iterdir()} - not_yet for folder in (undisturbed, out))
+    found = [f"{name} is in one of the folders only" for name in sorted(expected ^ made)]
+    for name in sorted(expected & made - {"run.json"}):
+        if comparable(undisturbed / name) != comparable(out / name):
+            found.append(f"{name} differs")
+    if comparable_record(undisturbed / "run.json", done) != comparable_record(out / "run.json", done):
+        found.append("run.json differs")
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--ways", nargs="+", choices=WAYS, default=WAYS, help="default: all")
+    parser.add_argument("--stages", nargs="+", choices=STAGES, default=list(STAGES), help="default: all")
+    parser.add_argument("--whole", action="store_true", help="go on to the report each time")
+    parser.add_argument("--keep", type=Path, help="folder to work in, kept, where an undisturbed run is taken up")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = arguments.keep or Path(temporary)
+        session, undisturbed = folder / "session", folder / "undisturbed"
+        if not session.exists():
+            make_session(session)
+        whole_run(session, undisturbed)
+        entries = json.loads((undisturbed / "run.json").read_text())["stages"]
+        print(*(f"{name}: {entry['seconds']} s" for name, entry in entries.items()), sep=", ", flush=True)
+        bad = 0
+        for stage in arguments.stages:
+            largest = max((undisturbed / name).stat().st_size for name in STAGES[stage].writes)
+            for way in arguments.ways:
+                last = "report" if arguments.whole else stage
+                out, seconds = folder / f"{stage}_{way}", entries[stage]["seconds"]
+                bad += not holds(session, undisturbed, out, stage, way, seconds, largest, last)
+    return 1 if bad else 0
+
+
+def holds(session: Path, undisturbed: Path, out: Path, stage: str, way: str, seconds: float, largest: int, last: str) -> bool:
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir()
+    if way == "readonly":
+        if os.geteuid() != 0:
+            print(f"{stage} {way}: not tried, needs root")
+            return True
+        mount("-t", "tmpfs", "-o", "size=256m", "tmpfs", str(out))
+    try:
+        for _ in range(5):
+            copy_before(undisturbed, out, stage)
+            status, said = disturbed(session, out, stage, way, seconds, largest)
+            if way not in SIGNALS or f"{stage}: done" not in said:
+                break
+            seconds /= 3  # the machine was faster than in the undisturbed run, the signal too late
+        found = problems_of_the_end(way, status, said)
+        if way == "readonly":
+            mount("-o", "remount,rw", str(out))
+        again, said_again = finished(start(session, out, last))
+        if again not in (0, 3):
+            found.append(f"the next run ended with status {again}: {said_again[-500:]}")
+        found += differences(undisturbed, out, last)
+    finally:
+        if way == "readonly":
+            subprocess.run(["umount", str(out)], check=True)
+    sentence = next((line for line in said.splitlines() if line.startswith("doublet: ")), "")
+    print(f"{stage} {way}: status {status}; {sentence}", *(f"    {problem}" for problem in found), sep="\n", flush=True)
+    if not found:
+        shutil.rmtree(out)
+    return not found
+
+
+if __name__ == "__main__":
+    sys.exit(main())
