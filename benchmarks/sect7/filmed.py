@@ -12,7 +12,8 @@ import numpy as np
 from doublet import pipeline, study
 from doublet.console import Console
 from doublet.files import hash_files, write_json
-from doublet.synthesize import Surfaces, SynthesisOptions, read_motion, synthesize
+from doublet.motions import read_motion
+from doublet.synthesize import Surfaces, SynthesisOptions, synthesize
 from reconstructions import plain_job
 
 MARKS = 1500  # points on the surface that perfect observations follow
@@ -138,7 +139,7 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     character = d.Character.read(out / "character.glb")
     character.materials = [truth] * len(character.materials)
     character.solver = d.SolverSettings(1 / base["fps"], made.options["cloth"])
-    motion = read_motion(out / "performance.npz", character, base["fps"], d.RetargetOptions())
+    motion = read_motion(out / "performance.npz", character, d.RetargetOptions(fps=base["fps"]))
     frames = len(motion) if how.frames < 0 else min(how.frames, len(motion))
     motion = d.Motion(motion.fps, motion.dofs[:frames])
     rig, console = chosen_cameras(session, how.cameras), Console()

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 namespace doublet {
 namespace {
@@ -290,37 +292,43 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
   }
   const Cut cut = cut_step(shared.character.solver, seconds);
   const CharacterSimulator &simulator = cut.whole ? shared.simulator : shared.substeps;
-  std::vector<CharacterState *> states;
-  std::vector<const PosedFrame *> before, after;
-  std::vector<const std::vector<pbd::Material> *> materials;
-  std::vector<World> worlds;
-  int failed = -1;
   Context context;
   context.threads = std::max(1, threads);
-  const int all = static_cast<int>(players.size());
+  std::vector<int> moving(players.size()); // those whose cloth is finite
+  std::iota(moving.begin(), moving.end(), 0);
+  const auto in_parallel = [&](const std::function<void(Player::Playing &, const Eigen::VectorXd &)> &work) {
+    parallel_for(context, static_cast<int>(moving.size()), [&](int k) { work(*players[moving[k]]->playing_, dofs[moving[k]]); });
+  };
   for (int i = 0; i < cut.count; ++i) {
-    parallel_for(context, all, [&](int k) { players[k]->playing_->aim(shared, dofs[k], cut, i); });
-    states.clear(), before.clear(), after.clear(), materials.clear(), worlds.clear();
-    for (Player *player : players) {
-      Player::Playing &p = *player->playing_;
+    in_parallel([&](Player::Playing &p, const Eigen::VectorXd &to) { p.aim(shared, to, cut, i); });
+    std::vector<CharacterState *> states;
+    std::vector<const PosedFrame *> before, after;
+    std::vector<const std::vector<pbd::Material> *> materials;
+    std::vector<World> worlds;
+    for (const int k : moving) {
+      Player::Playing &p = *players[k]->playing_;
       states.push_back(&p.state);
       before.push_back(&p.posed);
       after.push_back(&p.next);
       materials.push_back(&p.step_materials);
       worlds.push_back(p.world);
     }
+    std::vector<char> failed(moving.size(), 0);
     for (const FailedRegion &one : simulator.step_each(states, before, after, materials, worlds, context.threads))
-      failed = failed < 0 ? one.character : std::min(failed, one.character);
-    for (Player *player : players)
-      player->playing_->arrive();
+      failed[one.character] = 1;
+    std::vector<int> going_on;
+    for (std::size_t k = 0; k < moving.size(); ++k)
+      if (!failed[k]) {
+        players[moving[k]]->playing_->arrive();
+        going_on.push_back(moving[k]);
+      }
+    moving.swap(going_on);
   }
-  parallel_for(context, all, [&](int k) {
-    Player::Playing &p = *players[k]->playing_;
-    p.show(shared, dofs[k], p.frame.index + 1);
-  });
-  if (failed >= 0)
-    throw Error("step_players: the cloth of player " + std::to_string(failed) +
-                " came out with a position or velocity that is not finite; expected a stable simulation");
+  in_parallel([&](Player::Playing &p, const Eigen::VectorXd &to) { p.show(shared, to, p.frame.index + 1); });
+  for (int k = 0; k < static_cast<int>(players.size()); ++k)
+    if (!std::binary_search(moving.begin(), moving.end(), k))
+      throw Error("step_players: the cloth of player " + std::to_string(k) +
+                  " came out with a position or velocity that is not finite; expected a stable simulation");
 }
 
 } // namespace doublet

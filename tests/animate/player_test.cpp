@@ -244,6 +244,27 @@ TEST(Player, ManyTogetherMoveAsEachAlone) {
   }
 }
 
+TEST(Player, OneWhoseClothIsLostDoesNotHoldUpTheOthers) {
+  const MatrixRM dofs = march();
+  const Player first = ready();
+  std::vector<Player> players(3, first);
+  std::vector<Player *> all{&players[0], &players[1], &players[2]};
+  Eigen::VectorXd beyond = dofs.row(1);
+  beyond.head<3>().setConstant(1e300);
+  const std::vector<Eigen::VectorXd> poses{dofs.row(1), beyond, dofs.row(2)};
+  try {
+    step_players(all, poses, 1.0 / 60);
+    FAIL() << "expected an error";
+  } catch (const Error &error) {
+    EXPECT_NE(std::string(error.what()).find("the cloth of player 1 "), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(players[1].frame().surface, first.frame().surface);
+  Player alone = first;
+  EXPECT_EQ(players[2].frame().surface, alone.step(dofs.row(2), 1.0 / 60).surface);
+  const std::vector<Eigen::VectorXd> again(3, dofs.row(2));
+  EXPECT_NO_THROW(step_players(all, again, 1.0 / 60));
+}
+
 TEST(Player, WrongInputIsRefusedAndChangesNothing) {
   const MatrixRM dofs = march();
   Player player = ready(), untouched = player;
