@@ -38,8 +38,10 @@ CC=cc CXX=c++ "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-is
 echo "== ctest"
 ctest --test-dir "$build" --output-on-failure --no-tests=error -LE slow -j "$(nproc)"
 
-echo "== documentation (warnings are errors)"
-scripts/build-docs.sh "$venv/bin/python"
+echo "== documentation (warnings are errors), beside pytest"
+scripts/build-docs.sh "$venv/bin/python" >build/docs.log 2>&1 &
+docs=$!
 
 echo "== pytest"
 PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest "$@"
+wait "$docs" || { cat build/docs.log && exit 1; }
