@@ -38,6 +38,18 @@ Cut cut_step(const SolverSettings &solver, double seconds) {
   return {false, count, seconds / count};
 }
 
+/// The clothness that blends as strongly in one substep as the solver has it blend in a substep of a whole frame (libpbd).
+Segmentation of_a_substep(Segmentation segmentation, const pbd::ClothOptions &options) {
+  const int n = options.substeps;
+  Eigen::ArrayXd kept = segmentation.clothness.array();
+  if (options.stiffness == pbd::Stiffness::Sweeps)
+    kept = kept.pow(1.0 / n);
+  else
+    kept = n * n * kept / (n * n * kept + 1 - kept);
+  segmentation.clothness = kept.matrix();
+  return segmentation;
+}
+
 pbd::ClothOptions one_substep(pbd::ClothOptions options) {
   options.substeps = 1;
   return options;
@@ -70,7 +82,8 @@ struct Player::Shared {
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
       : character(std::move(c)), options(o),
         simulator(checked(character).actor, character.segmentation, character.proxies, character.solver.cloth, make_solver),
-        substeps(character.actor, character.segmentation, character.proxies, one_substep(character.solver.cloth), make_solver) {
+        substeps(character.actor, of_a_substep(character.segmentation, character.solver.cloth), character.proxies,
+                 one_substep(character.solver.cloth), make_solver) {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);
