@@ -1,6 +1,6 @@
 #include "face_tree.h"
 
-#include "self_collision.h"
+#include "face_boxes.h"
 
 #include <algorithm>
 #include <numeric>

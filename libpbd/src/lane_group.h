@@ -35,6 +35,8 @@ public:
   // Value j in lane l at [j lanes + l], the values of Substep<float>.
   virtual float *substep() = 0;
 
+  /// At the start of a frame: finds where the cloth has passed through itself.
+  virtual void find_knots() = 0;
   /// One substep, at whose end the fraction `end` of the frame has passed.
   virtual void advance(float end) = 0;
   /// In each lane 0, or not a number if one of its positions or velocities is not finite.

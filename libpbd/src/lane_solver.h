@@ -45,6 +45,10 @@ public:
   }
   float *substep() override { return reinterpret_cast<float *>(&s_); }
 
+  void find_knots() override {
+    if (m_.self_collision)
+      knots_.find(m_, x_);
+  }
   void advance(float end) override {
     set_targets(end);
     update_normals();
@@ -55,7 +59,7 @@ public:
     find_capsule_contacts(m_, capsules_, x_, p_, opening, contacts_);
     self_contacts_.clear();
     if (m_.self_collision)
-      self_collision_.find(m_, x_, p_, opening, self_contacts_);
+      self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_);
     iterate();
     push_out_strays(m_, capsules_, contacts_, p_);
     update_velocities();
@@ -333,6 +337,7 @@ private:
   Array<CapsuleMotion<T>> capsules_;
   Array<CapsuleContact<T>> contacts_; ///< ordered by capsule, then vertex
   Array<SelfContact<T>> self_contacts_;
+  Knots<T> knots_;
   SelfCollision<T> self_collision_;
   Array<T> stretch_multipliers_, bend_multipliers_;
   T zero_;

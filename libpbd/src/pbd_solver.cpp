@@ -84,6 +84,7 @@ public:
     load(model, lanes);
     [[maybe_unused]] const FlushToZero flush;
     const int n = model.options().substeps;
+    group_->find_knots();
     for (int i = 0; i < n; ++i) {
       set_capsules(lanes, static_cast<double>(i) / n, static_cast<double>(i + 1) / n);
       group_->advance(static_cast<float>(i + 1) / static_cast<float>(n));
