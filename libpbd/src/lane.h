@@ -61,10 +61,13 @@ inline float lane_sqrt(float a) {
   return __builtin_sqrtf(a);
 }
 /// a b + c, rounded once: in hardware, or (x86 without FMA) through double, whose last bit is made odd where the sum is inexact,
-/// so that the second rounding goes the way of the first (Boldo, Melquiond 2008). The same bits.
+/// so that the second rounding goes the way of the first (Boldo, Melquiond 2008). The same bits. WebAssembly has no such
+/// instruction, and a browser no time for the way through double: there it is rounded twice, and the last bits are others.
 inline float mul_add(float a, float b, float c) {
 #if defined(__FMA__) || defined(__aarch64__)
   return __builtin_fmaf(a, b, c);
+#elif defined(__wasm__)
+  return a * b + c;
 #else
   const double product = static_cast<double>(a) * b, sum = product + c, c_share = sum - product,
                error = (product - (sum - c_share)) + (c - c_share);

@@ -1,0 +1,219 @@
+// What JavaScript sees of doublet::Player: numbers and addresses. One player a module; worker.js is the only caller.
+
+#include "doublet/animate/character_file.h"
+#include "doublet/animate/player.h"
+
+#include <emscripten/emscripten.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+using namespace doublet;
+
+namespace {
+
+/// Triangles as a graphics card takes them: vertices that have one place and two texture coordinates are two.
+class DrawnSurface {
+public:
+  DrawnSurface() = default;
+  DrawnSurface(const Faces &faces, const std::vector<std::uint8_t> &shown, const TexCoords &corners) : faces_(faces) {
+    std::map<std::array<double, 3>, int> known; // vertex and texture coordinates -> drawn vertex
+    for (int f = 0; f < faces.rows(); ++f)
+      for (int k = 0; k < 3 && shown[f]; ++k) {
+        const Eigen::RowVector2d at = corners.rows() > 0 ? corners.row(3 * f + k) : Eigen::RowVector2d(0, 0);
+        const auto [found, is_new] = known.try_emplace({double(faces(f, k)), at.x(), at.y()}, static_cast<int>(vertices_.size()));
+        if (is_new) {
+          vertices_.push_back(faces(f, k));
+          texcoords.insert(texcoords.end(), {static_cast<float>(at.x()), static_cast<float>(at.y())});
+        }
+        triangles.push_back(found->second);
+      }
+  }
+
+  /// The normals are of all faces: where the drawn ones end, light does not.
+  void move_to(const Vertices &vertices) {
+    sums_.setZero(vertices.rows(), 3);
+    for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
+      const int a = faces_(f, 0), b = faces_(f, 1), c = faces_(f, 2);
+      const Eigen::RowVector3d from = vertices.row(a);
+      const Eigen::RowVector3d area = (vertices.row(b) - from).cross(vertices.row(c) - from);
+      for (int v : {a, b, c})
+        sums_.row(v) += area;
+    }
+    positions.resize(3 * vertices_.size());
+    normals.resize(positions.size());
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      const Eigen::RowVector3d normal = sums_.row(vertices_[i]).stableNormalized();
+      for (int k = 0; k < 3; ++k) {
+        positions[3 * i + k] = static_cast<float>(vertices(vertices_[i], k));
+        normals[3 * i + k] = static_cast<float>(normal[k]);
+      }
+    }
+  }
+
+  std::vector<int> triangles;
+  std::vector<float> texcoords, positions, normals;
+
+private:
+  Faces faces_;
+  std::vector<int> vertices_; ///< of the mesh, for each that is drawn
+  Vertices sums_;
+};
+
+struct View {
+  explicit View(Character character) : player(std::move(character)) {
+    const Character &c = player.character();
+    has_high = c.high.faces.rows() > 0;
+    surface = has_high ? DrawnSurface(c.high.faces, c.high_valid, c.texcoords) : DrawnSurface(c.actor.mesh.faces, c.actor.face_valid, {});
+    body = DrawnSurface(c.body.faces, c.body_shown, {});
+  }
+  void show() {
+    const AnimationFrame &frame = player.frame();
+    surface.move_to(has_high ? frame.high : frame.surface);
+    body.move_to(frame.body);
+  }
+  Eigen::VectorXd pose(const double *dofs) const {
+    return Eigen::Map<const Eigen::VectorXd>(dofs, player.character().actor.skeleton.dof_count());
+  }
+
+  Player player;
+  bool has_high;
+  DrawnSurface surface, body;
+  CharacterState begun; ///< the cloth of the last reset
+};
+
+std::optional<View> view;
+std::string problem;
+
+/// 1, or 0 and a sentence in `problem`.
+template <class Work> int attempt(const Work &work) {
+  try {
+    work();
+    return 1;
+  } catch (const std::exception &error) {
+    problem = error.what();
+    return 0;
+  }
+}
+
+DrawnSurface &drawn(int which) {
+  return which == 0 ? view->surface : view->body;
+}
+
+} // namespace
+
+extern "C" {
+
+EMSCRIPTEN_KEEPALIVE const char *player_problem() {
+  return problem.c_str();
+}
+EMSCRIPTEN_KEEPALIVE int player_open(const char *path) {
+  return attempt([&] { view.emplace(read_character(path)); });
+}
+EMSCRIPTEN_KEEPALIVE int player_dof_count() {
+  return view->player.character().actor.skeleton.dof_count();
+}
+EMSCRIPTEN_KEEPALIVE double player_dt() {
+  return view->player.character().solver.dt;
+}
+EMSCRIPTEN_KEEPALIVE int player_region_count() {
+  return static_cast<int>(view->player.materials().size());
+}
+EMSCRIPTEN_KEEPALIVE int player_cloth_vertex_count() {
+  int count = 0;
+  for (const pbd::ClothState &cloth : view->player.state().regions)
+    count += static_cast<int>(cloth.positions.rows());
+  return count;
+}
+
+EMSCRIPTEN_KEEPALIVE int player_reset(const double *dofs) {
+  return attempt([&] {
+    view->player.reset(view->pose(dofs));
+    view->begun = view->player.state();
+    view->show();
+  });
+}
+/// As after player_reset(), which came before, without the seconds that the cloth takes to fall into place.
+EMSCRIPTEN_KEEPALIVE int player_begin_again(const double *dofs) {
+  return attempt([&] {
+    view->player.set_state(view->begun);
+    view->player.teleport(view->pose(dofs)); // carries the cloth along from wherever the actor stood
+    view->player.set_state(view->begun);
+  });
+}
+EMSCRIPTEN_KEEPALIVE int player_step(const double *dofs) {
+  return attempt([&] {
+    view->player.step(view->pose(dofs));
+    view->show();
+  });
+}
+
+/// Of every cloth region.
+EMSCRIPTEN_KEEPALIVE int player_set_material(int parameter, double value) {
+  return attempt([&] {
+    std::vector<pbd::Material> materials = view->player.materials();
+    for (pbd::Material &material : materials)
+      material.*pbd::material_parameters().at(parameter).value = value;
+    view->player.set_materials(materials);
+  });
+}
+EMSCRIPTEN_KEEPALIVE double player_material(int region, int parameter) {
+  return view->player.materials().at(region).*pbd::material_parameters().at(parameter).value;
+}
+EMSCRIPTEN_KEEPALIVE int player_set_wind(double x, double y, double z) {
+  return attempt([&] { view->player.set_wind({x, y, z}); });
+}
+EMSCRIPTEN_KEEPALIVE int player_set_gravity(double x, double y, double z) {
+  return attempt([&] { view->player.set_gravity({x, y, z}); });
+}
+
+// What is drawn: 0 = the surface, 1 = the body under it. Addresses hold until the next call.
+EMSCRIPTEN_KEEPALIVE int drawn_triangle_count(int which) {
+  return static_cast<int>(drawn(which).triangles.size()) / 3;
+}
+EMSCRIPTEN_KEEPALIVE const int *drawn_triangles(int which) {
+  return drawn(which).triangles.data();
+}
+EMSCRIPTEN_KEEPALIVE int drawn_vertex_count(int which) {
+  return static_cast<int>(drawn(which).texcoords.size()) / 2;
+}
+EMSCRIPTEN_KEEPALIVE const float *drawn_texcoords(int which) {
+  return drawn(which).texcoords.data();
+}
+EMSCRIPTEN_KEEPALIVE const float *drawn_positions(int which) {
+  return drawn(which).positions.data();
+}
+EMSCRIPTEN_KEEPALIVE const float *drawn_normals(int which) {
+  return drawn(which).normals.data();
+}
+EMSCRIPTEN_KEEPALIVE int texture_bytes() {
+  return static_cast<int>(view->player.character().texture.size());
+}
+EMSCRIPTEN_KEEPALIVE const std::uint8_t *texture() {
+  return view->player.character().texture.data();
+}
+EMSCRIPTEN_KEEPALIVE double body_colour(int channel) {
+  return view->player.character().body_colour[channel];
+}
+
+// The frame as Player has it, for the comparison with another build of it.
+EMSCRIPTEN_KEEPALIVE const double *frame_surface() {
+  return view->player.frame().surface.data();
+}
+EMSCRIPTEN_KEEPALIVE int frame_surface_rows() {
+  return static_cast<int>(view->player.frame().surface.rows());
+}
+EMSCRIPTEN_KEEPALIVE const double *frame_high() {
+  return view->player.frame().high.data();
+}
+EMSCRIPTEN_KEEPALIVE int frame_high_rows() {
+  return static_cast<int>(view->player.frame().high.rows());
+}
+EMSCRIPTEN_KEEPALIVE const double *frame_body() {
+  return view->player.frame().body.data();
+}
+EMSCRIPTEN_KEEPALIVE int frame_body_rows() {
+  return static_cast<int>(view->player.frame().body.rows());
+}
+}
