@@ -18,7 +18,6 @@ const common = {
   target: ["es2022"],
   loader: { ".wasm": "binary" },
   plugins: [player],
-  external: ["module", "fs", "path", "url", "crypto"], // what Emscripten's module asks of Node, where there is one
   define: { "import.meta.url": JSON.stringify("") }, // nothing is fetched
   logLevel: "warning",
 };
