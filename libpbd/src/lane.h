@@ -12,6 +12,10 @@
 #define DOUBLET_PBD_ISA baseline
 #endif
 
+#ifdef __wasm_simd128__
+#include <wasm_simd128.h>
+#endif
+
 namespace doublet::pbd {
 inline namespace DOUBLET_PBD_ISA {
 
@@ -30,6 +34,15 @@ template <class T> inline T lane_max(T a, T b) {
 template <class T> inline T lane_min(T a, T b) {
   return select(a < b, a, b);
 }
+#ifdef __wasm_simd128__
+// A select of floats is a jump in a browser, these are not.
+inline float lane_max(float a, float b) {
+  return wasm_f32x4_extract_lane(wasm_f32x4_pmax(wasm_f32x4_splat(b), wasm_f32x4_splat(a)), 0);
+}
+inline float lane_min(float a, float b) {
+  return wasm_f32x4_extract_lane(wasm_f32x4_pmin(wasm_f32x4_splat(b), wasm_f32x4_splat(a)), 0);
+}
+#endif
 inline float lane_abs(float a) {
   return __builtin_fabsf(a);
 }

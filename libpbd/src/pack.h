@@ -7,8 +7,6 @@
 
 #if defined(__SSE2__)
 #include <immintrin.h>
-#elif defined(__wasm_simd128__)
-#include <wasm_simd128.h>
 #endif
 
 namespace doublet::pbd {

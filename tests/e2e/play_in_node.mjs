@@ -1,12 +1,12 @@
 // node play_in_node.mjs PLAYER.mjs CHARACTER.glb POSES FRAMES: plays poses, (T, D) float64, with the player of `doublet view`:
-// reset() in the first, a step to each other. FRAMES gets surface, high and body of every frame, float64. Prints ms of the steps.
+// reset() in the first, cloth not settled, a step to each other. FRAMES gets surface, high and body of every frame, float64. Prints ms of the steps.
 
 import { readFileSync, writeFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";
 
 const [player, character, poses, frames] = process.argv.slice(2);
 const { Simulation } = await import(pathToFileURL(player));
-const simulation = await Simulation.open(new Uint8Array(readFileSync(character)));
+const simulation = await Simulation.open(new Uint8Array(readFileSync(character)), 0);
 const all = new Float64Array(new Uint8Array(readFileSync(poses)).buffer);
 const count = all.length / simulation.dofCount;
 const played = [];

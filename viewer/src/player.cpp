@@ -5,6 +5,9 @@
 
 #include <emscripten/emscripten.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,7 +20,7 @@ namespace {
 class DrawnSurface {
 public:
   DrawnSurface() = default;
-  DrawnSurface(const Faces &faces, const std::vector<std::uint8_t> &shown, const TexCoords &corners) : faces_(faces) {
+  DrawnSurface(const Faces &faces, const std::vector<std::uint8_t> &shown, const TexCoords &corners) {
     std::map<std::array<double, 3>, int> known; // vertex and texture coordinates -> drawn vertex
     for (int f = 0; f < faces.rows(); ++f)
       for (int k = 0; k < 3 && shown[f]; ++k) {
@@ -28,26 +31,30 @@ public:
           texcoords.insert(texcoords.end(), {static_cast<float>(at.x()), static_cast<float>(at.y())});
         }
         triangles.push_back(found->second);
+        corners_.push_back(faces(f, k));
       }
-  }
-
-  /// The normals are of all faces: where the drawn ones end, light does not.
-  void move_to(const Vertices &vertices) {
-    sums_.setZero(vertices.rows(), 3);
-    for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
-      const int a = faces_(f, 0), b = faces_(f, 1), c = faces_(f, 2);
-      const Eigen::RowVector3d from = vertices.row(a);
-      const Eigen::RowVector3d area = (vertices.row(b) - from).cross(vertices.row(c) - from);
-      for (int v : {a, b, c})
-        sums_.row(v) += area;
-    }
     positions.resize(3 * vertices_.size());
     normals.resize(positions.size());
+  }
+
+  void move_to(const Vertices &vertices) {
+    sums_.assign(3 * vertices.rows(), 0.0f);
+    const double *x = vertices.data();
+    for (std::size_t i = 0; i < corners_.size(); i += 3) {
+      const double *a = x + 3 * corners_[i], *b = x + 3 * corners_[i + 1], *c = x + 3 * corners_[i + 2];
+      const auto u = [&](int k) { return static_cast<float>(b[k] - a[k]); };
+      const auto v = [&](int k) { return static_cast<float>(c[k] - a[k]); };
+      const float area[3] = {u(1) * v(2) - u(2) * v(1), u(2) * v(0) - u(0) * v(2), u(0) * v(1) - u(1) * v(0)};
+      for (int corner = 0; corner < 3; ++corner)
+        for (int k = 0; k < 3; ++k)
+          sums_[3 * corners_[i + corner] + k] += area[k];
+    }
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      const Eigen::RowVector3d normal = sums_.row(vertices_[i]).stableNormalized();
+      const float *n = &sums_[3 * vertices_[i]];
+      const float scale = 1 / std::max(std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), 1e-20f);
       for (int k = 0; k < 3; ++k) {
-        positions[3 * i + k] = static_cast<float>(vertices(vertices_[i], k));
-        normals[3 * i + k] = static_cast<float>(normal[k]);
+        positions[3 * i + k] = static_cast<float>(x[3 * vertices_[i] + k]);
+        normals[3 * i + k] = scale * n[k];
       }
     }
   }
@@ -56,13 +63,13 @@ public:
   std::vector<float> texcoords, positions, normals;
 
 private:
-  Faces faces_;
+  std::vector<int> corners_;  ///< of the drawn faces, in the mesh
   std::vector<int> vertices_; ///< of the mesh, for each that is drawn
-  Vertices sums_;
+  std::vector<float> sums_;   ///< of area vectors, of each of the mesh
 };
 
 struct View {
-  explicit View(Character character) : player(std::move(character)) {
+  View(Character character, const AnimateOptions &options) : player(std::move(character), options) {
     const Character &c = player.character();
     has_high = c.high.faces.rows() > 0;
     surface = has_high ? DrawnSurface(c.high.faces, c.high_valid, c.texcoords) : DrawnSurface(c.actor.mesh.faces, c.actor.face_valid, {});
@@ -108,8 +115,12 @@ extern "C" {
 EMSCRIPTEN_KEEPALIVE const char *player_problem() {
   return problem.c_str();
 }
-EMSCRIPTEN_KEEPALIVE int player_open(const char *path) {
-  return attempt([&] { view.emplace(read_character(path)); });
+EMSCRIPTEN_KEEPALIVE int player_open(const char *path, double settle_seconds) {
+  return attempt([&] {
+    AnimateOptions options;
+    options.settle_seconds = settle_seconds;
+    view.emplace(read_character(path), options);
+  });
 }
 EMSCRIPTEN_KEEPALIVE int player_dof_count() {
   return view->player.character().actor.skeleton.dof_count();

@@ -9,18 +9,21 @@ export const PARAMETERS = ["d_n", "d_t", "k_bend", "k_stretch", "k_friction", "k
 export const SURFACES = ["surface", "body"];
 
 export class Simulation {
-  /** @param {Uint8Array} character bytes of a character.glb */
-  static async open(character) {
+  /**
+   * @param {Uint8Array} character bytes of a character.glb
+   * @param {number} settleSeconds for which the cloth falls into place in reset()
+   */
+  static async open(character, settleSeconds = 1) {
     const module = await createModule({ wasmBinary: wasm, locateFile: (name) => name });
-    return new Simulation(module, character);
+    return new Simulation(module, character, settleSeconds);
   }
 
-  constructor(module, character) {
+  constructor(module, character, settleSeconds) {
     this.module = module;
     module.FS.writeFile("/character.glb", character);
     const path = module._malloc(64);
     module.HEAPU8.set(new TextEncoder().encode("/character.glb\0"), path);
-    this.attempt(module._player_open(path));
+    this.attempt(module._player_open(path, settleSeconds));
     module._free(path);
     module.FS.unlink("/character.glb");
     this.dt = module._player_dt();
