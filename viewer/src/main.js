@@ -2,13 +2,16 @@
 
 import { Actor } from "./actor.js";
 import { bytesOf, posesOf } from "./data.js";
-import { button, byId, choice, drawGraph, heading, linear, oneOf, slider, tick } from "./panel.js";
+import { button, byId, choice, drawGraph, heading, linear, oneOf, row, slider, tick } from "./panel.js";
 import { Stage } from "./stage.js";
 
 const COLOURS = ["#a5423b", "#33658a"];
+const SETTLING = "The cloth falls into place";
 const SPEEDS = [1, 0.5, 0.25, 0.1];
 const STANDARD_GRAVITY = 9.81;
 const LONGEST_PAUSE = 0.1; // s between two pictures that the clock makes up for
+const TOO_SLOW = 45; // ms a picture, mean of ...
+const PATIENCE = 10; // ... so many
 
 const data = window.DOUBLET_VIEW; // written by `doublet view`, see data.js
 const characters = data.characters.map(({ name, glb }) => ({ name, glb: bytesOf(glb) }));
@@ -46,7 +49,7 @@ async function addActor(which) {
 }
 
 function begin() {
-  say("The cloth falls into place");
+  say(SETTLING);
   state.time = 0;
   state.schedule = [0];
   for (const { actor } of state.actors) actor.begin(state.clip, state.schedule);
@@ -94,8 +97,10 @@ function show() {
 function picture(now) {
   requestAnimationFrame(picture);
   const seconds = (now - lastTime) / 1000;
+  const before = state.time;
   lastTime = now;
-  if (advance(seconds)) {
+  const isReady = advance(seconds);
+  if (isReady) {
     show();
     if (isNew) {
       say("");
@@ -103,12 +108,21 @@ function picture(now) {
       stage.home();
       isNew = false;
     }
-    if (byId("status").textContent === "The cloth falls into place") say("");
+    if (byId("status").textContent === SETTLING) say("");
     if (state.follows) stage.follow(seconds);
   }
-  stage.draw();
-  state.pictures = [...state.pictures, 1000 * seconds].slice(-60);
+  stage.draw(isReady && state.time !== before);
+  watchTheClock(1000 * seconds);
 }
+
+function watchTheClock(milliseconds) {
+  state.pictures = [...state.pictures, milliseconds].slice(-60);
+  if (state.pictures.length < PATIENCE || mean(state.pictures) < TOO_SLOW || !state.playing) return;
+  stage.lighten();
+  state.pictures = [];
+}
+
+const mean = (numbers) => numbers.reduce((sum, number) => sum + number, 0) / numbers.length;
 
 function showNumbers() {
   const steps = state.actors.map(({ actor }) => actor).filter((actor) => actor.times.length > 0);
@@ -119,8 +133,10 @@ function showNumbers() {
     const lines = steps.map(({ times }, i) => ({ times, colour: COLOURS[i] }));
     drawGraph(byId("graph"), lines, 1000 * steps[0].dt);
   }
-  const mean = state.pictures.reduce((sum, time) => sum + time, 0) / state.pictures.length;
-  byId("drawn").textContent = `${mean.toFixed(1)} ms, ${Math.round(1000 / mean)} fps`;
+  if (state.pictures.length > 0) {
+    const time = mean(state.pictures);
+    byId("drawn").textContent = `${time.toFixed(1)} ms, ${Math.round(1000 / time)} fps`;
+  }
   for (const label of sliders) label.refresh();
   const labels = byId("labels").children;
   state.actors.forEach(({ figure }, i) => {
@@ -161,7 +177,17 @@ function worldSlider(options, get, set) {
 
 const chosenActor = () => state.actors[state.chosen].actor;
 
+function chooseClip(i) {
+  state.clip = i;
+  begin();
+}
+
+function chooseRegion(i) {
+  state.region = i;
+}
+
 function choose(i) {
+  state.region = 0;
   state.chosen = i;
   byId("controls").classList.toggle("of-second", i === 1);
 }
@@ -207,16 +233,19 @@ function fillPanel() {
   sliders = [...materials, ...world];
   const regions = Array.from({ length: chosenActor().materials.length }, (_, i) => `cloth ${i + 1}`);
   controls.replaceChildren(
-    choice({ id: "clip", title: "Clip", names: clips.map(({ name }) => name), onChange: (i) => ((state.clip = i), begin()) }),
-    choice({ id: "speed", title: "Speed", names: SPEEDS.map((x) => `${x} × real time`), onChange: (i) => (state.speed = SPEEDS[i]) }),
-    tick({ id: "hold", text: "hold the pose, the cloth goes on", checked: state.holds, onChange: (on) => hold(on) }),
+    row(
+      choice({ id: "clip", title: "Clip", names: clips.map(({ name }) => name), chosen: state.clip, onChange: chooseClip }),
+      choice({ id: "speed", title: "Speed", names: SPEEDS.map((x) => `${x} × speed`), chosen: SPEEDS.indexOf(state.speed),
+        onChange: (i) => (state.speed = SPEEDS[i]) }),
+    ),
+    tick({ id: "hold", text: "hold the pose; the cloth goes on", checked: state.holds, onChange: (on) => hold(on) }),
     tick({ id: "follow", text: "the camera goes along", checked: state.follows, onChange: (on) => (state.follows = on) }),
     tick({ id: "compare", text: "a second one beside", checked: two, onChange: compare }),
     heading("Material"),
     ...(two ? [oneOf(called(), choose)] : []),
-    ...(regions.length > 1 ? [choice({ id: "region", title: "Cloth", names: regions, onChange: (i) => (state.region = i) })] : []),
+    ...(regions.length > 1 ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: state.region, onChange: chooseRegion }))] : []),
     ...materials,
-    button("As estimated", forgetMaterial),
+    row(button("As estimated", forgetMaterial)),
     heading("World"),
     ...world,
   );

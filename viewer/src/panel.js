@@ -37,11 +37,12 @@ export function tick({ id, text, checked, onChange }) {
   return made("label", { className: "tick" }, input, made("span", { textContent: text }));
 }
 
-export function choice({ id, title, names, onChange }) {
+export function choice({ id, title, names, chosen, onChange }) {
   const select = made("select", { id, title }, ...names.map((name, i) => made("option", { value: i, textContent: name })));
+  select.value = chosen;
   select.setAttribute("aria-label", title);
   select.addEventListener("change", () => onChange(Number(select.value)));
-  return made("div", { className: "pick" }, select);
+  return select;
 }
 
 /** Buttons of which one is pressed. */
@@ -53,11 +54,15 @@ export function oneOf(names, onPick) {
     onPick(i);
   };
   press(0);
-  return made("div", { className: "pick" }, ...buttons);
+  return row(...buttons);
 }
 
 export function button(text, onclick) {
-  return made("div", { className: "pick" }, made("button", { textContent: text, onclick }));
+  return made("button", { textContent: text, onclick });
+}
+
+export function row(...elements) {
+  return made("div", { className: "pick" }, ...elements);
 }
 
 /** The times of the last frames, with a line where real time ends. */

@@ -30,6 +30,12 @@ const SKY = 0xdde2e7;
 const PLAIN = 0xb9a89a; // of a character without a texture
 const APART = 1.1; // m, between two characters
 const LIGHT_FROM = new Vector3(1.6, 3.4, 2.4);
+/** From the best on; a machine that draws too slowly gets the next. ratio: pixels of the picture to one of the window. */
+const QUALITIES = [
+  { ratio: 2, shadow: 2048 },
+  { ratio: 1, shadow: 1024 },
+  { ratio: 0.6, shadow: 512 },
+];
 
 export class Stage {
   constructor(canvas) {
@@ -47,6 +53,7 @@ export class Stage {
     this.orbit.maxDistance = 14;
     this.orbit.maxPolarAngle = 0.53 * Math.PI;
     this.figures = [];
+    this.quality = 0;
     this.centre = new Vector3(0, 1, 0);
     this.addLight();
     this.addGround();
@@ -57,7 +64,7 @@ export class Stage {
     this.scene.add(new HemisphereLight(0xffffff, 0xa9a096, 1.5), new AmbientLight(0xffffff, 0.35));
     this.sun = new DirectionalLight(0xfff4e6, 2.6);
     this.sun.castShadow = true;
-    this.sun.shadow.mapSize.set(2048, 2048);
+    this.sun.shadow.mapSize.setScalar(QUALITIES[this.quality].shadow);
     this.sun.shadow.bias = -0.0006;
     this.sun.shadow.normalBias = 0.012;
     this.sun.shadow.radius = 5;
@@ -94,6 +101,7 @@ export class Stage {
 
   /** The camera's first place: in front, a little above, everybody in view. */
   home() {
+    this.isStale = true;
     const { low, height } = this.figures[0].extent();
     this.ground.position.y = low;
     this.middle = low + 0.5 * height;
@@ -119,8 +127,9 @@ export class Stage {
   }
 
   resize() {
+    this.isStale = true; // the picture
     const free = this.freePart();
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, QUALITIES[this.quality].ratio));
     this.renderer.setSize(innerWidth, innerHeight, false);
     this.camera.aspect = innerWidth / innerHeight;
     // The middle of the picture is that of its free part.
@@ -128,6 +137,16 @@ export class Stage {
     const y = (innerHeight * (1 - free.height)) / 2;
     this.camera.setViewOffset(innerWidth, innerHeight, x, y, innerWidth, innerHeight);
     this.camera.updateProjectionMatrix();
+  }
+
+  /** Less to draw, if there is less. */
+  lighten() {
+    if (this.quality + 1 === QUALITIES.length) return;
+    this.quality += 1;
+    this.sun.shadow.mapSize.setScalar(QUALITIES[this.quality].shadow);
+    this.sun.shadow.map.dispose();
+    this.sun.shadow.map = null;
+    this.resize();
   }
 
   /** The camera goes along with the characters, calmly. */
@@ -139,8 +158,10 @@ export class Stage {
     this.camera.position.add(way);
   }
 
-  draw() {
-    this.orbit.update();
+  /** @param hasMoved whether anything but the camera has */
+  draw(hasMoved) {
+    if (!this.orbit.update() && !hasMoved && !this.isStale) return;
+    this.isStale = false;
     this.sun.target.position.copy(this.centre);
     this.sun.position.copy(this.centre).add(LIGHT_FROM);
     this.ground.position.x = Math.round(this.centre.x * 2) / 2; // whole cells of the grid
