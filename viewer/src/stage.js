@@ -13,6 +13,7 @@ import {
   GridHelper,
   Group,
   HemisphereLight,
+  LinearFilter,
   Mesh,
   MeshStandardMaterial,
   NeutralToneMapping,
@@ -20,6 +21,7 @@ import {
   PerspectiveCamera,
   SRGBColorSpace,
   Scene,
+  ShaderChunk,
   Texture,
   Vector3,
   WebGLRenderer,
@@ -61,8 +63,8 @@ export class Stage {
   }
 
   addLight() {
-    this.scene.add(new HemisphereLight(0xffffff, 0xa9a096, 1.5), new AmbientLight(0xffffff, 0.35));
-    this.sun = new DirectionalLight(0xfff4e6, 2.6);
+    this.scene.add(new HemisphereLight(0xffffff, 0xb5aca2, 1.8), new AmbientLight(0xffffff, 0.35));
+    this.sun = new DirectionalLight(0xfff4e6, 2.9);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.setScalar(QUALITIES[this.quality].shadow);
     this.sun.shadow.bias = -0.0006;
@@ -183,7 +185,8 @@ async function textureOf(file) {
   const texture = new Texture(image);
   texture.flipY = false; // glTF's convention
   texture.colorSpace = SRGBColorSpace;
-  texture.anisotropy = 8;
+  texture.generateMipmaps = false; // every triangle has its own place in the image, among strangers
+  texture.minFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;
 }
@@ -195,6 +198,7 @@ class Figure {
     this.centre = new Vector3();
     const surface = new MeshStandardMaterial({ map, color: map ? 0xffffff : PLAIN, roughness: 0.95, side: DoubleSide });
     surface.shadowSide = DoubleSide;
+    surface.onBeforeCompile = stayInTriangle;
     const body = new MeshStandardMaterial({ color: new Color(...bodyColour), roughness: 0.8 });
     this.meshes = shapes.map((shape, which) => meshOf(shape, which === 0 ? surface : body));
     this.group.add(...this.meshes);
@@ -234,6 +238,13 @@ class Figure {
     }
     return this.size;
   }
+}
+
+/** Multisampling else looks the colour of an edge up beyond it, where in the image there is another triangle. */
+function stayInTriangle(shader) {
+  const centroid = (chunk, way) => ShaderChunk[chunk].replace("varying vec2 vMapUv", `centroid ${way} vec2 vMapUv`);
+  shader.vertexShader = shader.vertexShader.replace("#include <uv_pars_vertex>", centroid("uv_pars_vertex", "out"));
+  shader.fragmentShader = shader.fragmentShader.replace("#include <uv_pars_fragment>", centroid("uv_pars_fragment", "in"));
 }
 
 function meshOf({ triangles, texcoords }, material) {

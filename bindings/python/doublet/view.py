@@ -41,7 +41,7 @@ def write_view(
     what is wrong with a file."""
     if not 1 <= len(characters) <= 2:
         raise ValueError(f"expected one character, or two, found {len(characters)}")
-    bundle, context = bundle_folder(), context or d.Context()
+    context = context or d.Context()
     shown = [d.Character.read(path) for path in characters]
     if any(character.solver.dt != shown[0].solver.dt for character in shown):
         steps = " and ".join(f"{character.solver.dt:g}" for character in shown)
@@ -58,6 +58,7 @@ def write_view(
         or [{"name": "to and fro", "poses": [base64_of(turning(character)) for character in shown]}],
         "parameters": material_parameters(),
     }
+    bundle = bundle_folder()
     out.mkdir(parents=True, exist_ok=True)
     for name, source in FILES.items():
         copyfile(bundle / source, out / name)

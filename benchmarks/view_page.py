@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""The page of `doublet view` in a headless Chromium: its picture for docs/view.md, and how fast it simulates.
+
+python benchmarks/view_page.py FOLDER -o docs/pictures/view.jpg [--seconds 20] [--phone]
+
+Prints ms a simulated frame and frames a second. Nothing is drawn while they are measured: without a graphics card drawing takes
+the processor that the simulation needs. Needs selenium, Chromium and its driver.
+"""
+
+import argparse
+import io
+import shutil
+import time
+from pathlib import Path
+
+from PIL import Image
+from selenium import webdriver
+
+MEASURE = """
+const done = arguments[0], seconds = arguments[1], { actor } = doubletView.state.actors[0];
+doubletView.state.playing = false;
+const times = [], from = actor.asked, start = performance.now();
+const before = actor.on_frame.bind(actor);
+actor.on_frame = (message) => {
+  before(message);
+  if (message.how === "step") times.push(message.milliseconds);
+  if (performance.now() - start > 1000 * seconds) return done(times);
+  const number = actor.arrived, count = actor.poses.length;
+  while (actor.schedule.length <= number + 3) actor.schedule.push((actor.schedule.at(-1) + 1) % count);
+  actor.ask(number - 2, number);
+};
+actor.ask(0, actor.arrived + 1);
+"""
+
+
+def opened(folder: Path, width: int, height: int, phone: bool):
+    options = webdriver.ChromeOptions()
+    options.binary_location = shutil.which("chromium") or ""
+    for flag in ("--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", f"--window-size={width},{height}"):
+        options.add_argument(flag)
+    if phone:
+        metrics = {"width": width, "height": height, "pixelRatio": 2.0}
+        options.add_experimental_option("mobileEmulation", {"deviceMetrics": metrics})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(shutil.which("chromedriver")))
+    driver.set_script_timeout(600)
+    driver.get((folder.resolve() / "index.html").as_uri())
+    return driver
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, metavar="FOLDER", help="that `doublet view` wrote")
+    parser.add_argument("-o", "--out", type=Path, metavar="PICTURE")
+    parser.add_argument("--seconds", type=float, default=20.0, metavar="X", help="of measuring (default: 20)")
+    parser.add_argument("--frame", type=int, default=48, metavar="N", help="of the clip, in the picture (default: 48)")
+    parser.add_argument("--phone", action="store_true", help="a window of 390 x 780")
+    arguments = parser.parse_args()
+    width, height = (390, 780) if arguments.phone else (1240, 860)
+    driver = opened(arguments.folder, width, height, arguments.phone)
+    try:
+        # Time goes on by a tenth of a second a picture at most, however long that takes to draw.
+        while driver.execute_script("return window.doubletView ? doubletView.state.time : 0") < arguments.frame:
+            time.sleep(0.1)
+        driver.execute_script("doubletView.stage.lighten = () => {}; doubletView.state.playing = false")
+        if arguments.out:
+            time.sleep(3)
+            picture = Image.open(io.BytesIO(driver.get_screenshot_as_png())).convert("RGB")
+            picture.save(arguments.out, quality=88)
+        if arguments.seconds > 0:
+            times = sorted(driver.execute_async_script(f"const a = arguments; (function() {{{MEASURE}}})(a[1], a[0])", arguments.seconds))
+            mean, median = sum(times) / len(times), times[len(times) // 2]
+            print(f"{len(times)} frames, mean {mean:.1f} ms, median {median:.1f} ms: {1000 / mean:.0f} frames a second")
+    finally:
+        driver.quit()
+
+
+if __name__ == "__main__":
+    main()
