@@ -68,25 +68,37 @@ def files(character, tmp_path_factory):
     return folder
 
 
+def numbers_of(frame):
+    return np.concatenate([frame.surface, frame.high, frame.body])
+
+
 def test_webassembly_plays_what_the_native_player_plays(bundle, files, tmp_path):
-    """Without fused multiply-add it rounds otherwise, and cloth is chaotic: micrometres at first, then more. (Measured: 3e-7 m in
-    the first five frames, 4e-5 m in a second.)"""
-    character = d.Character.read(files / "c.glb")
+    """Without fused multiply-add it rounds otherwise, and a tube that buckles is chaotic. So the native player's cloth goes into
+    each step (measured: 0.8 um at the worst vertex of all steps), and of free play it is the first steps that are held tightly
+    (0.8 um in the first, 2.6 mm in a second)."""
     poses = np.load(files / "dance.npz")["dofs"]
-    (tmp_path / "poses").write_bytes(poses.astype("<f8").tobytes())
-    command = ["node", HERE / "play_in_node.mjs", bundle / "player.mjs", files / "c.glb", tmp_path / "poses", tmp_path / "frames"]
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-1000:]
-    played = np.fromfile(tmp_path / "frames", "<f8").reshape(len(poses), -1, 3)
-    player = d.Player(character, d.AnimateOptions(settle_seconds=0))
-    errors = []
-    for t, pose in enumerate(poses):
-        frame = player.step(pose) if t else player.reset(pose)
-        errors.append(np.abs(np.concatenate([frame.surface, frame.high, frame.body]) - played[t]).max())
-    moved = np.linalg.norm(played[-1] - played[0], axis=1).max()
-    assert moved > 0.1
-    assert max(errors[:5]) < 5e-6, errors[:5]
-    assert max(errors) < 1e-3, max(errors)
+    player = d.Player(d.Character.read(files / "c.glb"), d.AnimateOptions(settle_seconds=0))
+    native, states = [numbers_of(player.reset(poses[0]))], []
+    for pose in poses[1:]:
+        states.append(np.concatenate([x.ravel() for cloth in player.state.regions for x in (cloth.positions, cloth.velocities)]))
+        native.append(numbers_of(player.step(pose)))
+    native = np.array(native)
+    assert np.linalg.norm(native[-1] - native[0], axis=1).max() > 0.1
+    poses.astype("<f8").tofile(tmp_path / "poses")
+    np.array(states).tofile(tmp_path / "cloth")
+
+    def played(*cloth):
+        files_of = (bundle / "player.mjs", files / "c.glb", tmp_path / "poses", tmp_path / "frames", *cloth)
+        done = subprocess.run(["node", HERE / "play_in_node.mjs", *files_of], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[-1000:]
+        return np.fromfile(tmp_path / "frames", "<f8").reshape(native.shape)
+
+    def errors(frames):
+        return np.abs(frames - native).max(axis=(1, 2))
+
+    assert errors(played(tmp_path / "cloth")).max() < 5e-6
+    free = errors(played())
+    assert free[:2].max() < 5e-6 and free.max() < 2e-2
 
 
 @pytest.fixture(scope="module")

@@ -160,12 +160,22 @@ EMSCRIPTEN_KEEPALIVE int player_step(const double *dofs) {
   });
 }
 
-/// Of every cloth region.
-EMSCRIPTEN_KEEPALIVE int player_set_material(int parameter, double value) {
+/// The cloth of each region in turn: its positions, its velocities.
+EMSCRIPTEN_KEEPALIVE int player_set_cloth(const double *values) {
+  return attempt([&] {
+    CharacterState state = view->player.state();
+    for (pbd::ClothState &cloth : state.regions)
+      for (Vertices *rows : {&cloth.positions, &cloth.velocities}) {
+        std::copy_n(values, rows->size(), rows->data());
+        values += rows->size();
+      }
+    view->player.set_state(state);
+  });
+}
+EMSCRIPTEN_KEEPALIVE int player_set_material(int region, int parameter, double value) {
   return attempt([&] {
     std::vector<pbd::Material> materials = view->player.materials();
-    for (pbd::Material &material : materials)
-      material.*pbd::material_parameters().at(parameter).value = value;
+    materials.at(region).*pbd::material_parameters().at(parameter).value = value;
     view->player.set_materials(materials);
   });
 }

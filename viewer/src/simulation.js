@@ -30,20 +30,25 @@ export class Simulation {
     this.dofCount = module._player_dof_count();
     this.regionCount = module._player_region_count();
     this.clothVertexCount = module._player_cloth_vertex_count();
-    this.pose = module._malloc(8 * this.dofCount);
   }
 
   attempt(done) {
     if (!done) throw new Error(this.module.UTF8ToString(this.module._player_problem()));
   }
 
-  /** @param {Float64Array} dofs */
-  withPose(call, dofs) {
-    if (dofs.length !== this.dofCount) throw new Error(`expected a pose of ${this.dofCount} numbers, found ${dofs.length}`);
-    this.module.HEAPU8.set(new Uint8Array(dofs.buffer, dofs.byteOffset, dofs.byteLength), this.pose);
-    this.attempt(call(this.pose));
+  /** Calls with the address of a copy of `numbers`. */
+  withNumbers(call, numbers, expected, what) {
+    if (numbers.length !== expected) throw new Error(`expected ${what} of ${expected} numbers, found ${numbers.length}`);
+    const address = this.module._malloc(numbers.byteLength);
+    this.module.HEAPU8.set(new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength), address);
+    const done = call(address);
+    this.module._free(address);
+    this.attempt(done);
   }
-  /** Begins anew: the cloth falls into place. */
+  withPose(call, dofs) {
+    this.withNumbers(call, dofs, this.dofCount, "a pose");
+  }
+  /** Begins anew: the cloth falls into place. @param {Float64Array} dofs */
   reset(dofs) {
     this.withPose(this.module._player_reset, dofs);
   }
@@ -51,7 +56,11 @@ export class Simulation {
   beginAgain(dofs) {
     this.withPose(this.module._player_begin_again, dofs);
   }
-  /** One frame of `dt` seconds. */
+  /** @param {Float64Array} values of each cloth region in turn its positions (N * 3), m, and velocities, m/s */
+  setCloth(values) {
+    this.withNumbers(this.module._player_set_cloth, values, 6 * this.clothVertexCount, "a state of the cloth");
+  }
+  /** One frame of `dt` seconds. @param {Float64Array} dofs */
   step(dofs) {
     this.withPose(this.module._player_step, dofs);
   }
