@@ -17,19 +17,19 @@ from PIL import Image
 from selenium import webdriver
 
 MEASURE = """
-const done = arguments[0], seconds = arguments[1], { actor } = doubletView.state.actors[0];
-doubletView.state.playing = false;
-const times = [], from = actor.asked, start = performance.now();
-const before = actor.on_frame.bind(actor);
-actor.on_frame = (message) => {
-  before(message);
-  if (message.how === "step") times.push(message.milliseconds);
-  if (performance.now() - start > 1000 * seconds) return done(times);
-  const number = actor.arrived, count = actor.poses.length;
-  while (actor.schedule.length <= number + 3) actor.schedule.push((actor.schedule.at(-1) + 1) % count);
-  actor.ask(number - 2, number);
+const [seconds, done] = arguments, { actor } = doubletView.state.actors[0];
+const times = [], start = performance.now(), arrive = actor.on_frame.bind(actor);
+const next = () => {
+  while (actor.schedule.length <= actor.arrived + 3) actor.schedule.push((actor.schedule.at(-1) + 1) % actor.poses.length);
+  actor.ask(actor.arrived - 2, actor.arrived);
 };
-actor.ask(0, actor.arrived + 1);
+actor.on_frame = (message) => {
+  arrive(message);
+  if (message.how === "step") times.push(message.milliseconds);
+  if (performance.now() - start > 1000 * seconds) done(times);
+  else next();
+};
+next();
 """
 
 
@@ -59,15 +59,16 @@ def main() -> None:
     driver = opened(arguments.folder, width, height, arguments.phone)
     try:
         # Time goes on by a tenth of a second a picture at most, however long that takes to draw.
-        while driver.execute_script("return window.doubletView ? doubletView.state.time : 0") < arguments.frame:
+        driver.execute_script("doubletView.stage.lighten = () => {}")
+        while driver.execute_script("return doubletView.state.time") < arguments.frame:
             time.sleep(0.1)
-        driver.execute_script("doubletView.stage.lighten = () => {}; doubletView.state.playing = false")
+        driver.execute_script("doubletView.state.playing = false")
         if arguments.out:
             time.sleep(3)
             picture = Image.open(io.BytesIO(driver.get_screenshot_as_png())).convert("RGB")
             picture.save(arguments.out, quality=88)
         if arguments.seconds > 0:
-            times = sorted(driver.execute_async_script(f"const a = arguments; (function() {{{MEASURE}}})(a[1], a[0])", arguments.seconds))
+            times = sorted(driver.execute_async_script(MEASURE, arguments.seconds))
             mean, median = sum(times) / len(times), times[len(times) // 2]
             print(f"{len(times)} frames, mean {mean:.1f} ms, median {median:.1f} ms: {1000 / mean:.0f} frames a second")
     finally:

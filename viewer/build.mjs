@@ -33,6 +33,7 @@ const workerText = {
   },
 };
 const banner = { js: `/*! ${notices}*/` };
-await bundled("main.js", { format: "iife", outfile: join(out, "viewer.js"), plugins: [player, workerText], banner, legalComments: "inline" });
+const page = { format: "iife", outfile: join(out, "viewer.js"), plugins: [player, workerText], banner, legalComments: "inline" };
+await bundled("main.js", page);
 await bundled("simulation.js", { format: "esm", outfile: join(out, "player.mjs"), banner });
 for (const name of ["page.html", "viewer.css"]) copyFileSync(join(here, "src", name), join(out, name));

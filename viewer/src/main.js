@@ -225,10 +225,10 @@ function fillPanel() {
   const world = [
     worldSlider({ id: "wind", text: "wind", lower: 0, upper: 15, shown: (x) => `${x.toFixed(1)} m/s` }, () => state.wind.speed,
       (x) => (state.wind.speed = x)),
-    worldSlider({ id: "wind_from", text: "from", title: "0 = from the front", lower: -180, upper: 180, shown: (x) => `${x.toFixed(0)}°` },
+    worldSlider({ id: "wind_from", text: "from", title: "0 = the front", lower: -180, upper: 180, shown: (x) => `${x.toFixed(0)}°` },
       () => state.wind.from, (x) => (state.wind.from = x)),
-    worldSlider({ id: "gravity", text: "gravity", lower: 0, upper: 20, shown: (x) => `${x.toFixed(2)} m/s²` }, () => state.gravity,
-      (x) => (state.gravity = x)),
+    worldSlider({ id: "gravity", text: "gravity", lower: 0, upper: 20, shown: (x) => `${x.toFixed(2)} m/s²` },
+      () => state.gravity, (x) => (state.gravity = x)),
   ];
   sliders = [...materials, ...world];
   const regions = Array.from({ length: chosenActor().materials.length }, (_, i) => `cloth ${i + 1}`);
@@ -243,7 +243,7 @@ function fillPanel() {
     tick({ id: "compare", text: "a second one beside", checked: two, onChange: compare }),
     heading("Material"),
     ...(two ? [oneOf(called(), choose)] : []),
-    ...(regions.length > 1 ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: state.region, onChange: chooseRegion }))] : []),
+    ...(regions.length > 1 ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: 0, onChange: chooseRegion }))] : []),
     ...materials,
     row(button("As estimated", forgetMaterial)),
     heading("World"),

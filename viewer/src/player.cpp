@@ -1,7 +1,7 @@
 // What JavaScript sees of doublet::Player: numbers and addresses. One player a module; worker.js is the only caller.
 
-#include "doublet/animate/character_file.h"
 #include "doublet/animate/player.h"
+#include "doublet/animate/character_file.h"
 
 #include <emscripten/emscripten.h>
 
@@ -72,7 +72,8 @@ struct View {
   View(Character character, const AnimateOptions &options) : player(std::move(character), options) {
     const Character &c = player.character();
     has_high = c.high.faces.rows() > 0;
-    surface = has_high ? DrawnSurface(c.high.faces, c.high_valid, c.texcoords) : DrawnSurface(c.actor.mesh.faces, c.actor.face_valid, {});
+    surface = has_high ? DrawnSurface(c.high.faces, c.high_valid, c.texcoords)
+                       : DrawnSurface(c.actor.mesh.faces, c.actor.face_valid, {});
     body = DrawnSurface(c.body.faces, c.body_shown, {});
   }
   void show() {

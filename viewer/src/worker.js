@@ -34,5 +34,6 @@ const todo = {
 
 let last = Promise.resolve(); // messages are done in the order in which they came
 onmessage = ({ data }) => {
-  last = last.then(() => todo[data.type](data)).catch((error) => postMessage({ type: "problem", run: data.run, text: error.message }));
+  const complain = (error) => postMessage({ type: "problem", run: data.run, text: error.message });
+  last = last.then(() => todo[data.type](data)).catch(complain);
 };

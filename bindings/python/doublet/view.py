@@ -27,7 +27,7 @@ def bundle_folder() -> Path:
     missing = [name for name in FILES.values() if not (folder / name).is_file()]
     if missing:
         raise RuntimeError(
-            f"{folder}: expected the viewer's bundle, found no {missing[0]}; scripts/build-viewer.sh makes it (with Emscripten and "
+            f"{folder}: expected the viewer's bundle, found no {missing[0]}; scripts/build-viewer.sh makes it (with Emscripten, "
             "npm), and a doublet that is installed after that, or DOUBLET_VIEWER_DIR=build/viewer, has it"
         )
     return folder
