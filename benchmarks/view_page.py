@@ -63,14 +63,14 @@ def main() -> None:
         while driver.execute_script("return doubletView.state.time") < arguments.frame:
             time.sleep(0.1)
         driver.execute_script("doubletView.state.playing = false")
-        if arguments.out:
-            time.sleep(3)
-            picture = Image.open(io.BytesIO(driver.get_screenshot_as_png())).convert("RGB")
-            picture.save(arguments.out, quality=88)
         if arguments.seconds > 0:
             times = sorted(driver.execute_async_script(MEASURE, arguments.seconds))
             mean, median = sum(times) / len(times), times[len(times) // 2]
             print(f"{len(times)} frames, mean {mean:.1f} ms, median {median:.1f} ms: {1000 / mean:.0f} frames a second")
+        if arguments.out:
+            time.sleep(1)
+            picture = Image.open(io.BytesIO(driver.get_screenshot_as_png())).convert("RGB")
+            picture.save(arguments.out, quality=88)
     finally:
         driver.quit()
 
