@@ -143,7 +143,6 @@ EMSCRIPTEN_KEEPALIVE int player_reset(const double *dofs) {
   return attempt([&] {
     view->player.reset(view->pose(dofs));
     view->begun = view->player.state();
-    view->show();
   });
 }
 /// As after player_reset(), which came before, without the seconds that the cloth takes to fall into place.
@@ -155,10 +154,7 @@ EMSCRIPTEN_KEEPALIVE int player_begin_again(const double *dofs) {
   });
 }
 EMSCRIPTEN_KEEPALIVE int player_step(const double *dofs) {
-  return attempt([&] {
-    view->player.step(view->pose(dofs));
-    view->show();
-  });
+  return attempt([&] { view->player.step(view->pose(dofs)); });
 }
 
 /// The cloth of each region in turn: its positions, its velocities.
@@ -190,6 +186,10 @@ EMSCRIPTEN_KEEPALIVE int player_set_gravity(double x, double y, double z) {
   return attempt([&] { view->player.set_gravity({x, y, z}); });
 }
 
+/// Brings what is drawn to the frame.
+EMSCRIPTEN_KEEPALIVE void drawn_update() {
+  view->show();
+}
 // What is drawn: 0 = the surface, 1 = the body under it. Addresses hold until the next call.
 EMSCRIPTEN_KEEPALIVE int drawn_triangle_count(int which) {
   return static_cast<int>(drawn(which).triangles.size()) / 3;

@@ -92,14 +92,17 @@ export class Simulation {
       texcoords: this.copied(Float32Array, m._drawn_texcoords(which), 2 * m._drawn_vertex_count(which)),
     };
   }
-  /** What moves of it. */
-  drawn(which) {
+  /** What moves of both: [surface, body]. */
+  drawn() {
     const m = this.module;
-    const count = 3 * m._drawn_vertex_count(which);
-    return {
-      positions: this.copied(Float32Array, m._drawn_positions(which), count),
-      normals: this.copied(Float32Array, m._drawn_normals(which), count),
-    };
+    m._drawn_update();
+    return SURFACES.map((_, which) => {
+      const count = 3 * m._drawn_vertex_count(which);
+      return {
+        positions: this.copied(Float32Array, m._drawn_positions(which), count),
+        normals: this.copied(Float32Array, m._drawn_normals(which), count),
+      };
+    });
   }
   /** The image file of the texture, empty if there is none. */
   get texture() {

@@ -146,7 +146,7 @@ export class Stage {
     if (this.quality + 1 === QUALITIES.length) return;
     this.quality += 1;
     this.sun.shadow.mapSize.setScalar(QUALITIES[this.quality].shadow);
-    this.sun.shadow.map.dispose();
+    this.sun.shadow.map?.dispose();
     this.sun.shadow.map = null;
     this.resize();
   }

@@ -16,7 +16,7 @@ const todo = {
     simulation[how](pose);
     if (how === "beginAgain") simulation.step(pose);
     const milliseconds = performance.now() - start;
-    const drawn = SURFACES.map((_, which) => simulation.drawn(which));
+    const drawn = simulation.drawn();
     const lent = drawn.flatMap(({ positions, normals }) => [positions.buffer, normals.buffer]);
     postMessage({ type: "frame", run, how, milliseconds, drawn }, lent);
   },
