@@ -39,7 +39,7 @@ make_wheel() {
 }
 make_wheel
 wait "$viewer" || { cat build/viewer.log && exit 1; }
-[ "$(find build/wheel -newer build/viewer/viewer.js)" ] || make_wheel # nothing was left to build
+[ "$(find build/wheel -newer build/viewer/viewer.css)" ] || make_wheel # the bundle was the slower of the two
 
 "$venv/bin/pip" install -q --disable-pip-version-check build/wheel/doublet-*.whl
 "$venv/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps build/wheel/doublet-*.whl
