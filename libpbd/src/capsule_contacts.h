@@ -33,6 +33,23 @@ template <class T> inline auto may_touch(const Reach<T> &r, const Vec3<T> &a, co
   return (lane_min(a.x, b.x) <= r.hi.x) & (r.lo.x <= lane_max(a.x, b.x)) & (lane_min(a.y, b.y) <= r.hi.y) &
          (r.lo.y <= lane_max(a.y, b.y)) & (lane_min(a.z, b.z) <= r.hi.z) & (r.lo.z <= lane_max(a.z, b.z));
 }
+/// The same question, asked of many ways.
+template <class T> struct Gate {
+  explicit Gate(const Reach<T> &r) : reach(r) {}
+  auto may_touch(const Vec3<T> &a, const Vec3<T> &b) const { return pbd::may_touch(reach, a, b); }
+  Reach<T> reach;
+};
+/// Of one simulation the axes lie side by side; a point's fourth number is not looked at.
+template <> struct Gate<float> {
+  explicit Gate(const Reach<float> &r)
+      : lo(Pack<4>::Lanes{r.lo.x, r.lo.y, r.lo.z, 0}), hi(Pack<4>::Lanes{r.hi.x, r.hi.y, r.hi.z, 0}) {}
+  bool may_touch(const Point &a, const Point &b) const {
+    const Pack<4> from = Pack<4>::load(&a.x), to = Pack<4>::load(&b.x);
+    const Mask<4> touches = (lane_min(from, to) <= hi) & (lo <= lane_max(from, to)), axes{{-1, -1, -1, 0}};
+    return !any(axes & !touches);
+  }
+  Pack<4> lo, hi;
+};
 
 /// Vertices that enter a proxy during the step from x to p, or are near one at either end. Everything is seen from the moving
 /// proxy: a leg that jumps a quarter of a metre between frames sweeps the cloth that stood before it along. A vertex that starts
@@ -44,14 +61,14 @@ inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMot
   const T thickness(model.thickness), margin(model.thickness + kNear);
   for (int k = 0; k < capsules.size(); ++k) {
     const CapsuleMotion<T> &m = capsules[k];
-    const Reach<T> reach = reach_of(m.start, m.end, margin);
+    const Gate<T> gate(reach_of(m.start, m.end, margin));
     for (int i = 0; i < model.vertex_count; ++i) {
       if (model.weights[i] == 0)
         continue;
-      Vec3<T> &xi = x[i], &pi = p[i];
-      auto lanes = may_touch(reach, xi, pi);
+      auto lanes = gate.may_touch(x[i], p[i]);
       if (!any(lanes))
         continue;
+      Vec3<T> &xi = x[i], &pi = p[i];
       const Distance<T> start = capsule_distance(m.start, xi);
       const T depth = thickness - start.value;
       const auto inside = lanes & (depth > T(0)), outside = lanes & (depth <= T(0));
@@ -93,16 +110,16 @@ inline void push_out_strays(const LaneModel &model, const Array<CapsuleMotion<T>
   int next = 0;
   for (int k = 0; k < capsules.size(); ++k) {
     const CapsuleShape<T> &shape = capsules[k].end;
-    const Reach<T> reach = reach_of(shape, shape, thickness);
+    const Gate<T> gate(reach_of(shape, shape, thickness));
     for (int i = 0; i < model.vertex_count; ++i) {
       const bool watched = next < contacts.size() && contacts[next].capsule == k && contacts[next].vertex == i;
       const T active = watched ? contacts[next++].active : T(0);
       if (model.weights[i] == 0)
         continue;
-      Vec3<T> &pi = p[i];
-      const auto lanes = may_touch(reach, pi, pi) & (active <= T(0));
+      const auto lanes = gate.may_touch(p[i], p[i]) & (active <= T(0));
       if (!any(lanes))
         continue;
+      Vec3<T> &pi = p[i];
       const Distance<T> d = capsule_distance(shape, pi);
       pi = select(lanes & (d.value < thickness), pi + (thickness - d.value) * d.normal, pi);
     }

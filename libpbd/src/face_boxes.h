@@ -4,6 +4,7 @@
 
 #include "kernels.h"
 #include "lane_array.h"
+#include "pack.h"
 
 namespace doublet::pbd {
 inline namespace DOUBLET_PBD_ISA {
@@ -22,6 +23,13 @@ template <class T> inline Box<T> united(const Box<T> &a, const Box<T> &b) {
 template <class T> inline auto overlap(const Box<T> &a, const Box<T> &b) {
   return (a.lo.x <= b.hi.x) & (b.lo.x <= a.hi.x) & (a.lo.y <= b.hi.y) & (b.lo.y <= a.hi.y) & (a.lo.z <= b.hi.z) &
          (b.lo.z <= a.hi.z);
+}
+/// Of one simulation: six comparisons in two. What the fourth lanes hold is compared with what it cannot but be within.
+inline bool overlap(const Box<float> &a, const Box<float> &b) {
+  static_assert(sizeof a == 6 * sizeof(float));
+  const float far = 3e38f;
+  const Pack<4> hi(Pack<4>::Lanes{a.hi.x, a.hi.y, a.hi.z, far}), lo(Pack<4>::Lanes{-far, a.lo.x, a.lo.y, a.lo.z});
+  return !any(!((Pack<4>::load(&b.lo.x) <= hi) & (lo <= Pack<4>::load(&b.lo.z))));
 }
 /// `box` where it is at most `largest` wide, else one that overlaps nothing.
 template <class T> inline Box<T> bounded(const Box<T> &box, T largest) {

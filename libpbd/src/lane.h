@@ -12,6 +12,10 @@
 #define DOUBLET_PBD_ISA baseline
 #endif
 
+#ifdef __wasm_simd128__
+#include <wasm_simd128.h>
+#endif
+
 namespace doublet::pbd {
 inline namespace DOUBLET_PBD_ISA {
 
@@ -30,6 +34,15 @@ template <class T> inline T lane_max(T a, T b) {
 template <class T> inline T lane_min(T a, T b) {
   return select(a < b, a, b);
 }
+#ifdef __wasm_simd128__
+// A select of floats is a jump in a browser, these are not.
+inline float lane_max(float a, float b) {
+  return wasm_f32x4_extract_lane(wasm_f32x4_pmax(wasm_f32x4_splat(b), wasm_f32x4_splat(a)), 0);
+}
+inline float lane_min(float a, float b) {
+  return wasm_f32x4_extract_lane(wasm_f32x4_pmin(wasm_f32x4_splat(b), wasm_f32x4_splat(a)), 0);
+}
+#endif
 inline float lane_abs(float a) {
   return __builtin_fabsf(a);
 }
@@ -61,10 +74,13 @@ inline float lane_sqrt(float a) {
   return __builtin_sqrtf(a);
 }
 /// a b + c, rounded once: in hardware, or (x86 without FMA) through double, whose last bit is made odd where the sum is inexact,
-/// so that the second rounding goes the way of the first (Boldo, Melquiond 2008). The same bits.
+/// so that the second rounding goes the way of the first (Boldo, Melquiond 2008). The same bits. WebAssembly has no such
+/// instruction, and a browser no time for the way through double: there it is rounded twice, and the last bits are others.
 inline float mul_add(float a, float b, float c) {
 #if defined(__FMA__) || defined(__aarch64__)
   return __builtin_fmaf(a, b, c);
+#elif defined(__wasm__)
+  return a * b + c;
 #else
   const double product = static_cast<double>(a) * b, sum = product + c, c_share = sum - product,
                error = (product - (sum - c_share)) + (c - c_share);

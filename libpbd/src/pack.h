@@ -125,6 +125,23 @@ inline bool any(Mask<4> m) {
   return _mm_movemask_ps(reinterpret_cast<__m128>(m.bits)) != 0;
 }
 #endif
+#ifdef __wasm_simd128__
+inline Pack<4> lane_sqrt(Pack<4> a) {
+  return Pack<4>(static_cast<Pack<4>::Lanes>(wasm_f32x4_sqrt(static_cast<v128_t>(a.lanes))));
+}
+inline Pack<4> lane_max(Pack<4> a, Pack<4> b) {
+  return Pack<4>(static_cast<Pack<4>::Lanes>(wasm_f32x4_pmax(static_cast<v128_t>(b.lanes), static_cast<v128_t>(a.lanes))));
+}
+inline Pack<4> lane_min(Pack<4> a, Pack<4> b) {
+  return Pack<4>(static_cast<Pack<4>::Lanes>(wasm_f32x4_pmin(static_cast<v128_t>(b.lanes), static_cast<v128_t>(a.lanes))));
+}
+inline bool any(Mask<4> m) {
+  return wasm_v128_any_true(static_cast<v128_t>(m.bits));
+}
+inline Pack<4> mul_add(Pack<4> a, Pack<4> b, Pack<4> c) { // rounded twice, as float's there
+  return a * b + c;
+}
+#endif
 #ifdef __FMA__
 inline Pack<4> mul_add(Pack<4> a, Pack<4> b, Pack<4> c) {
   return Pack<4>(_mm_fmadd_ps(a.lanes, b.lanes, c.lanes));

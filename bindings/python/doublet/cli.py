@@ -207,6 +207,17 @@ def run_animate(arguments) -> None:
     print(f"{arguments.out}: {frames} frames")
 
 
+def run_view(arguments) -> None:
+    from .view import write_view
+
+    console = make_console(arguments)
+    retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
+    characters = [arguments.character] + ([arguments.compare] if arguments.compare else [])
+    write_view(arguments.out, characters, arguments.clip, retargeting, console.context())
+    console.finish()
+    print(arguments.out / "index.html")
+
+
 def run_edit_template(arguments) -> None:
     from .edit_template import edit_template
 
@@ -351,6 +362,7 @@ def build_parser() -> argparse.ArgumentParser:
     add_edit_joints(commands)
     add_edit_template(commands)
     add_animate(commands)
+    add_view(commands)
     add_evaluate(commands)
     add_study(commands)
     add_synthesize(commands)
@@ -438,6 +450,19 @@ def add_animate(commands) -> None:
     common_flags(animate)
     add_option_flags(animate, {"retarget": d.RetargetOptions})
     animate.set_defaults(run=run_animate)
+
+
+def add_view(commands) -> None:
+    text = "a page on which a character dances, its cloth simulated in the browser, with sliders for its material"
+    view = commands.add_parser("view", help=text, description=text)
+    view.add_argument("character", type=Path, metavar="CHARACTER.glb")
+    clips = f"to dance to, any number of them; {MOTION_HELP} (default: it turns to and fro)"
+    view.add_argument("--clip", type=Path, nargs="+", default=[], metavar="MOTION", help=clips)
+    view.add_argument("--compare", type=Path, metavar="OTHER.glb", help="a second character, beside it")
+    view.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="gets index.html, to be opened as it lies")
+    common_flags(view)
+    add_option_flags(view, {"retarget": d.RetargetOptions})
+    view.set_defaults(run=run_view)
 
 
 def add_evaluate(commands) -> None:

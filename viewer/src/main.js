@@ -1,0 +1,293 @@
+// The page of `doublet view`: one character, or two, that dance to the same clip.
+
+import { Actor } from "./actor.js";
+import { bytesOf, posesOf } from "./data.js";
+import { button, byId, choice, drawGraph, heading, linear, oneOf, row, slider, tick } from "./panel.js";
+import { Stage } from "./stage.js";
+
+const COLOURS = ["#a5423b", "#33658a"];
+const SETTLING = "The cloth falls into place";
+const SPEEDS = [1, 0.5, 0.25, 0.1];
+const STANDARD_GRAVITY = 9.81;
+const LONGEST_PAUSE = 0.1; // s between two pictures that the clock makes up for
+const TOO_SLOW = 45; // ms a picture, mean of ...
+const PATIENCE = 10; // ... so many
+
+const data = window.DOUBLET_VIEW; // written by `doublet view`, see data.js
+const characters = data.characters.map(({ name, glb }) => ({ name, glb: bytesOf(glb) }));
+const clips = data.clips.map(({ name, poses }) => ({ name, poses: poses.map((of, i) => posesOf(of, data.characters[i].dofs)) }));
+
+const stage = new Stage(byId("stage"));
+const state = {
+  actors: [], // {actor, figure}
+  clip: 0,
+  playing: true,
+  holds: false, // the pose; the cloth goes on
+  speed: 1,
+  time: 0, // frames since the beginning, with their fraction
+  schedule: [0], // which pose of the clip each frame has
+  wind: { speed: 0, from: 0 }, // m/s, degrees
+  gravity: STANDARD_GRAVITY,
+  chosen: 0, // the actor whose material the sliders show ...
+  region: 0, // ... and its piece of cloth
+  follows: true,
+  pictures: [], // ms of the last pictures
+};
+
+function say(text, isProblem = false) {
+  byId("status").textContent = text;
+  byId("status").classList.toggle("problem", isProblem);
+}
+
+async function addActor(which) {
+  say("Loading");
+  const character = characters[which];
+  const actor = new Actor(character, clips.map((clip) => clip.poses[which]), (text) => say(text, true));
+  const opened = await actor.opened;
+  state.actors.push({ actor, figure: await stage.addFigure(opened) });
+  setWorld();
+}
+
+function begin() {
+  say(SETTLING);
+  state.time = 0;
+  state.schedule = [0];
+  for (const { actor } of state.actors) actor.begin(state.clip, state.schedule);
+}
+
+function setWorld() {
+  const angle = (state.wind.from * Math.PI) / 180;
+  const { speed } = state.wind;
+  for (const { actor } of state.actors) {
+    actor.setWind([-speed * Math.sin(angle), 0, -speed * Math.cos(angle)]);
+    actor.setGravity([0, -state.gravity, 0]);
+  }
+}
+
+// --- every picture
+
+let lastTime = performance.now();
+let isNew = true;
+
+function advance(seconds) {
+  const [{ actor: first }] = state.actors;
+  const count = clips[state.clip].poses[0].length;
+  const here = Math.floor(state.time);
+  while (state.schedule.length < here + 8) {
+    const last = state.schedule.at(-1);
+    state.schedule.push(state.holds ? last : (last + 1) % count);
+  }
+  for (const { actor } of state.actors) actor.ask(here, here + 1);
+  const arrived = Math.min(...state.actors.map(({ actor }) => actor.arrived));
+  if (arrived < 2) return false;
+  if (state.playing) state.time = Math.min(state.time + (Math.min(seconds, LONGEST_PAUSE) * state.speed) / first.dt, arrived - 1);
+  return true;
+}
+
+function show() {
+  const here = Math.floor(state.time);
+  const ends = state.schedule[here + 1] === 0 && !state.holds; // a jump to the first pose
+  for (const { actor, figure } of state.actors) {
+    const before = actor.frames.get(here);
+    const after = (!ends && actor.frames.get(here + 1)) || before;
+    if (before) figure.show(before, after, state.time - here);
+  }
+}
+
+function picture(now) {
+  requestAnimationFrame(picture);
+  const seconds = (now - lastTime) / 1000;
+  const before = state.time;
+  lastTime = now;
+  const isReady = advance(seconds);
+  if (isReady) {
+    show();
+    if (isNew) {
+      say("");
+      stage.resize();
+      stage.home();
+      isNew = false;
+    }
+    if (byId("status").textContent === SETTLING) say("");
+    if (state.follows) stage.follow(seconds);
+  }
+  stage.draw(isReady && state.time !== before);
+  watchTheClock(1000 * seconds);
+}
+
+function watchTheClock(milliseconds) {
+  state.pictures = [...state.pictures, milliseconds].slice(-60);
+  if (state.pictures.length < PATIENCE || mean(state.pictures) < TOO_SLOW || !state.playing) return;
+  stage.lighten();
+  state.pictures = [];
+}
+
+const mean = (numbers) => numbers.reduce((sum, number) => sum + number, 0) / numbers.length;
+
+function showNumbers() {
+  const steps = state.actors.map(({ actor }) => actor).filter((actor) => actor.times.length > 0);
+  if (steps.length > 0) {
+    const each = steps.map((actor) => `${actor.milliseconds.toFixed(1)} ms`).join(" and ");
+    const slowest = Math.max(...steps.map((actor) => actor.milliseconds));
+    byId("simulated").textContent = `${each}, ${Math.round(1000 / slowest)} fps`;
+    const lines = steps.map(({ times }, i) => ({ times, colour: COLOURS[i] }));
+    drawGraph(byId("graph"), lines, 1000 * steps[0].dt);
+  }
+  if (state.pictures.length > 0) {
+    const time = mean(state.pictures);
+    byId("drawn").textContent = `${time.toFixed(1)} ms, ${Math.round(1000 / time)} fps`;
+  }
+  for (const label of sliders) label.refresh();
+  const labels = byId("labels").children;
+  state.actors.forEach(({ figure }, i) => {
+    if (!labels[i]) return;
+    const { x, y } = stage.above(figure);
+    labels[i].style.left = `${x}px`;
+    labels[i].style.top = `${y}px`;
+  });
+}
+
+// --- the panel
+
+let sliders = [];
+
+/** k_stretch matters close to 1 alone. */
+const NEAR_ONE = { value: (at) => 1 - Math.pow(1 - at, 4) * 0.999, place: (x) => 1 - Math.pow((1 - x) / 0.999, 0.25) };
+
+function materialSlider({ name, lower, upper, unit, meaning }, parameter) {
+  const make = name === "k_stretch" ? (options) => slider({ ...options, ...NEAR_ONE }) : linear;
+  const label = make({
+    id: name,
+    text: name,
+    title: meaning,
+    lower,
+    upper,
+    shown: (x) => `${name === "k_stretch" ? x.toFixed(5) : x.toFixed(3)} ${unit}`,
+    onInput: (x) => chosenActor().setMaterial(state.region, parameter, x),
+  });
+  label.refresh = () => label.show(chosenActor().materials[state.region][parameter]);
+  return label;
+}
+
+function worldSlider(options, get, set) {
+  const label = linear({ ...options, onInput: (x) => (set(x), setWorld()) });
+  label.refresh = () => label.show(get());
+  return label;
+}
+
+const chosenActor = () => state.actors[state.chosen].actor;
+
+function chooseClip(i) {
+  state.clip = i;
+  begin();
+}
+
+function chooseRegion(i) {
+  state.region = i;
+}
+
+function choose(i) {
+  state.region = 0;
+  state.chosen = i;
+  byId("controls").classList.toggle("of-second", i === 1);
+}
+
+function forgetMaterial() {
+  const { estimated } = chosenActor();
+  estimated[state.region].forEach((value, parameter) => chosenActor().setMaterial(state.region, parameter, value));
+}
+
+async function compare(isTwo) {
+  if (isTwo) {
+    await addActor(characters.length - 1);
+  } else {
+    const { actor, figure } = state.actors.pop();
+    actor.end();
+    stage.removeFigure(figure);
+    choose(0);
+  }
+  fillPanel();
+  isNew = true;
+  begin();
+}
+
+const CALLED = ["first", "second"];
+/** Names of the characters, or their places if they are the same. */
+function called() {
+  const names = state.actors.map(({ actor }) => actor.name);
+  return new Set(names).size === names.length ? names : CALLED;
+}
+
+function fillPanel() {
+  const controls = byId("controls");
+  const two = state.actors.length > 1;
+  const materials = data.parameters.map(materialSlider);
+  const world = [
+    worldSlider({ id: "wind", text: "wind", lower: 0, upper: 15, shown: (x) => `${x.toFixed(1)} m/s` }, () => state.wind.speed,
+      (x) => (state.wind.speed = x)),
+    worldSlider({ id: "wind_from", text: "from", title: "0 = the front", lower: -180, upper: 180, shown: (x) => `${x.toFixed(0)}°` },
+      () => state.wind.from, (x) => (state.wind.from = x)),
+    worldSlider({ id: "gravity", text: "gravity", lower: 0, upper: 20, shown: (x) => `${x.toFixed(2)} m/s²` },
+      () => state.gravity, (x) => (state.gravity = x)),
+  ];
+  sliders = [...materials, ...world];
+  const regions = Array.from({ length: chosenActor().materials.length }, (_, i) => `cloth ${i + 1}`);
+  controls.replaceChildren(
+    row(
+      choice({ id: "clip", title: "Clip", names: clips.map(({ name }) => name), chosen: state.clip, onChange: chooseClip }),
+      choice({ id: "speed", title: "Speed", names: SPEEDS.map((x) => `${x} × speed`), chosen: SPEEDS.indexOf(state.speed),
+        onChange: (i) => (state.speed = SPEEDS[i]) }),
+    ),
+    tick({ id: "hold", text: "hold the pose; the cloth goes on", checked: state.holds, onChange: (on) => hold(on) }),
+    tick({ id: "follow", text: "the camera goes along", checked: state.follows, onChange: (on) => (state.follows = on) }),
+    tick({ id: "compare", text: "a second one beside", checked: two, onChange: compare }),
+    heading("Material"),
+    ...(two ? [oneOf(called(), choose)] : []),
+    ...(regions.length > 1 ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: 0, onChange: chooseRegion }))] : []),
+    ...materials,
+    row(button("As estimated", forgetMaterial)),
+    heading("World"),
+    ...world,
+  );
+  byId("name").textContent = [...new Set(state.actors.map(({ actor }) => actor.name))].join(", ");
+  byId("labels").replaceChildren(
+    ...(two ? called() : []).map((name) => Object.assign(document.createElement("span"), { textContent: name })),
+  );
+}
+
+/** From the frame after those that are under way. */
+function hold(on) {
+  state.holds = on;
+  state.schedule.length = Math.max(...state.actors.map(({ actor }) => actor.asked));
+}
+
+function togglePlay() {
+  state.playing = !state.playing;
+  byId("play").textContent = state.playing ? "Pause" : "Play";
+}
+
+function fold() {
+  const isFolded = byId("panel").classList.toggle("folded");
+  byId("fold").setAttribute("aria-expanded", !isFolded);
+  stage.resize();
+  stage.home();
+}
+
+async function main() {
+  await addActor(0);
+  if (characters.length > 1) await addActor(1);
+  document.title = `doublet: ${characters.map(({ name }) => name).join(", ")}`;
+  fillPanel();
+  if (innerWidth <= 640) byId("panel").classList.add("folded");
+  byId("play").onclick = togglePlay;
+  byId("reset").onclick = begin;
+  byId("home").onclick = () => stage.home();
+  byId("fold").onclick = fold;
+  stage.resize();
+  begin();
+  requestAnimationFrame(picture);
+  setInterval(showNumbers, 100);
+}
+
+main().catch((error) => say(error.message, true));
+window.doubletView = { state, stage }; // for those who want to know more than the page shows
