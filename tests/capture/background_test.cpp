@@ -12,7 +12,7 @@
 #include <regex>
 
 namespace doublet {
-namespace {
+namespace background_test {
 
 namespace fs = std::filesystem;
 const fs::path kShipped = fs::path(DOUBLET_SOURCE_DIR) / "examples/data/session";
@@ -196,5 +196,5 @@ TEST_F(ThreeCameras, ABlackFrameIsACameraThatDroppedOut) {
   EXPECT_FALSE(frames->image(2, 4).empty());
 }
 
-} // namespace
+} // namespace background_test
 } // namespace doublet

@@ -15,7 +15,7 @@
 #include <sstream>
 
 namespace doublet {
-namespace {
+namespace calibration_file_test {
 
 namespace fs = std::filesystem;
 using Matrix3 = Eigen::Matrix3d;
@@ -704,5 +704,5 @@ TEST_F(FilmedThroughALens, BeyondTheEdgeAMaskIsEmptyAndAnImageGoesOn) {
   EXPECT_THROW(FrameSource::open(session), std::invalid_argument);
 }
 
-} // namespace
+} // namespace calibration_file_test
 } // namespace doublet

@@ -14,7 +14,7 @@
 using namespace doublet;
 using namespace tracker_scene;
 
-namespace {
+namespace checkpoint_test {
 
 /// Rendered once.
 class Film : public FrameSource {
@@ -334,4 +334,4 @@ TEST_F(CheapCapture, AFileThatCannotBeWrittenIsNamed) {
   }
 }
 
-} // namespace
+} // namespace checkpoint_test

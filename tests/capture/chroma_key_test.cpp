@@ -9,7 +9,7 @@
 #include <random>
 
 namespace doublet {
-namespace {
+namespace chroma_key_test {
 
 struct Scene {
   Image image, truth;
@@ -133,5 +133,5 @@ TEST(ChromaKey, ShippedSession) {
   }
 }
 
-} // namespace
+} // namespace chroma_key_test
 } // namespace doublet

@@ -7,7 +7,7 @@
 using namespace doublet;
 using namespace tracker_scene;
 
-namespace {
+namespace conditions_test {
 
 double joint_error(const CaptureResult &result, const RiggedMesh &actor, const MatrixRM &truth) {
   double sum = 0;
@@ -82,4 +82,4 @@ TEST(Conditions, SomeOfTheCameras) {
   EXPECT_THROW(PerformanceCapture::create(options)->capture(actor, rig, all, nullptr, Context()), std::invalid_argument);
 }
 
-} // namespace
+} // namespace conditions_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace doublet {
-namespace {
+namespace conformance_test {
 
 using tracker_scene::Frames;
 
@@ -114,5 +114,5 @@ TEST(CaptureConformance, TheKitsCatchWhatIsRestless) {
   EXPECT_EQ(testing::performance_capture_violations(all, film.actor, film.rig, film.frames).size(), 4u);
 }
 
-} // namespace
+} // namespace conformance_test
 } // namespace doublet

@@ -7,7 +7,7 @@
 
 using namespace person_scene;
 
-namespace {
+namespace first_pose_test {
 
 struct Start {
   const char *name;
@@ -60,4 +60,4 @@ TEST(FirstHeading, IsTheScansWhereFrontAndBackLookAlike) {
   EXPECT_LT(std::abs(result.performance.dofs(0, 3)), 3 * kDegree);
 }
 
-} // namespace
+} // namespace first_pose_test

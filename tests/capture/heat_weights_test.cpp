@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace doublet {
-namespace {
+namespace heat_weights_test {
 
 /// A chain of fixed joints along +Y through (x, ., 0); joint i+1 is the child of joint i.
 std::vector<JointMark> chain(const std::string &prefix, const std::string &parent, double x, const std::vector<double> &heights) {
@@ -163,5 +163,5 @@ TEST(HeatWeights, RigTemplatePutsItTogether) {
   EXPECT_THROW(rig_template(surface, chain("b", "", 0, {-0.3, 0, 0.3})), std::invalid_argument);
 }
 
-} // namespace
+} // namespace heat_weights_test
 } // namespace doublet

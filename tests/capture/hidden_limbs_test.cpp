@@ -7,7 +7,7 @@
 using namespace doublet;
 using namespace person_scene;
 
-namespace {
+namespace hidden_limbs_test {
 
 CaptureResult track(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Vertices> &truth,
                     const CaptureOptions &options) {
@@ -125,4 +125,4 @@ TEST(HiddenLimbs, TheSecondPassKnowsWhatIsLoose) {
   EXPECT_LT(error[true], 0.7 * error[false]);
 }
 
-} // namespace
+} // namespace hidden_limbs_test

@@ -8,7 +8,7 @@
 using namespace doublet;
 using namespace person_scene;
 
-namespace {
+namespace limb_search_test {
 
 /// Many minima of depth 1 on the way to the one at (1.3, 1.3, ...), which is 0.
 Eigen::VectorXd rippled(const Eigen::MatrixXd &samples) {
@@ -244,4 +244,4 @@ TEST(LostLimb, SearchCanBeSwappedAndIsChecked) {
                std::runtime_error);
 }
 
-} // namespace
+} // namespace limb_search_test

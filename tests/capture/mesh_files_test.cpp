@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 namespace doublet {
-namespace {
+namespace mesh_files_test {
 
 using testing::TempFolder;
 
@@ -176,5 +176,5 @@ TEST(PoseSurface, RefusesAnOffsetOfAnotherLength) {
   EXPECT_THROW(pose_surface(actor, dofs, Vertices(0, 3)), std::invalid_argument);
 }
 
-} // namespace
+} // namespace mesh_files_test
 } // namespace doublet

@@ -6,7 +6,7 @@
 #include "support/option_ranges.h"
 
 namespace doublet {
-namespace {
+namespace options_test {
 
 TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<CalibrationOptions>();
@@ -17,5 +17,5 @@ TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<RimMatchOptions>();
 }
 
-} // namespace
+} // namespace options_test
 } // namespace doublet

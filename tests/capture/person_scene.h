@@ -17,8 +17,8 @@ inline Eigen::VectorXd constant(int size, double value) {
 
 /// A person, 6 cameras and the masks of a known pose.
 struct Scene {
-  RiggedMesh actor = testing::figure_actor(0.045);
-  CameraRig rig = testing::camera_ring(6, 256);
+  RiggedMesh actor = doublet::testing::figure_actor(0.045);
+  CameraRig rig = doublet::testing::camera_ring(6, 256);
   std::vector<Limb> limbs = find_limbs(actor.skeleton);
   Eigen::VectorXd truth = Eigen::VectorXd::Zero(actor.skeleton.dof_count());
   std::vector<Image> masks;

@@ -15,7 +15,7 @@
 using namespace doublet;
 using namespace doublet::testing;
 
-namespace {
+namespace scan_from_views_test {
 
 /// A pattern in space that looks different wherever one looks, 0 .. 255.
 std::uint8_t grain(const Eigen::Vector3d &p) {
@@ -206,4 +206,4 @@ TEST(ScanFromViews, SaysWhatIsWrong) {
       Cancelled);
 }
 
-} // namespace
+} // namespace scan_from_views_test

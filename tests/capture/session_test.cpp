@@ -11,7 +11,7 @@
 #include <regex>
 
 namespace doublet {
-namespace {
+namespace session_test {
 
 namespace fs = std::filesystem;
 const fs::path kShipped = fs::path(DOUBLET_SOURCE_DIR) / "examples/data/session";
@@ -259,5 +259,5 @@ TEST_F(SessionFiles, ImageFoldersAreVideos) {
   EXPECT_THROW(read_session(folder.path()), Error); // a folder is no video
 }
 
-} // namespace
+} // namespace session_test
 } // namespace doublet

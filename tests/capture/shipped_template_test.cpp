@@ -13,7 +13,7 @@
 #include <random>
 
 namespace doublet {
-namespace {
+namespace shipped_template_test {
 
 const std::filesystem::path kShipped = std::filesystem::path(DOUBLET_SOURCE_DIR) / "examples/data/session";
 
@@ -170,5 +170,5 @@ TEST(ShippedTemplate, AgainstTheTruth) {
   }
 }
 
-} // namespace
+} // namespace shipped_template_test
 } // namespace doublet

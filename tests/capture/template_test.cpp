@@ -15,7 +15,7 @@
 #include <random>
 
 namespace doublet {
-namespace {
+namespace template_test {
 
 using testing::lathe;
 
@@ -285,5 +285,5 @@ TEST(MeshFiles, BrokenFilesAreNamed) {
     }
 }
 
-} // namespace
+} // namespace template_test
 } // namespace doublet

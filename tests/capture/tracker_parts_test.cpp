@@ -8,7 +8,7 @@
 using namespace doublet;
 using namespace tracker_scene;
 
-namespace {
+namespace tracker_parts_test {
 
 Image disc(int size, double x, double y, double radius) {
   Image mask(size, size, 1);
@@ -186,4 +186,4 @@ TEST(Features, FollowAKnownShift) {
   EXPECT_THROW(tracker->detect(image, Image(10, 10, 1)), std::invalid_argument);
 }
 
-} // namespace
+} // namespace tracker_parts_test

@@ -10,7 +10,7 @@
 using namespace doublet;
 using namespace tracker_scene;
 
-namespace {
+namespace tracker_test {
 
 constexpr int kFrames = 12;
 
@@ -221,4 +221,4 @@ TEST(Tracker, StopsWhenAsked) {
   EXPECT_NEAR(reached, 2.0 / 6, 1e-9);
 }
 
-} // namespace
+} // namespace tracker_test

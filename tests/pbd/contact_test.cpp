@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace doublet::pbd {
-namespace {
+namespace contact_test {
 
 using scenes::Sheet;
 constexpr double kG = 9.81, kH = 1.0 / 40;
@@ -295,5 +295,5 @@ TEST(SelfCollision, LayersThatRestTogetherAreLeftAlone) {
   EXPECT_LT((state.positions - s.rest).rowwise().norm().maxCoeff(), 1e-5);
 }
 
-} // namespace
+} // namespace contact_test
 } // namespace doublet::pbd

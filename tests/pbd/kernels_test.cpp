@@ -13,7 +13,7 @@
 #include <random>
 
 namespace doublet::pbd {
-namespace {
+namespace kernels_test {
 
 using V = Vec3<double>;
 double &component(V &v, int k) {
@@ -378,5 +378,5 @@ TEST(Order, LeavesVerticesAloneAndKeepsLevels) {
   EXPECT_LE(inversions, 8); // nearly sorted by level
 }
 
-} // namespace
+} // namespace kernels_test
 } // namespace doublet::pbd

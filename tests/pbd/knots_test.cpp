@@ -12,7 +12,7 @@
 #include <set>
 
 namespace doublet::pbd {
-namespace {
+namespace knots_test {
 
 using Eigen::Vector3d;
 
@@ -125,5 +125,5 @@ TEST(Knots, SheetsThatHavePassedThroughEachOtherComeApart) {
   EXPECT_EQ(knotted(state.positions, scene.both.faces).size(), 0u);
 }
 
-} // namespace
+} // namespace knots_test
 } // namespace doublet::pbd

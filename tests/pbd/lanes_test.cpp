@@ -9,7 +9,7 @@
 #include <random>
 
 namespace doublet::pbd {
-namespace {
+namespace lanes_test {
 
 using scenes::Sheet;
 constexpr double kH = 1.0 / 40;
@@ -178,5 +178,5 @@ TEST(Lanes, RefusesWidthsItDoesNotHave) {
   EXPECT_EQ(detail::supported_lanes().front(), 1);
 }
 
-} // namespace
+} // namespace lanes_test
 } // namespace doublet::pbd

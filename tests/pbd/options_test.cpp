@@ -2,12 +2,12 @@
 #include "support/option_ranges.h"
 
 namespace doublet {
-namespace {
+namespace options_test {
 
 TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<pbd::ClothOptions>();
   expect_ranges<pbd::Material>();
 }
 
-} // namespace
+} // namespace options_test
 } // namespace doublet

@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace doublet::pbd {
-namespace {
+namespace peer_test {
 
 using V = Vec3<double>;
 struct Case {
@@ -96,5 +96,5 @@ TEST(Peer, BendProjectsAsPositionBasedDynamics) {
   EXPECT_EQ(compared, 50);
 }
 
-} // namespace
+} // namespace peer_test
 } // namespace doublet::pbd

@@ -10,7 +10,7 @@
 #include <thread>
 
 namespace doublet::pbd {
-namespace {
+namespace physics_test {
 
 using scenes::Sheet;
 constexpr double kG = 9.81, kH = 1.0 / 40;
@@ -429,5 +429,5 @@ TEST(Cloth, CompanyChangesNoBit) {
   EXPECT_GT((together[0].positions - together[1].positions).cwiseAbs().maxCoeff(), 1e-3); // the materials do differ
 }
 
-} // namespace
+} // namespace physics_test
 } // namespace doublet::pbd

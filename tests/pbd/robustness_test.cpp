@@ -10,7 +10,7 @@
 #include <random>
 
 namespace doublet::pbd {
-namespace {
+namespace robustness_test {
 
 using scenes::Sheet;
 
@@ -304,5 +304,5 @@ TEST(House, IncludesNothingButItselfOptionsEigenAndTheStandardLibrary) {
   }
 }
 
-} // namespace
+} // namespace robustness_test
 } // namespace doublet::pbd

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace doublet::pbd {
-namespace {
+namespace spin_test {
 
 using scenes::kPi;
 using scenes::Sheet;
@@ -124,8 +124,6 @@ Material limp() {
   return m;
 }
 
-} // namespace
-
 TEST(Spin, StringsHangStraightWithoutItAndFlyOutWithIt) {
   EXPECT_NEAR(hanging_string(0).drop, kLength, 1e-6);
   const Profile fast = hanging_string(50);
@@ -149,4 +147,5 @@ TEST(Spin, DragTakesFlare) {
   EXPECT_LT(drags.radius, free.radius - 0.03); // 0.576, 0.616
 }
 
+} // namespace spin_test
 } // namespace doublet::pbd

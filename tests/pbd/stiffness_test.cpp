@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace doublet::pbd {
-namespace {
+namespace stiffness_test {
 
 using scenes::Sheet;
 
@@ -84,8 +84,6 @@ template <class Measure> double disagreement(Stiffness stiffness, const Measure 
   return *most / *least;
 }
 
-} // namespace
-
 TEST(Stiffness, AMaterialMeansTheSameWhateverSweepsAndSubsteps) {
   EXPECT_LT(disagreement(Stiffness::Compliance, sag), 1.07);   // 1.045
   EXPECT_LT(disagreement(Stiffness::Compliance, droop), 1.02); // 1.006
@@ -140,4 +138,5 @@ TEST(Stiffness, RestCurvatureIsTheShareOfTheAnglesThatIsKept) {
     }
 }
 
+} // namespace stiffness_test
 } // namespace doublet::pbd
