@@ -218,7 +218,7 @@ void bind_streaming(py::module_ &m) {
         py::arg("options") = BakedGlbOptions{}, Release(),
         "An animation as glTF 2.0 that any viewer plays: bones, and a shape for every key, of M_high in its texture (of M where "
         "the "
-        "animation is without M_high) and of the body. Complete or not at all.");
+        "animation is without M_high) and of the body. Complete or not at all. Returns the number of keys.");
 }
 
 /// What the player returns is its own: a view, which the next step writes over.

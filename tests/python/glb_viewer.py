@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-TYPE = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+TYPE = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 
 
 class Viewer:
@@ -22,10 +22,23 @@ class Viewer:
 
     def array(self, accessor: int) -> np.ndarray:
         at = self.gltf["accessors"][accessor]
-        view = self.gltf["bufferViews"][at["bufferView"]]
-        first, width = view.get("byteOffset", 0) + at.get("byteOffset", 0), WIDTH[at["type"]]
-        kind = np.dtype(TYPE[at["componentType"]])
-        return np.frombuffer(self.bytes, kind, at["count"] * width, first).reshape(-1, width).astype(float)
+        width = WIDTH[at["type"]]
+        values = np.zeros((at["count"], width))
+        if "bufferView" in at:
+            values = self.numbers(at, at["componentType"], at["count"] * width).reshape(-1, width)
+        if "sparse" in at:
+            sparse = at["sparse"]
+            rows = self.numbers(sparse["indices"], sparse["indices"]["componentType"], sparse["count"]).astype(int)
+            values[rows] = self.numbers(sparse["values"], at["componentType"], sparse["count"] * width).reshape(-1, width)
+        return values / np.iinfo(TYPE[at["componentType"]]).max if at.get("normalized") else values
+
+    def numbers(self, at: dict, component: int, count: int) -> np.ndarray:
+        first = self.gltf["bufferViews"][at["bufferView"]].get("byteOffset", 0) + at.get("byteOffset", 0)
+        return np.frombuffer(self.bytes, TYPE[component], count, first).astype(float)
+
+    def image(self) -> bytes:
+        view = self.gltf["bufferViews"][self.gltf["images"][0]["bufferView"]]
+        return self.bytes[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
 
     def value(self, node: int, path: str, time: float, default):
         """Linear; rotations are normalised, which is near enough to a slerp between frames of 1/40 s."""

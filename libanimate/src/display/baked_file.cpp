@@ -329,8 +329,8 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
   npz.write(path, kFileFormat);
 }
 
-void write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                     const BakedGlbOptions &options) {
+int write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                    const BakedGlbOptions &options) {
   options.validate();
   require_animation(character, animation);
   const int frames = static_cast<int>(animation.surface.size());
@@ -385,6 +385,7 @@ void write_baked_glb(const std::filesystem::path &path, const Character &charact
     add_morph_channels(writer, out, morphing, keys, animation.fps);
   writer.model.animations.push_back(out);
   writer.save(path);
+  return static_cast<int>(keys.size());
 }
 
 } // namespace doublet

@@ -33,8 +33,8 @@ struct BakedGlbOptions {
 /// Plays in any glTF 2.0 viewer that knows KHR_mesh_quantization: the joints as animated nodes, and skinned to them M_high in its
 /// texture (M in colours where the result is without M_high) and the hidden body as the animation has it (tucked under the
 /// cloth), with one morph target a key each. The shapes are relative to the bones, so that both follow these between keys; a key
-/// holds the vertices that are not where the bones alone have them, 11 bytes each.
-void write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                     const BakedGlbOptions &options = {});
+/// holds the vertices that are not where the bones alone have them, 11 bytes each. Returns the number of keys.
+int write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                    const BakedGlbOptions &options = {});
 
 } // namespace doublet
