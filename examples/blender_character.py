@@ -3,9 +3,9 @@
 blender --background --python examples/blender_character.py -- import CHARACTER_OR_ANIMATION.glb SCENE.blend
 blender SCENE.blend --background --python examples/blender_character.py -- export CHARACTER.glb
 
-`import` reads as File, Import, glTF 2.0 does, sets the scene's frame rate to the animation's, so that every shape falls on a frame,
-and lays what makes a character of a character.glb, the extension DOUBLET_character, into the scene. `export` writes what Blender
-exports with that extension in it again: `doublet animate` takes the file.
+`import` reads as File, Import, glTF 2.0 does, sets the scene's frame rate to the animation's, so that every shape falls on a
+frame, and lays what makes a character of a character.glb, the extension DOUBLET_character, into the scene. `export` writes what
+Blender exports with that extension in it again: `doublet animate` takes the file.
 """
 
 import json
@@ -14,7 +14,10 @@ import sys
 from pathlib import Path
 
 import bpy
+import numpy
 
+if "bool" not in vars(numpy):  # NumPy 1.24 and later 1.x: the glTF add-on of Debian 12's Blender 3.4 is older than its NumPy
+    numpy.bool = bool
 EXTENSION = "DOUBLET_character"
 #: Members of the extension that are indices of accessors (docs/animation.md).
 ARRAYS = {
