@@ -1,7 +1,9 @@
 """What another program sees of a baked animation."""
 
 import io
+import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -12,7 +14,9 @@ from glb_viewer import Viewer
 from PIL import Image
 
 FPS, FRAMES = 40.0, 33
-PLAY = Path(__file__).parents[1] / "support" / "play_glb.mjs"
+ROOT = Path(__file__).parents[2]
+PLAY = ROOT / "tests" / "support" / "play_glb.mjs"
+SCRIPT = ROOT / "examples" / "blender_character.py"
 NEAR = 1e-4  # m
 
 
@@ -158,3 +162,51 @@ def test_without_the_display_surface_it_is_the_simulated_one(turning, tmp_path):
         assert off(viewer.mesh("surface", frame / FPS), animation.surface[frame]) < NEAR
     primitive = viewer.gltf["meshes"][viewer.gltf["nodes"][viewer.node["surface"]]["mesh"]]["primitives"][0]
     assert "COLOR_0" in primitive["attributes"]
+
+
+# --- Blender, which is large: CI does without
+
+in_blender = pytest.mark.skipif(
+    not shutil.which("blender"),
+    reason="NO BLENDER: nothing here tries examples/blender_character.py (apt-get install blender python3-numpy)",
+)
+
+
+def blender(*arguments):
+    command = ["blender", "--background", "--python-exit-code", "1", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+@in_blender
+def test_blender_plays_what_the_arrays_have(turning, folder, tmp_path):
+    done = blender("--python", SCRIPT, "--", "import", folder / "every.glb", tmp_path / "scene.blend")
+    assert done.returncode == 0, done.stdout + done.stderr
+    frames = ROOT / "tests" / "support" / "blender_frames.py"
+    done = blender(tmp_path / "scene.blend", "--python", frames, "--", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert np.load(tmp_path / "scene.npz")["fps"] == pytest.approx(FPS)
+    with np.load(folder / "arrays.npz") as arrays:
+        for name, key in (("surface", "high_vertices"), ("body", "body_vertices")):
+            with np.load(tmp_path / f"{name}.npz") as played:
+                assert len(played["vertices"]) == FRAMES
+                which = original(turning[0], name, played["triangles"])
+                assert off(played["vertices"], arrays[key][:, which]) < NEAR
+
+
+@in_blender
+def test_a_character_goes_through_blender(turning, tmp_path):
+    turning[0].write(tmp_path / "before.glb")
+    assert blender("--python", SCRIPT, "--", "import", tmp_path / "before.glb", tmp_path / "scene.blend").returncode == 0
+    done = blender(tmp_path / "scene.blend", "--python", SCRIPT, "--", "export", tmp_path / "again.glb")
+    assert done.returncode == 0, done.stdout + done.stderr
+    content = (tmp_path / "again.glb").read_bytes()
+    gltf = json.loads(content[20 : 20 + int.from_bytes(content[12:16], "little")])
+    assert "Blender" in gltf["asset"]["generator"]
+    d.Character.read(tmp_path / "again.glb").write(tmp_path / "after.glb")
+    assert (tmp_path / "after.glb").read_bytes() == (tmp_path / "before.glb").read_bytes()
+
+
+@in_blender
+def test_a_scene_without_a_character_is_refused(tmp_path):
+    done = blender("--python", SCRIPT, "--", "export", tmp_path / "no.glb")
+    assert done.returncode != 0 and "holds no character" in done.stdout + done.stderr
