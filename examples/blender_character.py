@@ -104,6 +104,16 @@ def animation_rate(gltf, binary):
     return (len(seconds) - 1) / (seconds[-1] - seconds[0]) if len(seconds) > 1 else None
 
 
+def name_meshes(scene):
+    """The importer leaves an empty under the name of a mesh that is skinned and has shapes."""
+    for thing in [o for o in scene.objects if o.type == "MESH"]:
+        left = scene.objects.get(thing.name.rsplit(".", 1)[0])
+        if left is not None and left.type == "EMPTY" and not left.children:
+            name = left.name
+            bpy.data.objects.remove(left)
+            thing.name = name
+
+
 def put_keys_on_frames(scene, rate):
     """The importer knows whole frame rates only: at 29.97 its keys lie between the frames."""
     scene.render.fps_base = scene.render.fps / rate
@@ -122,6 +132,7 @@ def import_file(path, scene_path):
     if rate:
         scene.render.fps = max(1, round(rate))
     bpy.ops.import_scene.gltf(filepath=str(Path(path).absolute()))
+    name_meshes(scene)
     if EXTENSION in gltf.get("extensions", {}):
         part = {"asset": gltf["asset"]}
         kept = with_extension(gltf, binary, part, b"")

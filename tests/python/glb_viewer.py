@@ -38,7 +38,8 @@ class Viewer:
 
     def image(self) -> bytes:
         view = self.gltf["bufferViews"][self.gltf["images"][0]["bufferView"]]
-        return self.bytes[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
+        first = view.get("byteOffset", 0)
+        return self.bytes[first : first + view["byteLength"]]
 
     def value(self, node: int, path: str, time: float, default):
         """Linear; rotations are normalised, which is near enough to a slerp between frames of 1/40 s."""

@@ -150,7 +150,7 @@ def test_few_vertices_are_there_twice(turning, viewers):
 def test_what_the_bones_carry_is_not_stored(turning, viewers):
     primitive = viewers[0].gltf["meshes"][viewers[0].gltf["nodes"][viewers[0].node["surface"]]["mesh"]]["primitives"][0]
     stored = [viewers[0].gltf["accessors"][target["POSITION"]]["sparse"]["count"] for target in primitive["targets"]]
-    assert max(stored) < 0.8 * len(viewers[0].mesh("surface", 0))  # half of it is cloth
+    assert max(stored) < 0.9 * len(viewers[0].mesh("surface", 0))  # above 1.3 m one bone carries all
 
 
 def test_without_the_display_surface_it_is_the_simulated_one(turning, tmp_path):
