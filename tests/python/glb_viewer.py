@@ -74,20 +74,29 @@ class Viewer:
 
     def mesh(self, name: str, time: float) -> np.ndarray:
         """(V, 3) m: morphed, then skinned."""
+        vertices, blends = self.morphed(name, "POSITION", time), self.blends(name, time)
+        return np.einsum("vij,vj->vi", blends[:, :3, :3], vertices) + blends[:, :3, 3]
+
+    def normals(self, name: str, time: float) -> np.ndarray:
+        """(V, 3) unit."""
+        turned = np.einsum("vij,vj->vi", self.blends(name, time)[:, :3, :3], self.morphed(name, "NORMAL", time))
+        return turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+    def morphed(self, name: str, attribute: str, time: float) -> np.ndarray:
         node = self.node[name]
-        at = self.gltf["nodes"][node]
-        primitive = self.gltf["meshes"][at["mesh"]]["primitives"][0]
-        attributes = primitive["attributes"]
-        vertices = self.array(attributes["POSITION"])
-        targets = primitive.get("targets", [])
+        primitive = self.gltf["meshes"][self.gltf["nodes"][node]["mesh"]]["primitives"][0]
+        values, targets = self.array(primitive["attributes"][attribute]), primitive.get("targets", [])
         for weight, target in zip(self.value(node, "weights", time, np.zeros(len(targets))), targets):
             if weight:
-                vertices = vertices + weight * self.array(target["POSITION"])
-        if "skin" not in at:
-            return vertices
+                values = values + weight * self.array(target[attribute])
+        return values
+
+    def blends(self, name: str, time: float) -> np.ndarray:
+        """(V, 4, 4) of the skin."""
+        at = self.gltf["nodes"][self.node[name]]
+        attributes = self.gltf["meshes"][at["mesh"]]["primitives"][0]["attributes"]
         skin, world = self.gltf["skins"][at["skin"]], self.joints(time)
         inverse_bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
         matrices = np.array([world[joint] @ bind for joint, bind in zip(skin["joints"], inverse_bind)])
         weights, joints = (self.array(attributes[name]) for name in ("WEIGHTS_0", "JOINTS_0"))
-        blends = np.einsum("vk,vkij->vij", weights, matrices[joints.astype(int)])
-        return np.einsum("vij,vj->vi", blends[:, :3, :3], vertices) + blends[:, :3, 3]
+        return np.einsum("vk,vkij->vij", weights, matrices[joints.astype(int)])

@@ -99,6 +99,25 @@ def test_every_frame_is_exact(turning, viewers, name):
         assert off(viewers[0].mesh(name, frame / FPS), frames[frame][which]) < NEAR
 
 
+def vertex_normals(vertices, faces):
+    """(V, 3), weighted by area."""
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    normals = np.zeros_like(vertices)
+    for corner in faces.T:
+        np.add.at(normals, corner, np.cross(b - a, c - a))
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+
+
+def test_normals_follow_the_cloth(turning, viewers):
+    """Those of bytes, where cloth has turned far from its bones; across the seams of the texture, too."""
+    character, high = turning[0], turning[1].high
+    which = original(character, "surface", triangles_of(viewers[0], "surface"))
+    for frame in (0, 12, FRAMES - 1):
+        true = vertex_normals(high[frame], drawn_faces(character, "surface"))[which]
+        cosines = np.sum(viewers[0].normals("surface", frame / FPS) * true, axis=1)
+        assert np.quantile(cosines, 0.01) > np.cos(np.radians(10)) and cosines.mean() > np.cos(np.radians(3))
+
+
 def test_three_js_plays_what_the_arrays_have(turning, folder, tmp_path):
     modules = os.environ.get("DOUBLET_NODE_DIR")
     if not modules:

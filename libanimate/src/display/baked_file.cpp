@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <optional>
 
 namespace doublet {
 namespace {
@@ -150,67 +149,79 @@ double farthest(const Shapes &mesh) {
   return most;
 }
 
-/// What to add to one normal to have the direction of another: bytes reach to 1, so the sum may be shorter than 1. Nothing if
-/// even so the direction would be off.
-std::optional<Eigen::RowVector3f> byte_step(const Eigen::RowVector3f &from, const Eigen::RowVector3f &to) {
-  constexpr float kNearEnough = 0.996f; // cosine of 5 degrees
-  for (const float length : {1.0f, 0.7f, 0.4f, 0.2f}) {
+struct NormalStep {
+  Eigen::RowVector3f step; ///< each within [-1, 1], as bytes are
+  float cosine;            ///< of the angle that is left
+};
+
+/// What to add to one normal to have the direction of another; the sum may be shorter than 1.
+NormalStep byte_step(const Eigen::RowVector3f &from, const Eigen::RowVector3f &to) {
+  constexpr float kNearEnough = 0.996f; // 5 degrees
+  NormalStep best{Eigen::RowVector3f::Zero(), -2};
+  for (const float length : {1.0f, 0.7f, 0.4f, 0.2f, 0.1f}) {
     const Eigen::RowVector3f step = (length * to - from).cwiseMin(1).cwiseMax(-1);
-    if ((from + step).normalized().dot(to) > kNearEnough)
-      return step;
+    const float cosine = (from + step).normalized().dot(to);
+    if (cosine > best.cosine)
+      best = {step, cosine};
+    if (cosine > kNearEnough)
+      break;
   }
-  return std::nullopt;
+  return best;
 }
 
-/// Differences between a shape's normals and the first one's at `rows`: bytes, or floats where a normal has turned too far.
-int add_normal_steps(glb::Writer &writer, const glb::Writer::SparseRows &at, const std::vector<int> &rows, const Floats3 &first,
-                     const Floats3 &normals) {
-  std::vector<std::int8_t> bytes;
-  std::vector<float> floats;
-  bool fit = true;
-  for (int v : rows) {
-    const Eigen::RowVector3f step = normals.row(v) - first.row(v);
-    floats.insert(floats.end(), step.data(), step.data() + 3);
-    const std::optional<Eigen::RowVector3f> small = byte_step(first.row(v), normals.row(v));
-    fit &= small.has_value();
-    for (int k = 0; k < 3 && fit; ++k)
-      bytes.push_back(static_cast<std::int8_t>(std::lround((*small)[k] * kByte)));
+/// The mesh's own normals: those of the first key, or where bytes do not reach from there to those of all others, their mean.
+Floats3 own_normals(const Shapes &mesh) {
+  constexpr float kReached = 0.94f; // 20 degrees
+  Floats3 own = mesh.normals[0];
+  for (Eigen::Index v = 0; v < own.rows(); ++v) {
+    Eigen::RowVector3f sum = Eigen::RowVector3f::Zero();
+    bool reached = true;
+    for (const Floats3 &normals : mesh.normals) {
+      sum += normals.row(v);
+      reached = reached && byte_step(mesh.normals[0].row(v), normals.row(v)).cosine > kReached;
+    }
+    if (!reached && sum.norm() > 0)
+      own.row(v) = sum.normalized();
   }
-  return fit ? writer.sparse_vectors(at, bytes) : writer.sparse_vectors(at, floats);
+  return own;
 }
 
-/// A morph target, relative to the first shape; what it leaves where it is, is not stored. `unit`: m, of the mesh's numbers.
-std::map<std::string, int> add_target(glb::Writer &writer, const Shapes &mesh, const Floats3 &first, std::size_t key,
-                                      double unit) {
-  constexpr float kTurned = 0.02f; // a normal's step that shows
-  const Floats3 &shape = mesh.shapes[key];
+/// A morph target, relative to the mesh's own places and normals; what it leaves as it is, is not stored. `unit`: m, of the
+/// mesh's numbers.
+std::map<std::string, int> add_target(glb::Writer &writer, const Floats3 &shape, const Floats3 &normals, const Floats3 &own,
+                                      const Floats3 &own_normals, double unit) {
   std::vector<int> rows;
   std::vector<std::int16_t> steps;
+  std::vector<std::int8_t> turns;
   for (Eigen::Index v = 0; v < shape.rows(); ++v) {
-    const Eigen::RowVector3d step = (shape.row(v).cast<double>() / unit - first.row(v).cast<double>()) * kShort;
-    const Eigen::RowVector3d rounded = step.array().round().cwiseMin(kShort).cwiseMax(-kShort);
-    if (rounded.isZero() && (mesh.normals[key].row(v) - mesh.normals[0].row(v)).cwiseAbs().maxCoeff() < kTurned)
+    const Eigen::RowVector3d step = (shape.row(v).cast<double>() / unit - own.row(v).cast<double>()) * kShort;
+    const Eigen::RowVector3d whole = step.array().round().cwiseMin(kShort).cwiseMax(-kShort);
+    const Eigen::RowVector3f turn = (byte_step(own_normals.row(v), normals.row(v)).step * kByte).array().round();
+    const bool stays = whole.isZero() && turn.cwiseAbs().maxCoeff() < 3; // a degree
+    if (stays && !(rows.empty() && v + 1 == shape.rows()))               // sparse arrays have a row at least
       continue;
     rows.push_back(static_cast<int>(v));
-    for (int k = 0; k < 3; ++k)
-      steps.push_back(static_cast<std::int16_t>(rounded[k]));
-  }
-  if (rows.empty()) { // sparse arrays have a row at least
-    rows = {0};
-    steps = {0, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+      steps.push_back(static_cast<std::int16_t>(whole[k]));
+      turns.push_back(static_cast<std::int8_t>(turn[k]));
+    }
   }
   const glb::Writer::SparseRows at = writer.sparse_rows(rows, static_cast<std::size_t>(shape.rows()));
   const int positions = writer.sparse_vectors(at, steps);
-  return {{"POSITION", positions}, {"NORMAL", add_normal_steps(writer, at, rows, mesh.normals[0], mesh.normals[key])}};
+  return {{"POSITION", positions}, {"NORMAL", writer.sparse_vectors(at, turns)}};
 }
 
 int add_morphing_mesh(glb::Writer &writer, const std::string &name, Shapes mesh, double unit, int material) {
+  const Floats3 normals = own_normals(mesh);
   mesh.shown.mesh.vertices /= unit;
-  const Floats3 first = mesh.shown.mesh.vertices.cast<float>();
+  mesh.shown.normals = normals.cast<double>();
+  const Floats3 own = mesh.shown.mesh.vertices.cast<float>();
   const int index = glb::add_mesh(writer, name, mesh.shown, material, &mesh.weights);
-  for (std::size_t key = 1; key < mesh.shapes.size(); ++key)
-    writer.model.meshes[index].primitives[0].targets.push_back(add_target(writer, mesh, first, key, unit));
-  writer.model.meshes[index].weights.assign(mesh.shapes.size() - 1, 0.0);
+  for (std::size_t key = 0; key < mesh.shapes.size(); ++key)
+    writer.model.meshes[index].primitives[0].targets.push_back(
+        add_target(writer, mesh.shapes[key], mesh.normals[key], own, normals, unit));
+  writer.model.meshes[index].weights.assign(mesh.shapes.size(), 0.0);
+  writer.model.meshes[index].weights[0] = 1; // as it begins, for viewers that do not play
   return index;
 }
 
@@ -287,13 +298,12 @@ void add_joint_channels(glb::Writer &writer, tinygltf::Animation &out, const Ske
       add_channel(out, j, "rotation", times, writer.floats(turns[j], TINYGLTF_TYPE_VEC4, glb::Use::Data));
 }
 
-/// One weight a target a key: at key k target k - 1 alone.
+/// One weight a target a key: at key k target k alone.
 void add_morph_channels(glb::Writer &writer, tinygltf::Animation &out, const std::vector<int> &nodes,
                         const std::vector<int> &keys, double fps) {
-  const std::size_t targets = keys.size() - 1;
-  std::vector<float> weights(keys.size() * targets, 0.0f);
-  for (std::size_t k = 1; k < keys.size(); ++k)
-    weights[k * targets + k - 1] = 1;
+  std::vector<float> weights(keys.size() * keys.size(), 0.0f);
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    weights[k * keys.size() + k] = 1;
   const int times = add_times(writer, keys, fps), values = writer.floats(weights, TINYGLTF_TYPE_SCALAR, glb::Use::Data);
   for (int node : nodes)
     add_channel(out, node, "weights", times, values);
@@ -376,8 +386,7 @@ int write_baked_glb(const std::filesystem::path &path, const Character &characte
           writer.vectors(gather(surface_colours(character), vertices), glb::Use::Vertices);
     morphing.push_back(glb::add_mesh_node(writer, names[i], mesh, skin));
   }
-  if (keys.size() > 1)
-    writer.model.extensionsUsed = writer.model.extensionsRequired = {"KHR_mesh_quantization"};
+  writer.model.extensionsUsed = writer.model.extensionsRequired = {"KHR_mesh_quantization"};
   tinygltf::Animation out;
   out.name = "animation";
   add_joint_channels(writer, out, character.actor.skeleton, animation);

@@ -117,7 +117,7 @@ Writer::SparseRows Writer::sparse_rows(const std::vector<int> &rows, std::size_t
 template <class T> int Writer::sparse(const SparseRows &rows, const std::vector<T> &values, int component) {
   tinygltf::Accessor a;
   a.componentType = component;
-  a.normalized = component != TINYGLTF_COMPONENT_TYPE_FLOAT;
+  a.normalized = true;
   a.type = TINYGLTF_TYPE_VEC3;
   a.count = rows.count;
   a.sparse.isSparse = true;
@@ -136,10 +136,6 @@ template <class T> int Writer::sparse(const SparseRows &rows, const std::vector<
   }
   model.accessors.push_back(a);
   return static_cast<int>(model.accessors.size()) - 1;
-}
-
-int Writer::sparse_vectors(const SparseRows &rows, const std::vector<float> &values) {
-  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_FLOAT);
 }
 
 int Writer::sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values) {

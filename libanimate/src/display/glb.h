@@ -39,9 +39,8 @@ public:
     std::size_t rows, count; ///< count: of the whole accessor
   };
   SparseRows sparse_rows(const std::vector<int> &rows, std::size_t count);
-  /// Values (rows, 3) at those rows: floats, or integers that mean k / 127 (bytes) and k / 32767 (shorts), which in morph targets
-  /// are KHR_mesh_quantization's. With min and max.
-  int sparse_vectors(const SparseRows &rows, const std::vector<float> &values);
+  /// Values (rows, 3) at those rows, that mean k / 127 (bytes) and k / 32767 (shorts), as morph targets have them with
+  /// KHR_mesh_quantization. With min and max.
   int sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values);
   int sparse_vectors(const SparseRows &rows, const std::vector<std::int16_t> &values);
 
