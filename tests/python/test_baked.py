@@ -100,11 +100,14 @@ def test_every_frame_is_exact(turning, viewers, name):
 
 
 def vertex_normals(vertices, faces):
-    """(V, 3), weighted by area."""
-    a, b, c = vertices[faces].transpose(1, 0, 2)
+    """(V, 3), weighted by angle."""
     normals = np.zeros_like(vertices)
-    for corner in faces.T:
-        np.add.at(normals, corner, np.cross(b - a, c - a))
+    for k in range(3):
+        at, after, before = (vertices[faces[:, (k + step) % 3]] for step in range(3))
+        across = np.cross(after - at, before - at)
+        sine = np.linalg.norm(across, axis=1, keepdims=True)
+        angle = np.arctan2(sine, np.sum((after - at) * (before - at), axis=1, keepdims=True))
+        np.add.at(normals, faces[:, k], angle * across / np.maximum(sine, 1e-30))
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
 
 

@@ -148,7 +148,8 @@ def test_usd_is_what_usdchecker_wants(usd):
 def test_usd_finds_its_texture(character, usd):
     from pxr import Usd, UsdShade
 
-    image = UsdShade.Shader(Usd.Stage.Open(str(usd)).GetPrimAtPath("/character/materials/surface/image"))
+    stage = Usd.Stage.Open(str(usd))
+    image = UsdShade.Shader(stage.GetPrimAtPath("/character/materials/surface/image"))
     found = Path(image.GetInput("file").Get().resolvedPath)
     assert found == texture_path(usd, character) and found.read_bytes() == character.texture
 
