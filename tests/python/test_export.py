@@ -150,6 +150,8 @@ def test_usd_finds_its_texture(character, usd):
 
     stage = Usd.Stage.Open(str(usd))
     image = UsdShade.Shader(stage.GetPrimAtPath("/character/materials/surface/image"))
+    places = np.asarray(stage.GetPrimAtPath("/character/surface").GetAttribute("primvars:st").Get())
+    np.testing.assert_allclose(places, character.texcoords * [1, -1] + [0, 1], atol=1e-6)  # images begin at the bottom
     found = Path(image.GetInput("file").Get().resolvedPath)
     assert found == texture_path(usd, character) and found.read_bytes() == character.texture
 
