@@ -146,6 +146,16 @@ void bind_motion(py::module_ &m) {
   m.def("retarget", &retarget, py::arg("clip"), py::arg("skeleton"), py::arg("options") = RetargetOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.");
+  py::class_<JointMatch>(m, "JointMatch", "Which joint of a clip plays one of our joints, and why.")
+      .def_readonly("part", &JointMatch::part, "our joint")
+      .def_readonly("joint", &JointMatch::joint, "index into the clip's joint_names; -1 = none")
+      .def_readonly("reason", &JointMatch::reason);
+  m.def("explain_match", &explain_match, py::arg("clip"), py::arg("given") = std::map<std::string, std::string>{},
+        "A JointMatch for each of our joints. given: our joint -> name in the clip, '' = none.");
+  m.def("resample", &resample, py::arg("skeleton"), py::arg("motion"), py::arg("fps"),
+        "The same Motion at another rate; first and last pose stay (the last as far as the new rate reaches it).");
+  m.def("write_bvh", &write_bvh, py::arg("path"), py::arg("skeleton"), py::arg("motion"), Release(),
+        "A Motion as BVH in metres and degrees, +Y up, complete or not at all.");
 }
 
 void bind_animator(py::module_ &m) {
@@ -206,7 +216,9 @@ void bind_streaming(py::module_ &m) {
   OptionsClass<BakedGlbOptions>(m, "Options of write_baked_glb.");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
         py::arg("options") = BakedGlbOptions{}, Release(),
-        "An animation as glTF 2.0 that any viewer plays: bones and a shape for every key. Complete or not at all.");
+        "An animation as glTF 2.0 that any viewer plays: bones, and a shape for every key, of M_high in its texture (of M where "
+        "the "
+        "animation is without M_high) and of the body. Complete or not at all. Returns the number of keys.");
 }
 
 /// What the player returns is its own: a view, which the next step writes over.

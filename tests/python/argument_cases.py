@@ -204,6 +204,8 @@ def calls(world, folder) -> dict:
             {"surface": v, "cameras": w.cameras, "images": pictures, "masks": masks},
         ),
         "SourceMotion": (d.SourceMotion, clip),
+        "resample": (lambda motion: d.resample(w.skeleton, motion, 20.0), {"motion": w.motion}),
+        "write_bvh": (lambda motion: d.write_bvh(folder / "m.bvh", w.skeleton, motion), {"motion": w.motion}),
         "animate": (
             lambda character, motion: d.animate(character, motion, d.AnimateOptions(settle_seconds=0.05)),
             {"character": w.character, "motion": w.motion},
@@ -252,7 +254,7 @@ def calls(world, folder) -> dict:
 
 #: Functions without arrays, or whose damaged input is a file (tests/fuzz) or an object of ours.
 ELSEWHERE = {
-    "minimise", "retarget", "session_silhouettes", "train_body_model", "write_materials",
+    "minimise", "explain_match", "retarget", "session_silhouettes", "train_body_model", "write_materials",
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
     "find_body_marks", "require_scanned", "surface_refiner_violations",

@@ -600,6 +600,22 @@ spoilt_by(
 )
 spoilt_by("Motion", "animate c.glb walk.fbx -o new.npz", a_format_that_is_not_read=content("walk.fbx", "Kaydara"))
 
+spoilt_by(
+    "Motion",
+    ANIMATE + " --bone-map map.toml",
+    no_such_bone_map=lambda folder: None,
+    a_bone_map_that_is_no_TOML=content("map.toml", "l_hip: LeftUpLeg"),
+    a_bone_map_without_joints=content("map.toml", 'l_hip = "spine"'),
+    a_joint_that_is_not_ours=content("map.toml", '[joints]\nl_tail = "spine"'),
+    a_joint_that_the_clip_has_not=content("map.toml", '[joints]\nl_hip = "LeftUpLeg"'),
+    a_number_for_a_joint=content("map.toml", "[joints]\nl_hip = 3"),
+)
+spoilt_by(
+    "Motion",
+    "animate c.glb out/performance.npz -o new.npz --bone-map map.toml",
+    a_bone_map_for_poses_of_the_character_itself=content("map.toml", '[joints]\nl_hip = "spine"'),
+)
+
 # --- where it goes, and what was asked
 
 spoilt_by("Character", "view c.glb --compare other.glb -o new", nobody_to_compare_with=lambda folder: None)

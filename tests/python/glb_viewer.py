@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
-TYPE = {5121: np.uint8, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
+TYPE = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 
 
 class Viewer:
@@ -22,10 +22,24 @@ class Viewer:
 
     def array(self, accessor: int) -> np.ndarray:
         at = self.gltf["accessors"][accessor]
-        view = self.gltf["bufferViews"][at["bufferView"]]
-        first, width = view.get("byteOffset", 0) + at.get("byteOffset", 0), WIDTH[at["type"]]
-        kind = np.dtype(TYPE[at["componentType"]])
-        return np.frombuffer(self.bytes, kind, at["count"] * width, first).reshape(-1, width).astype(float)
+        width = WIDTH[at["type"]]
+        values = np.zeros((at["count"], width))
+        if "bufferView" in at:
+            values = self.numbers(at, at["componentType"], at["count"] * width).reshape(-1, width)
+        if "sparse" in at:
+            sparse = at["sparse"]
+            rows = self.numbers(sparse["indices"], sparse["indices"]["componentType"], sparse["count"]).astype(int)
+            values[rows] = self.numbers(sparse["values"], at["componentType"], sparse["count"] * width).reshape(-1, width)
+        return values / np.iinfo(TYPE[at["componentType"]]).max if at.get("normalized") else values
+
+    def numbers(self, at: dict, component: int, count: int) -> np.ndarray:
+        first = self.gltf["bufferViews"][at["bufferView"]].get("byteOffset", 0) + at.get("byteOffset", 0)
+        return np.frombuffer(self.bytes, TYPE[component], count, first).astype(float)
+
+    def image(self) -> bytes:
+        view = self.gltf["bufferViews"][self.gltf["images"][0]["bufferView"]]
+        first = view.get("byteOffset", 0)
+        return self.bytes[first : first + view["byteLength"]]
 
     def value(self, node: int, path: str, time: float, default):
         """Linear; rotations are normalised, which is near enough to a slerp between frames of 1/40 s."""
@@ -60,20 +74,29 @@ class Viewer:
 
     def mesh(self, name: str, time: float) -> np.ndarray:
         """(V, 3) m: morphed, then skinned."""
+        vertices, blends = self.morphed(name, "POSITION", time), self.blends(name, time)
+        return np.einsum("vij,vj->vi", blends[:, :3, :3], vertices) + blends[:, :3, 3]
+
+    def normals(self, name: str, time: float) -> np.ndarray:
+        """(V, 3) unit."""
+        turned = np.einsum("vij,vj->vi", self.blends(name, time)[:, :3, :3], self.morphed(name, "NORMAL", time))
+        return turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+    def morphed(self, name: str, attribute: str, time: float) -> np.ndarray:
         node = self.node[name]
-        at = self.gltf["nodes"][node]
-        primitive = self.gltf["meshes"][at["mesh"]]["primitives"][0]
-        attributes = primitive["attributes"]
-        vertices = self.array(attributes["POSITION"])
-        targets = primitive.get("targets", [])
+        primitive = self.gltf["meshes"][self.gltf["nodes"][node]["mesh"]]["primitives"][0]
+        values, targets = self.array(primitive["attributes"][attribute]), primitive.get("targets", [])
         for weight, target in zip(self.value(node, "weights", time, np.zeros(len(targets))), targets):
             if weight:
-                vertices = vertices + weight * self.array(target["POSITION"])
-        if "skin" not in at:
-            return vertices
+                values = values + weight * self.array(target[attribute])
+        return values
+
+    def blends(self, name: str, time: float) -> np.ndarray:
+        """(V, 4, 4) of the skin."""
+        at = self.gltf["nodes"][self.node[name]]
+        attributes = self.gltf["meshes"][at["mesh"]]["primitives"][0]["attributes"]
         skin, world = self.gltf["skins"][at["skin"]], self.joints(time)
         inverse_bind = self.array(skin["inverseBindMatrices"]).reshape(-1, 4, 4).transpose(0, 2, 1)
         matrices = np.array([world[joint] @ bind for joint, bind in zip(skin["joints"], inverse_bind)])
         weights, joints = (self.array(attributes[name]) for name in ("WEIGHTS_0", "JOINTS_0"))
-        blends = np.einsum("vk,vkij->vij", weights, matrices[joints.astype(int)])
-        return np.einsum("vij,vj->vi", blends[:, :3, :3], vertices) + blends[:, :3, 3]
+        return np.einsum("vk,vkij->vij", weights, matrices[joints.astype(int)])

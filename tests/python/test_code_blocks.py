@@ -32,7 +32,7 @@ NOT_RUN = {
 NOT_OURS = {
     "bash": "tests/run_tests.sh is what runs this; examples/quickstart.sh is what users begin with",
     "source": "the virtual environment of examples/quickstart.sh",
-    "blender": "Blender: test_import_calibration.py runs the script with a stand-in",
+    "blender": "Blender: test_import_calibration.py and test_baked.py run the scripts",
     "masks_venv/bin/python": "MediaPipe, which brings its own OpenCV",
     "python": "Robust Video Matting needs PyTorch and its weights",
     "rembg": "downloads its weights",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +10,10 @@ import numpy as np
 from . import _doublet as d
 from .console import Console
 from .motions import read_motion
+from .usd import usd_modules, write_usdc
 from .video import VideoWriter
 
-FORMATS = (".npz", ".glb", ".mp4")
+FORMATS = (".npz", ".glb", ".usdc", ".bvh", ".mp4")
 
 
 def build_character(job) -> dict:
@@ -62,18 +64,46 @@ def bake_first_frame(character: d.Character, job, performance: d.ReferencePerfor
     return d.texture_character(character, surface, job.session.rig, images, masks, d.TextureOptions(), job.context)
 
 
-def animate(character_file: Path, motion_file: Path, out: Path, console: Console, retargeting: d.RetargetOptions) -> int:
-    """A new animation as .npz, .glb or .mp4; returns the number of frames."""
+@dataclass
+class Output:
+    """What a new animation is written with, beside its motion."""
+
+    animation: d.AnimateOptions = field(default_factory=d.AnimateOptions)
+    glb: d.BakedGlbOptions = field(default_factory=d.BakedGlbOptions)
+    bone_map: Path | None = None
+
+
+def animate(
+    character_file: Path,
+    motion_file: Path,
+    out: Path,
+    console: Console,
+    retargeting: d.RetargetOptions,
+    output: Output | None = None,
+) -> int:
+    """A new animation as .npz, .glb, .usdc, .bvh or .mp4; returns the number of frames."""
     if out.suffix not in FORMATS:
         raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
-    context = console.context()
+    if out.suffix == ".usdc":
+        usd_modules()  # before the work
+    context, output = console.context(), output or Output()
     character = d.Character.read(character_file)
-    motion = read_motion(motion_file, character, retargeting, context)
+    motion = read_motion(motion_file, character, retargeting, context, output.bone_map)
     if out.suffix == ".mp4":
-        return write_video(character, motion, out, context)
-    animation = d.animate(character, motion, d.AnimateOptions(high=False), context)
-    (d.write_baked_npz if out.suffix == ".npz" else d.write_baked_glb)(out, character, animation)
-    return len(animation.dofs)
+        return write_video(character, motion, out, context, options=output.animation)
+    if out.suffix == ".usdc":
+        return write_usdc(out, character, motion, output.animation, context)
+    if out.suffix == ".bvh":
+        motion = d.resample(character.actor.skeleton, motion, 1 / character.solver.dt)
+        d.write_bvh(out, character.actor.skeleton, motion)
+        return len(motion)
+    animation = d.animate(character, motion, output.animation, context)
+    frames = len(animation.dofs)
+    if out.suffix == ".npz":
+        d.write_baked_npz(out, character, animation)
+    elif (keys := d.write_baked_glb(out, character, animation, output.glb)) < frames:
+        console.say(f"{out}: {keys} shapes for {frames} frames, between which viewers blend (--glb-most-keys allows more)")
+    return frames
 
 
 def cameras_along(character: d.Character, motion: d.Motion, count: int, size: int) -> list[d.Camera]:
@@ -91,7 +121,14 @@ def cameras_along(character: d.Character, motion: d.Motion, count: int, size: in
     return [d.orbit_camera(target, 1.25, 0.35, 0.15, size, size) for target in targets]
 
 
-def write_video(character: d.Character, motion: d.Motion, out: Path, context: d.Context, size: int = 720) -> int:
+def write_video(
+    character: d.Character,
+    motion: d.Motion,
+    out: Path,
+    context: d.Context,
+    size: int = 720,
+    options: d.AnimateOptions | None = None,
+) -> int:
     """Headless: the library's own renderer, piped to ffmpeg."""
     fps = 1 / character.solver.dt
     count = int(len(motion) * fps / motion.fps) + 2  # at least as many as animate() makes of it
@@ -104,7 +141,7 @@ def write_video(character: d.Character, motion: d.Motion, out: Path, context: d.
             camera = cameras[min(frame.index, count - 1)]
             video.write(renderer.render(frame.surface, frame.high, frame.body, camera, floor))
 
-        return d.animate_each(character, motion, draw, d.AnimateOptions(), context)
+        return d.animate_each(character, motion, draw, options or d.AnimateOptions(), context)
 
 
 def exact_motion(character: d.Character, motion_file: Path, fps: float, context: d.Context) -> d.Motion:

@@ -197,12 +197,25 @@ def run_scan(arguments) -> int:
     return DOUBTFUL if made.findings else 0
 
 
-def run_animate(arguments) -> None:
-    from .character import animate
+#: What `doublet animate` takes flags of.
+ANIMATE_GROUPS = {"retarget": d.RetargetOptions, "animate": d.AnimateOptions, "glb": d.BakedGlbOptions}
 
+
+def run_animate(arguments) -> None:
+    from . import bone_map
+    from .character import Output, animate
+    from .motions import read_clip
+
+    options = chosen_options(arguments, ANIMATE_GROUPS)
+    if arguments.write_bone_map:
+        bone_map.write(arguments.write_bone_map, read_clip(arguments.motion), options["retarget"].joint_names)
+        print(arguments.write_bone_map)
+        return
+    if not arguments.out:
+        arguments.usage_error("the following arguments are required: -o/--out")
     console = make_console(arguments)
-    retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
-    frames = animate(arguments.character, arguments.motion, arguments.out, console, retargeting)
+    output = Output(options["animate"], options["glb"], arguments.bone_map)
+    frames = animate(arguments.character, arguments.motion, arguments.out, console, options["retarget"], output)
     console.finish()
     print(f"{arguments.out}: {frames} frames")
 
@@ -446,10 +459,18 @@ def add_animate(commands) -> None:
     animate = commands.add_parser("animate", help="a character and a motion -> a new animation")
     animate.add_argument("character", type=Path, metavar="CHARACTER.glb")
     animate.add_argument("motion", type=Path, metavar="MOTION", help=MOTION_HELP)
-    animate.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help=".npz, .glb or .mp4")
+    animate.add_argument("-o", "--out", type=Path, metavar="OUT", help=".npz, .glb, .usdc, .mp4, or .bvh of the skeleton alone")
+    text = "write which joint of the motion plays which of ours, and how that was guessed, for --bone-map, and run nothing"
+    animate.add_argument("--write-bone-map", type=Path, metavar="FILE", help=text)
+    text = "which joint of the motion plays which of ours, from a TOML file; --retarget-joint-names beats it"
+    animate.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
     common_flags(animate)
-    add_option_flags(animate, {"retarget": d.RetargetOptions})
-    animate.set_defaults(run=run_animate)
+    add_option_flags(animate, ANIMATE_GROUPS)
+    animate.usage = (
+        "doublet animate CHARACTER.glb MOTION -o OUT [options]\n"
+        "       doublet animate CHARACTER.glb MOTION --write-bone-map FILE [options]"
+    )
+    animate.set_defaults(run=run_animate, usage_error=animate.error)
 
 
 def add_view(commands) -> None:

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 
 from . import __version__, pipeline
-from .files import write_text
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from .files import read_toml, write_text
 
 HEAD = """# Options of doublet {version}: `doublet reconstruct SESSION -o OUT --config THIS_FILE`.
 # A flag on the command line beats this file; what is left out of it has its default. A key is a flag's name: `diffusion` of
@@ -65,7 +59,7 @@ def read(path: Path) -> dict:
     """What the file says, by the names that the parsed command line has: "segment.diffusion", "seed", "body_model". Raises
     RuntimeError, in a sentence that names the file and the key, for whatever doublet would not take."""
     path, values = Path(path), {}
-    for key, value in parsed(path).items():
+    for key, value in read_toml(path).items():
         if key == "seed":
             values[key] = checked(path, key, value, 1)
             if value < 0:
@@ -78,15 +72,6 @@ def read(path: Path) -> dict:
         else:
             values.update({f"{key}.{name}": x for name, x in group_of(path, key, value).items()})
     return values
-
-
-def parsed(path: Path) -> dict:
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except RecursionError:
-        raise RuntimeError(f"{path}: expected TOML, found brackets inside of brackets without end") from None
-    except ValueError as error:  # a syntax error, or bytes that are no text
-        raise RuntimeError(f"{path}: expected TOML, found: {error}") from error
 
 
 def group_of(path: Path, group: str, table) -> dict:

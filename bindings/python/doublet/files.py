@@ -6,12 +6,18 @@ import hashlib
 import json
 import os
 import shutil
+import sys
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from zipfile import BadZipFile
 from zlib import error as DeflateError
 
 import numpy as np
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 
 @contextmanager
@@ -70,6 +76,16 @@ def write_text(path: Path, text: str) -> None:
 
 def write_json(path: Path, value) -> None:
     write_text(path, json.dumps(value, indent=1) + "\n")
+
+
+def read_toml(path: Path) -> dict:
+    """What is wrong with the text is a RuntimeError that names the file."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except RecursionError:
+        raise RuntimeError(f"{path}: expected TOML, found brackets inside of brackets without end") from None
+    except ValueError as error:  # a syntax error, or bytes that are no text
+        raise RuntimeError(f"{path}: expected TOML, found: {error}") from error
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _doublet as d
+from . import bone_map as bone_maps
 from .files import arrays_of
 
 #: Joints of SMPL (Loper et al. 2015) under our names, with their parents, and their places from the parent in the zero pose of
@@ -46,22 +47,46 @@ RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
 MOST_LIKELY_FPS = 1000  # nobody films people faster
 
 
-def read_motion(path: Path, character: d.Character, retargeting: d.RetargetOptions, context: d.Context | None = None) -> d.Motion:
+def read_motion(
+    path: Path,
+    character: d.Character,
+    retargeting: d.RetargetOptions,
+    context: d.Context | None = None,
+    bone_map: Path | None = None,
+) -> d.Motion:
     """A clip (.bvh, .amc, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same skeleton,
-    as they are, at the rate of `retargeting.fps`, else the character's own."""
+    as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`; what
+    `retargeting.joint_names` says beats it."""
     path, context = Path(path), context or d.Context()
-    if path.suffix != ".npz":
-        return d.retarget(d.SourceMotion.read(path), character.actor.skeleton, retargeting, context)
-    if not path.exists():
-        raise FileNotFoundError(f"{path} does not exist")
-    with arrays_of(path) as file:
-        if "dofs" not in file:
-            return d.retarget(smpl_motion(path, file), character.actor.skeleton, retargeting, context)
-        dofs = file["dofs"].astype(float)
+    dofs = own_poses(path)
+    if dofs is None:
+        clip = read_clip(path)
+        if bone_map:
+            retargeting = d.RetargetOptions(**retargeting.to_dict())
+            retargeting.joint_names = {**bone_maps.read(bone_map, clip), **retargeting.joint_names}
+        return d.retarget(clip, character.actor.skeleton, retargeting, context)
+    if bone_map:
+        raise ValueError(f"{path}: expected a clip on bones of its own for a bone map, found poses of the character's skeleton")
     expected = len(character.actor.skeleton.dof_names)
     if dofs.ndim != 2 or dofs.shape[1] != expected or not np.isfinite(dofs).all():
         raise ValueError(f"{path}: expected finite 'dofs' of shape (T, {expected}), found {dofs.shape}")
     return d.Motion(retargeting.fps or 1 / character.solver.dt, dofs)
+
+
+def own_poses(path: Path) -> np.ndarray | None:
+    """The array `dofs` of a performance.npz; None of any other file."""
+    if path.suffix != ".npz":
+        return None
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist")
+    with arrays_of(path) as file:
+        return file["dofs"].astype(float) if "dofs" in file else None
+
+
+def read_clip(path: Path) -> d.SourceMotion:
+    """A clip on its own bones: .bvh, .amc, poses of the SMPL family in .npz."""
+    path = Path(path)
+    return read_smpl_motion(path) if path.suffix == ".npz" else d.SourceMotion.read(path)
 
 
 def read_smpl_motion(path: Path) -> d.SourceMotion:

@@ -1,14 +1,18 @@
 #include "doublet/animate/baked_file.h"
 
+#include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "doublet/files/npz.h"
 #include "doublet/rays/ray_scene.h"
 #include "glb_parts.h"
+#include "texture_charts.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 
 namespace doublet {
 namespace {
@@ -21,15 +25,18 @@ void require_animation(const Character &character, const AnimationResult &animat
   const auto frames = static_cast<Eigen::Index>(animation.surface.size());
   const bool sizes = frames > 0 && animation.dofs.rows() == frames &&
                      static_cast<Eigen::Index>(animation.joints.size()) == frames &&
-                     (animation.body.empty() || static_cast<Eigen::Index>(animation.body.size()) == frames) && animation.fps > 0;
+                     (animation.body.empty() || static_cast<Eigen::Index>(animation.body.size()) == frames) &&
+                     (animation.high.empty() || static_cast<Eigen::Index>(animation.high.size()) == frames) && animation.fps > 0;
   if (!sizes || animation.dofs.cols() != character.actor.skeleton.dof_count() ||
-      animation.surface[0].rows() != character.actor.mesh.vertices.rows())
+      animation.surface[0].rows() != character.actor.mesh.vertices.rows() ||
+      (!animation.high.empty() && animation.high[0].rows() != character.high.vertices.rows()))
     throw std::invalid_argument("baked animation: expected frames of this character with poses, joints and a rate, found " +
                                 std::to_string(frames) + " frames of another kind");
 }
 
 std::vector<double> flatten(const std::vector<Vertices> &frames) {
   std::vector<double> values;
+  values.reserve(frames.size() * static_cast<std::size_t>(frames[0].size()));
   for (const Vertices &frame : frames)
     values.insert(values.end(), frame.data(), frame.data() + frame.size());
   return values;
@@ -94,16 +101,27 @@ MatrixRM undoable_weights(const glb::DisplayMesh &shown, MatrixRM weights, const
   return weights;
 }
 
-/// A skinned mesh with one shape a key (a morph target, relative to that of key 0). Shapes are what the bones have to carry to
-/// have the vertices where they are: between keys the mesh goes on following the bones. `positions`, `poses`: at the keys.
-int add_morphing_mesh(glb::Writer &writer, const std::string &name, glb::DisplayMesh shown, const MatrixRM &weights,
-                      const std::vector<const Vertices *> &positions, const std::vector<Transforms> &poses, int material) {
-  const MatrixRM bound = undoable_weights(shown, weights, poses);
-  Vertices first, first_normals;
-  int index = -1;
+using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// A skinned mesh with a shape a key. Shapes are what the bones have to carry to have the vertices where they are: between keys
+/// the mesh goes on following the bones.
+struct Shapes {
+  glb::DisplayMesh shown; ///< at the first key, relative to the bones
+  MatrixRM weights;
+  std::vector<Floats3> shapes, normals; ///< one a key, relative to the bones
+};
+
+/// `positions`, `poses`: at the keys; `faces`: of the vertices before corners were split, so that a normal is the same on both
+/// sides of a seam in the texture.
+Shapes shapes_of(glb::DisplayMesh shown, const Faces &faces, const MatrixRM &weights,
+                 const std::vector<const Vertices *> &positions, const std::vector<Transforms> &poses) {
+  Shapes result;
+  result.weights = undoable_weights(shown, weights, poses);
+  result.shown = std::move(shown);
+  const std::vector<int> &vertices = result.shown.vertex_from_shown;
   for (std::size_t key = 0; key < positions.size(); ++key) {
-    Vertices shape = gather(*positions[key], shown.vertex_from_shown), normals = vertex_normals(shape, shown.mesh.faces);
-    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(shown, bound, poses[key]);
+    Vertices shape = gather(*positions[key], vertices), normals = gather(vertex_normals(*positions[key], faces), vertices);
+    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(result.shown, result.weights, poses[key]);
     for (Eigen::Index v = 0; v < shape.rows(); ++v) {
       const Eigen::Affine3d back = blends[v].inverse();
       shape.row(v) = (back * Vector3d(shape.row(v))).transpose();
@@ -112,18 +130,112 @@ int add_morphing_mesh(glb::Writer &writer, const std::string &name, glb::Display
           normals.row(v).norm() > 1e-6 ? Eigen::RowVector3d(normals.row(v).normalized()) : Eigen::RowVector3d(0, 1, 0);
     }
     if (key == 0) {
-      shown.mesh.vertices = first = shape;
-      shown.normals = first_normals = normals;
-      index = glb::add_mesh(writer, name, shown, material, &bound);
-      continue;
+      result.shown.mesh.vertices = shape;
+      result.shown.normals = normals;
     }
-    std::map<std::string, int> target;
-    target["POSITION"] = writer.vectors(shape - first, glb::Use::Vertices, true);
-    target["NORMAL"] = writer.vectors(normals - first_normals, glb::Use::Vertices);
-    writer.model.meshes[index].primitives[0].targets.push_back(target);
+    result.shapes.push_back(shape.cast<float>());
+    result.normals.push_back(normals.cast<float>());
   }
-  writer.model.meshes[index].weights.assign(positions.size() - 1, 0.0);
+  return result;
+}
+
+constexpr int kShort = 32767, kByte = 127; ///< 1 in KHR_mesh_quantization
+
+/// m, the largest step from the first shape to another.
+double farthest(const Shapes &mesh) {
+  float most = 0;
+  for (const Floats3 &shape : mesh.shapes)
+    most = std::max(most, (shape - mesh.shapes[0]).cwiseAbs().maxCoeff());
+  return most;
+}
+
+struct NormalStep {
+  Eigen::RowVector3f step; ///< each within [-1, 1], as bytes are
+  float cosine;            ///< of the angle that is left
+};
+
+/// What to add to one normal to have the direction of another; the sum may be shorter than 1.
+NormalStep byte_step(const Eigen::RowVector3f &from, const Eigen::RowVector3f &to) {
+  constexpr float kNearEnough = 0.996f; // 5 degrees
+  NormalStep best{Eigen::RowVector3f::Zero(), -2};
+  for (const float length : {1.0f, 0.7f, 0.4f, 0.2f, 0.1f}) {
+    const Eigen::RowVector3f step = (length * to - from).cwiseMin(1).cwiseMax(-1);
+    const float cosine = (from + step).normalized().dot(to);
+    if (cosine > best.cosine)
+      best = {step, cosine};
+    if (cosine > kNearEnough)
+      break;
+  }
+  return best;
+}
+
+/// The mesh's own normals: those of the first key, or where bytes do not reach from there to those of all others, their mean.
+Floats3 own_normals(const Shapes &mesh) {
+  constexpr float kReached = 0.94f; // 20 degrees
+  Floats3 own = mesh.normals[0];
+  for (Eigen::Index v = 0; v < own.rows(); ++v) {
+    Eigen::RowVector3f sum = Eigen::RowVector3f::Zero();
+    bool reached = true;
+    for (const Floats3 &normals : mesh.normals) {
+      sum += normals.row(v);
+      reached = reached && byte_step(mesh.normals[0].row(v), normals.row(v)).cosine > kReached;
+    }
+    if (!reached && sum.norm() > 0)
+      own.row(v) = sum.normalized();
+  }
+  return own;
+}
+
+/// A morph target, relative to the mesh's own places and normals; what it leaves as it is, is not stored. `unit`: m, of the
+/// mesh's numbers.
+std::map<std::string, int> add_target(glb::Writer &writer, const Floats3 &shape, const Floats3 &normals, const Floats3 &own,
+                                      const Floats3 &own_normals, double unit) {
+  std::vector<int> rows;
+  std::vector<std::int16_t> steps;
+  std::vector<std::int8_t> turns;
+  for (Eigen::Index v = 0; v < shape.rows(); ++v) {
+    const Eigen::RowVector3d step = (shape.row(v).cast<double>() / unit - own.row(v).cast<double>()) * kShort;
+    const Eigen::RowVector3d whole = step.array().round().cwiseMin(kShort).cwiseMax(-kShort);
+    const Eigen::RowVector3f turn = (byte_step(own_normals.row(v), normals.row(v)).step * kByte).array().round();
+    const bool stays = whole.isZero() && turn.cwiseAbs().maxCoeff() < 3; // a degree
+    if (stays && !(rows.empty() && v + 1 == shape.rows()))               // sparse arrays have a row at least
+      continue;
+    rows.push_back(static_cast<int>(v));
+    for (int k = 0; k < 3; ++k) {
+      steps.push_back(static_cast<std::int16_t>(whole[k]));
+      turns.push_back(static_cast<std::int8_t>(turn[k]));
+    }
+  }
+  const glb::Writer::SparseRows at = writer.sparse_rows(rows, static_cast<std::size_t>(shape.rows()));
+  const int positions = writer.sparse_vectors(at, steps);
+  return {{"POSITION", positions}, {"NORMAL", writer.sparse_vectors(at, turns)}};
+}
+
+int add_morphing_mesh(glb::Writer &writer, const std::string &name, Shapes mesh, double unit, int material) {
+  const Floats3 normals = own_normals(mesh);
+  mesh.shown.mesh.vertices /= unit;
+  mesh.shown.normals = normals.cast<double>();
+  const Floats3 own = mesh.shown.mesh.vertices.cast<float>();
+  const int index = glb::add_mesh(writer, name, mesh.shown, material, &mesh.weights);
+  for (std::size_t key = 0; key < mesh.shapes.size(); ++key)
+    writer.model.meshes[index].primitives[0].targets.push_back(
+        add_target(writer, mesh.shapes[key], mesh.normals[key], own, normals, unit));
+  writer.model.meshes[index].weights.assign(mesh.shapes.size(), 0.0);
+  writer.model.meshes[index].weights[0] = 1; // as it begins, for viewers that do not play
   return index;
+}
+
+/// M_high in its texture, laid out in charts.
+struct TexturedHigh {
+  glb::DisplayMesh shown;
+  int image = -1;
+};
+
+TexturedHigh textured_high(glb::Writer &writer, const Character &c) {
+  if (c.texture.empty())
+    return {glb::display_mesh(c.high, c.high_valid, {}), -1};
+  const detail::ChartedTexture charted = detail::chart_texture(c.high, c.high_valid, c.texcoords, decode_image(c.texture));
+  return {glb::display_mesh(c.high, c.high_valid, charted.texcoords), writer.image(encode_jpeg(charted.image))};
 }
 
 std::vector<const Vertices *> at_keys(const std::vector<Vertices> &frames, const std::vector<int> &keys) {
@@ -186,13 +298,15 @@ void add_joint_channels(glb::Writer &writer, tinygltf::Animation &out, const Ske
       add_channel(out, j, "rotation", times, writer.floats(turns[j], TINYGLTF_TYPE_VEC4, glb::Use::Data));
 }
 
-/// One weight a target a key: at key k target k - 1 alone.
-void add_morph_channel(glb::Writer &writer, tinygltf::Animation &out, int node, const std::vector<int> &keys, double fps) {
-  const std::size_t targets = keys.size() - 1;
-  std::vector<float> weights(keys.size() * targets, 0.0f);
-  for (std::size_t k = 1; k < keys.size(); ++k)
-    weights[k * targets + k - 1] = 1;
-  add_channel(out, node, "weights", add_times(writer, keys, fps), writer.floats(weights, TINYGLTF_TYPE_SCALAR, glb::Use::Data));
+/// One weight a target a key: at key k target k alone.
+void add_morph_channels(glb::Writer &writer, tinygltf::Animation &out, const std::vector<int> &nodes,
+                        const std::vector<int> &keys, double fps) {
+  std::vector<float> weights(keys.size() * keys.size(), 0.0f);
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    weights[k * keys.size() + k] = 1;
+  const int times = add_times(writer, keys, fps), values = writer.floats(weights, TINYGLTF_TYPE_SCALAR, glb::Use::Data);
+  for (int node : nodes)
+    add_channel(out, node, "weights", times, values);
 }
 
 } // namespace
@@ -217,11 +331,16 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
     npz.set_i4("body_faces", {character.body.faces.rows(), 3}, flatten(character.body.faces));
     npz.set_b1("body_shown", character.body_shown);
   }
+  if (!animation.high.empty()) {
+    npz.set_f4("high_vertices", {frames, animation.high[0].rows(), 3}, flatten(animation.high));
+    npz.set_i4("high_faces", {character.high.faces.rows(), 3}, flatten(character.high.faces));
+    npz.set_b1("high_valid", character.high_valid);
+  }
   npz.write(path, kFileFormat);
 }
 
-void write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                     const BakedGlbOptions &options) {
+int write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                    const BakedGlbOptions &options) {
   options.validate();
   require_animation(character, animation);
   const int frames = static_cast<int>(animation.surface.size());
@@ -231,31 +350,51 @@ void write_baked_glb(const std::filesystem::path &path, const Character &charact
     poses.push_back(forward_kinematics(character.actor.skeleton, animation.dofs.row(key)));
   glb::Writer writer;
   glb::add_joint_nodes(writer, character.actor.skeleton);
-  const int skin = glb::add_skin(writer, character.actor.skeleton);
-  std::vector<int> morphing;
   const RiggedMesh &actor = character.actor;
-  const glb::DisplayMesh shown = glb::display_mesh(actor.mesh, actor.face_valid, {});
-  const int material = glb::add_material(writer, "surface", Vector3d::Ones(), -1, true);
-  const int surface =
-      add_morphing_mesh(writer, "surface", shown, actor.weights, at_keys(animation.surface, keys), poses, material);
-  writer.model.meshes[surface].primitives[0].attributes["COLOR_0"] =
-      writer.vectors(gather(surface_colours(character), shown.vertex_from_shown), glb::Use::Vertices);
-  morphing.push_back(glb::add_mesh_node(writer, "surface", surface, skin));
-  const glb::DisplayMesh body = glb::display_mesh(character.body, character.body_shown, {});
-  if (body.mesh.faces.rows() > 0 && !animation.body.empty()) {
-    const int colour = glb::add_material(writer, "body", character.body_colour, -1, false);
-    const int mesh =
-        add_morphing_mesh(writer, "body", body, character.body_weights, at_keys(animation.body, keys), poses, colour);
-    morphing.push_back(glb::add_mesh_node(writer, "body", mesh, skin));
+  std::vector<std::string> names{"surface"};
+  std::vector<Shapes> meshes;
+  std::vector<int> materials;
+  if (animation.high.empty()) {
+    meshes.push_back(shapes_of(glb::display_mesh(actor.mesh, actor.face_valid, {}),
+                               valid_faces(actor.mesh.faces, actor.face_valid), actor.weights, at_keys(animation.surface, keys),
+                               poses));
+    materials.push_back(glb::add_material(writer, "surface", Vector3d::Ones(), -1, true));
+  } else {
+    TexturedHigh high = textured_high(writer, character);
+    const MatrixRM weights = DisplaySurface(character).sample(actor.weights);
+    meshes.push_back(shapes_of(std::move(high.shown), valid_faces(character.high.faces, character.high_valid), weights,
+                               at_keys(animation.high, keys), poses));
+    materials.push_back(glb::add_material(writer, "surface", Vector3d::Constant(0.6), high.image, true));
   }
+  glb::DisplayMesh body = glb::display_mesh(character.body, character.body_shown, {});
+  if (body.mesh.faces.rows() > 0 && !animation.body.empty()) {
+    names.emplace_back("body");
+    meshes.push_back(shapes_of(std::move(body), valid_faces(character.body.faces, character.body_shown), character.body_weights,
+                               at_keys(animation.body, keys), poses));
+    materials.push_back(glb::add_material(writer, "body", character.body_colour, -1, false));
+  }
+  double unit = 1e-3;
+  for (const Shapes &mesh : meshes)
+    unit = std::max(unit, farthest(mesh));
+  const int skin = glb::add_skin(writer, character.actor.skeleton, unit);
+  std::vector<int> morphing;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const std::vector<int> vertices = meshes[i].shown.vertex_from_shown;
+    const int mesh = add_morphing_mesh(writer, names[i], std::move(meshes[i]), unit, materials[i]);
+    if (i == 0 && animation.high.empty())
+      writer.model.meshes[mesh].primitives[0].attributes["COLOR_0"] =
+          writer.vectors(gather(surface_colours(character), vertices), glb::Use::Vertices);
+    morphing.push_back(glb::add_mesh_node(writer, names[i], mesh, skin));
+  }
+  writer.model.extensionsUsed = writer.model.extensionsRequired = {"KHR_mesh_quantization"};
   tinygltf::Animation out;
   out.name = "animation";
   add_joint_channels(writer, out, character.actor.skeleton, animation);
-  for (int node : morphing)
-    if (keys.size() > 1)
-      add_morph_channel(writer, out, node, keys, animation.fps);
+  if (keys.size() > 1)
+    add_morph_channels(writer, out, morphing, keys, animation.fps);
   writer.model.animations.push_back(out);
   writer.save(path);
+  return static_cast<int>(keys.size());
 }
 
 } // namespace doublet

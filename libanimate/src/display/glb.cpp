@@ -3,7 +3,9 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace doublet::glb {
 namespace {
@@ -102,6 +104,46 @@ int Writer::image(const std::vector<std::uint8_t> &file) {
   image.mimeType = file.size() > 1 && file[0] == 0xFF ? "image/jpeg" : "image/png";
   model.images.push_back(image);
   return static_cast<int>(model.images.size()) - 1;
+}
+
+Writer::SparseRows Writer::sparse_rows(const std::vector<int> &rows, std::size_t count) {
+  if (count <= std::numeric_limits<std::uint16_t>::max()) {
+    const std::vector<std::uint16_t> small(rows.begin(), rows.end());
+    return {view(small.data(), small.size() * 2, Use::Data), TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, rows.size(), count};
+  }
+  return {view(rows.data(), rows.size() * 4, Use::Data), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, rows.size(), count};
+}
+
+template <class T> int Writer::sparse(const SparseRows &rows, const std::vector<T> &values, int component) {
+  tinygltf::Accessor a;
+  a.componentType = component;
+  a.normalized = true;
+  a.type = TINYGLTF_TYPE_VEC3;
+  a.count = rows.count;
+  a.sparse.isSparse = true;
+  a.sparse.count = static_cast<int>(rows.rows);
+  a.sparse.indices.bufferView = rows.view;
+  a.sparse.indices.byteOffset = 0;
+  a.sparse.indices.componentType = rows.component;
+  a.sparse.values.bufferView = view(values.data(), values.size() * sizeof(T), Use::Data);
+  a.sparse.values.byteOffset = 0;
+  const bool some_are_zero = rows.rows < rows.count;
+  a.minValues.assign(3, some_are_zero ? 0.0 : std::numeric_limits<double>::max());
+  a.maxValues.assign(3, some_are_zero ? 0.0 : std::numeric_limits<double>::lowest());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    a.minValues[i % 3] = std::min<double>(a.minValues[i % 3], values[i]);
+    a.maxValues[i % 3] = std::max<double>(a.maxValues[i % 3], values[i]);
+  }
+  model.accessors.push_back(a);
+  return static_cast<int>(model.accessors.size()) - 1;
+}
+
+int Writer::sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values) {
+  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_BYTE);
+}
+
+int Writer::sparse_vectors(const SparseRows &rows, const std::vector<std::int16_t> &values) {
+  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_SHORT);
 }
 
 void Writer::save(const std::filesystem::path &path) {

@@ -33,11 +33,23 @@ public:
   int faces(const Faces &faces, Use use);
   int image(const std::vector<std::uint8_t> &file); ///< returns the image's index
 
+  /// Rows of accessors that are 0 elsewhere, ascending; several accessors can share them.
+  struct SparseRows {
+    int view, component;
+    std::size_t rows, count; ///< count: of the whole accessor
+  };
+  SparseRows sparse_rows(const std::vector<int> &rows, std::size_t count);
+  /// Values (rows, 3) at those rows, that mean k / 127 (bytes) and k / 32767 (shorts), as morph targets have them with
+  /// KHR_mesh_quantization. With min and max.
+  int sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values);
+  int sparse_vectors(const SparseRows &rows, const std::vector<std::int16_t> &values);
+
   void save(const std::filesystem::path &path); ///< complete or not at all
 
 private:
   int view(const void *data, std::size_t bytes, Use use);
   int accessor(int view, int component, int type, std::size_t count);
+  template <class T> int sparse(const SparseRows &rows, const std::vector<T> &values, int component);
 };
 
 /// Arrays out of a GLB. Of glTF it knows what character files need, and reads nothing else: JSON, accessors and images in the

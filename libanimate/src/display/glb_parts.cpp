@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 namespace doublet::glb {
 namespace {
@@ -68,17 +70,29 @@ DisplayMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &show
     return result;
   const DisplayMesh shared = result;
   const auto corners = static_cast<Eigen::Index>(3 * faces.size());
-  result.mesh.vertices.resize(corners, 3);
-  result.normals.resize(corners, 3);
-  result.texcoords.resize(corners, 2);
-  result.vertex_from_shown.resize(corners);
+  std::map<std::tuple<int, double, double>, int> placed; // a vertex at a place of the image
+  std::vector<int> from;
+  std::vector<Eigen::RowVector2d> places;
   for (Eigen::Index c = 0; c < corners; ++c) {
     const int v = shared.mesh.faces(c / 3, c % 3);
-    result.mesh.vertices.row(c) = shared.mesh.vertices.row(v);
-    result.normals.row(c) = shared.normals.row(v);
-    result.texcoords.row(c) = corner_texcoords.row(3 * faces[c / 3] + c % 3);
-    result.vertex_from_shown[c] = shared.vertex_from_shown[v];
-    result.mesh.faces(c / 3, c % 3) = static_cast<int>(c);
+    const Eigen::RowVector2d uv = corner_texcoords.row(3 * faces[c / 3] + c % 3);
+    const auto [at, is_new] = placed.try_emplace({v, uv.x(), uv.y()}, static_cast<int>(from.size()));
+    if (is_new) {
+      from.push_back(v);
+      places.push_back(uv);
+    }
+    result.mesh.faces(c / 3, c % 3) = at->second;
+  }
+  const auto count = static_cast<Eigen::Index>(from.size());
+  result.mesh.vertices.resize(count, 3);
+  result.normals.resize(count, 3);
+  result.texcoords.resize(count, 2);
+  result.vertex_from_shown.resize(from.size());
+  for (Eigen::Index i = 0; i < count; ++i) {
+    result.mesh.vertices.row(i) = shared.mesh.vertices.row(from[i]);
+    result.normals.row(i) = shared.normals.row(from[i]);
+    result.texcoords.row(i) = places[i];
+    result.vertex_from_shown[i] = shared.vertex_from_shown[from[i]];
   }
   return result;
 }
@@ -101,13 +115,14 @@ void add_joint_nodes(Writer &writer, const Skeleton &skeleton) {
   writer.model.defaultScene = 0;
 }
 
-int add_skin(Writer &writer, const Skeleton &skeleton) {
+int add_skin(Writer &writer, const Skeleton &skeleton, double unit) {
   tinygltf::Skin skin;
   skin.name = "skin";
   std::vector<float> inverse_bind;
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     skin.joints.push_back(j);
     Eigen::Matrix4f bind = Eigen::Matrix4f::Identity();
+    bind.topLeftCorner<3, 3>() *= static_cast<float>(unit);
     bind.topRightCorner<3, 1>() = -skeleton.joints[j].rest.cast<float>();
     inverse_bind.insert(inverse_bind.end(), bind.data(), bind.data() + 16); // column-major, as glTF
   }

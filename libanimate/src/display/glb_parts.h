@@ -17,8 +17,8 @@ DisplayMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &show
 
 /// Nodes of the skeleton in the rest pose; node i is joint i.
 void add_joint_nodes(Writer &writer, const Skeleton &skeleton);
-/// A skin over those nodes; returns its index.
-int add_skin(Writer &writer, const Skeleton &skeleton);
+/// A skin over those nodes, of meshes whose numbers are in `unit` m; returns its index.
+int add_skin(Writer &writer, const Skeleton &skeleton, double unit = 1);
 /// A rough, non-metallic surface; `texture_image` < 0 = none.
 int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d &colour, int texture_image, bool double_sided);
 /// A mesh with POSITION, NORMAL, TEXCOORD_0 and, if weights are given (original vertices, J), JOINTS_0 and WEIGHTS_0.

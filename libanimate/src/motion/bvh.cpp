@@ -1,8 +1,13 @@
 #include "doublet/animate/motion_file.h"
+#include "doublet/files/files.h"
+#include "doublet/options/options.h"
 #include "line_reader.h"
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
 
 namespace doublet {
 namespace {
@@ -171,7 +176,86 @@ void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, cons
   }
 }
 
+// --- writing
+
+constexpr const char *kPlaceChannels = "Xposition Yposition Zposition ", *kTurnChannels = "Yrotation Xrotation Zrotation";
+
+std::string three(const Vector3d &v) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.6f %.6f %.6f", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
+  return text;
+}
+
+/// A joint and what hangs on it; `order` takes the joints as they come, which is the order of the channels.
+void write_joint(std::ostream &out, const Skeleton &skeleton, int joint, const std::string &indent, std::vector<int> &order) {
+  const Joint &j = skeleton.joints[joint];
+  order.push_back(joint);
+  const bool root = j.parent < 0;
+  out << indent << (root ? "ROOT " : "JOINT ") << j.name << "\n" << indent << "{\n";
+  const std::string inner = indent + "\t";
+  out << inner << "OFFSET " << three(root ? j.rest : Vector3d(j.rest - skeleton.joints[j.parent].rest)) << "\n";
+  out << inner << "CHANNELS " << (root ? "6 " : "3 ") << (root ? kPlaceChannels : "") << kTurnChannels << "\n";
+  bool is_end = true;
+  for (int child = joint + 1; child < skeleton.joint_count(); ++child)
+    if (skeleton.joints[child].parent == joint) {
+      write_joint(out, skeleton, child, inner, order);
+      is_end = false;
+    }
+  if (is_end)
+    out << inner << "End Site\n" << inner << "{\n" << inner << "\tOFFSET 0.000000 0.000000 0.000000\n" << inner << "}\n";
+  out << indent << "}\n";
+}
+
+/// Degrees about Y, X and Z, of R = Ry Rx Rz.
+Vector3d yxz_degrees(const Eigen::Matrix3d &r) {
+  const double x = std::asin(std::clamp(-r(1, 2), -1.0, 1.0));
+  const bool locked = std::abs(r(1, 2)) > 1 - 1e-12; // Y and Z are one axis then
+  const double y = locked ? std::atan2(-r(2, 0), r(0, 0)) : std::atan2(r(0, 2), r(2, 2));
+  const double z = locked ? 0 : std::atan2(r(1, 0), r(1, 1));
+  return Vector3d(y, x, z) * 180 / M_PI;
+}
+
+/// The same turn nearest to the one of the frame before, so that a program that blends between frames does not spin.
+Vector3d continued(const Vector3d &angles, const Vector3d &before) {
+  const auto near_before = [&](Vector3d a) {
+    for (int k = 0; k < 3; ++k)
+      a[k] += 360 * std::round((before[k] - a[k]) / 360);
+    return a;
+  };
+  const Vector3d one = near_before(angles), other = near_before({angles[0] + 180, 180 - angles[1], angles[2] + 180});
+  return (one - before).norm() <= (other - before).norm() ? one : other;
+}
+
 } // namespace
+
+void write_bvh(const std::filesystem::path &path, const Skeleton &skeleton, const Motion &motion) {
+  if (motion.dofs.rows() == 0 || motion.dofs.cols() != skeleton.dof_count() || !motion.dofs.allFinite() ||
+      !(motion.fps >= kLowestRate && motion.fps <= kHighestRate))
+    throw std::invalid_argument("write_bvh: expected finite poses of " + std::to_string(skeleton.dof_count()) +
+                                " degrees of freedom and a rate in [0.1, 100000], found (" + std::to_string(motion.dofs.rows()) +
+                                ", " + std::to_string(motion.dofs.cols()) + ") at " + options::shown(motion.fps) + " 1/s");
+  write_stream(path, [&](std::ostream &out) {
+    std::vector<int> order;
+    out << "HIERARCHY\n";
+    write_joint(out, skeleton, 0, "", order);
+    char rate[32];
+    std::snprintf(rate, sizeof rate, "%.9f", 1 / motion.fps);
+    out << "MOTION\nFrames: " << motion.dofs.rows() << "\nFrame Time: " << rate << "\n";
+    std::vector<Vector3d> before(order.size(), Vector3d::Zero());
+    for (Eigen::Index t = 0; t < motion.dofs.rows(); ++t) {
+      const Transforms world = forward_kinematics(skeleton, motion.dofs.row(t));
+      out << three(world[0] * skeleton.joints[0].rest);
+      for (std::size_t i = 0; i < order.size(); ++i) {
+        const int j = order[i], p = skeleton.joints[j].parent;
+        const Eigen::Matrix3d turn =
+            p < 0 ? Eigen::Matrix3d(world[j].linear()) : Eigen::Matrix3d(world[p].linear().transpose() * world[j].linear());
+        before[i] = continued(yxz_degrees(turn), before[i]);
+        out << " " << three(before[i]);
+      }
+      out << "\n";
+    }
+  });
+}
 
 SourceMotion parse_bvh(const std::string &text, const std::string &source) {
   LineReader reader(text, source, false);

@@ -15,15 +15,32 @@ public:
       : parents_(parents), by_name_(joints_by_name(names)) {}
 
   std::map<std::string, int> found;
+  std::map<std::string, std::string> reasons; ///< of what was found
 
-  void give(const std::string &part, int joint) { found[part] = joint; }
+  void set(const std::string &part, int joint, const std::string &reason) {
+    found[part] = joint;
+    reasons[part] = reason;
+  }
+  void forget(const std::string &part) {
+    found.erase(part);
+    reasons.erase(part);
+  }
+  /// No joint plays this part, whatever its name.
+  void leave_out(const std::string &part) { by_name_[part].clear(); }
+  std::vector<std::string> parts() const {
+    std::vector<std::string> names{"l_forearm", "r_forearm"};
+    for (const auto &[part, joints] : by_name_)
+      names.push_back(part);
+    std::sort(names.begin(), names.end());
+    return names;
+  }
   /// The best-named joint below `above` (a part that was found before; empty = anywhere).
   void below(const std::string &part, const std::string &above) {
     if (found.count(part) || (!above.empty() && !found.count(above)))
       return;
     for (int j : by_name_[part])
       if (above.empty() || is_below(j, found[above])) {
-        found[part] = j;
+        set(part, j, "by its name");
         return;
       }
   }
@@ -32,7 +49,7 @@ public:
       return;
     for (int j : by_name_[part])
       if (is_below(found[below], j)) {
-        found[part] = j;
+        set(part, j, "by its name");
         return;
       }
   }
@@ -42,12 +59,12 @@ public:
         return true;
     return false;
   }
-  void fork(const std::string &part, const std::string &a, const std::string &b) {
+  void fork(const std::string &part, const std::string &a, const std::string &b, const std::string &reason) {
     if (found.count(part) || !found.count(a) || !found.count(b))
       return;
     for (int j = parents_[found[a]]; j >= 0; j = parents_[j])
       if (is_below(found[b], j)) {
-        found[part] = j;
+        set(part, j, reason);
         return;
       }
   }
@@ -78,6 +95,7 @@ void step_out(Matcher &match, const std::string &side, const std::vector<int> &p
     return;
   for (int j = hand->second; j < static_cast<int>(parents.size()); ++j)
     if ((j == hand->second || match.is_below(j, hand->second)) && length_between(wrist->second, j, parents, lengths) > 0) {
+      match.reasons[side + "hand"] = "by its name, or the first below that is away from the wrist";
       hand->second = j;
       return;
     }
@@ -93,24 +111,42 @@ void split_forearm(Matcher &match, const std::string &side, const std::vector<in
   const double upper = length_between(found[shoulder], found[elbow], parents, lengths);
   const double lower = length_between(found[elbow], found[wrist], parents, lengths);
   if (lower < 0.75 * upper) {
-    found[side + "forearm"] = found[wrist];
-    found[wrist] = found[hand];
-    found.erase(hand);
+    match.set(side + "forearm", found[wrist], "by its place: named a wrist, it begins in the middle of the forearm");
+    match.set(wrist, found[hand], "by its place: named a hand, it begins where the forearm ends");
+    match.forget(hand);
   }
 }
 
-} // namespace
+/// Retargeting needs these.
+const std::vector<std::string> &needed_parts() {
+  static const std::vector<std::string> parts{"pelvis",  "chest",      "l_hip",      "r_hip",   "l_knee",  "r_knee",  "l_ankle",
+                                              "r_ankle", "l_shoulder", "r_shoulder", "l_elbow", "r_elbow", "l_wrist", "r_wrist"};
+  return parts;
+}
 
-std::map<std::string, int> match_human(const std::vector<std::string> &names, const std::vector<int> &parents,
-                                       const std::vector<double> &bone_lengths, const std::map<std::string, std::string> &given,
-                                       const std::string &source) {
-  Matcher match(names, parents);
+void take_given(Matcher &match, const std::vector<std::string> &names, const std::map<std::string, std::string> &given,
+                const std::string &source) {
+  const std::vector<std::string> parts = match.parts();
   for (const auto &[part, name] : given) {
+    if (std::find(parts.begin(), parts.end(), part) == parts.end())
+      throw Error(source + ": expected one of our joints, " + list(parts) + ", found '" + part + "' (to be played by '" + name +
+                  "')");
+    if (name.empty()) {
+      match.leave_out(part);
+      continue;
+    }
     const auto it = std::find(names.begin(), names.end(), name);
     if (it == names.end())
       throw Error(source + ": there is no joint '" + name + "' (wanted for '" + part + "'); there are " + list(names));
-    match.give(part, static_cast<int>(it - names.begin()));
+    match.set(part, static_cast<int>(it - names.begin()), "given");
   }
+}
+
+/// Everything that can be found.
+Matcher matched(const std::vector<std::string> &names, const std::vector<int> &parents, const std::vector<double> &bone_lengths,
+                const std::map<std::string, std::string> &given, const std::string &source) {
+  Matcher match(names, parents);
+  take_given(match, names, given, source);
   for (const std::string side : {"l_", "r_"}) {
     match.below(side + "hip", "");
     match.below(side + "knee", side + "hip");
@@ -121,18 +157,41 @@ std::map<std::string, int> match_human(const std::vector<std::string> &names, co
     match.below(side + "wrist", side + "elbow");
     match.below(side + "hand", side + "wrist");
     match.above(side + "clavicle", side + "shoulder");
-    split_forearm(match, side, parents, bone_lengths);
-    step_out(match, side, parents, bone_lengths);
+    if (!given.count(side + "wrist") && !given.count(side + "hand"))
+      split_forearm(match, side, parents, bone_lengths);
+    if (!given.count(side + "hand"))
+      step_out(match, side, parents, bone_lengths);
   }
-  match.fork("pelvis", "l_hip", "r_hip");
-  match.fork("chest", "l_shoulder", "r_shoulder");
+  match.fork("pelvis", "l_hip", "r_hip", "by its place: where the legs meet");
+  match.fork("chest", "l_shoulder", "r_shoulder", "by its place: where the arms meet");
   match.above("spine", "chest");
   match.below("neck", "chest");
   match.below("head", "chest");
   match.below("head_top", "head");
+  return match;
+}
+
+struct Bones {
+  std::vector<std::string> names;
+  std::vector<int> parents;
+  std::vector<double> lengths;
+  explicit Bones(const SourceMotion &clip) {
+    for (const SourceJoint &joint : clip.joints) {
+      names.push_back(joint.name);
+      parents.push_back(joint.parent);
+      lengths.push_back(joint.offset.norm());
+    }
+  }
+};
+
+} // namespace
+
+std::map<std::string, int> match_human(const std::vector<std::string> &names, const std::vector<int> &parents,
+                                       const std::vector<double> &bone_lengths, const std::map<std::string, std::string> &given,
+                                       const std::string &source) {
+  const Matcher match = matched(names, parents, bone_lengths, given, source);
   std::vector<std::string> missing;
-  for (const std::string part : {"pelvis", "chest", "l_hip", "r_hip", "l_knee", "r_knee", "l_ankle", "r_ankle", "l_shoulder",
-                                 "r_shoulder", "l_elbow", "r_elbow", "l_wrist", "r_wrist"})
+  for (const std::string &part : needed_parts())
     if (!match.found.count(part))
       missing.push_back(part);
   if (!missing.empty())
@@ -142,15 +201,24 @@ std::map<std::string, int> match_human(const std::vector<std::string> &names, co
 }
 
 std::map<std::string, int> match_joints(const SourceMotion &clip, const std::map<std::string, std::string> &given) {
-  std::vector<std::string> names;
-  std::vector<int> parents;
-  std::vector<double> lengths;
-  for (const SourceJoint &joint : clip.joints) {
-    names.push_back(joint.name);
-    parents.push_back(joint.parent);
-    lengths.push_back(joint.offset.norm());
+  const Bones bones(clip);
+  return match_human(bones.names, bones.parents, bones.lengths, given, clip.source);
+}
+
+std::vector<JointMatch> explain_match(const SourceMotion &clip, const std::map<std::string, std::string> &given) {
+  const Bones bones(clip);
+  const Matcher match = matched(bones.names, bones.parents, bones.lengths, given, clip.source);
+  std::vector<JointMatch> result;
+  for (const std::string &part : match.parts()) {
+    const std::vector<std::string> &needed = needed_parts();
+    const bool is_needed = std::find(needed.begin(), needed.end(), part) != needed.end();
+    const auto found = match.found.find(part);
+    if (found == match.found.end())
+      result.push_back({part, -1, is_needed ? "needed, and not found" : "not found"});
+    else
+      result.push_back({part, found->second, match.reasons.at(part)});
   }
-  return match_human(names, parents, lengths, given, clip.source);
+  return result;
 }
 
 } // namespace doublet

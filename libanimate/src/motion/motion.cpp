@@ -14,9 +14,10 @@ constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
 void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
   if (!(motion.fps > 0) || !std::isfinite(motion.fps))
     throw std::invalid_argument(who + ": motion.fps must be positive, found " + options::shown(motion.fps));
-  if (motion.dofs.rows() == 0 || motion.dofs.cols() != skeleton.dof_count())
-    throw std::invalid_argument(who + ": motion.dofs must be (T > 0, " + std::to_string(skeleton.dof_count()) + "), found (" +
-                                std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ")");
+  if (motion.dofs.rows() == 0 || motion.dofs.cols() != skeleton.dof_count() || !motion.dofs.allFinite())
+    throw std::invalid_argument(who + ": motion.dofs must be finite, (T > 0, " + std::to_string(skeleton.dof_count()) +
+                                "), found (" + std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) +
+                                ")");
 }
 
 double short_way(double from, double to) {

@@ -9,7 +9,8 @@
 namespace doublet {
 
 /// vertices (T, V, 3) f32 of M, faces (F, 3) i32, face_valid (F), joints (T, J, 3) f32, joint_names, dofs (T, D) f32, fps; and,
-/// where the result has them, body_vertices (T, B, 3), body_faces (FB, 3), body_shown (FB). Written beside and renamed.
+/// where the result has them, body_vertices (T, B, 3), body_faces (FB, 3), body_shown (FB), and high_vertices (T, VH, 3),
+/// high_faces (FH, 3), high_valid (FH) of M_high. Written beside and renamed.
 void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation);
 
 struct BakedGlbOptions {
@@ -29,11 +30,11 @@ struct BakedGlbOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// Plays in any glTF 2.0 viewer: the joints as animated nodes, and skinned to them the surface of M (coloured from the texture)
-/// and the hidden body as the animation has it (tucked under the cloth), with one morph target a key each. The shapes are
-/// relative to the bones, so that both follow these between keys. About 24 bytes a vertex a key: M in its garment and the body,
-/// 4000 vertices, make 4 MB a second at 40 frames a second.
-void write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                     const BakedGlbOptions &options = {});
+/// Plays in any glTF 2.0 viewer that knows KHR_mesh_quantization: the joints as animated nodes, and skinned to them M_high in its
+/// texture (M in colours where the result is without M_high) and the hidden body as the animation has it (tucked under the
+/// cloth), with one morph target a key each. The shapes are relative to the bones, so that both follow these between keys; a key
+/// holds the vertices that are not where the bones alone have them, 11 bytes each. Returns the number of keys.
+int write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                    const BakedGlbOptions &options = {});
 
 } // namespace doublet

@@ -1,7 +1,7 @@
 #pragma once
-// Motion capture files on their own skeleton: BVH, and Acclaim ASF/AMC.
+// Motion capture files on their own skeleton: BVH, and Acclaim ASF/AMC; and BVH of a motion of ours.
 
-#include "doublet/core/types.h"
+#include "doublet/animate/motion.h"
 
 #include <filesystem>
 #include <string>
@@ -45,5 +45,10 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
 /// By extension, .bvh or .amc. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or with
 /// the longest stem that its own begins with. Throws FileNotFound, or Error naming the file.
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {});
+
+/// A motion of our skeleton as BVH: m, degrees, +Y up; every joint by its name, the rest pose as the zero pose, rotations in the
+/// order Y X Z. The offset of the root is its place in the rest pose. Six decimals: 1e-6 m, 1e-6 degrees. Written beside and
+/// renamed. Throws std::invalid_argument unless the motion has the skeleton's degrees of freedom, frames and a rate.
+void write_bvh(const std::filesystem::path &path, const Skeleton &skeleton, const Motion &motion);
 
 } // namespace doublet

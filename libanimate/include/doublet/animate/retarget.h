@@ -47,7 +47,17 @@ struct RetargetOptions {
 Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options = {},
                 const Context &context = {});
 
-/// Which joint of the clip plays which of our joints (standard name -> joint index of the clip), by name and topology.
+/// Which joint of the clip plays which of our joints (standard name -> joint index of the clip), by name and topology. `given`:
+/// our joint -> name in the clip, "" = none. Throws Error if a name is none of ours, or none of the clip's, and if a joint is
+/// missing that retargeting needs.
 std::map<std::string, int> match_joints(const SourceMotion &clip, const std::map<std::string, std::string> &given = {});
+
+/// The same with a reason for every match, for people who look at the guesses and correct them; nothing need be found.
+struct JointMatch {
+  std::string part;   ///< standard name; those that nothing was found for are there, too
+  int joint = -1;     ///< of the clip; -1 = none
+  std::string reason; ///< in words
+};
+std::vector<JointMatch> explain_match(const SourceMotion &clip, const std::map<std::string, std::string> &given = {});
 
 } // namespace doublet

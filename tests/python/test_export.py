@@ -1,0 +1,234 @@
+"""Animations for other programs: BVH of the skeleton, USD; and the map of bones, as a file."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet import bone_map, cli
+from doublet.motions import read_clip, read_motion
+from doublet.usd import identifier, texture_path, write_usdc
+from test_motions import actor_skeleton
+
+sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
+from seeds import World  # noqa: E402
+
+FRAMES = 12
+
+
+@pytest.fixture(scope="module")
+def character():
+    """Someone with arms and legs to steer, and a tube for a body."""
+    world, skeleton = World(), actor_skeleton()
+    weights = np.zeros((len(world.mesh.vertices), len(skeleton.joint_names)))
+    for name, column in zip(("pelvis", "spine"), world.weights.T):
+        weights[:, skeleton.find(name)] = column
+    actor = d.RiggedMesh(world.mesh, [1] * len(world.mesh.faces), weights, skeleton)
+    solver = d.SolverSettings(1 / 40)
+    made = d.make_character(actor, world.segmentation, world.body, [], [world.material], solver, world.high)
+    images, masks = [world.picture] * 2, [world.mask] * 2
+    d.texture_character(made, world.mesh.vertices, world.cameras, images, masks, d.TextureOptions(size=64))
+    return made
+
+
+@pytest.fixture(scope="module")
+def motion(character):
+    """Every degree of freedom moves, the root through more than a turn."""
+    skeleton = character.actor.skeleton
+    phase = np.arange(len(skeleton.dof_names))
+    dofs = 0.4 * np.sin(0.5 * np.arange(FRAMES)[:, None] + phase)
+    dofs[:, skeleton.dof_names.index("pelvis.ry")] = np.linspace(0, 8, FRAMES)
+    return d.Motion(1 / character.solver.dt, dofs)
+
+
+# --- BVH
+
+
+def degrees_between(a, b):
+    """Of unit quaternions w x y z."""
+    return np.degrees(2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=-1)), 0, 1)))
+
+
+def test_bvh_comes_back_as_it_went(character, motion, tmp_path):
+    skeleton = character.actor.skeleton
+    d.write_bvh(tmp_path / "own.bvh", skeleton, motion)
+    clip = d.SourceMotion.read(tmp_path / "own.bvh")
+    assert clip.fps == pytest.approx(motion.fps, rel=1e-6) and clip.frame_count == FRAMES
+    at = [clip.joint_names.index(name) for name in skeleton.joint_names]
+    for t in range(FRAMES):
+        world = np.asarray(skeleton.forward_kinematics(motion.dofs[t]))
+        np.testing.assert_allclose(clip.positions[t][at], skeleton.joint_positions(motion.dofs[t]), atol=1e-4)
+        for j, k in enumerate(at):
+            w, x, y, z = clip.rotations[t, k]
+            turned = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w)], [2 * (x * y + z * w), 1 - 2 * (x * x + z * z)]])
+            np.testing.assert_allclose(turned, world[j][:2, :2], atol=np.radians(0.01))
+    np.testing.assert_allclose(clip.offsets[at[0]], skeleton.joint_positions(0 * motion.dofs[0])[0], atol=1e-6)
+
+
+def test_bvh_retargets_to_the_motion_that_it_was(character, motion, tmp_path):
+    """The joints have our own names: nothing is guessed, nothing is adapted."""
+    skeleton = character.actor.skeleton
+    small = d.Motion(motion.fps, 0.3 * motion.dofs)
+    d.write_bvh(tmp_path / "own.bvh", skeleton, small)
+    options = d.RetargetOptions(align_start=False, ground_feet=False, apply_limits=False, hold_seconds=0, blend_seconds=0)
+    again = d.retarget(d.SourceMotion.read(tmp_path / "own.bvh"), skeleton, options)
+    places = [[skeleton.joint_positions(dofs) for dofs in m.dofs] for m in (small, again)]
+    np.testing.assert_allclose(places[0], places[1], atol=0.002)  # m
+
+
+def test_angles_of_a_bvh_go_on_where_they_were(character, motion, tmp_path):
+    """A program that blends between frames must not spin: the root turns by 8 radians in steps of 42 degrees."""
+    d.write_bvh(tmp_path / "own.bvh", character.actor.skeleton, motion)
+    lines = (tmp_path / "own.bvh").read_text().split("Frame Time:")[1].splitlines()[1:]
+    angles = np.array([line.split() for line in lines], float)[:, 3:6]
+    assert np.ptp(angles[:, 0]) > 400
+    assert np.abs(np.diff(angles, axis=0)).max() < 60
+
+
+@pytest.mark.parametrize(("fps", "dofs"), [(0, np.zeros((2, 36))), (40, np.zeros((2, 3))), (40, np.zeros((0, 36)))])
+def test_no_bvh_of_what_is_no_motion(character, tmp_path, fps, dofs):
+    with pytest.raises(ValueError, match="write_bvh: expected finite poses"):
+        d.write_bvh(tmp_path / "own.bvh", character.actor.skeleton, d.Motion(fps, dofs))
+    assert not (tmp_path / "own.bvh").exists()
+
+
+# --- USD
+
+
+@pytest.fixture(scope="module")
+def usd(character, motion, tmp_path_factory):
+    out = tmp_path_factory.mktemp("usd") / "dance.usdc"
+    assert write_usdc(out, character, motion) == FRAMES
+    return out
+
+
+def test_usd_has_the_points_of_every_frame(character, motion, usd):
+    from pxr import Usd, UsdGeom
+
+    animation = d.animate(character, motion)
+    stage = Usd.Stage.Open(str(usd))
+    assert stage.GetTimeCodesPerSecond() == pytest.approx(motion.fps)
+    assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (0, FRAMES - 1)
+    assert UsdGeom.GetStageUpAxis(stage) == "Y" and UsdGeom.GetStageMetersPerUnit(stage) == 1
+    shown = {"surface": animation.high if len(character.high.faces) else animation.surface, "body": animation.body}
+    for name, frames in shown.items():
+        mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/character/{name}"))
+        assert mesh.GetPointsAttr().GetNumTimeSamples() == FRAMES
+        for t in range(FRAMES):
+            points = np.asarray(mesh.GetPointsAttr().Get(t))
+            np.testing.assert_allclose(points, frames[t], atol=1e-6)
+            np.testing.assert_allclose(mesh.GetExtentAttr().Get(t), [points.min(axis=0), points.max(axis=0)], atol=1e-6)
+
+
+def test_usd_has_the_skeleton(character, motion, usd):
+    from pxr import Usd, UsdSkel
+
+    stage = Usd.Stage.Open(str(usd))
+    skeleton = UsdSkel.Skeleton(stage.GetPrimAtPath("/character/rig/skeleton"))
+    query = UsdSkel.Cache().GetSkelQuery(skeleton)
+    assert [name.split("/")[-1] for name in query.GetJointOrder()] == character.actor.skeleton.joint_names
+    for t in range(FRAMES):
+        places = np.asarray(query.ComputeJointSkelTransforms(t))[:, 3, :3]
+        np.testing.assert_allclose(places, character.actor.skeleton.joint_positions(motion.dofs[t]), atol=1e-5)
+
+
+def test_usd_is_what_usdchecker_wants(usd):
+    from pxr import Usd, UsdValidation
+
+    registry = UsdValidation.ValidationRegistry()
+    validators = registry.GetOrLoadAllValidators()
+    assert len(validators) > 10
+    errors = UsdValidation.ValidationContext(validators).Validate(Usd.Stage.Open(str(usd)))
+    assert [error.GetMessage() for error in errors] == []
+
+
+def test_usd_finds_its_texture(character, usd):
+    from pxr import Usd, UsdShade
+
+    stage = Usd.Stage.Open(str(usd))
+    image = UsdShade.Shader(stage.GetPrimAtPath("/character/materials/surface/image"))
+    places = np.asarray(stage.GetPrimAtPath("/character/surface").GetAttribute("primvars:st").Get())
+    np.testing.assert_allclose(places, character.texcoords * [1, -1] + [0, 1], atol=1e-6)  # images begin at the bottom
+    found = Path(image.GetInput("file").Get().resolvedPath)
+    assert found == texture_path(usd, character) and found.read_bytes() == character.texture
+
+
+def test_without_usd_core_there_is_a_sentence(character, motion, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    with pytest.raises(RuntimeError, match=r"needs the package usd-core.*pip install 'doublet\[usd\]'"):
+        write_usdc(tmp_path / "new.usdc", character, motion)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_of_usd():
+    assert [identifier(name) for name in ("l_hip", "Left Hip", "1st", "ä")] == ["l_hip", "Left_Hip", "_1st", "_"]
+
+
+# --- the map of bones
+
+
+@pytest.fixture
+def folder(character, motion, tmp_path):
+    character.write(tmp_path / "c.glb")
+    d.write_bvh(tmp_path / "walk.bvh", character.actor.skeleton, d.Motion(motion.fps, 0.2 * motion.dofs))
+    return tmp_path
+
+
+def test_a_bone_map_has_every_joint_and_why(folder):
+    command = ["animate", str(folder / "c.glb"), str(folder / "walk.bvh"), "--write-bone-map", str(folder / "map.toml")]
+    assert cli.main(command) == 0
+    text, clip = (folder / "map.toml").read_text(), read_clip(folder / "walk.bvh")
+    for match in d.explain_match(clip):
+        name = clip.joint_names[match.joint] if match.joint >= 0 else ""
+        assert re.search(rf'^{match.part} = "{name}" +# {match.reason}$', text, re.MULTILINE)
+    assert "by its name" in text and "where the legs meet" in text
+
+
+def test_a_bone_map_is_what_was_guessed(folder, character):
+    clip = read_clip(folder / "walk.bvh")
+    bone_map.write(folder / "map.toml", clip, {})
+    options = d.RetargetOptions()
+    guessed, read = (
+        read_motion(folder / "walk.bvh", character, options, bone_map=file).dofs for file in (None, folder / "map.toml")
+    )
+    np.testing.assert_array_equal(guessed, read)
+
+
+def renamed(text):
+    """A clip whose names nobody guesses."""
+    numbers = {}
+    return re.sub(r"(ROOT|JOINT) (\S+)", lambda m: f"{m[1]} {numbers.setdefault(m[2], f'bone{len(numbers)}')}", text), numbers
+
+
+def test_a_clip_of_strange_names_plays_with_a_map(folder, character):
+    text, numbers = renamed((folder / "walk.bvh").read_text())
+    (folder / "strange.bvh").write_text(text)
+    strange, known = read_clip(folder / "strange.bvh"), read_clip(folder / "walk.bvh")
+    with pytest.raises(RuntimeError, match="found no joint for"):
+        read_motion(folder / "strange.bvh", character, d.RetargetOptions())
+    assert '"" ' in bone_map.written(strange, {}) and "needed, and not found" in bone_map.written(strange, {})
+    lines = bone_map.written(known, {})
+    for name, number in numbers.items():
+        lines = lines.replace(f'= "{name}"', f'= "{number}"').replace(f'= "{name}_end"', f'= "{number}_end"')
+    (folder / "map.toml").write_text(lines)
+    played = read_motion(folder / "strange.bvh", character, d.RetargetOptions(), bone_map=folder / "map.toml")
+    np.testing.assert_array_equal(played.dofs, read_motion(folder / "walk.bvh", character, d.RetargetOptions()).dofs)
+
+
+def test_a_joint_that_is_left_out_is_not_guessed(folder):
+    clip = read_clip(folder / "walk.bvh")
+    left_out = {match.part: match for match in d.explain_match(clip, {"l_clavicle": "", "neck": ""})}
+    assert left_out["l_clavicle"].joint == left_out["neck"].joint == -1
+
+
+def test_the_command_writes_bvh(folder, character):
+    done = subprocess.run(
+        [sys.executable, "-m", "doublet", "animate", folder / "c.glb", folder / "walk.bvh", "-o", folder / "new.bvh"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert d.SourceMotion.read(folder / "new.bvh").fps == pytest.approx(1 / character.solver.dt, rel=1e-6)
