@@ -15,8 +15,8 @@ using Eigen::Vector3d;
 constexpr int kLeaf = 4;               // faces
 constexpr double kRounding = 1 + 1e-9; // of a distance to a box, so that no face is missed that is as near as the best
 
-/// Of a point to a box. Without max(), which is a jump in WebAssembly: x + |x| is 2 max(x, 0), exactly, and of the two ways out of
-/// the box along an axis one is 0.
+/// Of a point to a box. Without max(), which is a jump in WebAssembly: x + |x| is 2 max(x, 0), exactly, and of the two ways out
+/// of the box along an axis one is 0.
 double squared_distance(const Vector3d &p, const Eigen::Array3d &low, const Eigen::Array3d &high) {
   const Eigen::Array3d below = low - p.array(), above = p.array() - high;
   return 0.25 * ((below + below.abs()) + (above + above.abs())).matrix().squaredNorm();

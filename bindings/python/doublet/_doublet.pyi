@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_limbs', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_limbs', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -3736,6 +3736,23 @@ class RetargetOptions:
     @last_second.setter
     def last_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+class JointMatch:
+    """
+    Which joint of a clip plays one of our joints, and why.
+    """
+    @property
+    def joint(self) -> int:
+        """
+        index into the clip's joint_names; -1 = none
+        """
+    @property
+    def part(self) -> str:
+        """
+        our joint
+        """
+    @property
+    def reason(self) -> str:
+        ...
 class AnimateOptions:
     """
     Options of animate.
@@ -5112,6 +5129,10 @@ def estimate_material(simulator: CharacterSimulator, performance: ReferencePerfo
     """
     Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes on from options.checkpoint if that is there.
     """
+def explain_match(clip: SourceMotion, given: collections.abc.Mapping[str, str] = {}) -> list[JointMatch]:
+    """
+    A JointMatch for each of our joints. given: our joint -> name in the clip, '' = none.
+    """
 def face_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (F) m^2.
@@ -5272,6 +5293,10 @@ def require_scanned(session: Session) -> None:
     """
     Raises if the session has no scan or no joints.
     """
+def resample(skeleton: Skeleton, motion: Motion, fps: typing.SupportsFloat | typing.SupportsIndex) -> Motion:
+    """
+    The same Motion at another rate; first and last pose stay (the last as far as the new rate reaches it).
+    """
 def retarget(clip: SourceMotion, skeleton: Skeleton, options: RetargetOptions = ..., context: Context = ...) -> Motion:
     """
     A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.
@@ -5364,9 +5389,9 @@ def write_actor(path: os.PathLike | str | bytes, actor: RiggedMesh) -> None:
     """
     actor.npz, complete or not at all.
     """
-def write_baked_glb(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult, options: BakedGlbOptions = ...) -> None:
+def write_baked_glb(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult, options: BakedGlbOptions = ...) -> int:
     """
-    An animation as glTF 2.0 that any viewer plays: bones and a shape for every key. Complete or not at all.
+    An animation as glTF 2.0 that any viewer plays: bones, and a shape for every key, of M_high in its texture (of M where the animation is without M_high) and of the body. Complete or not at all. Returns the number of keys.
     """
 def write_baked_npz(path: os.PathLike | str | bytes, character: Character, animation: AnimationResult) -> None:
     """
@@ -5375,6 +5400,10 @@ def write_baked_npz(path: os.PathLike | str | bytes, character: Character, anima
 def write_body(path: os.PathLike | str | bytes, fit: BodyFit) -> None:
     """
     body.npz, complete or not at all.
+    """
+def write_bvh(path: os.PathLike | str | bytes, skeleton: Skeleton, motion: Motion) -> None:
+    """
+    A Motion as BVH in metres and degrees, +Y up, complete or not at all.
     """
 def write_calibration(path: os.PathLike | str | bytes, cameras: collections.abc.Sequence[CalibratedCamera]) -> None:
     """
