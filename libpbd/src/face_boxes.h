@@ -24,13 +24,6 @@ template <class T> inline auto overlap(const Box<T> &a, const Box<T> &b) {
   return (a.lo.x <= b.hi.x) & (b.lo.x <= a.hi.x) & (a.lo.y <= b.hi.y) & (b.lo.y <= a.hi.y) & (a.lo.z <= b.hi.z) &
          (b.lo.z <= a.hi.z);
 }
-/// Of one simulation: six comparisons in two. What the fourth lanes hold is compared with what it cannot but be within.
-inline bool overlap(const Box<float> &a, const Box<float> &b) {
-  static_assert(sizeof a == 6 * sizeof(float));
-  const float far = 3e38f;
-  const Pack<4> hi(Pack<4>::Lanes{a.hi.x, a.hi.y, a.hi.z, far}), lo(Pack<4>::Lanes{-far, a.lo.x, a.lo.y, a.lo.z});
-  return !any(!((Pack<4>::load(&b.lo.x) <= hi) & (lo <= Pack<4>::load(&b.lo.z))));
-}
 /// `box` where it is at most `largest` wide, else one that overlaps nothing.
 template <class T> inline Box<T> bounded(const Box<T> &box, T largest) {
   const Vec3<T> size = box.hi - box.lo;
@@ -66,6 +59,69 @@ inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box
     ++i;
   }
 }
+
+/// The boxes of a model's faces, for many questions.
+template <class T> class FaceBoxes {
+public:
+  /// leaf(face): the face's box.
+  template <class Leaf> void refit(const LaneModel &m, Leaf &&leaf) {
+    boxes_.resize(m.node_count);
+    DOUBLET_PBD_ISA::refit<T>(m.nodes, m.node_count, boxes_.data(), leaf);
+  }
+  /// Calls found(face, lanes) for every face whose box overlaps `query` in some of the lanes, in the order of the tree.
+  template <class Found> void for_each_overlap(const LaneModel &m, const Box<T> &query, Found &&found) const {
+    DOUBLET_PBD_ISA::for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), query, found);
+  }
+
+private:
+  Array<Box<T>> boxes_; ///< of each node
+};
+
+/// For one simulation the boxes of four nodes are compared side by side: every comparison ends in a jump that nobody can
+/// foretell.
+template <> class FaceBoxes<float> {
+public:
+  template <class Leaf> void refit(const LaneModel &m, Leaf &&leaf) {
+    boxes_.resize(m.node_count);
+    DOUBLET_PBD_ISA::refit<float>(m.nodes, m.node_count, boxes_.data(), leaf);
+    quads_.resize(m.quad_count);
+    for (int i = 0; i < m.quad_count; ++i)
+      for (int k = 0; k < 4; ++k)
+        quads_[i].set(k, m.quads[i].node[k] >= 0 ? boxes_[m.quads[i].node[k]] : nothing());
+  }
+  template <class Found> void for_each_overlap(const LaneModel &m, const Box<float> &query, Found &&found) const {
+    int waiting[64], count = 1; // four a level, and as many levels as quads of 2^31 faces have
+    waiting[0] = 0;
+    while (count > 0) {
+      const int at = waiting[--count];
+      if (at < 0) {
+        found(~at, true);
+        continue;
+      }
+      const int overlaps = quads_[at].overlap(query);
+      for (int k = 3; k >= 0; --k) // the last goes below the first
+        if (overlaps >> k & 1)
+          waiting[count++] = m.quads[at].next[k];
+    }
+  }
+
+private:
+  struct Quad {
+    Pack<4> lo[3], hi[3];
+    void set(int k, const Box<float> &box) {
+      lo[0].lanes[k] = box.lo.x, lo[1].lanes[k] = box.lo.y, lo[2].lanes[k] = box.lo.z;
+      hi[0].lanes[k] = box.hi.x, hi[1].lanes[k] = box.hi.y, hi[2].lanes[k] = box.hi.z;
+    }
+    int overlap(const Box<float> &q) const {
+      return lane_bits((Pack<4>(q.lo.x) <= hi[0]) & (lo[0] <= Pack<4>(q.hi.x)) & (Pack<4>(q.lo.y) <= hi[1]) &
+                       (lo[1] <= Pack<4>(q.hi.y)) & (Pack<4>(q.lo.z) <= hi[2]) & (lo[2] <= Pack<4>(q.hi.z)));
+    }
+  };
+  static Box<float> nothing() { return {{1e30f, 1e30f, 1e30f}, {-1e30f, -1e30f, -1e30f}}; }
+
+  Array<Box<float>> boxes_; ///< of each node
+  Array<Quad> quads_;
+};
 
 } // namespace DOUBLET_PBD_ISA
 } // namespace doublet::pbd

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 namespace doublet::pbd {
 namespace {
@@ -40,6 +41,31 @@ struct Builder {
   }
 };
 
+int add_quad(const std::vector<TreeNode> &nodes, int at, std::vector<QuadNode> &quads) {
+  std::vector<int> children;
+  const auto add_children_of = [&](int node) {
+    if (nodes[node].face >= 0)
+      children.push_back(node);
+    else
+      children.insert(children.end(), {node + 1, nodes[node + 1].skip});
+  };
+  add_children_of(at);
+  if (nodes[at].face < 0) {
+    const std::vector<int> two = std::move(children);
+    children.clear();
+    for (int child : two)
+      add_children_of(child);
+  }
+  const auto index = quads.size();
+  quads.push_back({{-1, -1, -1, -1}, {}});
+  for (size_t k = 0; k < children.size(); ++k) {
+    const int face = nodes[children[k]].face, next = face >= 0 ? ~face : add_quad(nodes, children[k], quads);
+    quads[index].node[k] = children[k];
+    quads[index].next[k] = next;
+  }
+  return static_cast<int>(index);
+}
+
 float segment_distance2(Vec3f q, Vec3f a, Vec3f b) {
   const Vec3f e = b - a, d = q - a;
   const float t = lane_min(lane_max(dot(d, e) / lane_max(dot(e, e), 1e-30f), 0.0f), 1.0f);
@@ -66,6 +92,24 @@ std::vector<TreeNode> build_tree(const std::vector<Vec3f> &points, const std::ve
   builder.nodes.reserve(2 * faces.size());
   builder.add(0, static_cast<int>(faces.size()));
   return builder.nodes;
+}
+
+std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes) {
+  std::vector<QuadNode> quads;
+  add_quad(nodes, 0, quads);
+  return quads;
+}
+
+std::vector<Edge> edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces) {
+  std::set<std::pair<int, int>> known;
+  std::vector<Edge> edges;
+  for (const TreeNode &node : nodes)
+    for (int k = 0; node.face >= 0 && k < 3; ++k) {
+      const auto [a, b] = std::minmax(faces[node.face].v[k], faces[node.face].v[(k + 1) % 3]);
+      if (known.insert({a, b}).second)
+        edges.push_back({a, b});
+    }
+  return edges;
 }
 
 std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,

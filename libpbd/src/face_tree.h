@@ -11,6 +11,11 @@ namespace doublet::pbd {
 /// Faces halved again and again at the median of their centres, across the longest side of the box of those.
 std::vector<TreeNode> build_tree(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces);
 
+std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes);
+
+/// Each once, as the tree comes to its faces.
+std::vector<Edge> edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
+
 /// Sorted (vertex << 32 | face) of all pairs closer than `distance`, a face's own vertices left out.
 std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
                                              const std::vector<TreeNode> &nodes, float distance);

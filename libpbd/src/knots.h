@@ -12,15 +12,14 @@ public:
     in_knot_.resize(m.vertex_count);
     for (T &vertex : in_knot_)
       vertex = T(0);
-    boxes_.resize(m.node_count);
-    refit<T>(m.nodes, m.node_count, boxes_.data(), [&](int f) {
+    boxes_.refit(m, [&](int f) {
       const Vec3<T> a = x[m.faces[f].v[0]], b = x[m.faces[f].v[1]], c = x[m.faces[f].v[2]];
       return bounded(Box<T>{low(low(a, b), c), high(high(a, b), c)}, T(m.largest_extent));
     });
-    for (int i = 0; i < m.stretch_count; ++i) { // an edge each
-      const int a = m.stretches[i].a, b = m.stretches[i].b;
+    for (int i = 0; i < m.edge_count; ++i) {
+      const int a = m.edges[i].a, b = m.edges[i].b;
       const Box<T> box{low<T>(x[a], x[b]), high<T>(x[a], x[b])};
-      for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), box, [&](int f, auto lanes) {
+      boxes_.for_each_overlap(m, box, [&](int f, auto lanes) {
         const int *v = m.faces[f].v;
         if (v[0] != a && v[1] != a && v[2] != a && v[0] != b && v[1] != b && v[2] != b)
           note_crossing(x, a, b, v, lanes);
@@ -46,8 +45,8 @@ private:
       in_knot_[vertex] = select(lanes, T(1), in_knot_[vertex]);
   }
 
-  Array<Box<T>> boxes_; ///< of each node
-  Array<T> in_knot_;    ///< of each vertex: 0, 1
+  FaceBoxes<T> boxes_;
+  Array<T> in_knot_; ///< of each vertex: 0, 1
 };
 
 } // namespace DOUBLET_PBD_ISA

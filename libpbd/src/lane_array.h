@@ -31,6 +31,7 @@ public:
   }
   int size() const { return size_; }
   E *data() { return data_; }
+  const E *data() const { return data_; }
   E &operator[](int i) { return data_[i]; }
   const E &operator[](int i) const { return data_[i]; }
   E *begin() { return data_; }

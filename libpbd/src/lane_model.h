@@ -35,6 +35,9 @@ struct BlendConstraint {
   int vertex, follower; ///< the same vertex, as an index into `followers`
   float stiffness;      ///< in every iteration: 1 - delta^(1 / iterations)
 };
+struct Edge {
+  int a, b;
+};
 /// Tree of boxes over the faces, in the order of a walk from the root: the children of an inner node i are i + 1 and
 /// nodes[i + 1].skip.
 struct TreeNode {
@@ -42,8 +45,14 @@ struct TreeNode {
   int face; ///< of a leaf; -1: inner node
 };
 
+/// The same tree with up to four children a node, again in the order of the walk; the first is the root.
+struct QuadNode {
+  int node[4]; ///< whose box it has, an index into the nodes; -1: no child
+  int next[4]; ///< of an inner node its quad, of a leaf ~face
+};
+
 struct LaneModel {
-  int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, node_count;
+  int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, node_count, quad_count, edge_count;
   const Triangle *faces;
   const float *weights; ///< [vertex] inverse masses
   float mass;           ///< of all vertices that move
@@ -52,6 +61,8 @@ struct LaneModel {
   const BlendConstraint *blends;
   const int *followers; ///< vertices of clothness < 1
   const TreeNode *nodes;
+  const QuadNode *quads;
+  const Edge *edges;                  ///< in the order of the tree: neighbours ask the same boxes
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
   int iterations;

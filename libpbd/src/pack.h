@@ -96,6 +96,16 @@ template <int N> inline bool any(Mask<N> m) {
     bits |= m.bits[l];
   return bits != 0;
 }
+/// Bit l: lane l.
+inline int lane_bits(Mask<4> m) {
+#if defined(__SSE2__)
+  return _mm_movemask_ps(reinterpret_cast<__m128>(m.bits));
+#elif defined(__wasm_simd128__)
+  return static_cast<int>(wasm_i32x4_bitmask(static_cast<v128_t>(m.bits)));
+#else
+  return (m.bits[0] & 1) | (m.bits[1] & 2) | (m.bits[2] & 4) | (m.bits[3] & 8);
+#endif
+}
 template <int N> inline Pack<N> lane_abs(Pack<N> a) {
   return from_bits<N>(to_bits(a) & 0x7fffffff);
 }

@@ -214,6 +214,8 @@ void PbdModel::set_tree(const Vertices &rest) {
     points.push_back({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])});
   }
   nodes_ = build_tree(points, faces_);
+  quads_ = build_quads(nodes_);
+  edges_ = edges_in_order(nodes_, faces_);
   resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options().self_thickness));
 }
 
@@ -232,6 +234,8 @@ void PbdModel::set_arrays() {
   a.blends = blends_.data(), a.blend_count = size(blends_);
   a.followers = followers_.data(), a.follower_count = size(followers_);
   a.nodes = nodes_.data(), a.node_count = size(nodes_);
+  a.quads = quads_.data(), a.quad_count = size(quads_);
+  a.edges = edges_.data(), a.edge_count = size(edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
   a.iterations = options().iterations;
   a.thickness = static_cast<float>(options().thickness);

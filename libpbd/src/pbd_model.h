@@ -30,6 +30,8 @@ private:
   std::vector<int> followers_;
   std::vector<BlendConstraint> blends_;
   std::vector<TreeNode> nodes_;
+  std::vector<QuadNode> quads_;
+  std::vector<Edge> edges_;
   std::vector<std::uint64_t> resting_pairs_;
   LaneModel arrays_{};
 };

@@ -47,15 +47,14 @@ public:
     };
 
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
-    boxes_.resize(m.node_count);
-    refit<T>(m.nodes, m.node_count, boxes_.data(), [&](int f) {
+    boxes_.refit(m, [&](int f) {
       const int *v = m.faces[f].v;
       const Box<T> box = united(united(path(v[0]), path(v[1])), path(v[2]));
       const Vec3<T> grow{margin, margin, margin};
       return bounded(Box<T>{box.lo - grow, box.hi + grow}, largest);
     });
     for (int q = 0; q < m.vertex_count; ++q)
-      for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), bounded(path(q), largest), [&](int f, auto lanes) {
+      boxes_.for_each_overlap(m, bounded(path(q), largest), [&](int f, auto lanes) {
         const int *v = m.faces[f].v;
         if (v[0] != q && v[1] != q && v[2] != q)
           add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
@@ -104,7 +103,7 @@ private:
     contacts.push_back(contact);
   }
 
-  Array<Box<T>> boxes_; ///< of each node
+  FaceBoxes<T> boxes_;
 };
 
 } // namespace DOUBLET_PBD_ISA
