@@ -1,8 +1,8 @@
 #include "doublet/segment/cloth_segmenter.h"
 
 #include "doublet/core/parts/edge_distances.h"
-#include "doublet/core/parts/sheets.h"
 #include "doublet/segment/parts/diffusion.h"
+#include "surface_patches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,67 +12,18 @@
 #include <string>
 
 namespace doublet {
+
+using detail::choose;
+using detail::connected_patches;
+using detail::Patch;
+using detail::Surface;
+
 namespace {
 
 /// What diffusion leaves below / above this is noise: rigid / cloth.
 constexpr double kSnap = 0.05;
 /// m, the widest transition from cloth to skin: a waistband, not a limb.
 constexpr double kTransition = 0.10;
-
-/// The valid surface with the measures that every step below needs.
-struct Surface {
-  const Vertices &vertices;
-  Faces faces;
-  Eigen::VectorXd areas;
-  std::vector<std::vector<int>> neighbours;
-  std::vector<char> seam; ///< touches an invalid face
-  int size() const { return static_cast<int>(vertices.rows()); }
-};
-
-std::vector<char> seam_vertices(const Faces &faces, const std::vector<std::uint8_t> &face_valid, int vertex_count) {
-  std::vector<char> seam(vertex_count, 0);
-  for (int f = 0; f < faces.rows(); ++f)
-    if (!face_valid.empty() && !face_valid[f])
-      for (int k = 0; k < 3; ++k)
-        seam[faces(f, k)] = 1;
-  return seam;
-}
-
-struct Patch {
-  std::vector<int> members;
-  double area = 0;
-};
-
-/// Connected sets of the vertices chosen, by falling area (ties: lowest vertex first).
-std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen) {
-  std::vector<Patch> patches;
-  std::vector<char> seen(surface.size(), 0);
-  for (int start = 0; start < surface.size(); ++start) {
-    if (!chosen[start] || seen[start])
-      continue;
-    Patch patch;
-    patch.members.push_back(start);
-    seen[start] = 1;
-    for (std::size_t k = 0; k < patch.members.size(); ++k)
-      for (int j : surface.neighbours[patch.members[k]])
-        if (chosen[j] && !seen[j]) {
-          seen[j] = 1;
-          patch.members.push_back(j);
-        }
-    for (int i : patch.members)
-      patch.area += surface.areas[i];
-    patches.push_back(std::move(patch));
-  }
-  std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
-  return patches;
-}
-
-template <typename Predicate> std::vector<char> choose(const Surface &surface, Predicate predicate) {
-  std::vector<char> chosen(surface.size(), 0);
-  for (int i = 0; i < surface.size(); ++i)
-    chosen[i] = surface.areas[i] > 0 && predicate(i);
-  return chosen;
-}
 
 /// m, the length of the border between the rigid patches `of` (V, -1 = cloth) and cloth, halfway between their vertices.
 std::vector<double> borders_on_cloth(const Surface &surface, const std::vector<int> &of, std::size_t count) {
@@ -168,29 +119,12 @@ void snap(Eigen::VectorXd &delta) {
     value = std::isfinite(value) ? std::clamp((value - kSnap) / (1 - 2 * kSnap), 0.0, 1.0) : 0.0;
 }
 
-void label_regions(const Surface &surface, Segmentation &result) {
-  result.region = Eigen::VectorXi::Constant(surface.size(), -1);
-  result.region_count = 0;
-  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return result.clothness[i] > 0; }))) {
-    for (int i : patch.members)
-      result.region[i] = result.region_count;
-    ++result.region_count;
-  }
-}
-
-Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
+Surface sigma_surface(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
   require_usable(pose, "first frame of the mesh sequence");
-  const int n = static_cast<int>(pose.vertices.rows());
-  if (sigma.size() != n)
-    throw std::invalid_argument("sigma: expected " + std::to_string(n) + " entries, one a vertex, found " +
+  if (sigma.size() != pose.vertices.rows())
+    throw std::invalid_argument("sigma: expected " + std::to_string(pose.vertices.rows()) + " entries, one a vertex, found " +
                                 std::to_string(sigma.size()));
-  if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
-    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
-                                std::to_string(face_valid.size()));
-  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
-  const Faces faces = valid_faces(pose.faces, scanned);
-  return {pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
-          seam_vertices(pose.faces, scanned, n)};
+  return detail::surface_of(pose, face_valid);
 }
 
 /// Eq. 1, diffused; NaN is filled in by the diffusion.
@@ -268,7 +202,7 @@ void SegmentOptions::validate() const {
 SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
                                   const SegmentOptions &options) {
   options.validate();
-  const Surface surface = surface_of(pose, face_valid, sigma);
+  const Surface surface = sigma_surface(pose, face_valid, sigma);
   constexpr double kStep = 1.25, kMost = 8; // times the options
   SegmentOptions raised = options;
   for (double scale = 1; scale < kMost; scale *= kStep) {
@@ -285,7 +219,7 @@ SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                          const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   options.validate();
-  const Surface surface = surface_of(pose, face_valid, sigma);
+  const Surface surface = sigma_surface(pose, face_valid, sigma);
   Segmentation result;
   result.sigma = sigma;
   Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
@@ -294,7 +228,7 @@ Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std
   delta = diffuse_on_surface(pose.vertices, surface.faces, delta, 0.5 * options.diffusion); // smooths the borders both left
   snap(delta);
   result.clothness = delta;
-  label_regions(surface, result);
+  detail::label_regions(surface, {}, result);
   return result;
 }
 
