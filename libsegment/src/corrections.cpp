@@ -7,14 +7,15 @@
 
 namespace doublet {
 
-Segmentation corrected_segmentation(const RiggedMesh &actor, const Segmentation &found, const Eigen::VectorXi &painted) {
-  require_actor(actor, "corrected_segmentation");
-  const Eigen::Index n = actor.mesh.vertices.rows();
+Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Segmentation &found,
+                                    const Eigen::VectorXi &painted) {
+  require_usable(pose, "corrected_segmentation: first frame of the mesh sequence");
+  const Eigen::Index n = pose.vertices.rows();
   require_segmentation(found, n, "corrected_segmentation");
   if (painted.size() != n)
     throw std::invalid_argument("corrected_segmentation: painted: expected " + std::to_string(n) + " entries, one a vertex, found " +
                                 std::to_string(painted.size()));
-  const detail::Surface surface = detail::surface_of(actor.mesh, actor.face_valid);
+  const detail::Surface surface = detail::surface_of(pose, face_valid);
   Segmentation result = found;
   result.fullness.resize(0);
   std::vector<char> parting(static_cast<std::size_t>(n), 0);

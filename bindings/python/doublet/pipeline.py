@@ -285,8 +285,9 @@ def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
         job.path(segmentation_paint.FOUND).unlink(missing_ok=True)
         return found
     d.write_segmentation(job.path(segmentation_paint.FOUND), found)
-    result, actor = d.corrected_segmentation(job.actor, found, painted), job.actor
-    surface = job.performance().surface
+    actor, surface = job.actor, job.performance().surface
+    pose = d.Mesh(surface.frames[0], surface.faces)
+    result = d.corrected_segmentation(pose, actor.face_valid, found, painted)
     result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, surface, job.options["fullness"], job.context)
     return result
 

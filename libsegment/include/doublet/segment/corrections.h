@@ -3,6 +3,9 @@
 
 #include "doublet/core/stage_values.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace doublet {
 
 /// What a vertex was painted with.
@@ -15,7 +18,9 @@ enum class Paint {
 
 /// `found` with the corrections `painted` (V, a Paint each): clothness 0 and 1 where skin and cloth were painted, and the regions
 /// that follow. Cloth under a seam goes with the region nearest along the cloth. The fullness is left empty: it is to be estimated
-/// again. Throws std::invalid_argument if lengths disagree or a value is no Paint.
-Segmentation corrected_segmentation(const RiggedMesh &actor, const Segmentation &found, const Eigen::VectorXi &painted);
+/// again. pose: the first frame, as it was segmented. Throws std::invalid_argument if lengths disagree or a value is no Paint, Error
+/// on an unusable mesh.
+Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Segmentation &found,
+                                    const Eigen::VectorXi &painted);
 
 } // namespace doublet
