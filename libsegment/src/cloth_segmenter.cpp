@@ -2,6 +2,7 @@
 
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/segment/parts/diffusion.h"
+#include "snug_cloth.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -151,6 +152,43 @@ bool all_moves(const Surface &surface, const Eigen::VectorXd &delta, double smal
   return reached == top || !hangs(surface, cores.front(), carrying(surface, smallest, delta));
 }
 
+/// Adds the cloth that lies on the body (with_snug_cloth) beside each core, unless that then hangs from nothing. `slide` as
+/// sliding_deviation.
+void add_snug_cloth(const Surface &surface, const Eigen::VectorXd &sigma, const Eigen::VectorXd &slide,
+                    const SegmentOptions &options, Eigen::VectorXd &delta) {
+  const auto cloth_of = [&] { return choose(surface, [&](int i) { return delta[i] > 0.5; }); };
+  const std::vector<char> grown = detail::with_snug_cloth(surface, sigma, slide, cloth_of(), options);
+  const Eigen::VectorXd before = delta;
+  for (int i = 0; i < surface.size(); ++i)
+    if (grown[i] && delta[i] <= 0.5)
+      delta[i] = 1;
+  const std::vector<char> carries = carrying(surface, options.smallest_region, delta);
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return grown[i] && !surface.seam[i]; })))
+    if (!hangs(surface, patch, carries))
+      for (int i : patch.members)
+        delta[i] = before[i];
+}
+
+/// Eq. 1, diffusion, holes and islands, regions; with `slide` (V; may be empty) also the cloth that lies on the body.
+Segmentation segmentation_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
+                             const Eigen::VectorXd &slide, const SegmentOptions &options) {
+  const Surface surface = sigma_surface(pose, face_valid, sigma);
+  Segmentation result;
+  result.sigma = sigma;
+  Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
+  fill_holes(surface, options.smallest_region, delta);
+  drop_islands(surface, options.smallest_region, delta);
+  if (slide.size() > 0) {
+    add_snug_cloth(surface, sigma, slide, options, delta);
+    fill_holes(surface, options.smallest_region, delta);
+  }
+  delta = diffuse_on_surface(pose.vertices, surface.faces, delta, 0.5 * options.diffusion); // smooths the borders both left
+  snap(delta);
+  result.clothness = delta;
+  detail::label_regions(surface, {}, result);
+  return result;
+}
+
 class OppositeRaySegmenter : public ClothSegmenter {
 public:
   explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
@@ -170,9 +208,12 @@ public:
     const OppositePoints points = find_opposite_points(pose, face_valid, options_.opposite, context);
     context.report("segment", 0.3);
     Eigen::VectorXd sigma = opposite_distance_deviation(sequence, points, options_.opposite, context);
+    Eigen::VectorXd slide;
     if (!sequence.unposed.empty()) {
       const MeshSequence unposed{sequence.faces, sequence.unposed, {}};
       sigma = sigma.cwiseMin(opposite_distance_deviation(unposed, points, options_.opposite, context));
+      const Vertices normals = vertex_normals(pose.vertices, valid_faces(pose.faces, face_valid));
+      slide = detail::sliding_deviation(sequence.unposed, normals, options_.opposite.trim, context);
     }
     context.report("segment", 0.8);
     const SegmentOptions raised = fitting_thresholds(pose, face_valid, sigma, options_);
@@ -181,7 +222,7 @@ public:
                   options::shown(1000 * options_.rigid_threshold) + " and " + options::shown(1000 * options_.cloth_threshold) +
                   " mm to " + options::shown(1000 * raised.rigid_threshold, 3) + " and " +
                   options::shown(1000 * raised.cloth_threshold, 3));
-    Segmentation result = segmentation_from_deviation(pose, face_valid, sigma, raised);
+    Segmentation result = segmentation_of(pose, face_valid, sigma, slide, raised);
     context.report("segment", 1.0);
     return result;
   }
@@ -219,17 +260,7 @@ SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                          const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   options.validate();
-  const Surface surface = sigma_surface(pose, face_valid, sigma);
-  Segmentation result;
-  result.sigma = sigma;
-  Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
-  fill_holes(surface, options.smallest_region, delta);
-  drop_islands(surface, options.smallest_region, delta);
-  delta = diffuse_on_surface(pose.vertices, surface.faces, delta, 0.5 * options.diffusion); // smooths the borders both left
-  snap(delta);
-  result.clothness = delta;
-  detail::label_regions(surface, {}, result);
-  return result;
+  return segmentation_of(pose, face_valid, sigma, {}, options);
 }
 
 SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,

@@ -1,0 +1,92 @@
+#include "snug_cloth.h"
+
+#include "doublet/core/parts/edge_distances.h"
+#include "doublet/segment/parts/diffusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace doublet::detail {
+namespace {
+
+/// m; nearer to cloth than this the surface may be cloth, too, and does not tell what skin does. Also how far skin tells it.
+constexpr double kAround = 0.10;
+/// m; nothing is measured better.
+constexpr double kFinest = 1e-4;
+constexpr int kRounds = 5;
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<int> members(const std::vector<char> &chosen) {
+  std::vector<int> result;
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    if (chosen[i])
+      result.push_back(static_cast<int>(i));
+  return result;
+}
+
+/// (V) logarithm of `deviation` over that of the skin around; NaN where there is none.
+Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviation, const std::vector<char> &skin) {
+  const Eigen::VectorXd known = deviation.unaryExpr([](double m) { return m < kFinest ? std::log(kFinest) : std::log(m); }); // NaN stays
+  Eigen::VectorXd of_skin = known;
+  for (int i = 0; i < surface.size(); ++i)
+    if (!skin[i])
+      of_skin[i] = kUnknown;
+  return known - diffuse_on_surface(surface.vertices, surface.faces, of_skin, kAround);
+}
+
+/// The patches of `candidates` and `cloth` that have some of `cloth`.
+std::vector<char> joined(const Surface &surface, const std::vector<char> &candidates, const std::vector<char> &cloth) {
+  std::vector<char> result(cloth.size(), 0);
+  for (const Patch &patch : connected_patches(surface, candidates))
+    if (std::any_of(patch.members.begin(), patch.members.end(), [&](int i) { return cloth[i]; }))
+      for (int i : patch.members)
+        result[i] = 1;
+  return result;
+}
+
+} // namespace
+
+Eigen::VectorXd sliding_deviation(const std::vector<Vertices> &unposed, const Vertices &normals, double trim,
+                                  const Context &context) {
+  const int n = static_cast<int>(normals.rows()), frames = static_cast<int>(unposed.size());
+  const int counted = std::max(1, frames - static_cast<int>(trim * frames));
+  Eigen::VectorXd slide(n);
+  parallel_for(context, n, [&](int i) {
+    Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+    for (const Vertices &frame : unposed)
+      mean += frame.row(i) / frames;
+    std::vector<double> squares;
+    for (const Vertices &frame : unposed) {
+      const Eigen::RowVector3d way = frame.row(i) - mean;
+      squares.push_back(way.squaredNorm() - std::pow(way.dot(normals.row(i)), 2));
+    }
+    std::sort(squares.begin(), squares.end());
+    double sum = 0;
+    for (int t = 0; t < counted; ++t)
+      sum += squares[t];
+    slide[i] = std::sqrt(std::max(0.0, sum) / counted);
+  });
+  return slide;
+}
+
+std::vector<char> with_snug_cloth(const Surface &surface, const Eigen::VectorXd &sigma, const Eigen::VectorXd &slide,
+                                  std::vector<char> cloth, const SegmentOptions &options) {
+  const std::vector<char> first = cloth;
+  for (int round = 0; round < kRounds; ++round) { // what was found leaves the skin that is compared with
+    const Eigen::VectorXd way = edge_distances(surface.vertices, surface.neighbours, members(cloth), kAround);
+    const std::vector<char> skin = choose(surface, [&](int i) { return !std::isfinite(way[i]); });
+    Eigen::VectorXd ratio = 0.5 * (over_skin(surface, sigma, skin) + over_skin(surface, slide, skin));
+    ratio = diffuse_on_surface(surface.vertices, surface.faces, ratio, options.diffusion);
+    const double least = std::log(options.contrast);
+    const std::vector<char> candidates =
+        choose(surface, [&](int i) { return cloth[i] || (ratio[i] > least && !surface.seam[i]); });
+    std::vector<char> grown = joined(surface, candidates, first);
+    if (grown == cloth)
+      break;
+    cloth = std::move(grown);
+  }
+  return cloth;
+}
+
+} // namespace doublet::detail
