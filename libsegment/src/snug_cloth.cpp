@@ -12,8 +12,8 @@ namespace {
 
 /// m; nearer to cloth than this the surface may be cloth, too, and does not tell what skin does. Also how far skin tells it.
 constexpr double kAround = 0.10;
-/// m; nothing is measured better.
-constexpr double kFinest = 1e-4;
+/// m; no skin was ever tracked better.
+constexpr double kFinest = 1e-3;
 constexpr int kRounds = 5;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -77,8 +77,11 @@ std::vector<char> with_snug_cloth(const Surface &surface, const Eigen::VectorXd 
     const Eigen::VectorXd way = edge_distances(surface.vertices, surface.neighbours, members(cloth), kAround);
     const std::vector<char> skin = choose(surface, [&](int i) { return !std::isfinite(way[i]); });
     Eigen::VectorXd ratio = 0.5 * (over_skin(surface, sigma, skin) + over_skin(surface, slide, skin));
-    ratio = diffuse_on_surface(surface.vertices, surface.faces, ratio, options.diffusion);
+    // As much above as below the threshold counts: what is very loose does not make cloth of the skin beside it.
     const double least = std::log(options.contrast);
+    for (double &value : ratio)
+      value = std::isnan(value) ? value : std::clamp(value, 0.0, 2 * least);
+    ratio = diffuse_on_surface(surface.vertices, surface.faces, ratio, options.diffusion);
     const std::vector<char> candidates =
         choose(surface, [&](int i) { return cloth[i] || (ratio[i] > least && !surface.seam[i]); });
     std::vector<char> grown = joined(surface, candidates, first);
