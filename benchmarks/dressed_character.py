@@ -4,8 +4,8 @@ python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [-
 doublet synthesize trousers.glb --motion CLIP.bvh --camera-count 8 --image-size 502 --frame-count 80 -o session
 doublet capture session -o out && doublet segment out && doublet evaluate out --truth session/ground_truth
 
-The body is the shipped model's, in a random shape; the garment is a layer of cloth around it that hangs from a band at its top, with
-folds. Body and garment have patterns of their own, so that there is something to track.
+The body is the shipped model's, in a random shape; the garment is a layer of cloth around it that hangs from a band at its top,
+with folds. Body and garment have patterns of their own, so that there is something to track.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class Person:
             self.parents = [int(p) for p in file["joint_parents"]]
             indices, weights = file["skin_indices"], file["skin_weights"].astype(float)
         coefficients = np.zeros(model.component_count)
-        coefficients[: min(10, model.shape_count)] = 0.7 * np.random.default_rng(shape).standard_normal(min(10, model.shape_count))
+        first = min(10, model.shape_count)
+        coefficients[:first] = 0.7 * np.random.default_rng(shape).standard_normal(first)
         self.vertices, self.faces = np.array(model.vertices(coefficients)), np.array(model.faces)
         self.joints = np.array(model.joints(coefficients)[0])
         floor = [0, self.vertices[:, 1].min(), 0]
@@ -99,7 +100,8 @@ def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
     for offset in np.ndindex(3, 3, 3):
         corner = grid + np.array(offset) - 1
         mixed = corner @ np.array([73856093, 19349663, 83492791]) + seed * 7919 + (cell * 1e4).astype(np.int64)
-        noise = np.stack([((mixed * p + q) ^ (mixed >> 3)) % 1009 / 1009 for p, q in ((6971, 13), (7919, 29), (8699, 47))], axis=1)
+        hashes = [((mixed * p + q) ^ (mixed >> 3)) % 1009 for p, q in ((6971, 13), (7919, 29), (8699, 47))]
+        noise = np.stack(hashes, axis=1) / 1009
         away = np.linalg.norm((corner + noise) * cell[:, None] - points, axis=1)
         nearer = away < best
         best[nearer], colour[nearer] = away[nearer], noise[nearer][:, [1, 2, 0]]

@@ -13,8 +13,8 @@ Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uin
   const Eigen::Index n = pose.vertices.rows();
   require_segmentation(found, n, "corrected_segmentation");
   if (painted.size() != n)
-    throw std::invalid_argument("corrected_segmentation: painted: expected " + std::to_string(n) + " entries, one a vertex, found " +
-                                std::to_string(painted.size()));
+    throw std::invalid_argument("corrected_segmentation: painted: expected " + std::to_string(n) +
+                                " entries, one a vertex, found " + std::to_string(painted.size()));
   const detail::Surface surface = detail::surface_of(pose, face_valid);
   Segmentation result = found;
   result.fullness.resize(0);
@@ -31,8 +31,9 @@ Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uin
       parting[i] = 1;
       break;
     default:
-      throw std::invalid_argument("corrected_segmentation: painted: expected -1 (as found), 0 (skin), 1 (cloth) or 2 (seam), found " +
-                                  std::to_string(painted[i]));
+      throw std::invalid_argument(
+          "corrected_segmentation: painted: expected -1 (as found), 0 (skin), 1 (cloth) or 2 (seam), found " +
+          std::to_string(painted[i]));
     }
   detail::label_regions(surface, parting, result);
   return result;

@@ -27,7 +27,8 @@ std::vector<int> members(const std::vector<char> &chosen) {
 
 /// (V) logarithm of `deviation` over that of the skin around; NaN where there is none.
 Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviation, const std::vector<char> &skin) {
-  const Eigen::VectorXd known = deviation.unaryExpr([](double m) { return m < kFinest ? std::log(kFinest) : std::log(m); }); // NaN stays
+  const Eigen::VectorXd known =
+      deviation.unaryExpr([](double m) { return m < kFinest ? std::log(kFinest) : std::log(m); }); // NaN stays
   Eigen::VectorXd of_skin = known;
   for (int i = 0; i < surface.size(); ++i)
     if (!skin[i])

@@ -13,9 +13,9 @@ Eigen::VectorXd sliding_deviation(const std::vector<Vertices> &unposed, const Ve
                                   const Context &context);
 
 /// `cloth` (V) and what of the surface beside it is more like it than like skin. Skin moves a little, too, but what it moves, the
-/// noise of the capture and the errors of its weights, is much the same in a neighbourhood: cloth is what moves `contrast` times as
-/// much as the skin nearest to it, in the mean of sigma and `slide` (their ratios multiplied, the root of it). Grows from `cloth`
-/// along the surface, not through seams.
+/// noise of the capture and the errors of its weights, is much the same in a neighbourhood: cloth is what moves `contrast` times
+/// as much as the skin nearest to it, in the mean of sigma and `slide` (their ratios multiplied, the root of it). Grows from
+/// `cloth` along the surface, not through seams.
 std::vector<char> with_snug_cloth(const Surface &surface, const Eigen::VectorXd &sigma, const Eigen::VectorXd &slide,
                                   std::vector<char> cloth, const SegmentOptions &options);
 

@@ -28,8 +28,8 @@ SegmentOptions plain() {
   return options;
 }
 
-/// Loose from 0.3 to 0.5 m; from there to 0.7 m what moves `times` as much as the skin beyond, in and out as well as along, and too
-/// little for any threshold.
+/// Loose from 0.3 to 0.5 m; from there to 0.7 m what moves `times` as much as the skin beyond, in and out as well as along, and
+/// too little for any threshold.
 MeshSequence half_loose(double times) {
   constexpr double kLoose = 0.02, kSkin = 0.001;
   MeshSequence sequence{tube::faces(), {}};

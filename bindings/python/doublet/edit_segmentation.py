@@ -21,8 +21,8 @@ def shown_rows(count: int) -> np.ndarray:
 
 
 def segmentation_json(out: Path) -> bytes:
-    """What the page shows: vertices (3 V) m, faces (3 F), which the scan has (F), clothness as found (V), what is painted (V), and
-    the captured surface in some frames, all in one place."""
+    """What the page shows: vertices (3 V) m, faces (3 F), which the scan has (F), clothness as found (V), what is painted (V),
+    and the captured surface in some frames, all in one place."""
     actor, found = d.read_actor(out / "actor.npz"), segmentation_paint.read_found(out)
     count = len(actor.mesh.vertices)
     if len(found.clothness) != count:

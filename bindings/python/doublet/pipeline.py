@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _doublet as d
-from . import body_model_path, session_check, segmentation_paint, template_mask
+from . import body_model_path, segmentation_paint, session_check, template_mask
 from .console import Console
 from .files import write_json
 from .plausible import Finding, Implausible, findings
