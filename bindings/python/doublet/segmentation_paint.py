@@ -28,10 +28,11 @@ def read(out: Path, count: int) -> np.ndarray | None:
     path = Path(out) / PAINTED
     if not path.exists():
         return None
+    with arrays_of(path) as file:
+        painted, made_for = file["painted"], str(file["template"]) if "template" in file else None
     try:
-        with arrays_of(path) as file:
-            painted, made_for = checked(file["painted"], count), str(file["template"]) if "template" in file else None
-    except (KeyError, OSError, ValueError) as error:
+        painted = checked(painted, count)
+    except ValueError as error:
         raise RuntimeError(f"{path}: expected what was painted on the template's vertices, found {error}") from error
     template = Path(out) / "template.ply"
     if made_for is not None and template.exists() and made_for != sha256(template):
