@@ -25,15 +25,35 @@ std::vector<int> members(const std::vector<char> &chosen) {
   return result;
 }
 
-/// (V) logarithm of `deviation` over that of the skin around; NaN where there is none.
-Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviation, const std::vector<char> &skin) {
+/// (V) logarithm of `deviation` over that of the skin around, at most `most` either way; NaN where there is none.
+Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviation, const std::vector<char> &skin, double most) {
   const Eigen::VectorXd known =
       deviation.unaryExpr([](double m) { return m < kFinest ? std::log(kFinest) : std::log(m); }); // NaN stays
   Eigen::VectorXd of_skin = known;
   for (int i = 0; i < surface.size(); ++i)
     if (!skin[i])
       of_skin[i] = kUnknown;
-  return known - diffuse_on_surface(surface.vertices, surface.faces, of_skin, kAround);
+  Eigen::VectorXd ratio = known - diffuse_on_surface(surface.vertices, surface.faces, of_skin, kAround);
+  for (double &value : ratio)
+    value = std::isnan(value) ? value : std::clamp(value, -most, most);
+  return ratio;
+}
+
+/// `cloth` and what of `grown` leaves more skin beside it than it takes: a garment ends on the body, it does not swallow a hand.
+std::vector<char> without_swallowed(const Surface &surface, const std::vector<char> &cloth, std::vector<char> grown) {
+  std::vector<double> left(grown.size(), 0); // of skin: the area of its patch
+  for (const Patch &skin : connected_patches(surface, choose(surface, [&](int i) { return !grown[i]; })))
+    for (int i : skin.members)
+      left[i] = skin.area;
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return grown[i] && !cloth[i]; }))) {
+    double beside = 0;
+    for (int i : patch.members)
+      for (int j : surface.neighbours[i])
+        beside = std::max(beside, left[j]);
+    for (int i : patch.members)
+      grown[i] = beside > patch.area;
+  }
+  return grown;
 }
 
 /// The patches of `candidates` and `cloth` that have some of `cloth`.
@@ -77,15 +97,16 @@ std::vector<char> with_snug_cloth(const Surface &surface, const Eigen::VectorXd 
   for (int round = 0; round < kRounds; ++round) { // what was found leaves the skin that is compared with
     const Eigen::VectorXd way = edge_distances(surface.vertices, surface.neighbours, members(cloth), kAround);
     const std::vector<char> skin = choose(surface, [&](int i) { return !std::isfinite(way[i]); });
-    Eigen::VectorXd ratio = 0.5 * (over_skin(surface, sigma, skin) + over_skin(surface, slide, skin));
-    // As much above as below the threshold counts: what is very loose does not make cloth of the skin beside it.
+    // As much above as below the threshold counts: neither measure is enough alone, and what is very loose does not make cloth
+    // of the skin beside it.
     const double least = std::log(options.contrast);
+    Eigen::VectorXd ratio = 0.5 * (over_skin(surface, sigma, skin, 2 * least) + over_skin(surface, slide, skin, 2 * least));
     for (double &value : ratio)
-      value = std::isnan(value) ? value : std::clamp(value, 0.0, 2 * least);
+      value = value < 0 ? 0 : value; // NaN stays
     ratio = diffuse_on_surface(surface.vertices, surface.faces, ratio, options.diffusion);
     const std::vector<char> candidates =
         choose(surface, [&](int i) { return cloth[i] || (ratio[i] > least && !surface.seam[i]); });
-    std::vector<char> grown = joined(surface, candidates, first);
+    std::vector<char> grown = without_swallowed(surface, first, joined(surface, candidates, first));
     if (grown == cloth)
       break;
     cloth = std::move(grown);
