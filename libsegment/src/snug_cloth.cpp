@@ -12,8 +12,6 @@ namespace {
 
 /// m; nearer to cloth than this the surface may be cloth, too, and does not tell what skin does. Also how far skin tells it.
 constexpr double kAround = 0.10;
-/// m; no skin was ever tracked better.
-constexpr double kFinest = 1e-3;
 constexpr int kRounds = 5;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -25,10 +23,11 @@ std::vector<int> members(const std::vector<char> &chosen) {
   return result;
 }
 
-/// (V) logarithm of `deviation` over that of the skin around, at most `most` either way; NaN where there is none.
-Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviation, const std::vector<char> &skin, double most) {
-  const Eigen::VectorXd known =
-      deviation.unaryExpr([](double m) { return m < kFinest ? std::log(kFinest) : std::log(m); }); // NaN stays
+/// (V) logarithm of `deviation` over that of the skin around, both at least `finest`, m, and at most `most` either way; NaN where
+/// there is none.
+Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviation, const std::vector<char> &skin, double finest,
+                          double most) {
+  const Eigen::VectorXd known = deviation.unaryExpr([&](double m) { return std::log(m < finest ? finest : m); }); // NaN stays
   Eigen::VectorXd of_skin = known;
   for (int i = 0; i < surface.size(); ++i)
     if (!skin[i])
@@ -94,13 +93,16 @@ Eigen::VectorXd sliding_deviation(const std::vector<Vertices> &unposed, const Ve
 std::vector<char> with_snug_cloth(const Surface &surface, const Eigen::VectorXd &sigma, const Eigen::VectorXd &slide,
                                   std::vector<char> cloth, const SegmentOptions &options) {
   const std::vector<char> first = cloth;
+  // Skin gives, over joints and muscles, however well it is tracked: up to rigid_threshold nothing is cloth.
+  const double finest = options.rigid_threshold / options.contrast;
   for (int round = 0; round < kRounds; ++round) { // what was found leaves the skin that is compared with
     const Eigen::VectorXd way = edge_distances(surface.vertices, surface.neighbours, members(cloth), kAround);
     const std::vector<char> skin = choose(surface, [&](int i) { return !std::isfinite(way[i]); });
     // As much above as below the threshold counts: neither measure is enough alone, and what is very loose does not make cloth
     // of the skin beside it.
     const double least = std::log(options.contrast);
-    Eigen::VectorXd ratio = 0.5 * (over_skin(surface, sigma, skin, 2 * least) + over_skin(surface, slide, skin, 2 * least));
+    Eigen::VectorXd ratio =
+        0.5 * (over_skin(surface, sigma, skin, finest, 2 * least) + over_skin(surface, slide, skin, finest, 2 * least));
     for (double &value : ratio)
       value = value < 0 ? 0 : value; // NaN stays
     ratio = diffuse_on_surface(surface.vertices, surface.faces, ratio, options.diffusion);
