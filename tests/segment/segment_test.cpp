@@ -29,16 +29,16 @@ SegmentOptions plain() {
 }
 
 /// Loose from 0.3 to 0.5 m; from there to 0.7 m what moves `times` as much as the skin beyond, in and out as well as along, and
-/// too little for any threshold.
+/// too little for the thresholds.
 MeshSequence half_loose(double times) {
-  constexpr double kLoose = 0.02, kSkin = 0.001;
+  constexpr double kLoose = 0.02, kSkin = 0.002;
   MeshSequence sequence{tube::faces(), {}};
   for (int t = 0; t < 40; ++t) {
     const double s = std::sin(2 * std::numbers::pi * 2 * t / 40), c = std::cos(2 * std::numbers::pi * 3 * t / 40);
     const auto moved = [&](double y) { return y > 0.3 && y < 0.5 ? kLoose : y >= 0.5 && y < 0.7 ? times * kSkin : kSkin; };
     Vertices v = tube::vertices([&](double y) { return tube::kRadius + s * moved(y); });
     for (int i = 0; i < v.rows(); ++i)
-      v(i, 1) += c * moved(v(i, 1));
+      v(i, 1) += 2 * c * moved(v(i, 1));
     sequence.frames.push_back(v);
   }
   sequence.unposed = sequence.frames;
