@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/segment/cloth_segmenter.h"
+#include "doublet/segment/corrections.h"
 #include "doublet/segment/fullness.h"
 #include "doublet/segment/garment_mesher.h"
 #include "doublet/testing/cloth_segmenter_conformance.h"
@@ -51,6 +52,9 @@ void bind_segment(py::module_ &m) {
   m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
         py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");
+  m.def("corrected_segmentation", &corrected_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("found"),
+        py::arg("painted"), Release(),
+        "What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.");
   m.def("cloth_segmenter_violations", &testing::cloth_segmenter_violations, py::arg("segmenter"), Release(),
         "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");

@@ -1,8 +1,9 @@
 #include "doublet/segment/cloth_segmenter.h"
 
 #include "doublet/core/parts/edge_distances.h"
-#include "doublet/core/parts/sheets.h"
 #include "doublet/segment/parts/diffusion.h"
+#include "snug_cloth.h"
+#include "surface_patches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,67 +13,18 @@
 #include <string>
 
 namespace doublet {
+
+using detail::choose;
+using detail::connected_patches;
+using detail::Patch;
+using detail::Surface;
+
 namespace {
 
 /// What diffusion leaves below / above this is noise: rigid / cloth.
 constexpr double kSnap = 0.05;
 /// m, the widest transition from cloth to skin: a waistband, not a limb.
 constexpr double kTransition = 0.10;
-
-/// The valid surface with the measures that every step below needs.
-struct Surface {
-  const Vertices &vertices;
-  Faces faces;
-  Eigen::VectorXd areas;
-  std::vector<std::vector<int>> neighbours;
-  std::vector<char> seam; ///< touches an invalid face
-  int size() const { return static_cast<int>(vertices.rows()); }
-};
-
-std::vector<char> seam_vertices(const Faces &faces, const std::vector<std::uint8_t> &face_valid, int vertex_count) {
-  std::vector<char> seam(vertex_count, 0);
-  for (int f = 0; f < faces.rows(); ++f)
-    if (!face_valid.empty() && !face_valid[f])
-      for (int k = 0; k < 3; ++k)
-        seam[faces(f, k)] = 1;
-  return seam;
-}
-
-struct Patch {
-  std::vector<int> members;
-  double area = 0;
-};
-
-/// Connected sets of the vertices chosen, by falling area (ties: lowest vertex first).
-std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen) {
-  std::vector<Patch> patches;
-  std::vector<char> seen(surface.size(), 0);
-  for (int start = 0; start < surface.size(); ++start) {
-    if (!chosen[start] || seen[start])
-      continue;
-    Patch patch;
-    patch.members.push_back(start);
-    seen[start] = 1;
-    for (std::size_t k = 0; k < patch.members.size(); ++k)
-      for (int j : surface.neighbours[patch.members[k]])
-        if (chosen[j] && !seen[j]) {
-          seen[j] = 1;
-          patch.members.push_back(j);
-        }
-    for (int i : patch.members)
-      patch.area += surface.areas[i];
-    patches.push_back(std::move(patch));
-  }
-  std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
-  return patches;
-}
-
-template <typename Predicate> std::vector<char> choose(const Surface &surface, Predicate predicate) {
-  std::vector<char> chosen(surface.size(), 0);
-  for (int i = 0; i < surface.size(); ++i)
-    chosen[i] = surface.areas[i] > 0 && predicate(i);
-  return chosen;
-}
 
 /// m, the length of the border between the rigid patches `of` (V, -1 = cloth) and cloth, halfway between their vertices.
 std::vector<double> borders_on_cloth(const Surface &surface, const std::vector<int> &of, std::size_t count) {
@@ -168,29 +120,12 @@ void snap(Eigen::VectorXd &delta) {
     value = std::isfinite(value) ? std::clamp((value - kSnap) / (1 - 2 * kSnap), 0.0, 1.0) : 0.0;
 }
 
-void label_regions(const Surface &surface, Segmentation &result) {
-  result.region = Eigen::VectorXi::Constant(surface.size(), -1);
-  result.region_count = 0;
-  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return result.clothness[i] > 0; }))) {
-    for (int i : patch.members)
-      result.region[i] = result.region_count;
-    ++result.region_count;
-  }
-}
-
-Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
+Surface sigma_surface(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
   require_usable(pose, "first frame of the mesh sequence");
-  const int n = static_cast<int>(pose.vertices.rows());
-  if (sigma.size() != n)
-    throw std::invalid_argument("sigma: expected " + std::to_string(n) + " entries, one a vertex, found " +
+  if (sigma.size() != pose.vertices.rows())
+    throw std::invalid_argument("sigma: expected " + std::to_string(pose.vertices.rows()) + " entries, one a vertex, found " +
                                 std::to_string(sigma.size()));
-  if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
-    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
-                                std::to_string(face_valid.size()));
-  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
-  const Faces faces = valid_faces(pose.faces, scanned);
-  return {pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
-          seam_vertices(pose.faces, scanned, n)};
+  return detail::surface_of(pose, face_valid);
 }
 
 /// Eq. 1, diffused; NaN is filled in by the diffusion.
@@ -217,6 +152,43 @@ bool all_moves(const Surface &surface, const Eigen::VectorXd &delta, double smal
   return reached == top || !hangs(surface, cores.front(), carrying(surface, smallest, delta));
 }
 
+/// Adds the cloth that lies on the body (with_snug_cloth) beside each core, unless that then hangs from nothing. `slide` as
+/// sliding_deviation.
+void add_snug_cloth(const Surface &surface, const Eigen::VectorXd &sigma, const Eigen::VectorXd &slide,
+                    const SegmentOptions &options, Eigen::VectorXd &delta) {
+  const auto cloth_of = [&] { return choose(surface, [&](int i) { return delta[i] > 0.5; }); };
+  const std::vector<char> grown = detail::with_snug_cloth(surface, sigma, slide, cloth_of(), options);
+  const Eigen::VectorXd before = delta;
+  for (int i = 0; i < surface.size(); ++i)
+    if (grown[i] && delta[i] <= 0.5)
+      delta[i] = 1;
+  const std::vector<char> carries = carrying(surface, options.smallest_region, delta);
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return grown[i] && !surface.seam[i]; })))
+    if (!hangs(surface, patch, carries))
+      for (int i : patch.members)
+        delta[i] = before[i];
+}
+
+/// Eq. 1, diffusion, holes and islands, regions; with `slide` (V; may be empty) also the cloth that lies on the body.
+Segmentation segmentation_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
+                             const Eigen::VectorXd &slide, const SegmentOptions &options) {
+  const Surface surface = sigma_surface(pose, face_valid, sigma);
+  Segmentation result;
+  result.sigma = sigma;
+  Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
+  fill_holes(surface, options.smallest_region, delta);
+  drop_islands(surface, options.smallest_region, delta);
+  if (slide.size() > 0) {
+    add_snug_cloth(surface, sigma, slide, options, delta);
+    fill_holes(surface, options.smallest_region, delta);
+  }
+  delta = diffuse_on_surface(pose.vertices, surface.faces, delta, 0.5 * options.diffusion); // smooths the borders both left
+  snap(delta);
+  result.clothness = delta;
+  detail::label_regions(surface, {}, result);
+  return result;
+}
+
 class OppositeRaySegmenter : public ClothSegmenter {
 public:
   explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
@@ -236,9 +208,12 @@ public:
     const OppositePoints points = find_opposite_points(pose, face_valid, options_.opposite, context);
     context.report("segment", 0.3);
     Eigen::VectorXd sigma = opposite_distance_deviation(sequence, points, options_.opposite, context);
+    Eigen::VectorXd slide;
     if (!sequence.unposed.empty()) {
       const MeshSequence unposed{sequence.faces, sequence.unposed, {}};
       sigma = sigma.cwiseMin(opposite_distance_deviation(unposed, points, options_.opposite, context));
+      const Vertices normals = vertex_normals(pose.vertices, valid_faces(pose.faces, face_valid));
+      slide = detail::sliding_deviation(sequence.unposed, normals, options_.opposite.trim, context);
     }
     context.report("segment", 0.8);
     const SegmentOptions raised = fitting_thresholds(pose, face_valid, sigma, options_);
@@ -247,7 +222,7 @@ public:
                   options::shown(1000 * options_.rigid_threshold) + " and " + options::shown(1000 * options_.cloth_threshold) +
                   " mm to " + options::shown(1000 * raised.rigid_threshold, 3) + " and " +
                   options::shown(1000 * raised.cloth_threshold, 3));
-    Segmentation result = segmentation_from_deviation(pose, face_valid, sigma, raised);
+    Segmentation result = segmentation_of(pose, face_valid, sigma, slide, raised);
     context.report("segment", 1.0);
     return result;
   }
@@ -268,7 +243,7 @@ void SegmentOptions::validate() const {
 SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
                                   const SegmentOptions &options) {
   options.validate();
-  const Surface surface = surface_of(pose, face_valid, sigma);
+  const Surface surface = sigma_surface(pose, face_valid, sigma);
   constexpr double kStep = 1.25, kMost = 8; // times the options
   SegmentOptions raised = options;
   for (double scale = 1; scale < kMost; scale *= kStep) {
@@ -285,17 +260,7 @@ SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                          const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   options.validate();
-  const Surface surface = surface_of(pose, face_valid, sigma);
-  Segmentation result;
-  result.sigma = sigma;
-  Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
-  fill_holes(surface, options.smallest_region, delta);
-  drop_islands(surface, options.smallest_region, delta);
-  delta = diffuse_on_surface(pose.vertices, surface.faces, delta, 0.5 * options.diffusion); // smooths the borders both left
-  snap(delta);
-  result.clothness = delta;
-  label_regions(surface, result);
-  return result;
+  return segmentation_of(pose, face_valid, sigma, {}, options);
 }
 
 SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,

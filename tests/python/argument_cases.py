@@ -111,6 +111,10 @@ def calls(world, folder) -> dict:
             lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),
             {"actor": w.actor, "performance": w.performance},
         ),
+        "corrected_segmentation": (
+            d.corrected_segmentation,
+            {"pose": w.mesh, "face_valid": valid, "found": w.segmentation, "painted": np.full(len(v), -1)},
+        ),
         "estimate_fullness": (
             d.estimate_fullness, {"scan": w.mesh, "face_valid": valid, "segmentation": w.segmentation, "sequence": sequence},
         ),

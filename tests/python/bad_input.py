@@ -493,6 +493,8 @@ spoilt_by(
     a_NaN_vertex_in_the_performance=arrays("out/performance.npz", vertices=first(np.nan)),
     a_performance_of_another_actor=arrays("out/performance.npz", vertices=lambda v: v[:, :-1]),
     fewer_poses_than_frames=arrays("out/performance.npz", dofs=lambda q: q[:-1]),
+    paint_of_fewer_vertices=lambda folder: np.savez(folder / "out/segmentation_paint.npz", painted=np.zeros(39, np.int8)),
+    paint_of_another_kind=lambda folder: np.savez(folder / "out/segmentation_paint.npz", painted=np.full(40, 4, np.int8)),
 )
 spoilt_by(
     "Files between stages",

@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/segment/cloth_segmenter.h"
+#include "doublet/segment/corrections.h"
 #include "doublet/segment/parts/diffusion.h"
 
 #include <gtest/gtest.h>
@@ -25,6 +26,34 @@ SegmentOptions plain() {
   options.opposite.rays = 1;
   options.opposite.trim = 0;
   return options;
+}
+
+/// Loose from 0.3 to 0.5 m; from there to 0.7 m what moves `times` as much as the skin beyond, in and out as well as along, and
+/// too little for the thresholds.
+MeshSequence half_loose(double times) {
+  constexpr double kLoose = 0.02, kSkin = 0.002;
+  MeshSequence sequence{tube::faces(), {}};
+  for (int t = 0; t < 40; ++t) {
+    const double s = std::sin(2 * std::numbers::pi * 2 * t / 40), c = std::cos(2 * std::numbers::pi * 3 * t / 40);
+    const auto moved = [&](double y) { return y > 0.3 && y < 0.5 ? kLoose : y >= 0.5 && y < 0.7 ? times * kSkin : kSkin; };
+    Vertices v = tube::vertices([&](double y) { return tube::kRadius + s * moved(y); });
+    for (int i = 0; i < v.rows(); ++i)
+      v(i, 1) += 2 * c * moved(v(i, 1));
+    sequence.frames.push_back(v);
+  }
+  sequence.unposed = sequence.frames;
+  return sequence;
+}
+
+/// Share of the rings between two heights that is cloth.
+double cloth_between(const Segmentation &result, double low, double high) {
+  int cloth = 0, all = 0;
+  for (int i = 0; on_side(i); ++i)
+    if (height(i) > low && height(i) < high) {
+      ++all;
+      cloth += result.clothness[i] > 0.5;
+    }
+  return static_cast<double>(cloth) / all;
 }
 
 } // namespace
@@ -68,9 +97,66 @@ TEST(Segment, OnlyWhatMovesInTheScanPoseAsWellIsCloth) {
   EXPECT_EQ(segment_cloth(misplaced, {}).region_count, 0);
   MeshSequence loose = moving;
   loose.unposed = tube::pulsating(0.02, 40, false).frames;
-  const Segmentation result = segment_cloth(loose, {});
+  SegmentOptions alone;
+  alone.contrast = 1000;
+  const Segmentation result = segment_cloth(loose, {}, alone);
   EXPECT_EQ(result.region_count, 1);
   EXPECT_LT((result.clothness - segment_cloth(moving, {}).clothness).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(Segment, ClothThatLiesOnTheBodyMovesMoreThanTheSkinAroundIt) {
+  SegmentOptions alone;
+  alone.contrast = 1000;
+  const MeshSequence snug = half_loose(2.0);
+  EXPECT_EQ(cloth_between(segment_cloth(snug, {}, alone), 0.56, 0.69), 0.0);
+  const Segmentation result = segment_cloth(snug, {});
+  EXPECT_EQ(cloth_between(result, 0.31, 0.66), 1.0);
+  EXPECT_EQ(cloth_between(result, 0.75, 1.0), 0.0);
+  EXPECT_EQ(cloth_between(result, 0.0, 0.25), 0.0);
+  EXPECT_EQ(result.region_count, 1);
+  EXPECT_EQ(cloth_between(segment_cloth(half_loose(1.0), {}), 0.56, 1.0), 0.0);
+}
+
+TEST(Segment, ClothThatLiesOnTheBodyTakesBothItsMeasures) {
+  MeshSequence sliding = half_loose(2.0); // keeps its thickness there: skin over a bone
+  const MeshSequence still = half_loose(1.0);
+  for (std::size_t t = 0; t < sliding.frames.size(); ++t)
+    for (Vertices *frame : {&sliding.frames[t], &sliding.unposed[t]})
+      for (int axis : {0, 2})
+        frame->col(axis) = still.frames[t].col(axis);
+  EXPECT_EQ(cloth_between(segment_cloth(sliding, {}), 0.56, 0.69), 0.0);
+}
+
+TEST(Segment, ThePaintedGoesBeforeTheFound) {
+  const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(pose.vertices.rows());
+  for (int i = 0; on_side(i); ++i)
+    if (height(i) > 0.2 && height(i) < 0.8)
+      sigma[i] = 0.05;
+  const Segmentation found = segmentation_from_deviation(pose, {}, sigma);
+  Eigen::VectorXi painted = Eigen::VectorXi::Constant(pose.vertices.rows(), static_cast<int>(Paint::None));
+  const Segmentation same = corrected_segmentation(pose, {}, found, painted);
+  EXPECT_EQ(same.clothness, found.clothness);
+  EXPECT_EQ(same.region, found.region);
+  const int seam = 14, skin = 25, cloth = 3; // rings
+  for (int a = 0; a < tube::kAround; ++a) {
+    painted[seam * tube::kAround + a] = static_cast<int>(Paint::Seam);
+    painted[skin * tube::kAround + a] = static_cast<int>(Paint::Skin);
+    painted[cloth * tube::kAround + a] = static_cast<int>(Paint::Cloth);
+  }
+  const Segmentation result = corrected_segmentation(pose, {}, found, painted);
+  const auto region = [&](int ring) { return result.region[ring * tube::kAround + 7]; };
+  EXPECT_EQ(result.region_count, 4); // between skin and seam, above the skin, below the seam, the painted ring
+  EXPECT_EQ(result.clothness[seam * tube::kAround + 7], found.clothness[seam * tube::kAround + 7]);
+  EXPECT_NE(region(seam - 1), region(seam + 1));
+  EXPECT_TRUE(region(seam) == region(seam - 1) || region(seam) == region(seam + 1));
+  EXPECT_EQ(result.clothness[skin * tube::kAround + 7], 0.0);
+  EXPECT_EQ(region(skin), -1);
+  EXPECT_EQ(result.clothness[cloth * tube::kAround + 7], 1.0);
+  EXPECT_EQ(region(cloth), 3); // the smallest
+  painted[5] = 3;
+  EXPECT_THROW(corrected_segmentation(pose, {}, found, painted), std::invalid_argument);
+  EXPECT_THROW(corrected_segmentation(pose, {}, found, painted.head(7)), std::invalid_argument);
 }
 
 TEST(Segment, TrimmingIgnoresFramesOfLostTracking) {

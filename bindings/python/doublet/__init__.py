@@ -24,6 +24,7 @@ MODULES = (
     "optimizers",
     "pipeline",
     "report",
+    "segmentation_paint",
     "study",
     "synthesize",
     "template_mask",

@@ -237,6 +237,12 @@ def run_edit_template(arguments) -> None:
     edit_template(arguments.out, arguments.port, arguments.browser)
 
 
+def run_edit_segmentation(arguments) -> None:
+    from .edit_segmentation import edit_segmentation
+
+    edit_segmentation(arguments.out, arguments.port, arguments.browser)
+
+
 def run_edit_joints(arguments) -> None:
     from .edit_joints import edit_joints
 
@@ -374,6 +380,7 @@ def build_parser() -> argparse.ArgumentParser:
     add_scan(commands)
     add_edit_joints(commands)
     add_edit_template(commands)
+    add_edit_segmentation(commands)
     add_animate(commands)
     add_view(commands)
     add_evaluate(commands)
@@ -439,6 +446,14 @@ def add_edit_template(commands) -> None:
     edit.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far, with a template")
     page_flags(edit)
     edit.set_defaults(run=run_edit_template)
+
+
+def add_edit_segmentation(commands) -> None:
+    text = "paint cloth, skin and seams between garments in a browser"
+    edit = commands.add_parser("edit-segmentation", help=text, description=text)
+    edit.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far, with a segmentation")
+    page_flags(edit)
+    edit.set_defaults(run=run_edit_segmentation)
 
 
 def add_edit_joints(commands) -> None:

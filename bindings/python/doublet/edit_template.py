@@ -9,7 +9,7 @@ import numpy as np
 
 from . import _doublet as d
 from . import template_mask
-from .local_page import LocalPage
+from .local_page import LocalPage, surface_page
 
 PAGE = Path(__file__).parent / "data" / "edit_template.html"
 
@@ -46,7 +46,7 @@ def open_page(out: Path, port: int = 0) -> LocalPage:
         if not (out / name).exists():
             raise FileNotFoundError(f"{out / name} is missing; `doublet template SESSION -o {out}` writes it")
     largest = 1000 + 4 * len(template_mask.read_suggestion(out))
-    shown = {"/template.json": ("application/json", template_json(out))}
+    shown = {"/template.json": ("application/json", template_json(out)), **surface_page()}
     return LocalPage(PAGE, shown, "/mask", lambda body: save_mask(out, body), largest, port)
 
 

@@ -9,6 +9,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 HOST = "127.0.0.1"
+SURFACE_PAGE = Path(__file__).parent / "data" / "surface_page.js"
+
+
+def surface_page() -> dict[str, tuple[str, bytes]]:
+    """What a page on which a user paints on a surface needs besides itself: LocalPage(shown={**surface_page(), ...})."""
+    return {"/surface_page.js": ("text/javascript; charset=utf-8", SURFACE_PAGE.read_bytes())}
 
 
 class Handler(BaseHTTPRequestHandler):

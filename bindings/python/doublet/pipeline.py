@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _doublet as d
-from . import body_model_path, session_check, template_mask
+from . import body_model_path, segmentation_paint, session_check, template_mask
 from .console import Console
 from .files import write_json
 from .plausible import Finding, Implausible, findings
@@ -260,7 +260,8 @@ def run_performance(job: Job) -> dict:
 
 def run_segment(job: Job) -> dict:
     segmenter, fullness = d.ClothSegmenter.create(job.group("segment")), job.options["fullness"]
-    result = d.segment_performance(job.actor, job.performance(), segmenter, fullness, job.context)
+    found = d.segment_performance(job.actor, job.performance(), segmenter, fullness, job.context)
+    result = with_paint(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
@@ -269,11 +270,26 @@ def run_segment(job: Job) -> dict:
     text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
         "findings": [*noise, *(asdict(Finding(False, text.format(joint))) for joint in doubtful)],
+        "corrections": "none" if result is found else "painted",
         "regions": result.region_count,
         "doubtful_ends": doubtful,
         "cloth_area_m2": float(areas[cloth].sum()),
         "fullness": float(np.average(result.fullness[cloth], weights=areas[cloth])) if cloth.any() else 1.0,
     }
+
+
+def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
+    """Corrected as a person painted it, if anybody did; what was found is then kept beside it, for the page that edits it."""
+    painted = segmentation_paint.read(job.out, len(found.clothness))
+    if painted is None:
+        job.path(segmentation_paint.FOUND).unlink(missing_ok=True)
+        return found
+    d.write_segmentation(job.path(segmentation_paint.FOUND), found)
+    actor, surface = job.actor, job.performance().surface
+    pose = d.Mesh(surface.frames[0], surface.faces)
+    result = d.corrected_segmentation(pose, actor.face_valid, found, painted)
+    result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, surface, job.options["fullness"], job.context)
+    return result
 
 
 def noisy_capture(job: Job, segmentation: d.Segmentation) -> list[Finding]:
@@ -436,7 +452,10 @@ STAGES = (
         ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
         lambda s: [s.calibration, *image_files(s)], uses_seed=True, goes_on_from=(CAPTURE_CHECKPOINT,),
     ),
-    Stage("segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "opposite", "fullness"), run_segment),
+    Stage(
+        "segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "opposite", "fullness"), run_segment,
+        may_read=(segmentation_paint.PAINTED,),
+    ),
     Stage(
         "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
         lambda s: [s.markers], uses_body_model=True,

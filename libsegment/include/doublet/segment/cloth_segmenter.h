@@ -16,6 +16,7 @@ struct SegmentOptions {
   double cloth_threshold = 0.009;
   double diffusion = 0.03;
   double smallest_region = 0.08;
+  double contrast = 1.5;
   OppositeOptions opposite;
   static constexpr auto describe() {
     using namespace options;
@@ -31,6 +32,8 @@ struct SegmentOptions {
                "length scale of the implicit diffusion; about an edge of the 5000-triangle template"),
         option(&O::smallest_region, "smallest_region", at_least(0), "m^2",
                "smaller islands of cloth are dropped and smaller holes filled; 28 x 28 cm, about a short sleeve"),
+        option(&O::contrast, "contrast", at_least(1), "",
+               "beside cloth, what moves this many times as much as the skin around it is cloth, too; 1000 = off"),
         option(&O::opposite, "opposite", "the rays to the other side"),
     };
   }
@@ -42,6 +45,7 @@ public:
   virtual ~ClothSegmenter() = default;
   /// sequence: the captured surface; where it holds unposed frames, too, the smaller of both deviations counts: skin that a bent
   /// joint or a twisted spine deforms keeps its place in the scan pose, and skin that the skin weights misplace keeps its shape.
+  /// And beside what these show to be cloth, what moves more than the skin around it counts, too (`contrast`).
   /// face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are rigid. Throws
   /// std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
   virtual Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,

@@ -1,0 +1,159 @@
+"""A character in trousers, a shirt or an open jacket, for sessions with known truth of garments that nobody filmed for us.
+
+python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [--shape 3]
+doublet synthesize trousers.glb --motion CLIP.bvh --camera-count 8 --image-size 502 --frame-count 80 -o session
+doublet capture session -o out && doublet segment out && doublet evaluate out --truth session/ground_truth
+
+The body is the shipped model's, in a random shape; the garment is a layer of cloth around it that hangs from a band at its top,
+with folds. Body and garment have patterns of their own, so that there is something to track.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from body_subjects import join, smooth_normals
+from doublet.synthesize import ring_of_cameras
+
+FPS = 40.0
+BAND = 0.04  # m, of the cloth that is fastened
+SLIT = 0.04  # m, half the width of the open front
+LEGS, ARMS = ("hip", "knee"), ("shoulder", "elbow")
+#: Garment -> bones that it covers, bones beside which it is fastened, open in front.
+GARMENTS = {
+    "trousers": (("pelvis", *LEGS), ("spine1", "spine2"), False),
+    "shirt": (("pelvis", "spine1", "spine2", "chest", "clavicle", *ARMS), ("neck", "head"), False),
+    "jacket": (("pelvis", "spine1", "spine2", "chest", "clavicle", *ARMS), ("neck", "head"), True),
+}
+#: As a session's joints.json has them.
+DEGREES = {"pelvis": 6, "spine1": 3, "neck": 3, "shoulder": 3, "elbow": 2, "wrist": 2, "hip": 3, "knee": 1, "ankle": 1}
+MATERIAL = {"d_n": 2.0, "d_t": 2.0, "k_bend": 0.3, "k_stretch": 1.0, "k_friction": 0.3}
+CELL = {False: 0.018, True: 0.03}  # m, of the pattern on the body, on the garment
+
+
+def without_side(name: str) -> str:
+    return name.removeprefix("l_").removeprefix("r_")
+
+
+class Person:
+    """The shipped model in a random shape: vertices, faces, joints, skin weights."""
+
+    def __init__(self, shape: int):
+        path = d.body_model_path()
+        model = d.BodyModel.read(path)
+        with np.load(path) as file:
+            self.names = [str(n) for n in file["joint_names"]]
+            self.parents = [int(p) for p in file["joint_parents"]]
+            indices, weights = file["skin_indices"], file["skin_weights"].astype(float)
+        coefficients = np.zeros(model.component_count)
+        first = min(10, model.shape_count)
+        coefficients[:first] = 0.7 * np.random.default_rng(shape).standard_normal(first)
+        self.vertices, self.faces = np.array(model.vertices(coefficients)), np.array(model.faces)
+        self.joints = np.array(model.joints(coefficients)[0])
+        floor = [0, self.vertices[:, 1].min(), 0]
+        self.vertices, self.joints = self.vertices - floor, self.joints - floor
+        self.weights = np.zeros((len(self.vertices), len(self.names)))
+        for k in range(indices.shape[1]):
+            np.add.at(self.weights, (np.arange(len(indices)), indices[:, k]), weights[:, k])
+        self.weights /= self.weights.sum(axis=1, keepdims=True)
+        self.bone = np.array([without_side(n) for n in self.names])[self.weights.argmax(axis=1)]
+
+    def skeleton(self) -> d.Skeleton:
+        parents = [self.names[p] if p >= 0 else "" for p in self.parents]
+        marks = zip(self.names, parents, self.joints)
+        return d.Skeleton([d.JointMark(n, p, at, DEGREES.get(without_side(n), 0)) for n, p, at in marks])
+
+
+def distance_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
+    return np.array([np.linalg.norm(others - p, axis=1).min() for p in points])
+
+
+def dressed(person: Person, garment: str, ease: float, random: np.random.Generator):
+    """(vertices, faces, clothness, weights) of skin and cloth."""
+    covered, fastened, is_open = GARMENTS[garment]
+    body, faces = person.vertices, person.faces
+    cover = np.isin(person.bone, covered)
+    if is_open:
+        trunk = np.isin(person.bone, ("pelvis", "spine1", "spine2", "chest"))
+        cover &= ~(trunk & (np.abs(body[:, 0]) < SLIT) & (d.vertex_normals(body, faces)[:, 2] > 0))
+    normals = smooth_normals(body, faces)
+    wave = np.sin(body @ random.normal(0, 40, (3, 4)) + random.uniform(0, 6, 4)).mean(axis=1)
+    _, gap = d.RayScene(d.Mesh(body, faces)).cast(body, normals, 0.002)
+    wide = np.minimum(ease * (0.75 + 0.5 * wave), 0.3 * gap)  # the cloth of a leg does not enter that of the other
+    band = distance_to(body, body[np.isin(person.bone, fastened)]) < BAND
+    cloth = body + np.where(band, 0.3 * wide, wide)[:, None] * normals
+    index = np.arange(len(body))[:, None] * [1.0, 0, 0]  # which vertex of the body each is, carried through join()
+    inside = cover[faces].all(axis=1)
+    used, kept_faces, is_cloth = join([(index, faces[~cover[faces].any(axis=1)], 0.0), (index, faces[inside], 1.0)])
+    of = used[:, 0].round().astype(int)
+    vertices = np.where(is_cloth[:, None] > 0, cloth[of], body[of])
+    return vertices, kept_faces, np.where(is_cloth * ~band[of] > 0, 1.0, 0.0), person.weights[of]
+
+
+def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
+    """(N, 3) uint8: coloured blots of `cell` (N) m, fixed to the points (N, 3)."""
+    grid = np.floor(points / cell[:, None]).astype(np.int64)
+    best, colour = np.full(len(points), np.inf), np.zeros((len(points), 3))
+    for offset in np.ndindex(3, 3, 3):
+        corner = grid + np.array(offset) - 1
+        mixed = corner @ np.array([73856093, 19349663, 83492791]) + seed * 7919 + (cell * 1e4).astype(np.int64)
+        hashes = [((mixed * p + q) ^ (mixed >> 3)) % 1009 for p, q in ((6971, 13), (7919, 29), (8699, 47))]
+        noise = np.stack(hashes, axis=1) / 1009
+        away = np.linalg.norm((corner + noise) * cell[:, None] - points, axis=1)
+        nearer = away < best
+        best[nearer], colour[nearer] = away[nearer], noise[nearer][:, [1, 2, 0]]
+    return colour
+
+
+def picture(character: d.Character, camera: d.Camera, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, and where it is."""
+    mesh, cloth = character.actor.mesh, np.asarray(character.segmentation.clothness)
+    face, depth = d.rasterize(mesh.vertices, mesh.faces, camera)
+    rows, columns = np.nonzero(face >= 0)
+    rays = np.stack([columns, rows, np.ones(len(rows))], axis=1) @ np.linalg.inv(camera.K).T
+    points = (rays * depth[rows, columns][:, None] - np.asarray(camera.t).ravel()) @ np.asarray(camera.R)
+    garment = cloth[mesh.faces[face[rows, columns]]].max(axis=1) > 0
+    cell = np.where(garment, CELL[True], CELL[False])
+    colours = pattern(points, cell, seed)
+    tint = np.where(garment[:, None], [0.55, 0.15, 0.1], [0.35, 0.5, 0.7])  # no green: the screen is
+    shown = 255 * (0.5 * tint + 0.5 * colours * [1, 0.6, 1])
+    image = np.zeros((camera.height, camera.width, 3), np.uint8)
+    image[rows, columns] = np.clip(shown, 0, 255)
+    return image, (255 * (face >= 0)).astype(np.uint8)
+
+
+def dressed_character(garment: str, ease: float, shape: int) -> d.Character:
+    person, random = Person(shape), np.random.default_rng(shape)
+    vertices, faces, clothness, weights = dressed(person, garment, ease, random)
+    actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, person.skeleton())
+    region = np.where(clothness > 0, 0, -1).astype(np.int32)
+    segmentation = d.Segmentation(np.zeros(len(vertices)), clothness, region)
+    fit = d.BodyFit()
+    fit.body = d.Mesh(person.vertices, person.faces)
+    proxies = d.fit_proxies(fit, actor, segmentation)
+    # A shank is thinner than what it moves in a quarter of a frame: the cloth would pass through it.
+    material, solver = d.Material(**MATERIAL), d.SolverSettings(1 / FPS, d.ClothOptions(substeps=16))
+    high_valid = [1] * len(faces)
+    character = d.make_character(actor, segmentation, fit, proxies, [material], solver, actor.mesh, high_valid)
+    character.name = garment
+    cameras = ring_of_cameras(character, d.Motion(FPS, np.zeros((1, len(actor.skeleton.dof_names)))), 12, 1400)
+    pictures = [picture(character, camera, shape) for camera in cameras]
+    d.texture_character(character, vertices, cameras, [p[0] for p in pictures], [p[1] for p in pictures])
+    return character
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("garment", choices=GARMENTS)
+    parser.add_argument("-o", "--output", type=Path, required=True)
+    parser.add_argument("--ease", type=float, default=0.03, help="m, how far the cloth stands off the body")
+    parser.add_argument("--shape", type=int, default=1, help="seed of the person and the folds")
+    options = parser.parse_args()
+    dressed_character(options.garment, options.ease, options.shape).write(options.output)
+
+
+if __name__ == "__main__":
+    main()

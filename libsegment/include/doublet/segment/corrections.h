@@ -1,0 +1,26 @@
+#pragma once
+// What a person says against what was found.
+
+#include "doublet/core/stage_values.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace doublet {
+
+/// What a vertex was painted with.
+enum class Paint {
+  None = -1, ///< as it was found
+  Skin = 0,
+  Cloth = 1,
+  Seam = 2, ///< as it was found, but regions do not connect through it: here one garment ends and another begins
+};
+
+/// `found` with the corrections `painted` (V, a Paint each): clothness 0 and 1 where skin and cloth were painted, and the regions
+/// that follow. Cloth under a seam goes with the region nearest along the cloth. The fullness is left empty: it is to be
+/// estimated again. pose: the first frame, as it was segmented. Throws std::invalid_argument if lengths disagree or a value is no
+/// Paint, Error on an unusable mesh.
+Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Segmentation &found,
+                                    const Eigen::VectorXi &painted);
+
+} // namespace doublet

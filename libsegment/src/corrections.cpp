@@ -1,0 +1,42 @@
+#include "doublet/segment/corrections.h"
+
+#include "surface_patches.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace doublet {
+
+Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Segmentation &found,
+                                    const Eigen::VectorXi &painted) {
+  require_usable(pose, "corrected_segmentation: first frame of the mesh sequence");
+  const Eigen::Index n = pose.vertices.rows();
+  require_segmentation(found, n, "corrected_segmentation");
+  if (painted.size() != n)
+    throw std::invalid_argument("corrected_segmentation: painted: expected " + std::to_string(n) +
+                                " entries, one a vertex, found " + std::to_string(painted.size()));
+  const detail::Surface surface = detail::surface_of(pose, face_valid);
+  Segmentation result = found;
+  result.fullness.resize(0);
+  std::vector<char> parting(static_cast<std::size_t>(n), 0);
+  for (Eigen::Index i = 0; i < n; ++i)
+    switch (static_cast<Paint>(painted[i])) {
+    case Paint::None:
+      break;
+    case Paint::Skin:
+    case Paint::Cloth:
+      result.clothness[i] = painted[i];
+      break;
+    case Paint::Seam:
+      parting[i] = 1;
+      break;
+    default:
+      throw std::invalid_argument(
+          "corrected_segmentation: painted: expected -1 (as found), 0 (skin), 1 (cloth) or 2 (seam), found " +
+          std::to_string(painted[i]));
+    }
+  detail::label_regions(surface, parting, result);
+  return result;
+}
+
+} // namespace doublet

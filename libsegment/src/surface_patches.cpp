@@ -1,0 +1,99 @@
+#include "surface_patches.h"
+
+#include "doublet/core/parts/edge_distances.h"
+#include "doublet/core/parts/sheets.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace doublet::detail {
+namespace {
+
+std::vector<char> seam_vertices(const Faces &faces, const std::vector<std::uint8_t> &face_valid, int vertex_count) {
+  std::vector<char> seam(vertex_count, 0);
+  for (int f = 0; f < faces.rows(); ++f)
+    if (!face_valid.empty() && !face_valid[f])
+      for (int k = 0; k < 3; ++k)
+        seam[faces(f, k)] = 1;
+  return seam;
+}
+
+/// Cloth that `patches` leave out joins the nearest of them along the cloth.
+void share_out(const Surface &surface, const std::vector<char> &cloth, std::vector<Patch> &patches) {
+  std::vector<std::vector<int>> ways = surface.neighbours;
+  for (std::vector<int> &around : ways)
+    std::erase_if(around, [&](int v) { return !cloth[v]; });
+  Eigen::VectorXd nearest = Eigen::VectorXd::Constant(surface.size(), std::numeric_limits<double>::infinity());
+  std::vector<int> owner(surface.size(), -1);
+  for (std::size_t p = 0; p < patches.size(); ++p) {
+    const Eigen::VectorXd way = edge_distances(surface.vertices, ways, patches[p].members);
+    for (int i = 0; i < surface.size(); ++i)
+      if (way[i] < nearest[i]) {
+        nearest[i] = way[i];
+        owner[i] = static_cast<int>(p);
+      }
+  }
+  for (int i = 0; i < surface.size(); ++i)
+    if (owner[i] >= 0 && nearest[i] > 0) {
+      patches[owner[i]].members.push_back(i);
+      patches[owner[i]].area += surface.areas[i];
+    }
+}
+
+} // namespace
+
+Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid) {
+  const int n = static_cast<int>(pose.vertices.rows());
+  if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
+    throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
+                                std::to_string(face_valid.size()));
+  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
+  const Faces faces = valid_faces(pose.faces, scanned);
+  return {pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
+          seam_vertices(pose.faces, scanned, n)};
+}
+
+std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen) {
+  std::vector<Patch> patches;
+  std::vector<char> seen(surface.size(), 0);
+  for (int start = 0; start < surface.size(); ++start) {
+    if (!chosen[start] || seen[start])
+      continue;
+    Patch patch;
+    patch.members.push_back(start);
+    seen[start] = 1;
+    for (std::size_t k = 0; k < patch.members.size(); ++k)
+      for (int j : surface.neighbours[patch.members[k]])
+        if (chosen[j] && !seen[j]) {
+          seen[j] = 1;
+          patch.members.push_back(j);
+        }
+    for (int i : patch.members)
+      patch.area += surface.areas[i];
+    patches.push_back(std::move(patch));
+  }
+  std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
+  return patches;
+}
+
+void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result) {
+  const std::vector<char> cloth = choose(surface, [&](int i) { return result.clothness[i] > 0; });
+  std::vector<char> inner = cloth;
+  for (std::size_t i = 0; i < parting.size(); ++i)
+    inner[i] = inner[i] && !parting[i];
+  std::vector<Patch> patches = connected_patches(surface, inner);
+  share_out(surface, cloth, patches);
+  std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
+  result.region = Eigen::VectorXi::Constant(surface.size(), -1);
+  result.region_count = static_cast<int>(patches.size());
+  for (int r = 0; r < result.region_count; ++r)
+    for (int i : patches[r].members)
+      result.region[i] = r;
+  for (int i = 0; i < surface.size(); ++i)
+    if (result.region[i] < 0) // a patch of parting vertices alone belongs to nothing
+      result.clothness[i] = 0;
+}
+
+} // namespace doublet::detail

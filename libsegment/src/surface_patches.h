@@ -1,0 +1,43 @@
+#pragma once
+// The scanned surface, its connected pieces, and regions.
+
+#include "doublet/core/stage_values.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace doublet::detail {
+
+/// The valid surface with the measures that segmenting needs.
+struct Surface {
+  const Vertices &vertices;
+  Faces faces;
+  Eigen::VectorXd areas;
+  std::vector<std::vector<int>> neighbours;
+  std::vector<char> seam; ///< touches an invalid face
+  int size() const { return static_cast<int>(vertices.rows()); }
+};
+
+/// With the sheets of the mask extended (extend_sheets). Throws std::invalid_argument if face_valid has another length.
+Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid);
+
+struct Patch {
+  std::vector<int> members;
+  double area = 0;
+};
+
+/// Connected sets of the vertices chosen, by falling area (ties: lowest vertex first).
+std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen);
+
+template <typename Predicate> std::vector<char> choose(const Surface &surface, Predicate predicate) {
+  std::vector<char> chosen(surface.size(), 0);
+  for (int i = 0; i < surface.size(); ++i)
+    chosen[i] = surface.areas[i] > 0 && predicate(i);
+  return chosen;
+}
+
+/// Regions of `result` out of its clothness: connected sets of clothness > 0, which do not connect through vertices of `parting`
+/// (V, or empty = none). Those go with the region nearest along the cloth.
+void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result);
+
+} // namespace doublet::detail

@@ -1,0 +1,188 @@
+"""The page that `doublet edit-segmentation` opens, in a headless browser: seams, skin, save, and what the stage makes of it."""
+
+import json
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from functools import partial
+
+import doublet as d
+import numpy as np
+import pytest
+from conftest import doublet
+from doublet import pipeline, segmentation_paint
+from doublet.console import Console
+
+pytest.importorskip("selenium.webdriver")
+from selenium.webdriver.common.by import By  # noqa: E402
+from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
+from test_edit_template import browser, press, stroke, wait_for_status  # noqa: E402, F401
+
+SEGMENT = next(s for s in pipeline.STAGES if s.name == "segment")
+AROUND, ROWS, HEIGHT, RADIUS = 24, 25, 1.2, 0.15
+
+
+def tube(radii: np.ndarray) -> np.ndarray:
+    """(ROWS * AROUND, 3) m about +Y, of these radii (ROWS)."""
+    turn = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
+    rows = [radii[:, None] * np.sin(turn), np.tile(heights()[:, None], AROUND), radii[:, None] * np.cos(turn)]
+    return np.stack(rows, axis=-1).reshape(-1, 3)
+
+
+def heights() -> np.ndarray:
+    return np.linspace(0, HEIGHT, ROWS)
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    """As after the stage `performance`: a tube that is loose between 0.2 and 0.9 m."""
+    out = tmp_path_factory.mktemp("edit") / "out"
+    out.mkdir()
+    here = (np.arange(ROWS - 1)[:, None] * AROUND + np.arange(AROUND)).ravel()
+    ahead = (np.arange(ROWS - 1)[:, None] * AROUND + (np.arange(AROUND) + 1) % AROUND).ravel()
+    halves = [np.stack([here, ahead, ahead + AROUND], 1), np.stack([here, ahead + AROUND, here + AROUND], 1)]
+    faces = np.vstack(halves).astype(np.int32)
+    still = tube(np.full(ROWS, RADIUS))
+    loose = np.where((heights() > 0.2) & (heights() < 0.9), 0.03, 0.0)
+    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.6, 0], 6)])
+    actor = d.RiggedMesh(d.Mesh(still, faces), [1] * len(faces), np.ones((len(still), 1)), skeleton)
+    performance, count = d.ReferencePerformance(), 12
+    performance.dofs, performance.joints = np.zeros((count, 6)), np.zeros((count, 1, 3))
+    performance.frames = list(range(count))
+    performance.surface = d.MeshSequence(faces, np.stack([tube(RADIUS + np.sin(t) * loose) for t in range(count)]))
+    d.write_mesh(out / "template.ply", actor.mesh)
+    d.write_actor(out / "actor.npz", actor)
+    d.write_performance(out / "performance.npz", performance)
+    return out
+
+
+@pytest.fixture
+def job(out, tmp_path):
+    (out / segmentation_paint.PAINTED).unlink(missing_ok=True)
+    job = pipeline.Job(tmp_path, out, console=Console(quiet=True))
+    job.session = type("Session", (), {"folder": tmp_path})
+    pipeline.run_stage(job, SEGMENT)
+    return job
+
+
+@pytest.fixture
+def served(out, job):
+    command = [sys.executable, "-m", "doublet", "edit-segmentation", str(out), "--no-browser"]
+    listen = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listen)
+    yield process.stdout.readline().split()[0], process
+    process.kill()
+    process.communicate()
+
+
+def across(browser) -> None:  # noqa: F811
+    """Over the tube in the middle of the view, from one side of it to the other."""
+    stroke(browser, (-60, 0), (-30, 0), *[(12, 0)] * 15)
+
+
+def wait_for_regions(browser, text: str) -> None:  # noqa: F811
+    WebDriverWait(browser, 30).until(lambda b: b.find_element(By.ID, "regions").text == text)
+
+
+def test_a_seam_all_around_parts_two_regions(out, job, served, browser):  # noqa: F811
+    url, process = served
+    browser.get(url)
+    wait_for_status(browser, "Ready")
+    assert job.segmentation().region_count == 1
+    wait_for_regions(browser, "1 region")
+    press(browser, "seam")
+    across(browser)
+    for side in ("1.5708", "3.1416", "-1.5708"):
+        wait_for_regions(browser, "1 region")
+        browser.find_element(By.CSS_SELECTOR, f"[data-turn='{side} 0']").click()
+        across(browser)
+    wait_for_regions(browser, "2 regions")
+    press(browser, "undo")
+    wait_for_regions(browser, "1 region")
+    across(browser)
+    wait_for_regions(browser, "2 regions")
+    press(browser, "save")
+    wait_for_status(browser, "Saved")
+    process.send_signal(signal.SIGINT)
+    shown, errors = process.communicate(timeout=30)
+    assert process.returncode == 0 and errors == "" and "uses it" in shown
+
+    found = job.segmentation()
+    assert pipeline.run_stage(job, SEGMENT) and not pipeline.run_stage(job, SEGMENT)
+    corrected, height = job.segmentation(), tube(np.full(ROWS, RADIUS))[:, 1]
+    assert corrected.region_count == 2 and (corrected.clothness == found.clothness).all()
+    seam = height[segmentation_paint.read(out, len(height)) == segmentation_paint.SEAM]
+    assert len(seam) > AROUND and (np.abs(seam - HEIGHT / 2) < 0.1).all()
+    parts = [corrected.region[(height > low) & (height < high)] for low, high in ((0.25, 0.45), (0.75, 0.85))]
+    assert len(set(parts[0])) == len(set(parts[1])) == 1 and parts[0][0] != parts[1][0]
+    assert job.record.data["stages"]["segment"]["summary"]["corrections"] == "painted"
+    assert len(corrected.fullness) == len(height)
+
+    (out / segmentation_paint.PAINTED).unlink()
+    assert pipeline.run_stage(job, SEGMENT)
+    assert job.segmentation().region_count == 1 and not (out / segmentation_paint.FOUND).exists()
+
+
+def test_skin_and_cloth_are_painted_in_any_frame(out, job, served, browser):  # noqa: F811
+    url, _ = served
+    browser.get(url)
+    wait_for_status(browser, "Ready")
+    browser.execute_script("const f = document.getElementById('frame'); f.value = f.max; f.oninput();")
+    press(browser, "skin")
+    stroke(browser, (0, -20))
+    press(browser, "save")
+    wait_for_status(browser, "Saved")
+    found, painted = job.segmentation().clothness, segmentation_paint.read(out, ROWS * AROUND)
+    skin = painted == segmentation_paint.SKIN
+    assert skin.any() and (found[skin] == 1).all() and (tube(np.full(ROWS, RADIUS))[skin, 2] > 0).all()
+    assert pipeline.run_stage(job, SEGMENT)
+    corrected = job.segmentation().clothness
+    assert (corrected[skin] == 0).all() and (corrected[~skin] == found[~skin]).all()
+    # The page goes on from what was painted, and "as found" is what was found, not what came of it.
+    shown = json.loads(urllib.request.urlopen(url + "segmentation.json", timeout=30).read())
+    assert (np.array(shown["clothness"])[skin] == 1).all()
+    errors = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE" and "favicon" not in entry["message"]]
+    assert errors == []
+
+
+def post(url, body, kind="application/json"):
+    request = urllib.request.Request(url + "paint", body, {"Content-Type": kind})
+    try:
+        return urllib.request.urlopen(request, timeout=30).status
+    except urllib.error.HTTPError as error:
+        return error.code
+
+
+def test_what_is_no_paint_is_refused(out, served):
+    url, _ = served
+    good = json.dumps({"painted": [-1] * (ROWS * AROUND)}).encode()
+    assert post(url, good, kind="text/plain") == 400  # any page may send this
+    assert post(url, b"{") == 400
+    assert post(url, b'{"painted": [0, 1]}') == 400
+    assert post(url, good.replace(b"-1", b"7", 1)) == 400
+    assert not (out / segmentation_paint.PAINTED).exists()
+    assert post(url, good) == 200
+    assert (segmentation_paint.read(out, ROWS * AROUND) == segmentation_paint.NONE).all()
+
+
+@pytest.mark.parametrize(
+    "arrays, said",
+    [
+        ({"painted": np.zeros(3, np.int8)}, "3 values, not one for each of 600 vertices"),
+        ({"painted": np.full(ROWS * AROUND, 4, np.int8)}, "none of -1"),
+        ({"paint": np.zeros(ROWS * AROUND, np.int8)}, "painted"),
+        ({"painted": np.zeros(ROWS * AROUND, np.int8), "template": np.array("0" * 64)}, "another template.ply"),
+    ],
+)
+def test_a_file_that_does_not_fit_stops_the_stage(out, job, arrays, said):
+    np.savez(out / segmentation_paint.PAINTED, **arrays)
+    with pytest.raises(RuntimeError, match=said) as caught:
+        pipeline.run_stage(job, SEGMENT)
+    assert segmentation_paint.PAINTED in str(caught.value)
+
+
+def test_without_a_segmentation(tmp_path):
+    done = doublet("edit-segmentation", tmp_path, "--no-browser", timeout=30)
+    assert done.returncode == 1 and "actor.npz is missing" in done.stderr and "Traceback" not in done.stderr
