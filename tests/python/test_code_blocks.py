@@ -156,6 +156,10 @@ def names_of(page: str, world: World) -> dict:
             "performance": world.performance, "observations": world.observations,
         },
         "player.md": {"pose": np.zeros(len(d.Skeleton(d.Session(SESSION).joints).dof_names))},
+        "segmentation.md": {
+            "d": d, "pose": world.mesh, "face_valid": [1] * len(world.mesh.faces), "found": world.segmentation,
+            "painted": np.full(len(world.mesh.vertices), -1),
+        },
         "studies.md": {"jobs": [], "study": study},
         "synthesis.md": {"character": world.character, "motion": world.motion, "rig": world.cameras},
     }.get(page, {})  # fmt: skip

@@ -75,7 +75,7 @@ def test_pycma_estimates_a_material(bell):
         simulator, d.read_performance(bell / "performance.npz", actor), d.read_observations(bell / "observations.npz"), fit
     )
     region = result.to_dict()["regions"][0]
-    assert region["evaluations"] == 72 and region["energy"] < 0.5 * region["energy_at_centre"]
+    assert 0 < region["evaluations"] <= 72 and region["stop_reason"] and region["energy"] < 0.5 * region["energy_at_centre"]
     assert abs(region["material"].d_n - 4) < 4
 
 
