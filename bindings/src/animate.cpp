@@ -6,6 +6,7 @@
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/parts/surface_transfer.h"
+#include "doublet/animate/plant_feet.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/retarget.h"
 #include "doublet/animate/texture_baker.h"
@@ -20,6 +21,12 @@ py::object stacked_once(const py::object &self, const char *key, const std::vect
   if (!py::hasattr(self, key))
     py::setattr(self, key, stack(frames));
   return self.attr(key);
+}
+
+py::array_t<bool> flags(const std::vector<std::uint8_t> &values) {
+  py::array_t<bool> result(static_cast<py::ssize_t>(values.size()));
+  std::copy(values.begin(), values.end(), result.mutable_data());
+  return result;
 }
 
 SourceMotion source_motion(const std::vector<std::string> &names, const std::vector<int> &parents, const Vertices &offsets,
@@ -154,6 +161,17 @@ void bind_motion(py::module_ &m) {
         "A JointMatch for each of our joints. given: our joint -> name in the clip, '' = none.");
   m.def("resample", &resample, py::arg("skeleton"), py::arg("motion"), py::arg("fps"),
         "The same Motion at another rate; first and last pose stay (the last as far as the new rate reaches it).");
+  OptionsClass<PlantOptions>(m, "Options of plant_feet and find_contacts.");
+  py::class_<FootContacts>(m, "FootContacts", "When one foot of a motion stands.")
+      .def_readonly("ankle", &FootContacts::ankle, "joint")
+      .def_property_readonly(
+          "heel", [](const FootContacts &foot) { return flags(foot.heel); }, "(T,) bool")
+      .def_property_readonly(
+          "ball", [](const FootContacts &foot) { return flags(foot.ball); }, "(T,) bool");
+  m.def("find_contacts", &find_contacts, py::arg("skeleton"), py::arg("motion"), py::arg("options") = PlantOptions{}, Release(),
+        "A FootContacts for each foot of the Motion that can be planted: when its heel and ball stand.");
+  m.def("plant_feet", &plant_feet, py::arg("skeleton"), py::arg("motion"), py::arg("options") = PlantOptions{}, Release(),
+        "The Motion with its feet planted: what stands stays where it is, on the floor, and no foot is below it.");
   m.def("write_bvh", &write_bvh, py::arg("path"), py::arg("skeleton"), py::arg("motion"), Release(),
         "A Motion as BVH in metres and degrees, +Y up, complete or not at all.");
 }

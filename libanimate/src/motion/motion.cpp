@@ -1,6 +1,7 @@
 #include "doublet/animate/motion.h"
 
 #include "doublet/options/options.h"
+#include "require_motion.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -11,6 +12,12 @@ namespace {
 
 constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
 
+double short_way(double from, double to) {
+  return from + std::remainder(to - from, 2 * M_PI);
+}
+
+} // namespace
+
 void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
   if (!(motion.fps > 0) || !std::isfinite(motion.fps))
     throw std::invalid_argument(who + ": motion.fps must be positive, found " + options::shown(motion.fps));
@@ -19,12 +26,6 @@ void require_motion(const Skeleton &skeleton, const Motion &motion, const std::s
                                 "), found (" + std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) +
                                 ")");
 }
-
-double short_way(double from, double to) {
-  return from + std::remainder(to - from, 2 * M_PI);
-}
-
-} // namespace
 
 Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s) {
   Eigen::VectorXd pose;

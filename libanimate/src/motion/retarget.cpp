@@ -4,6 +4,7 @@
 
 #include "doublet/animate/retarget.h"
 
+#include "doublet/animate/plant_feet.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
 #include "match_joints.h"
@@ -482,6 +483,8 @@ Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const Retarg
     ground_feet(skeleton, motion);
   if (options.fps > 0 && options.fps != motion.fps)
     motion = resample(skeleton, motion, options.fps);
+  if (options.plant_feet)
+    motion = plant_feet(skeleton, motion);
   context.report("retarget", 1.0);
   return blend_in(skeleton, motion, options.hold_seconds, options.blend_seconds);
 }

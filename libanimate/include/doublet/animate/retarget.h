@@ -17,6 +17,7 @@ struct RetargetOptions {
   bool align_start = true;
   bool apply_limits = true;
   bool ground_feet = true;
+  bool plant_feet = true;
   double hold_seconds = 0.1;
   double blend_seconds = 0.6;
   std::map<std::string, std::string> joint_names;
@@ -32,6 +33,8 @@ struct RetargetOptions {
         option(&O::apply_limits, "apply_limits", "keep hinges and balls inside the skeleton's limits"),
         option(&O::ground_feet, "ground_feet",
                "one height for the whole clip so that the feet reach the floor as in the rest pose, and not below"),
+        option(&O::plant_feet, "plant_feet",
+               "feet stand where they stand and none is below the floor, see plant_feet(); the start steps into the first pose"),
         option(&O::hold_seconds, "hold_seconds", Range{0, 60}, "s", "in the rest pose before the motion, see blend_in()"),
         option(&O::blend_seconds, "blend_seconds", Range{0, 60}, "s",
                "from the rest pose to the first pose, so that cloth is not torn away; 0 with hold_seconds 0 = the clip alone"),

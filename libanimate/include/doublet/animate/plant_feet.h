@@ -1,0 +1,50 @@
+#pragma once
+// Feet that stand: contacts found from height and speed, planted feet held on the floor by the legs, no foot below it.
+
+#include "doublet/animate/motion.h"
+#include "doublet/options/options.h"
+
+namespace doublet {
+
+struct PlantOptions {
+  double contact_height = 0.05;
+  double contact_speed = 0.35;
+  double blend_seconds = 0.15;
+  double most_drop = 0.08;
+  double floor_height = 0;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = PlantOptions;
+    return Description{
+        "PlantOptions",
+        option(&O::contact_height, "contact_height", Range{0, 1}, "m",
+               "heel or ball this close to the lowest within 0.75 s may stand; a contact lasts up to 1.4 times it"),
+        option(&O::contact_speed, "contact_speed", Range{0, 10}, "m/s",
+               "heel or ball as slow as this may stand; a contact lasts up to 1.6 times it"),
+        option(&O::blend_seconds, "blend_seconds", Range{0, 2}, "s",
+               "in which a foot comes from its own path to where it stands"),
+        option(&O::most_drop, "most_drop", Range{0, 0.5}, "m",
+               "the hips may go down by so much for feet to reach where they stand; beyond that the feet let go"),
+        option(&O::floor_height, "floor_height", Range{}, "m", "of the floor that the feet stand on in the rest pose"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
+};
+
+/// Heel and ball of one foot, a flag a frame.
+struct FootContacts {
+  std::string ankle; ///< joint
+  std::vector<std::uint8_t> heel, ball;
+};
+
+/// When the feet of the motion stand. Feet are those of legs that can be planted: hip (ball), knee (one hinge), ankle and toe by
+/// their standard names. Throws std::invalid_argument as plant_feet.
+std::vector<FootContacts> find_contacts(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options = {});
+
+/// The motion with its feet planted: the height of the floor under it, found from the contacts, is taken off frame by frame; what
+/// a foot stands on (heel, ball, then tip) stays where it is; no foot is below the floor. Only the root's height, hips, knees and
+/// ankles change. A motion in the air stays there. Throws std::invalid_argument unless the motion has frames, a rate and the
+/// skeleton's degrees of freedom.
+Motion plant_feet(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options = {});
+
+} // namespace doublet

@@ -1,0 +1,380 @@
+// Planting feet, as in Kovar, Schreiner, Gleicher 2002 (footskate cleanup): contacts, the floor under the motion, a plan of each
+// foot, the hips low enough for it, and the legs that follow. All in one pass over the whole motion, so what is blended begins
+// before a foot stands.
+
+#include "doublet/animate/plant_feet.h"
+
+#include "leg.h"
+#include "require_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Flags = std::vector<std::uint8_t>;
+using Series = std::vector<double>;
+
+constexpr double kGroundWindow = 0.75;                      // s: a jump is shorter than twice that
+constexpr double kReleaseHeight = 1.4, kReleaseSpeed = 1.6; // of what a contact begins with
+constexpr double kShortest = 0.05;                          // s, of contacts and of gaps between them
+constexpr double kGroundBlur = 0.15, kDropBlur = 0.1;       // s
+constexpr double kStraight = 0.99;                          // of the leg: further, millimetres are many degrees of the knee
+
+enum class Stand : std::uint8_t { Air, Heel, Flat, Toe };
+
+/// One foot in one frame. What is `wanted` is the plan.
+struct Step {
+  Matrix3d rotation;
+  Vector3d ankle;
+  double slope = 0;
+  Stand stand = Stand::Air;
+  Vector3d pivot, pivot_at;           ///< point of the foot in the rest pose, and where it has to be
+  Vector3d offset = Vector3d::Zero(); ///< wanted ankle - ankle, the root's new height counted in
+};
+
+struct Foot {
+  Leg leg;
+  Vector3d ankle_rest;
+  std::vector<Step> steps;
+  Vector3d point(int t, const Vector3d &rest) const { return steps[t].ankle + steps[t].rotation * (rest - ankle_rest); }
+};
+
+int frames(double seconds, double fps) {
+  return static_cast<int>(std::lround(seconds * fps));
+}
+
+Series lowest_around(const Series &values, int radius) {
+  const int count = static_cast<int>(values.size());
+  Series result(values.size());
+  for (int t = 0; t < count; ++t)
+    result[t] = *std::min_element(values.begin() + std::max(0, t - radius), values.begin() + std::min(count, t + radius + 1));
+  return result;
+}
+
+Series mean_around(const Series &values, int radius) {
+  const int count = static_cast<int>(values.size());
+  Series result(values.size());
+  for (int t = 0; t < count; ++t) { // the ends go on beyond the motion
+    double sum = 0;
+    for (int k = t - radius; k <= t + radius; ++k)
+      sum += values[std::clamp(k, 0, count - 1)];
+    result[t] = sum / (2 * radius + 1);
+  }
+  return result;
+}
+
+/// [first, last] of the frames that `flag` holds for, in order.
+template <class Flag> std::vector<std::pair<int, int>> runs(int count, const Flag &flag) {
+  std::vector<std::pair<int, int>> result;
+  for (int t = 0; t < count; ++t)
+    if (flag(t)) {
+      if (t > 0 && flag(t - 1))
+        result.back().second = t;
+      else
+        result.emplace_back(t, t);
+    }
+  return result;
+}
+
+/// Values known in some runs of frames, blended to zero from there within `blend` frames: cubic, with the slope at the run's end.
+template <class Value> void ease(std::vector<Value> &values, const std::vector<std::pair<int, int>> &known, int blend) {
+  const int count = static_cast<int>(values.size());
+  const auto leave = [&](int from, int direction, int gap, double slope_sign, int inside) {
+    const int b = std::min(blend, gap);
+    const Value start = values[from];
+    const Value slope = inside == from ? Value(0 * start) : Value(slope_sign * (values[from] - values[inside]));
+    for (int k = 1; k < b; ++k) {
+      const double x = static_cast<double>(k) / b;
+      values[from + direction * k] += (1 - x) * (1 - x) * ((1 + 2 * x) * start + x * b * slope);
+    }
+  };
+  for (std::size_t r = 0; r < known.size(); ++r) {
+    const auto [first, last] = known[r];
+    const int before = r > 0 ? first - known[r - 1].second : first + 1;
+    const int after = r + 1 < known.size() ? known[r + 1].first - last : count - last;
+    leave(first, -1, before, 1, std::min(first + 1, last));
+    leave(last, 1, after, 1, std::max(last - 1, first));
+  }
+}
+
+/// The contacts of one point: near its ground and slow, for as long as it is nearly so.
+Flags contacts(const Series &height, const Series &speed, double fps, const PlantOptions &options) {
+  const int count = static_cast<int>(height.size()), shortest = frames(kShortest, fps);
+  const auto stays = [&](int t) {
+    return height[t] <= kReleaseHeight * options.contact_height && speed[t] <= kReleaseSpeed * options.contact_speed;
+  };
+  Flags result(height.size(), 0);
+  int last_end = -1;
+  for (const auto &[first, last] : runs(count, stays)) {
+    bool stands = last - first + 1 >= shortest, begins = false;
+    for (int t = first; t <= last; ++t)
+      begins = begins || (height[t] <= options.contact_height && speed[t] <= options.contact_speed);
+    if (!stands || !begins)
+      continue;
+    const int from = last_end >= 0 && first - last_end <= shortest ? last_end : first;
+    std::fill(result.begin() + from, result.begin() + last + 1, 1);
+    last_end = last;
+  }
+  return result;
+}
+
+Series speeds(const std::vector<Vector3d> &points, double fps) {
+  const int count = static_cast<int>(points.size()), radius = std::max(1, frames(0.02, fps));
+  Series result(points.size(), 0);
+  for (int t = 0; t < count; ++t) {
+    const int a = std::max(0, t - radius), b = std::min(count - 1, t + radius);
+    if (b > a)
+      result[t] = (points[b] - points[a]).norm() / (b - a) * fps;
+  }
+  return result;
+}
+
+class Planter {
+public:
+  Planter(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options)
+      : skeleton_(skeleton), options_(options), motion_(motion), count_(static_cast<int>(motion.dofs.rows())) {
+    for (const Leg &leg : find_legs(skeleton, options.floor_height))
+      feet_.push_back({leg, skeleton.joints[leg.ankle].rest, std::vector<Step>(count_)});
+    hips_.assign(feet_.size(), std::vector<Vector3d>(count_));
+    for (int t = 0; t < count_; ++t) {
+      const Transforms world = forward_kinematics(skeleton, motion.dofs.row(t));
+      for (std::size_t f = 0; f < feet_.size(); ++f) {
+        const Leg &leg = feet_[f].leg;
+        Step &step = feet_[f].steps[t];
+        step.rotation = world[leg.ankle].linear();
+        step.ankle = world[leg.ankle] * feet_[f].ankle_rest;
+        step.slope = slope(leg, step.rotation);
+        hips_[f][t] = world[leg.hip] * skeleton.joints[leg.hip].rest;
+      }
+    }
+  }
+
+  std::vector<FootContacts> contacts_of_feet() const {
+    Series lowest(count_, 1e30);
+    for (const Foot &foot : feet_)
+      for (int t = 0; t < count_; ++t)
+        lowest[t] = std::min({lowest[t], foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.ball).y()});
+    const Series ground = lowest_around(lowest, frames(kGroundWindow, motion_.fps));
+    std::vector<FootContacts> result;
+    for (const Foot &foot : feet_) {
+      const auto of = [&](const Vector3d &rest) {
+        Series height;
+        std::vector<Vector3d> points;
+        for (int t = 0; t < count_; ++t) {
+          points.push_back(foot.point(t, rest));
+          height.push_back(points.back().y() - ground[t]);
+        }
+        return contacts(height, speeds(points, motion_.fps), motion_.fps, options_);
+      };
+      result.push_back({skeleton_.joints[foot.leg.ankle].name, of(foot.leg.heel), of(foot.leg.ball)});
+    }
+    return result;
+  }
+
+  Motion plant() {
+    const std::vector<FootContacts> found = contacts_of_feet();
+    for (std::size_t f = 0; f < feet_.size(); ++f) {
+      for (int t = 0; t < count_; ++t)
+        feet_[f].steps[t].stand =
+            found[f].heel[t] ? (found[f].ball[t] ? Stand::Flat : Stand::Heel) : (found[f].ball[t] ? Stand::Toe : Stand::Air);
+      plan_slopes(feet_[f]);
+      plan_pivots(feet_[f]);
+    }
+    lower_root(ground());
+    lower_root(drop());
+    for (std::size_t f = 0; f < feet_.size(); ++f) {
+      plan_offsets(feet_[f]);
+      let_go(f);
+      follow(feet_[f]);
+    }
+    return motion_;
+  }
+
+private:
+  static double slope(const Leg &leg, const Matrix3d &rotation) { return (rotation * (leg.tip - leg.heel)).y() / leg.sole(); }
+
+  std::vector<std::pair<int, int>> standing(const Foot &foot) const {
+    return runs(count_, [&](int t) { return foot.steps[t].stand != Stand::Air; });
+  }
+
+  int blend_frames() const { return std::max(1, frames(options_.blend_seconds, motion_.fps)); }
+
+  /// Flat where heel and ball stand; on one of them, the other is not below it. Turns the rotations.
+  void plan_slopes(Foot &foot) const {
+    Series change(count_, 0);
+    for (int t = 0; t < count_; ++t)
+      if (foot.steps[t].stand == Stand::Flat)
+        change[t] = -foot.steps[t].slope;
+    ease(change, runs(count_, [&](int t) { return foot.steps[t].stand == Stand::Flat; }), blend_frames());
+    for (int t = 0; t < count_; ++t) {
+      Step &step = foot.steps[t];
+      double wanted = std::clamp(step.slope + change[t], -1.0, 1.0);
+      if (step.stand == Stand::Toe)
+        wanted = std::min(wanted, 0.0);
+      if (step.stand == Stand::Heel)
+        wanted = std::max(wanted, 0.0);
+      const Vector3d across = (step.rotation * (foot.leg.tip - foot.leg.heel)).cross(Vector3d::UnitY());
+      if (across.norm() < 0.1 * foot.leg.sole()) // upright: no side to turn about
+        continue;
+      const double angle = std::asin(wanted) - std::asin(std::clamp(step.slope, -1.0, 1.0));
+      step.rotation = Eigen::AngleAxisd(angle, across.normalized()).toRotationMatrix() * step.rotation;
+      step.slope = wanted;
+    }
+  }
+
+  /// A foot stands on its heel, flat on its ball, at last on its tip; each takes over where the one before has brought it. Then
+  /// the whole stand goes to where the motion's own foot is on average; but a motion that begins standing begins there.
+  void plan_pivots(Foot &foot) const {
+    for (const auto &[first, last] : standing(foot)) {
+      Vector3d away = Vector3d::Zero();
+      for (int t = first; t <= last; ++t) {
+        Step &step = foot.steps[t];
+        step.pivot = step.stand == Stand::Heel ? foot.leg.heel : step.stand == Stand::Flat ? foot.leg.ball : foot.leg.tip;
+        if (t == first)
+          step.pivot_at = foot.point(t, step.pivot);
+        else
+          step.pivot_at = foot.steps[t - 1].pivot_at + foot.steps[t - 1].rotation * (step.pivot - foot.steps[t - 1].pivot);
+        step.pivot_at.y() = options_.floor_height;
+        away += foot.point(t, step.pivot) - step.pivot_at;
+      }
+      away *= first == 0 ? 0.0 : 1.0 / (last - first + 1);
+      away.y() = 0;
+      for (int t = first; t <= last; ++t)
+        foot.steps[t].pivot_at += away;
+    }
+  }
+
+  Vector3d planned_ankle(const Foot &foot, int t) const {
+    const Step &step = foot.steps[t];
+    return step.pivot_at + step.rotation * (foot.ankle_rest - step.pivot);
+  }
+
+  /// Height of the floor under the motion as it is: where feet stand, straight between.
+  Series ground() const {
+    Series height(count_, 0), feet(count_, 0);
+    for (const Foot &foot : feet_)
+      for (int t = 0; t < count_; ++t)
+        if (foot.steps[t].stand != Stand::Air) {
+          height[t] += std::min(foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.ball).y()) - options_.floor_height;
+          ++feet[t];
+        }
+    int known = -1;
+    for (int t = 0; t < count_; ++t) {
+      if (feet[t] == 0)
+        continue;
+      height[t] /= feet[t];
+      for (int k = known + 1; k < t; ++k)
+        height[k] = known < 0 ? height[t] : height[known] + (height[t] - height[known]) * (k - known) / (t - known);
+      known = t;
+    }
+    for (int k = known + 1; known >= 0 && k < count_; ++k)
+      height[k] = height[known];
+    const int radius = frames(kGroundBlur, motion_.fps);
+    return mean_around(mean_around(height, radius), radius);
+  }
+
+  /// How far the leg may stretch: nearly straight, or as far as it is.
+  double limit(std::size_t f, int t) const {
+    return std::max((feet_[f].steps[t].ankle - hips_[f][t]).norm(), kStraight * longest_reach(skeleton_, feet_[f].leg));
+  }
+
+  /// How far the hips have to go down for the feet to reach where they stand; never less, but smooth.
+  Series drop() const {
+    Series up(count_, 0);
+    for (std::size_t f = 0; f < feet_.size(); ++f)
+      for (int t = 0; t < count_; ++t) {
+        if (feet_[f].steps[t].stand == Stand::Air)
+          continue;
+        const Vector3d down = hips_[f][t] - planned_ankle(feet_[f], t);
+        const double height = std::sqrt(std::max(0.0, std::pow(limit(f, t), 2) - std::pow(std::hypot(down.x(), down.z()), 2)));
+        up[t] = std::min(up[t], -std::clamp(down.y() - height, 0.0, options_.most_drop));
+      }
+    const int radius = frames(kDropBlur, motion_.fps);
+    Series result = mean_around(lowest_around(up, radius), radius);
+    for (double &value : result)
+      value = -value;
+    return result;
+  }
+
+  void lower_root(const Series &by) {
+    for (int t = 0; t < count_; ++t) {
+      motion_.dofs(t, skeleton_.joints[0].first_dof + 1) -= by[t];
+      for (std::size_t f = 0; f < feet_.size(); ++f) {
+        feet_[f].steps[t].ankle.y() -= by[t];
+        hips_[f][t].y() -= by[t];
+      }
+    }
+  }
+
+  /// Where the foot stands the plan, blended out around it; and no end of the sole below the floor.
+  void plan_offsets(Foot &foot) const {
+    std::vector<Vector3d> offsets(count_, Vector3d::Zero());
+    for (int t = 0; t < count_; ++t)
+      if (foot.steps[t].stand != Stand::Air)
+        offsets[t] = planned_ankle(foot, t) - foot.steps[t].ankle;
+    ease(offsets, standing(foot), blend_frames());
+    for (int t = 0; t < count_; ++t) {
+      const double lowest = offsets[t].y() + std::min(foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.tip).y());
+      foot.steps[t].offset = offsets[t] + std::max(0.0, options_.floor_height - lowest) * Vector3d::UnitY();
+    }
+  }
+
+  /// Where a leg is too short all the same, the offset shrinks to what it reaches, smoothly.
+  void let_go(std::size_t f) {
+    std::vector<Step> &steps = feet_[f].steps;
+    Series share(count_, 1);
+    for (int t = 0; t < count_; ++t) {
+      const Vector3d now = steps[t].ankle - hips_[f][t], &by = steps[t].offset;
+      const double far = limit(f, t), a = by.squaredNorm(), b = now.dot(by), c = now.squaredNorm() - far * far;
+      if ((now + by).norm() > far && a > 0)
+        share[t] = std::clamp((-b + std::sqrt(std::max(0.0, b * b - a * c))) / a, 0.0, 1.0);
+    }
+    const int radius = frames(kDropBlur, motion_.fps);
+    share = mean_around(lowest_around(share, radius), radius);
+    for (int t = 0; t < count_; ++t)
+      steps[t].offset *= share[t];
+  }
+
+  void follow(const Foot &foot) {
+    Eigen::VectorXd pose;
+    for (int t = 0; t < count_; ++t) {
+      const Step &step = foot.steps[t];
+      const Vector3d point = step.stand == Stand::Air ? foot.leg.ball : step.pivot;
+      pose = motion_.dofs.row(t);
+      reach(skeleton_, foot.leg, {point, foot.point(t, point) + step.offset, step.rotation, step.slope}, pose);
+      motion_.dofs.row(t) = pose;
+    }
+  }
+
+  const Skeleton &skeleton_;
+  const PlantOptions &options_;
+  Motion motion_;
+  int count_;
+  std::vector<Foot> feet_;
+  std::vector<std::vector<Vector3d>> hips_; ///< foot x frame
+};
+
+} // namespace
+
+void PlantOptions::validate() const {
+  options::check(*this);
+}
+
+std::vector<FootContacts> find_contacts(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options) {
+  options.validate();
+  require_motion(skeleton, motion, "find_contacts");
+  return Planter(skeleton, motion, options).contacts_of_feet();
+}
+
+Motion plant_feet(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options) {
+  options.validate();
+  require_motion(skeleton, motion, "plant_feet");
+  return Planter(skeleton, motion, options).plant();
+}
+
+} // namespace doublet

@@ -1,0 +1,11 @@
+#pragma once
+#include "doublet/animate/motion.h"
+
+#include <string>
+
+namespace doublet {
+
+/// Throws std::invalid_argument, `who` in front, unless the motion has a rate, frames and the skeleton's degrees of freedom.
+void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who);
+
+} // namespace doublet
