@@ -22,8 +22,11 @@ using Series = std::vector<double>;
 constexpr double kGroundWindow = 0.75;                      // s: a jump is shorter than twice that
 constexpr double kReleaseHeight = 1.4, kReleaseSpeed = 1.6; // of what a contact begins with
 constexpr double kShortest = 0.05;                          // s, of contacts and of gaps between them
-constexpr double kGroundBlur = 0.15, kDropBlur = 0.1;       // s
+constexpr double kGroundBlur = 0.15, kDropBlur = 0.1, kLiftBlur = 0.07;      // s
 constexpr double kStraight = 0.99;                          // of the leg: further, millimetres are many degrees of the knee
+
+constexpr double kHalfWidth = 0.15;                        // of the sole, of its length
+constexpr double kClearance = 0.03;                        // m, of a foot that swings
 
 enum class Stand : std::uint8_t { Air, Heel, Flat, Toe };
 
@@ -239,7 +242,7 @@ private:
           step.pivot_at = foot.point(t, step.pivot);
         else
           step.pivot_at = foot.steps[t - 1].pivot_at + foot.steps[t - 1].rotation * (step.pivot - foot.steps[t - 1].pivot);
-        step.pivot_at.y() = options_.floor_height;
+        step.pivot_at.y() = options_.floor_height + edge(foot, t);
         away += foot.point(t, step.pivot) - step.pivot_at;
       }
       away *= first == 0 ? 0.0 : 1.0 / (last - first + 1);
@@ -311,17 +314,45 @@ private:
     }
   }
 
-  /// Where the foot stands the plan, blended out around it; and no end of the sole below the floor.
+  /// Where the foot stands the plan, blended out around it; and no end of the sole below the floor, or, away from contacts, near
+  /// it: a foot that swings does not scrape.
   void plan_offsets(Foot &foot) const {
     std::vector<Vector3d> offsets(count_, Vector3d::Zero());
     for (int t = 0; t < count_; ++t)
       if (foot.steps[t].stand != Stand::Air)
         offsets[t] = planned_ankle(foot, t) - foot.steps[t].ankle;
     ease(offsets, standing(foot), blend_frames());
+    const Series away = air(foot);
+    Series need(count_), lift(count_);
     for (int t = 0; t < count_; ++t) {
-      const double lowest = offsets[t].y() + std::min(foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.tip).y());
-      foot.steps[t].offset = offsets[t] + std::max(0.0, options_.floor_height - lowest) * Vector3d::UnitY();
+      const double lowest = std::min(foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.tip).y()) - edge(foot, t);
+      need[t] = std::max(0.0, options_.floor_height + kClearance * away[t] - lowest - offsets[t].y());
+      lift[t] = -need[t];
     }
+    const int radius = frames(kLiftBlur, motion_.fps);
+    lift = mean_around(lowest_around(lift, radius), radius);
+    for (int t = 0; t < count_; ++t)
+      foot.steps[t].offset = offsets[t] + std::max(need[t], -lift[t] * away[t]) * Vector3d::UnitY();
+  }
+
+  /// How far the sole's edge is below its middle line, the foot being rolled.
+  static double edge(const Foot &foot, int t) {
+    const Matrix3d &rotation = foot.steps[t].rotation;
+    const Vector3d across = (foot.leg.tip - foot.leg.heel).cross(Vector3d::UnitY());
+    return kHalfWidth * std::abs((rotation * across).y());
+  }
+
+  /// 0 where the foot stands to 1 well away from there.
+  Series air(const Foot &foot) const {
+    Series result(count_, 1);
+    for (const auto &[first, last] : standing(foot)) {
+      const int around = 2 * blend_frames();
+      for (int t = std::max(0, first - around); t <= std::min(count_ - 1, last + around); ++t) {
+        const double x = std::max({0, first - t, t - last}) / static_cast<double>(around);
+        result[t] = std::min(result[t], x * x * (3 - 2 * x));
+      }
+    }
+    return result;
   }
 
   /// Where a leg is too short all the same, the offset shrinks to what it reaches, smoothly.
