@@ -131,4 +131,14 @@ void reach(const Skeleton &skeleton, const Leg &leg, const FootGoal &goal, Eigen
   }
 }
 
+void lift_feet(const Skeleton &skeleton, double floor_height, Eigen::VectorXd &pose) {
+  for (const Leg &leg : find_legs(skeleton, floor_height)) {
+    const Eigen::Isometry3d foot = forward_kinematics(skeleton, pose)[leg.ankle];
+    const double heel = (foot * leg.heel).y(), tip = (foot * leg.tip).y(), below = floor_height - std::min(heel, tip);
+    if (below > 1e-9)
+      reach(skeleton, leg, {leg.ball, foot * leg.ball + below * Vector3d::UnitY(), foot.linear(), (tip - heel) / leg.sole()},
+            pose);
+  }
+}
+
 } // namespace doublet

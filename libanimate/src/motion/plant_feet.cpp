@@ -19,14 +19,14 @@ using Eigen::Vector3d;
 using Flags = std::vector<std::uint8_t>;
 using Series = std::vector<double>;
 
-constexpr double kGroundWindow = 0.75;                      // s: a jump is shorter than twice that
-constexpr double kReleaseHeight = 1.4, kReleaseSpeed = 1.6; // of what a contact begins with
-constexpr double kShortest = 0.05;                          // s, of contacts and of gaps between them
-constexpr double kGroundBlur = 0.15, kDropBlur = 0.1, kLiftBlur = 0.07;      // s
-constexpr double kStraight = 0.99;                          // of the leg: further, millimetres are many degrees of the knee
+constexpr double kGroundWindow = 0.75;                                  // s: a jump is shorter than twice that
+constexpr double kReleaseHeight = 1.4, kReleaseSpeed = 1.6;             // of what a contact begins with
+constexpr double kShortest = 0.05;                                      // s, of contacts and of gaps between them
+constexpr double kGroundBlur = 0.15, kDropBlur = 0.1, kLiftBlur = 0.07; // s
+constexpr double kStraight = 0.99; // of the leg: further, millimetres are many degrees of the knee
 
-constexpr double kHalfWidth = 0.15;                        // of the sole, of its length
-constexpr double kClearance = 0.03;                        // m, of a foot that swings
+constexpr double kHalfWidth = 0.15; // of the sole, of its length
+constexpr double kClearance = 0.03; // m, of a foot that swings
 
 enum class Stand : std::uint8_t { Air, Heel, Flat, Toe };
 
@@ -215,12 +215,18 @@ private:
         change[t] = -foot.steps[t].slope;
     ease(change, runs(count_, [&](int t) { return foot.steps[t].stand == Stand::Flat; }), blend_frames());
     for (int t = 0; t < count_; ++t) {
-      Step &step = foot.steps[t];
-      double wanted = std::clamp(step.slope + change[t], -1.0, 1.0);
+      const Step &step = foot.steps[t];
       if (step.stand == Stand::Toe)
-        wanted = std::min(wanted, 0.0);
-      if (step.stand == Stand::Heel)
-        wanted = std::max(wanted, 0.0);
+        change[t] = std::min(change[t], -step.slope);
+      else if (step.stand == Stand::Heel)
+        change[t] = std::max(change[t], -step.slope);
+      else if (step.stand == Stand::Air)
+        change[t] = 0;
+    }
+    ease(change, standing(foot), blend_frames());
+    for (int t = 0; t < count_; ++t) {
+      Step &step = foot.steps[t];
+      const double wanted = std::clamp(step.slope + change[t], -1.0, 1.0);
       const Vector3d across = (step.rotation * (foot.leg.tip - foot.leg.heel)).cross(Vector3d::UnitY());
       if (across.norm() < 0.1 * foot.leg.sole()) // upright: no side to turn about
         continue;

@@ -7,6 +7,7 @@
 #include "doublet/animate/plant_feet.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
+#include "leg.h"
 #include "match_joints.h"
 
 #include <Eigen/Cholesky>
@@ -486,7 +487,15 @@ Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const Retarg
   if (options.plant_feet)
     motion = plant_feet(skeleton, motion);
   context.report("retarget", 1.0);
-  return blend_in(skeleton, motion, options.hold_seconds, options.blend_seconds);
+  const Eigen::Index frames = motion.dofs.rows();
+  motion = blend_in(skeleton, motion, options.hold_seconds, options.blend_seconds);
+  if (options.plant_feet)
+    for (Eigen::Index t = 0; t < motion.dofs.rows() - frames; ++t) {
+      Eigen::VectorXd pose = motion.dofs.row(t);
+      lift_feet(skeleton, PlantOptions{}.floor_height, pose);
+      motion.dofs.row(t) = pose;
+    }
+  return motion;
 }
 
 } // namespace doublet
