@@ -1,3 +1,4 @@
+#include "doublet/animate/plant_feet.h"
 #include "doublet/animate/retarget.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
@@ -93,6 +94,7 @@ std::string figure_bvh(const Skeleton &skeleton, const MatrixRM &dofs, double un
 RetargetOptions alone() {
   RetargetOptions options;
   options.hold_seconds = options.blend_seconds = 0;
+  options.plant_feet = false;
   return options;
 }
 
@@ -319,6 +321,18 @@ TEST(Retarget, FeetReachTheFloor) {
       lowest = std::min(lowest, joints(skeleton.find(name), 1) - skeleton.joints[skeleton.find(name)].rest.y());
   }
   EXPECT_NEAR(lowest, 0, 0.005);
+}
+
+TEST(Retarget, FeetArePlantedUnlessRefused) {
+  const Skeleton skeleton = figure_skeleton();
+  MatrixRM dofs = marching(skeleton, 30, 40);
+  const SourceMotion clip = parse_bvh(figure_bvh(skeleton, dofs, 1, 40), "a.bvh");
+  RetargetOptions options = alone();
+  const Motion off = retarget(clip, skeleton, options);
+  options.plant_feet = true;
+  const Motion on = retarget(clip, skeleton, options);
+  EXPECT_EQ(on.dofs, plant_feet(skeleton, off).dofs);
+  EXPECT_NE(on.dofs, off.dofs);
 }
 
 TEST(Retarget, StartBlendsOutOfTheRestPose) {

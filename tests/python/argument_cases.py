@@ -208,6 +208,8 @@ def calls(world, folder) -> dict:
             {"surface": v, "cameras": w.cameras, "images": pictures, "masks": masks},
         ),
         "SourceMotion": (d.SourceMotion, clip),
+        "plant_feet": (lambda motion: d.plant_feet(w.skeleton, motion), {"motion": w.motion}),
+        "find_contacts": (lambda motion: d.find_contacts(w.skeleton, motion), {"motion": w.motion}),
         "resample": (lambda motion: d.resample(w.skeleton, motion, 20.0), {"motion": w.motion}),
         "write_bvh": (lambda motion: d.write_bvh(folder / "m.bvh", w.skeleton, motion), {"motion": w.motion}),
         "animate": (

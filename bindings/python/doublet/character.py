@@ -147,7 +147,9 @@ def write_video(
 def exact_motion(character: d.Character, motion_file: Path, fps: float, context: d.Context) -> d.Motion:
     """A motion of the character's own skeleton, whose first frame is the rest pose: nothing is put in front of it, nothing
     adapted to the floor."""
-    as_it_is = d.RetargetOptions(fps=fps, apply_limits=False, ground_feet=False, hold_seconds=0.0, blend_seconds=0.0)
+    as_it_is = d.RetargetOptions(
+        fps=fps, apply_limits=False, ground_feet=False, plant_feet=False, hold_seconds=0.0, blend_seconds=0.0
+    )
     return d.retarget(d.SourceMotion.read(motion_file), character.actor.skeleton, as_it_is, context)
 
 
