@@ -73,7 +73,9 @@ def test_bvh_retargets_to_the_motion_that_it_was(character, motion, tmp_path):
     skeleton = character.actor.skeleton
     small = d.Motion(motion.fps, 0.3 * motion.dofs)
     d.write_bvh(tmp_path / "own.bvh", skeleton, small)
-    options = d.RetargetOptions(align_start=False, ground_feet=False, apply_limits=False, hold_seconds=0, blend_seconds=0)
+    options = d.RetargetOptions(
+        align_start=False, ground_feet=False, plant_feet=False, apply_limits=False, hold_seconds=0, blend_seconds=0
+    )
     again = d.retarget(d.SourceMotion.read(tmp_path / "own.bvh"), skeleton, options)
     places = [[skeleton.joint_positions(dofs) for dofs in m.dofs] for m in (small, again)]
     np.testing.assert_allclose(places[0], places[1], atol=0.002)  # m

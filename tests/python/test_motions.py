@@ -121,3 +121,21 @@ def test_wrong_files_get_their_sentence(world, tmp_path, more, sentence):
     with pytest.raises(ValueError, match=sentence) as error:
         read_motion(path, world.character, d.RetargetOptions())
     assert str(path) in str(error.value)
+
+
+def test_feet_are_planted_by_retargeting_and_not_on_request(tmp_path):
+    skeleton = actor_skeleton()
+    dofs = np.zeros((40, len(skeleton.dof_names)))
+    dofs[:, 0] = np.linspace(0, 0.05, 40)  # it stands, and slides to its left
+    d.write_bvh(tmp_path / "slides.bvh", skeleton, d.Motion(40.0, dofs))
+    alone = {"hold_seconds": 0, "blend_seconds": 0}
+    off, on = (
+        d.retarget(d.SourceMotion.read(tmp_path / "slides.bvh"), skeleton, d.RetargetOptions(plant_feet=planted, **alone))
+        for planted in (False, True)
+    )
+    assert all(foot.heel.all() and foot.ball.all() for foot in d.find_contacts(skeleton, off))
+    np.testing.assert_array_equal(d.plant_feet(skeleton, off).dofs, on.dofs)
+    ball = skeleton.find("l_toe")
+    slid = [np.ptp([skeleton.joint_positions(dofs)[ball, 0] for dofs in m.dofs]) for m in (off, on)]
+    assert slid[0] > 0.04
+    assert slid[1] < 0.003  # the mark is above the sole, which is what stands
