@@ -361,12 +361,13 @@ private:
     return result;
   }
 
-  /// Where a leg is too short all the same, the offset shrinks to what it reaches, smoothly.
+  /// Where a leg is too short all the same, the offset shrinks to what it reaches, smoothly. Not its way up: feet do not sink.
   void let_go(std::size_t f) {
     std::vector<Step> &steps = feet_[f].steps;
     Series share(count_, 1);
+    const auto up = [&](int t) { return Vector3d(0, std::max(0.0, steps[t].offset.y()), 0); };
     for (int t = 0; t < count_; ++t) {
-      const Vector3d now = steps[t].ankle - hips_[f][t], &by = steps[t].offset;
+      const Vector3d now = steps[t].ankle + up(t) - hips_[f][t], by = steps[t].offset - up(t);
       const double far = limit(f, t), a = by.squaredNorm(), b = now.dot(by), c = now.squaredNorm() - far * far;
       if ((now + by).norm() > far && a > 0)
         share[t] = std::clamp((-b + std::sqrt(std::max(0.0, b * b - a * c))) / a, 0.0, 1.0);
@@ -374,7 +375,7 @@ private:
     const int radius = frames(kDropBlur, motion_.fps);
     share = mean_around(lowest_around(share, radius), radius);
     for (int t = 0; t < count_; ++t)
-      steps[t].offset *= share[t];
+      steps[t].offset = up(t) + share[t] * (steps[t].offset - up(t));
   }
 
   void follow(const Foot &foot) {
