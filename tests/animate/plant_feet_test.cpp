@@ -58,7 +58,7 @@ TEST(PlantFeet, PlantedFeetStayAndNoneIsBelowTheFloor) {
       if (!foot.heel[t] || !foot.ball[t] || !foot.heel[t - 1] || !foot.ball[t - 1])
         continue;
       const auto a = sole(skeleton, side, after.dofs.row(t - 1)), b = sole(skeleton, side, after.dofs.row(t));
-      EXPECT_LT((a[1] - b[1]).norm(), 1e-4) << side << t;
+      EXPECT_LT((a[1] - b[1]).norm(), 1e-3) << side << t;
       EXPECT_NEAR(b[0].y(), 0, 1e-3) << side << t;
       EXPECT_NEAR(b[2].y(), 0, 1e-3) << side << t;
       ++stood;
