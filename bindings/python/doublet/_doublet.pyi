@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'corrected_segmentation', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_limbs', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'corrected_segmentation', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_contacts', 'find_limbs', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'scan_from_views', 'segment_cloth', 'segment_performance', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -3744,6 +3744,14 @@ class RetargetOptions:
     @last_second.setter
     def last_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
+    @property
+    def plant_feet(self) -> bool:
+        """
+        feet stand where they stand and none is below the floor, see plant_feet()
+        """
+    @plant_feet.setter
+    def plant_feet(self, arg0: bool) -> None:
+        ...
 class JointMatch:
     """
     Which joint of a clip plays one of our joints, and why.
@@ -3761,6 +3769,84 @@ class JointMatch:
     @property
     def reason(self) -> str:
         ...
+class PlantOptions:
+    """
+    Options of plant_feet and find_contacts.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def blend_seconds(self) -> float:
+        """
+        s, in which a foot comes from its own path to where it stands: a number in [0, 2]
+        """
+    @blend_seconds.setter
+    def blend_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def contact_height(self) -> float:
+        """
+        m, heel or ball this close to the lowest within 0.75 s may stand; a contact lasts up to 1.4 times it: a number in [0, 1]
+        """
+    @contact_height.setter
+    def contact_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def contact_speed(self) -> float:
+        """
+        m/s, heel or ball as slow as this may stand; a contact lasts up to 1.6 times it: a number in [0, 10]
+        """
+    @contact_speed.setter
+    def contact_speed(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def floor_height(self) -> float:
+        """
+        m, of the floor that the feet stand on in the rest pose: a finite number
+        """
+    @floor_height.setter
+    def floor_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def most_drop(self) -> float:
+        """
+        m, the hips may go down by so much for feet to reach where they stand; beyond that the feet let go: a number in [0, 0.5]
+        """
+    @most_drop.setter
+    def most_drop(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class FootContacts:
+    """
+    When one foot of a motion stands.
+    """
+    @property
+    def ankle(self) -> str:
+        """
+        joint
+        """
+    @property
+    def ball(self) -> numpy.typing.NDArray[numpy.bool]:
+        """
+        (T,) bool
+        """
+    @property
+    def heel(self) -> numpy.typing.NDArray[numpy.bool]:
+        """
+        (T,) bool
+        """
 class AnimateOptions:
     """
     Options of animate.
@@ -5161,6 +5247,10 @@ def find_body_marks(surface: Mesh, face_valid: collections.abc.Sequence[typing.S
     """
     Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: joints whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.
     """
+def find_contacts(skeleton: Skeleton, motion: Motion, options: PlantOptions = ...) -> list[FootContacts]:
+    """
+    A FootContacts for each foot of the Motion that can be planted: when its heel and ball stand.
+    """
 def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
@@ -5232,6 +5322,10 @@ def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64,
 def performance_capture_violations(capture: ..., actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor = None) -> list[str]:
     """
     The same of a PerformanceCapture, on a short film of yours, which it captures twice.
+    """
+def plant_feet(skeleton: Skeleton, motion: Motion, options: PlantOptions = ...) -> Motion:
+    """
+    The Motion with its feet planted: what stands stays where it is, on the floor, and no foot is below it.
     """
 def pose_optimizer_violations(optimizer: PoseOptimizer, problem: PoseProblem) -> list[str]:
     """

@@ -397,6 +397,13 @@ private:
   std::vector<std::vector<Vector3d>> hips_; ///< foot x frame
 };
 
+/// Throws std::invalid_argument unless the rate is one at which steps can be told.
+void require_steps(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
+  require_motion(skeleton, motion, who);
+  if (motion.fps < 0.1 || motion.fps > 10000)
+    throw std::invalid_argument(who + ": motion.fps must be in [0.1, 10000], found " + options::shown(motion.fps));
+}
+
 } // namespace
 
 void PlantOptions::validate() const {
@@ -405,13 +412,13 @@ void PlantOptions::validate() const {
 
 std::vector<FootContacts> find_contacts(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options) {
   options.validate();
-  require_motion(skeleton, motion, "find_contacts");
+  require_steps(skeleton, motion, "find_contacts");
   return Planter(skeleton, motion, options).contacts_of_feet();
 }
 
 Motion plant_feet(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options) {
   options.validate();
-  require_motion(skeleton, motion, "plant_feet");
+  require_steps(skeleton, motion, "plant_feet");
   return Planter(skeleton, motion, options).plant();
 }
 

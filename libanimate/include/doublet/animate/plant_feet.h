@@ -43,8 +43,8 @@ std::vector<FootContacts> find_contacts(const Skeleton &skeleton, const Motion &
 
 /// The motion with its feet planted: the height of the floor under it, found from the contacts, is taken off frame by frame; what
 /// a foot stands on (heel, ball, then tip) stays where it is; no foot is below the floor. Only the root's height, hips, knees and
-/// ankles change. A motion in the air stays there. Throws std::invalid_argument unless the motion has frames, a rate and the
-/// skeleton's degrees of freedom.
+/// ankles change. A motion in the air stays there. Throws std::invalid_argument unless the motion has frames, a rate in
+/// [0.1, 10000] 1/s, and the skeleton's degrees of freedom.
 Motion plant_feet(const Skeleton &skeleton, const Motion &motion, const PlantOptions &options = {});
 
 } // namespace doublet
