@@ -36,7 +36,9 @@ double read_parameter(const Json &region, const char *name, const std::string &w
 SolverSettings read_solver(const Json &json, int version, const SolverSettings &expected) {
   SolverSettings solver = expected;
   if (version >= 2) {
-    options::from_json(json.at("solver"), solver);
+    Json named = json.at("solver");
+    named.at("cloth").emplace("over_relaxation", 1.0); // what files without it were fitted with
+    options::from_json(named, solver);
   } else if (json.contains("solver")) {
     Json merged = options::to_json<Json>(expected);
     const Json &named = json["solver"];
@@ -44,6 +46,7 @@ SolverSettings read_solver(const Json &json, int version, const SolverSettings &
     merged["cloth"]["iterations"] = named.value("n_iter", expected.cloth.iterations);
     merged["cloth"]["substeps"] = named.value("substeps", expected.cloth.substeps);
     merged["cloth"]["stiffness"] = named.value("stiffness", "sweeps"); // there was no other
+    merged["cloth"]["over_relaxation"] = 1.0;
     options::from_json(merged, solver);
   }
   return solver;

@@ -20,12 +20,13 @@ template <class T> inline void project_stretch(Vec3<T> &a, Vec3<T> &b, T share_a
 }
 
 /// The same with compliance (Macklin et al. 2016, eq. 18): `multiplier` (m) is the constraint's own through the sweeps of a step,
-/// `compliance` is alpha / (h^2 (w_a + w_b)).
+/// `compliance` is alpha / (h^2 (w_a + w_b)). relaxation > 1: successive over-relaxation (Young 1954), which has the same answer.
 template <class T>
-inline void project_soft_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T rest_length, T compliance, T &multiplier) {
+inline void project_soft_stretch(Vec3<T> &a, Vec3<T> &b, T share_a, T share_b, T rest_length, T compliance, T relaxation,
+                                 T &multiplier) {
   const Vec3<T> d = a - b;
   const T length = lane_max(lane_sqrt(dot(d, d)), T(1e-12f));
-  const T change = (rest_length - length - compliance * multiplier) / (T(1) + compliance);
+  const T change = relaxation * (rest_length - length - compliance * multiplier) / (T(1) + compliance);
   multiplier += change;
   const T s = change / length;
   a = mul_add(s * share_a, d, a);

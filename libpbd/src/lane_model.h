@@ -66,7 +66,7 @@ struct LaneModel {
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
   int iterations;
-  float thickness, self_thickness, restitution;
+  float over_relaxation, thickness, self_thickness, restitution;
   float largest_extent; ///< m, see SelfCollision
   bool self_collision, compliant;
 };

@@ -196,11 +196,12 @@ private:
   }
 
   template <bool compliant> void stretch() {
-    const T k = s_.k_stretch;
+    const T k = s_.k_stretch, relaxation(m_.over_relaxation);
     for (int i = 0; i < m_.stretch_count; ++i) {
       const StretchConstraint &c = m_.stretches[i];
       if constexpr (compliant)
-        project_soft_stretch<T>(p_[c.a], p_[c.b], T(c.share_a), T(c.share_b), T(c.length), k, stretch_multipliers_[i]);
+        project_soft_stretch<T>(p_[c.a], p_[c.b], T(c.share_a), T(c.share_b), T(c.length), k, relaxation,
+                                stretch_multipliers_[i]);
       else
         project_stretch<T>(p_[c.a], p_[c.b], T(c.share_a), T(c.share_b), T(c.length), k);
     }

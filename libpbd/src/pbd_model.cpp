@@ -238,6 +238,7 @@ void PbdModel::set_arrays() {
   a.edges = edges_.data(), a.edge_count = size(edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
   a.iterations = options().iterations;
+  a.over_relaxation = static_cast<float>(options().over_relaxation);
   a.thickness = static_cast<float>(options().thickness);
   a.self_thickness = static_cast<float>(options().self_thickness);
   a.restitution = static_cast<float>(options().restitution);

@@ -80,7 +80,7 @@ TEST(CharacterFile, ComesBackAsItWas) {
   Character c = textured_character();
   c.segmentation.fullness = Eigen::VectorXd::Constant(c.segmentation.clothness.size(), 1.25);
   c.segmentation.rest = 1.1 * c.actor.mesh.vertices;
-  c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
+  c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 1.4, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "character.glb", c);
   const Character once = read_character(folder / "character.glb");
   expect_same(c, once);
@@ -115,7 +115,7 @@ TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
   const TempFolder folder;
   Character c = figure_character();
   c.segmentation.rest = 1.1 * c.actor.mesh.vertices;
-  c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
+  c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 1.4, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "new.glb", c);
   std::string text = read_text(folder / "new.glb");
   overwrite(text, "\"rest\"", 6, "\"Xest\""); // a key that nobody asks for
@@ -127,7 +127,7 @@ TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
   write_text(folder / "old.glb", text);
   const Character old = read_character(folder / "old.glb");
   EXPECT_EQ(old.segmentation.rest.rows(), 0);
-  const SolverSettings meant{0.02, {7, 2, pbd::Stiffness::Sweeps, 1.0, {0, -9, 0}, 0.5, 0.01, 0.003, false}};
+  const SolverSettings meant{0.02, {7, 2, pbd::Stiffness::Sweeps, 1.0, 1.0, {0, -9, 0}, 0.5, 0.01, 0.003, false}};
   EXPECT_EQ(options::listed(old.solver), options::listed(meant));
 }
 

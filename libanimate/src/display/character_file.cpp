@@ -141,6 +141,7 @@ std::vector<pbd::Material> json_materials(const json &list) {
 SolverSettings json_first_solver(const json &j) {
   SolverSettings solver;
   json cloth = {{"stiffness", j.value("stiffness", "sweeps")},
+                {"over_relaxation", 1.0},
                 {"rest_curvature", j.value("restCurvature", 1.0)},
                 {"self_thickness", j.at("selfThickness")},
                 {"self_collision", j.at("selfCollision")}};
@@ -150,10 +151,11 @@ SolverSettings json_first_solver(const json &j) {
   return solver;
 }
 
-SolverSettings json_solver(const json &j, int version) {
+SolverSettings json_solver(json j, int version) {
   SolverSettings solver;
   if (version == 1)
     return json_first_solver(j);
+  j.at("cloth").emplace("over_relaxation", 1.0); // what files without it were fitted with
   options::from_json(j, solver);
   return solver;
 }

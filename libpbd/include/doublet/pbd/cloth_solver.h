@@ -38,6 +38,7 @@ struct ClothOptions {
   int iterations = 6;
   int substeps = 4;
   Stiffness stiffness = Stiffness::Compliance;
+  double over_relaxation = 1.5;
   double rest_curvature = 0.0;
   Eigen::Vector3d gravity{0.0, -9.81, 0.0};
   double restitution = 0.0;
@@ -54,6 +55,8 @@ struct ClothOptions {
                "steps a frame; targets and proxies are interpolated, friction and damping are shared out"),
         option(&O::stiffness, "stiffness", kStiffnessNames,
                "what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper"),
+        option(&O::over_relaxation, "over_relaxation", Range{1, 1.9}, "",
+               "every stretch correction times this: the sweeps come further; under 'compliance' alone"),
         option(&O::rest_curvature, "rest_curvature", Range{0, 1}, "",
                "share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not "
                "sewn so"),
@@ -75,6 +78,7 @@ struct ClothOptions {
     options.iterations = 24;
     options.substeps = 1;
     options.stiffness = Stiffness::Sweeps;
+    options.over_relaxation = 1;
     options.rest_curvature = 1;
     options.thickness = 0.004;
     return options;
