@@ -3292,6 +3292,14 @@ class ClothOptions:
     def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
+    def over_relaxation(self) -> float:
+        """
+        every stretch correction times this: the sweeps come further; under 'compliance' alone: a number in [1, 1.9]
+        """
+    @over_relaxation.setter
+    def over_relaxation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def rest_curvature(self) -> float:
         """
         share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not sewn so: a number in [0, 1]
