@@ -113,7 +113,7 @@ void bind_motion(py::module_ &m) {
           [](const std::filesystem::path &path, const std::optional<std::filesystem::path> &skeleton) {
             return read_motion_file(path, skeleton.value_or(std::filesystem::path()));
           },
-          py::arg("path"), py::arg("skeleton") = std::nullopt, Release(), ".bvh or .amc; skeleton: the .asf of an .amc")
+          py::arg("path"), py::arg("skeleton") = std::nullopt, Release(), ".bvh, .amc or .glb; skeleton: the .asf of an .amc")
       .def(py::init(&source_motion), py::arg("joint_names"), py::arg("joint_parents"), py::arg("offsets"), py::arg("positions"),
            py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays",
            "From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, "

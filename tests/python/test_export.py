@@ -81,6 +81,21 @@ def test_bvh_retargets_to_the_motion_that_it_was(character, motion, tmp_path):
     np.testing.assert_allclose(places[0], places[1], atol=0.002)  # m
 
 
+def test_a_baked_glb_retargets_to_the_motion_that_it_was(character, motion, tmp_path):
+    """Its joints hang below a node of the character and turn at the clip's rate."""
+    skeleton = character.actor.skeleton
+    small = d.Motion(motion.fps, 0.3 * motion.dofs)
+    d.write_baked_glb(tmp_path / "own.glb", character, d.animate(character, small))
+    clip = d.SourceMotion.read(tmp_path / "own.glb")
+    assert clip.fps == motion.fps and clip.frame_count == FRAMES
+    options = d.RetargetOptions(
+        align_start=False, ground_feet=False, plant_feet=False, apply_limits=False, hold_seconds=0, blend_seconds=0
+    )
+    again = d.retarget(clip, skeleton, options)
+    places = [[skeleton.joint_positions(dofs) for dofs in m.dofs] for m in (small, again)]
+    np.testing.assert_allclose(places[0], places[1], atol=0.002)  # m
+
+
 def test_angles_of_a_bvh_go_on_where_they_were(character, motion, tmp_path):
     """A program that blends between frames must not spin: the root turns by 8 radians in steps of 42 degrees."""
     d.write_bvh(tmp_path / "own.bvh", character.actor.skeleton, motion)

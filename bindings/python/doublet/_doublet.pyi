@@ -3625,7 +3625,7 @@ class SourceMotion:
     @staticmethod
     def read(path: os.PathLike | str | bytes, skeleton: os.PathLike | str | bytes | None = None) -> SourceMotion:
         """
-        .bvh or .amc; skeleton: the .asf of an .amc
+        .bvh, .amc or .glb; skeleton: the .asf of an .amc
         """
     def __init__(self, joint_names: collections.abc.Sequence[str], joint_parents: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], offsets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], rotations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], fps: typing.SupportsFloat | typing.SupportsIndex, source: str = 'arrays') -> None:
         """

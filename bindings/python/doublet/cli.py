@@ -287,7 +287,9 @@ def run_study(arguments) -> None:
         raise RuntimeError(f"{failed} of {len(rows)} fits failed; the same command tries them again")
 
 
-MOTION_HELP = ".bvh, .amc with its .asf beside it, poses of SMPL, SMPL-H or SMPL-X (AMASS) in .npz, or a performance.npz"
+MOTION_HELP = (
+    ".bvh, .amc with its .asf beside it, a clip in .glb, poses of SMPL, SMPL-H or SMPL-X (AMASS) in .npz, or a performance.npz"
+)
 
 
 def run_synthesize(arguments) -> None:

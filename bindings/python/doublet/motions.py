@@ -54,7 +54,7 @@ def read_motion(
     context: d.Context | None = None,
     bone_map: Path | None = None,
 ) -> d.Motion:
-    """A clip (.bvh, .amc, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same skeleton,
+    """A clip (.bvh, .amc, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same skeleton,
     as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`; what
     `retargeting.joint_names` says beats it."""
     path, context = Path(path), context or d.Context()
@@ -84,7 +84,7 @@ def own_poses(path: Path) -> np.ndarray | None:
 
 
 def read_clip(path: Path) -> d.SourceMotion:
-    """A clip on its own bones: .bvh, .amc, poses of the SMPL family in .npz."""
+    """A clip on its own bones: .bvh, .amc, .glb, poses of the SMPL family in .npz."""
     path = Path(path)
     return read_smpl_motion(path) if path.suffix == ".npz" else d.SourceMotion.read(path)
 

@@ -323,8 +323,10 @@ SourceMotion read_motion_file(const std::filesystem::path &path, const std::file
   const std::string extension = lower(path.extension().string());
   if (extension == ".bvh")
     return parse_bvh(read_text(path), path.string());
+  if (extension == ".glb")
+    return read_gltf_motion(path);
   if (extension != ".amc")
-    throw Error(path.string() + ": expected a motion file .bvh or .amc, found '" + extension + "'");
+    throw Error(path.string() + ": expected a motion file .bvh, .amc or .glb, found '" + extension + "'");
   const std::string amc = read_text(path);
   const std::filesystem::path asf = skeleton.empty() ? skeleton_beside(path) : skeleton;
   return parse_acclaim(read_text(asf), amc, asf.string(), path.string());

@@ -1,5 +1,5 @@
 #pragma once
-// Motion capture files on their own skeleton: BVH, and Acclaim ASF/AMC; and BVH of a motion of ours.
+// Motion capture files on their own skeleton: BVH, Acclaim ASF/AMC, and glTF; and BVH of a motion of ours.
 
 #include "doublet/animate/motion.h"
 
@@ -42,7 +42,13 @@ SourceMotion parse_bvh(const std::string &text, const std::string &source);
 SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const std::string &asf_source,
                            const std::string &amc_source, double fps = 120);
 
-/// By extension, .bvh or .amc. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or with
+/// The first animation of a .glb, on the joints of its first skin; without a skin, on the nodes that it turns. The zero pose is
+/// how the nodes stand when nothing plays, lengths are metres. Sampled as often as the track with the most keys, within 24 to
+/// 240 1/s. Throws Error naming the file where it is broken, refers to other files, has no animation, or more than 2e7 poses of
+/// nodes; FileNotFound.
+SourceMotion read_gltf_motion(const std::filesystem::path &path);
+
+/// By extension, .bvh, .amc or .glb. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or with
 /// the longest stem that its own begins with. Throws FileNotFound, or Error naming the file.
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {});
 

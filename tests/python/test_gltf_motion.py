@@ -1,0 +1,117 @@
+"""Clips in .glb: known poses under scaled and turned parents, the three ways between keys, and what is refused."""
+
+import json
+import struct
+
+import doublet as d
+import numpy as np
+import pytest
+
+QUARTER = np.sqrt(0.5)  # sine and cosine of half a right angle
+ABOUT_X = [QUARTER, 0, 0, QUARTER]
+ABOUT_Z = [0, 0, QUARTER, QUARTER]
+NONE = [0, 0, 0, 1]
+
+
+def write_glb(path, nodes, tracks, skins=(), change=lambda gltf: None):
+    """tracks: (node, path, times, values, interpolation)."""
+    binary, views, accessors, channels, samplers = b"", [], [], [], []
+
+    def put(values):
+        nonlocal binary
+        data = np.asarray(values, "<f4")
+        views.append({"buffer": 0, "byteOffset": len(binary), "byteLength": data.nbytes})
+        kind = "SCALAR" if data.ndim == 1 else f"VEC{data.shape[1]}"
+        accessors.append({"bufferView": len(views) - 1, "componentType": 5126, "type": kind, "count": len(data)})
+        binary += data.tobytes()
+        return len(accessors) - 1
+
+    for node, what, times, values, between in tracks:
+        samplers.append({"input": put(times), "output": put(values), "interpolation": between})
+        channels.append({"sampler": len(samplers) - 1, "target": {"node": node, "path": what}})
+    gltf = {"asset": {"version": "2.0"}, "nodes": nodes, "bufferViews": views, "accessors": accessors, "skins": list(skins)}
+    gltf.update(buffers=[{"byteLength": len(binary)}], animations=[{"channels": channels, "samplers": samplers}])
+    change(gltf)
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    size = 28 + len(text) + len(binary)
+    path.write_bytes(
+        struct.pack("<4sIIII", b"glTF", 2, size, len(text), 0x4E4F534A)
+        + text
+        + struct.pack("<II", len(binary), 0x004E4942)
+        + binary
+    )
+    return path
+
+
+def arm(**more):
+    """In centimetres and with +Z up below a node that makes metres and +Y of it: a shoulder, an elbow 30 cm along x, a wrist."""
+    nodes = [
+        {"name": "Armature", "scale": [0.01] * 3, "rotation": [-QUARTER, 0, 0, QUARTER], "children": [1]},
+        {"name": "shoulder", "translation": [0, 0, 140], "children": [2]},
+        {"name": "elbow", "translation": [30, 0, 0], "children": [3]},
+        {"name": "wrist", "translation": [25, 0, 0]},
+        {"name": "lamp", "rotation": ABOUT_X},
+    ]
+    tracks = [(2, "rotation", [0, 0.5, 1], [NONE, ABOUT_Z, NONE], "LINEAR"), (4, "rotation", [0, 9], [NONE, ABOUT_X], "LINEAR")]
+    return {"nodes": nodes, "tracks": tracks, "skins": [{"joints": [3, 1, 2]}], **more}
+
+
+def test_joints_of_the_skin_in_metres_relative_to_how_they_rest(tmp_path):
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm()))
+    assert clip.joint_names == ["shoulder", "elbow", "wrist"]
+    assert clip.fps == 24 and clip.frame_count == 25  # a second; the lamp's nine are another's
+    np.testing.assert_allclose(clip.offsets, [[0, 1.4, 0], [0.3, 0, 0], [0.25, 0, 0]], atol=1e-6)
+    np.testing.assert_allclose(clip.positions[0], [[0, 1.4, 0], [0.3, 1.4, 0], [0.55, 1.4, 0]], atol=1e-6)
+    np.testing.assert_allclose(clip.positions[12][2], [0.3, 1.4, -0.25], atol=1e-6)  # +Y of the file's is -Z
+    np.testing.assert_allclose(clip.rotations[0], [[1, 0, 0, 0]] * 3, atol=1e-6)
+    np.testing.assert_allclose(np.abs(clip.rotations[12][2]), [QUARTER, 0, QUARTER, 0], atol=1e-6)  # about +Y of the world
+
+
+def test_without_a_skin_what_turns_is_a_joint(tmp_path):
+    clip = d.SourceMotion.read(write_glb(tmp_path / "arm.glb", **arm(skins=[])))
+    assert clip.joint_names in (["elbow"], ["lamp"])  # trees of one size
+
+
+def test_the_three_ways_between_keys(tmp_path):
+    straight = [[0, 0, 140], [0, 0, 141]]
+    spline = np.repeat([[[0, 0, 0]], [[0, 0, 140]], [[0, 0, 0]]], 1, axis=1).reshape(-1, 3).tolist()
+    spline += [[0, 0, 0], [0, 0, 141], [0, 0, 0]]
+    heights = {}
+    for between, values in (("LINEAR", straight), ("STEP", straight), ("CUBICSPLINE", spline)):
+        clip = d.SourceMotion.read(write_glb(tmp_path / "a.glb", **arm(tracks=[(1, "translation", [0, 1], values, between)])))
+        heights[between] = [100 * clip.positions[t][0][1] - 140 for t in (0, 6, 12, 24)]
+    np.testing.assert_allclose(heights["LINEAR"], [0, 0.25, 0.5, 1], atol=1e-4)
+    np.testing.assert_allclose(heights["STEP"], [0, 0, 0, 1], atol=1e-4)
+    np.testing.assert_allclose(heights["CUBICSPLINE"], [0, 0.15625, 0.5, 1], atol=1e-4)  # 3 s^2 - 2 s^3
+
+
+def node(index, **more):
+    return lambda gltf: gltf["nodes"][index].update(more)
+
+
+@pytest.mark.parametrize(
+    ("more", "sentence"),
+    [
+        ({"change": lambda gltf: gltf.pop("animations")}, "expected an animation, found none"),
+        ({"change": node(3, children=[1])}, "expected one parent for node 1, found two"),
+        ({"change": node(0, children=[])}, None),
+        ({"change": node(4, children=[4])}, "expected nodes that hang on roots, found a circle"),
+        ({"change": node(0, children=[77])}, "expected a child to be one of 5 nodes, found 77"),
+        ({"change": node(0, rotation=[0, 0, 0, 3])}, "expected unit quaternions, found one of length 3 at node 'Armature'"),
+        ({"change": node(0, translation=[0, 1])}, "expected nodes and animations of glTF 2.0"),
+        ({"skins": [{"joints": []}]}, "expected joints, found no skin and no node that turns"),
+        ({"tracks": [(2, "rotation", [0, 0], [NONE, ABOUT_Z], "LINEAR")]}, "expected key times that ascend"),
+        ({"tracks": [(2, "rotation", [0, 1], [NONE], "LINEAR")]}, "expected 8 numbers for 2 keys of an animation, found 4"),
+        ({"tracks": [(2, "rotation", [0, 1e9], [NONE, ABOUT_Z], "LINEAR")]}, "expected a clip of at most 2e.07 poses"),
+        ({"tracks": [(4, "rotation", [0, 1], [NONE, ABOUT_X], "LINEAR")]}, "expected an animation of joints"),
+    ],
+)
+def test_wrong_files_get_their_sentence(tmp_path, more, sentence):
+    path = write_glb(tmp_path / "arm.glb", **arm(**more))
+    if sentence is None:
+        assert d.SourceMotion.read(path).frame_count == 25
+        return
+    with pytest.raises(d.Error, match=sentence) as error:
+        d.SourceMotion.read(path)
+    assert str(path) in str(error.value)
