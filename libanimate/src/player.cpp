@@ -16,6 +16,8 @@ namespace {
 
 constexpr double kLongestStep = 1; // s
 constexpr double kMostGravity = 1000;
+// A held pose: all joints slower than this, for longer than kHeldAfter; then the damping grows for kRestGrows.
+constexpr double kStill = 0.02, kHeldAfter = 0.25, kRestGrows = 1; // m/s, s, s
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -106,6 +108,7 @@ struct Player::Playing {
     proxies = other.proxies;
     world = other.world;
     posed = other.posed;
+    held_seconds = other.held_seconds;
     state = other.state;
     frame = other.frame;
   }
@@ -140,7 +143,25 @@ struct Player::Playing {
       for (double *share : {&material.k_friction, &material.k_damping})
         *share = frames == 1 ? *share : 1 - std::pow(1 - *share, frames);
   }
-  void arrive() { std::swap(posed, next); }
+  void arrive(const Shared &shared) {
+    come_to_rest(shared);
+    std::swap(posed, next);
+  }
+  /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
+  void come_to_rest(const Shared &shared) {
+    held_seconds = fastest_joint(shared) < kStill && world.wind.isZero() ? held_seconds + world.dt : 0;
+    const double share = std::clamp((held_seconds - kHeldAfter) / kRestGrows, 0.0, 1.0);
+    if (share > 0)
+      for (pbd::ClothState &cloth : state.regions)
+        cloth.velocities *= std::exp(-share * shared.options.rest_damping * world.dt);
+  }
+  double fastest_joint(const Shared &shared) const { // m/s
+    double far = 0;
+    const std::vector<Joint> &joints = shared.character.actor.skeleton.joints;
+    for (std::size_t j = 0; j < joints.size(); ++j)
+      far = std::max(far, (next.world_from_rest[j] * joints[j].rest - posed.world_from_rest[j] * joints[j].rest).norm());
+    return far / world.dt;
+  }
 
   /// What is seen of the state.
   void show(const Shared &shared, const Eigen::VectorXd &dofs, int index) {
@@ -164,7 +185,8 @@ struct Player::Playing {
   std::vector<TaperedCapsule> proxies;
   World world;
   CharacterState state;
-  PosedFrame posed, next; ///< where it stands, and where it goes
+  PosedFrame posed, next;  ///< where it stands, and where it goes
+  double held_seconds = 0; ///< since the pose moved last
   Eigen::VectorXd between;
   StepBuffers buffers;
   DisplayBuffers display;
@@ -194,6 +216,7 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.posed);
   p.state = shared_->simulator.start(p.posed);
+  p.held_seconds = 0;
   p.world.dt = character().solver.dt;
   const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
   for (long i = 0; i < frames; ++i)
@@ -216,7 +239,7 @@ const AnimationFrame &Player::step(const Eigen::VectorXd &dofs, double seconds) 
   for (int i = 0; i < cut.count; ++i) {
     p.aim(*shared_, dofs, cut, i);
     simulator.step(p.state, p.posed, p.next, p.step_materials, p.world, p.buffers);
-    p.arrive();
+    p.arrive(*shared_);
   }
   p.show(*shared_, dofs, p.frame.index + 1);
   return p.frame;
@@ -227,7 +250,8 @@ const AnimationFrame &Player::teleport(const Eigen::VectorXd &dofs) {
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.next);
   shared_->simulator.carry(p.state, p.posed, p.next);
-  p.arrive();
+  std::swap(p.posed, p.next);
+  p.held_seconds = 0;
   p.show(*shared_, dofs, p.frame.index + 1);
   return p.frame;
 }
@@ -332,7 +356,7 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
     std::vector<int> going_on;
     for (std::size_t k = 0; k < moving.size(); ++k)
       if (!failed[k]) {
-        players[moving[k]]->playing_->arrive();
+        players[moving[k]]->playing_->arrive(shared);
         going_on.push_back(moving[k]);
       }
     moving.swap(going_on);

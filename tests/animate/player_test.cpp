@@ -306,6 +306,50 @@ TEST(Player, WrongInputIsRefusedAndChangesNothing) {
 }
 
 #ifndef DOUBLET_OWN_MALLOC
+double fastest(const Player &player) {
+  double speed = 0;
+  for (const pbd::ClothState &cloth : player.state().regions)
+    speed = std::max(speed, cloth.velocities.rowwise().norm().maxCoeff());
+  return speed;
+}
+
+/// After the march, four seconds of its last pose.
+Player held(double rest_damping, const Eigen::Vector3d &wind = {0, 0, 0}) {
+  AnimateOptions options = cloth_alone();
+  options.rest_damping = rest_damping;
+  Player player = ready(options);
+  std::vector<pbd::Material> swinging = player.materials();
+  for (pbd::Material &material : swinging)
+    material.d_n = material.d_t = material.k_damping = 0;
+  player.set_materials(swinging);
+  player.set_wind(wind);
+  const MatrixRM motion = march();
+  for (int t = 0; t < kFrames; ++t)
+    player.step(motion.row(t));
+  for (int t = 0; t < 160; ++t)
+    player.step(motion.row(kFrames - 1));
+  return player;
+}
+
+TEST(Player, ClothComesToRestWhileThePoseIsHeld) {
+  EXPECT_GT(fastest(held(0)), 0.02);
+  EXPECT_LT(fastest(held(AnimateOptions{}.rest_damping)), 0.002);
+}
+
+TEST(Player, WindKeepsClothFromRest) {
+  const Eigen::Vector3d wind(0, 0, 2);
+  EXPECT_EQ(held(4, wind).frame().surface, held(0, wind).frame().surface);
+}
+
+TEST(Player, ClothInMotionKnowsNoRest) {
+  AnimateOptions none = cloth_alone();
+  none.rest_damping = 0;
+  Player with = ready(), without = ready(none);
+  const MatrixRM motion = march();
+  for (int t = 0; t < kFrames; ++t)
+    EXPECT_EQ(with.step(motion.row(t)).surface, without.step(motion.row(t)).surface) << t;
+}
+
 TEST(Player, WarmFrameAllocatesNothing) {
   counting = true;
   allocations = 0;

@@ -15,6 +15,7 @@ namespace doublet {
 
 struct AnimateOptions {
   double settle_seconds = 1.0;
+  double rest_damping = 4.0;
   bool high = true;
   bool body = true;
   bool tuck_body = true;
@@ -25,6 +26,10 @@ struct AnimateOptions {
         "AnimateOptions",
         option(&O::settle_seconds, "settle_seconds", Range{0, 60}, "s",
                "the cloth falls into place in the first pose before the animation starts"),
+        option(
+            &O::rest_damping, "rest_damping", Range{0, 100}, "1/s",
+            "of the cloth while the pose is held, in still air: from 0.25 s after the last motion it grows to this within 1 s; "
+            "0 = off"),
         option(&O::high, "high", "also M_high"),
         option(&O::body, "body", "also the body under the clothes"),
         option(&O::tuck_body, "tuck_body",
