@@ -338,7 +338,7 @@ TEST(Player, ClothComesToRestWhileThePoseIsHeld) {
 
 TEST(Player, WindKeepsClothFromRest) {
   const Eigen::Vector3d wind(0, 0, 2);
-  EXPECT_EQ(held(4, wind).frame().surface, held(0, wind).frame().surface);
+  EXPECT_EQ(held(6, wind).frame().surface, held(0, wind).frame().surface);
 }
 
 TEST(Player, ClothInMotionKnowsNoRest) {

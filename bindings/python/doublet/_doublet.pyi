@@ -3891,6 +3891,14 @@ class AnimateOptions:
     def high(self, arg0: bool) -> None:
         ...
     @property
+    def rest_damping(self) -> float:
+        """
+        1/s, of the cloth while the pose is held, in still air: from 0.25 s after the last motion it grows to this within 1 s; 0 = off: a number in [0, 100]
+        """
+    @rest_damping.setter
+    def rest_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def settle_seconds(self) -> float:
         """
         s, the cloth falls into place in the first pose before the animation starts: a number in [0, 60]

@@ -15,7 +15,7 @@ namespace doublet {
 
 struct AnimateOptions {
   double settle_seconds = 1.0;
-  double rest_damping = 4.0;
+  double rest_damping = 6.0;
   bool high = true;
   bool body = true;
   bool tuck_body = true;
