@@ -12,7 +12,7 @@ node=$PWD/build/tests-node
 mkdir -p build
 
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
-"$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
+"$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'pytest-xdist>=3.7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
   cma optuna nevergrad distributed 'sphinx>=7' 'myst-parser>=2' 'breathe>=4.35' furo nbclient ipykernel mypy vermin cffconvert usd-core
 [ -d "$node/node_modules/gltf-validator" ] && [ -d "$node/node_modules/three" ] ||
   npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10 three@0.180.0
@@ -53,5 +53,5 @@ scripts/build-docs.sh "$venv/bin/python" >build/docs.log 2>&1 &
 docs=$!
 
 echo "== pytest"
-PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest "$@"
+PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"
 wait "$docs" || { cat build/docs.log && exit 1; }
