@@ -30,7 +30,7 @@ git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
 
 echo "== build (warnings are errors)"
 # One build folder for the package and for ctest. Without isolation its paths stay the same from run to run. Eight sources at
-# a time: less than half the work.
+# a time: headers are read less often.
 make_wheel() {
   rm -rf build/wheel
   CC=cc CXX=c++ "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w build/wheel . \
