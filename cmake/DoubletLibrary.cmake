@@ -38,7 +38,7 @@ function(doublet_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -ffp-contract=off $<$<BOOL:${DOUBLET_WERROR}>:-Werror>)
 endfunction()
 
-# doublet_tests(NAME): tests/NAME/*.cpp become the executable test_NAME; every TEST is one ctest test.
+# doublet_tests(NAME): tests/NAME/*.cpp become the executable test_NAME; every suite of it is one ctest test.
 function(doublet_tests name)
   file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/${name}/*.cpp)
   if(NOT sources)
@@ -49,8 +49,12 @@ function(doublet_tests name)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE DOUBLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   doublet_warnings(test_${name})
-  include(GoogleTest)
-  gtest_discover_tests(test_${name} TEST_PREFIX ${name}. DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600)
+  set(suites ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
+  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_if_built.cmake
+    CONTENT "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n  add_test(test_${name}_NOT_BUILT test_${name}_NOT_BUILT)\nendif()\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_if_built.cmake)
+  add_custom_command(TARGET test_${name} POST_BUILD BYPRODUCTS ${suites} VERBATIM
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:test_${name}> -DPREFIX=${name} -DFILE=${suites} -P ${PROJECT_SOURCE_DIR}/cmake/list_suites.cmake)
 endfunction()
 
 function(doublet_install_package)

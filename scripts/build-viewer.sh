@@ -9,7 +9,7 @@ command -v em++ >/dev/null || { echo "build-viewer.sh: expected Emscripten: scri
 export NODE_PATH=/usr/share/nodejs # where Debian's Emscripten has its parser, which a node from elsewhere does not look for
 launcher=$(command -v ccache || true)
 emcmake cmake -S viewer -B build/viewer-wasm -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER="$launcher" \
-  -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=4
+  -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8
 cmake --build build/viewer-wasm "$@"
 [ -d viewer/node_modules/three ] || npm ci --silent --no-fund --no-audit --prefix viewer
 node viewer/build.mjs build/viewer-wasm build/viewer

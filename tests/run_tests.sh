@@ -11,15 +11,15 @@ venv=$PWD/build/tests-venv
 node=$PWD/build/tests-node
 mkdir -p build
 
+echo "== the viewer's bundle, beside pip, style and build"
+(scripts/apt-install.sh scripts/apt-packages-viewer.txt && scripts/build-viewer.sh -j1) >build/viewer.log 2>&1 &
+viewer=$!
+
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
-"$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
+"$venv/bin/pip" install -q --no-compile --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pytest>=7' 'pytest-xdist>=3.7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
   cma optuna nevergrad distributed 'sphinx>=7' 'myst-parser>=2' 'breathe>=4.35' furo nbclient ipykernel mypy vermin cffconvert usd-core
 [ -d "$node/node_modules/gltf-validator" ] && [ -d "$node/node_modules/three" ] ||
   npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10 three@0.180.0
-
-echo "== the viewer's bundle, beside style and build"
-(scripts/apt-install.sh scripts/apt-packages-viewer.txt && scripts/build-viewer.sh -j1) >build/viewer.log 2>&1 &
-viewer=$!
 
 echo "== style"
 "$venv/bin/ruff" check .
@@ -29,14 +29,14 @@ echo "== style"
 git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
 
 echo "== build (warnings are errors)"
-# One build folder for the package and for ctest. Without isolation its paths stay the same from run to run. Four sources at a
-# time: half the work.
+# One build folder for the package and for ctest. Without isolation its paths stay the same from run to run. Eight sources at
+# a time: headers are read less often.
 make_wheel() {
   rm -rf build/wheel
   CC=cc CXX=c++ "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w build/wheel . \
     --config-settings=build-dir="$build" \
     --config-settings=cmake.define.DOUBLET_BUILD_TESTS=ON --config-settings=cmake.define.DOUBLET_BUILD_EXAMPLES=ON --config-settings=cmake.define.DOUBLET_BUILD_BENCHMARKS=ON \
-    --config-settings=cmake.define.DOUBLET_WERROR=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=4
+    --config-settings=cmake.define.DOUBLET_WERROR=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=8
 }
 make_wheel
 wait "$viewer" || { cat build/viewer.log && exit 1; }
@@ -53,5 +53,5 @@ scripts/build-docs.sh "$venv/bin/python" >build/docs.log 2>&1 &
 docs=$!
 
 echo "== pytest"
-PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest "$@"
+PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"
 wait "$docs" || { cat build/docs.log && exit 1; }

@@ -147,6 +147,7 @@ TEST(ScanFromViews, SameBitsOnAnyNumberOfThreads) {
   const CameraRig rig = camera_ring(6, 200);
   const std::vector<CameraView> views = views_of(drum, rig);
   ViewScanOptions options = hull_only();
+  options.cell = 0.02;
   options.search_depth = 0.05;
   Context one, three;
   one.threads = 1;

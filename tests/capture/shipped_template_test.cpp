@@ -94,7 +94,7 @@ std::ostream &operator<<(std::ostream &out, const Distances &d) {
 }
 
 void check(const std::string &name, const Mesh &mesh, const std::vector<std::uint8_t> &valid, const Mesh &scan, const Mesh &truth,
-           double mean_limit) {
+           const std::vector<Sample> &visible, double mean_limit) {
   const MeshReport report = report_mesh(mesh);
   EXPECT_TRUE(report.closed()) << report.to_string();
   EXPECT_EQ(report.components, 1);
@@ -102,7 +102,6 @@ void check(const std::string &name, const Mesh &mesh, const std::vector<std::uin
 
   double marked = 0;
   std::vector<double> from_truth, from_scan, to_scan;
-  const std::vector<Sample> visible = seen(truth, 20000);
   for (const Sample &s : visible) {
     const ClosestPoint closest = surface.closest(s.point);
     from_truth.push_back(closest.distance);
@@ -155,8 +154,9 @@ TEST(ShippedTemplate, AgainstTheTruth) {
               << quality.first_centile_angle << " degrees" << std::endl;
     EXPECT_EQ(quality.self_intersections, 0);
   }
-  check("M", surface.mesh, surface.face_valid, scan, truth, 1.5);
-  check("M_high", surface.high, surface.high_face_valid, scan, truth, 0.5);
+  const std::vector<Sample> visible = seen(truth, 20000);
+  check("M", surface.mesh, surface.face_valid, scan, truth, visible, 1.5);
+  check("M_high", surface.high, surface.high_face_valid, scan, truth, visible, 0.5);
 
   // No lower leg follows the other side: bones of the left leg own nothing of the right one.
   const auto column = [&](const std::string &joint) { return actor.weights.col(actor.skeleton.find(joint)); };

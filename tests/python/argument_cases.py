@@ -101,7 +101,7 @@ def calls(world, folder) -> dict:
         "scan_from_views": (
             lambda rig, masks: d.scan_from_views(rig, [d.CameraView(mask=m) for m in masks], coarse), ring_of_discs(),
         ),
-        "build_template": (d.build_template, {"scan": w.mesh}),
+        "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
         "fitting_thresholds": (
             d.fitting_thresholds, {"pose": w.mesh, "face_valid": valid, "sigma": np.zeros(len(v))},
         ),

@@ -1,0 +1,20 @@
+"""Order of the files: for workers of pytest-xdist that take a file at a time."""
+
+#: Those that take half a minute and more, the longest first, so that two workers come to the end together.
+LONGEST = (
+    "test_reconstruct",
+    "test_consumer",
+    "test_scan",
+    "test_code_blocks",
+    "test_cpp_pipeline",
+    "test_masks_only",
+    "test_view",
+    "test_edit_segmentation",
+    "test_arguments",
+    "test_capture_parts",
+)
+
+
+def pytest_collection_modifyitems(items):
+    place = {name: i for i, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(LONGEST)))
