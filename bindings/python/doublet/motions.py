@@ -54,9 +54,9 @@ def read_motion(
     context: d.Context | None = None,
     bone_map: Path | None = None,
 ) -> d.Motion:
-    """A clip (.bvh, .amc, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same skeleton,
-    as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`; what
-    `retargeting.joint_names` says beats it."""
+    """A clip (.bvh, .amc, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same
+    skeleton, as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`;
+    what `retargeting.joint_names` says beats it."""
     path, context = Path(path), context or d.Context()
     dofs = own_poses(path)
     if dofs is None:
