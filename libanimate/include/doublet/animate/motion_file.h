@@ -48,8 +48,8 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
 /// nodes; FileNotFound.
 SourceMotion read_gltf_motion(const std::filesystem::path &path);
 
-/// By extension, .bvh, .amc or .glb. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or with
-/// the longest stem that its own begins with. Throws FileNotFound, or Error naming the file.
+/// By extension, .bvh, .amc or .glb. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or
+/// with the longest stem that its own begins with. Throws FileNotFound, or Error naming the file.
 SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {});
 
 /// A motion of our skeleton as BVH: m, degrees, +Y up; every joint by its name, the rest pose as the zero pose, rotations in the
