@@ -54,13 +54,27 @@ void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta)
         delta[i] = 1;
 }
 
-/// Rigid patches that cloth can hang from: an island inside a core, smaller than a region can be, holds nothing up.
-std::vector<char> carrying(const Surface &surface, double smallest, const Eigen::VectorXd &delta) {
+/// Patches of at most `rigid` that cloth can hang from: an island inside a core, smaller than a region can be, holds nothing up.
+std::vector<char> carrying(const Surface &surface, double smallest, const Eigen::VectorXd &delta, double rigid = 0.5) {
   std::vector<char> carries(surface.size(), 0);
-  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; })))
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= rigid; })))
     for (int i : patch.members)
       carries[i] = patch.area >= smallest;
   return carries;
+}
+
+/// (V) seams at which something else than `core` is beside it, across its seam or the invented surface there. The others are the
+/// edges of holes of the scan in it, which nothing hangs from.
+std::vector<char> seams_on_others(const Surface &surface, const Patch &core) {
+  std::vector<char> inside(surface.size(), 0);
+  for (int i : core.members)
+    inside[i] = 1;
+  std::vector<char> open(surface.size(), 0); // by hole; there are fewer than vertices
+  for (int i = 0; i < surface.size(); ++i)
+    for (int j : surface.neighbours[i])
+      if (surface.seam[i] && !surface.seam[j] && !inside[j])
+        open[surface.hole[i]] = 1;
+  return choose(surface, [&](int i) { return surface.seam[i] && open[surface.hole[i]]; });
 }
 
 /// Cloth hangs from something. A core whose upper part rises above all that borders on it stands: a head. One under a seam, with
@@ -69,15 +83,16 @@ std::vector<char> carrying(const Surface &surface, double smallest, const Eigen:
 bool hangs(const Surface &surface, const Patch &core, const std::vector<char> &carries) {
   double middle = 0, seams = 0, rigid = 0, top = -std::numeric_limits<double>::infinity(), highest = top;
   int seam_count = 0, rigid_count = 0;
+  const std::vector<char> seam = seams_on_others(surface, core);
   for (int i : core.members) {
     middle += surface.areas[i] * surface.vertices(i, 1) / core.area;
     top = std::max(top, surface.vertices(i, 1));
     for (int j : surface.neighbours[i]) {
       const double height = surface.vertices(j, 1);
-      if (surface.seam[j]) {
+      if (seam[j]) {
         seams += height;
         ++seam_count;
-      } else if (carries[j]) {
+      } else if (carries[j] && !surface.seam[j]) {
         rigid += height;
         ++rigid_count;
       } else {
@@ -113,6 +128,16 @@ void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delt
   for (int i = 0; i < surface.size(); ++i)
     if (!(to_kept[i] < to_dropped[i])) // also where neither reaches
       delta[i] = 0;
+}
+
+/// The same test once the faint clothness around is counted in: a head of which only some moves enough for a core borders, there,
+/// on the rest of itself.
+void drop_what_stands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  const std::vector<char> carries = carrying(surface, smallest, delta, 0);
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0 && !surface.seam[i]; })))
+    if (!hangs(surface, patch, carries))
+      for (int i : patch.members)
+        delta[i] = 0;
 }
 
 void snap(Eigen::VectorXd &delta) {
@@ -178,6 +203,7 @@ Segmentation segmentation_of(const Mesh &pose, const std::vector<std::uint8_t> &
   Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
   fill_holes(surface, options.smallest_region, delta);
   drop_islands(surface, options.smallest_region, delta);
+  drop_what_stands(surface, options.smallest_region, delta);
   if (slide.size() > 0) {
     add_snug_cloth(surface, sigma, slide, options, delta);
     fill_holes(surface, options.smallest_region, delta);
