@@ -54,10 +54,10 @@ void fill_holes(const Surface &surface, double smallest, Eigen::VectorXd &delta)
         delta[i] = 1;
 }
 
-/// Patches of at most `rigid` that cloth can hang from: an island inside a core, smaller than a region can be, holds nothing up.
-std::vector<char> carrying(const Surface &surface, double smallest, const Eigen::VectorXd &delta, double rigid = 0.5) {
+/// Rigid patches that cloth can hang from: an island inside a core, smaller than a region can be, holds nothing up.
+std::vector<char> carrying(const Surface &surface, double smallest, const Eigen::VectorXd &delta) {
   std::vector<char> carries(surface.size(), 0);
-  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= rigid; })))
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] <= 0.5; })))
     for (int i : patch.members)
       carries[i] = patch.area >= smallest;
   return carries;
@@ -133,7 +133,9 @@ void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delt
 /// The same test once the faint clothness around is counted in: a head of which only some moves enough for a core borders, there,
 /// on the rest of itself.
 void drop_what_stands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
-  const std::vector<char> carries = carrying(surface, smallest, delta, 0);
+  std::vector<char> carries = carrying(surface, smallest, delta);
+  for (int i = 0; i < surface.size(); ++i)
+    carries[i] = carries[i] && delta[i] <= 0;
   for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0 && !surface.seam[i]; })))
     if (!hangs(surface, patch, carries))
       for (int i : patch.members)
