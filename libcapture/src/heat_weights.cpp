@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 namespace doublet {
@@ -30,9 +31,28 @@ struct Bone {
   }
 };
 
-/// One segment from every joint to each of its children; a lone joint is a bone of length zero.
-std::vector<Bone> bones_of(const Skeleton &skeleton) {
+/// A joint that turns and has no child (a wrist without a hand) moves what lies beyond it: its bone goes on as the one before
+/// it, to the surface.
+std::vector<Bone> last_bones(const Skeleton &skeleton, const RayScene &scene) {
+  std::vector<char> last(skeleton.joint_count(), 1);
+  for (const Joint &joint : skeleton.joints)
+    if (joint.parent >= 0)
+      last[joint.parent] = 0;
   std::vector<Bone> bones;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint &joint = skeleton.joints[j];
+    if (!last[j] || joint.dof_count == 0 || joint.parent < 0)
+      continue;
+    const Eigen::Vector3d along = (joint.rest - skeleton.joints[joint.parent].rest).stableNormalized();
+    if (const std::optional<RayHit> end = scene.cast(joint.rest, along))
+      bones.push_back({j, joint.rest, joint.rest + end->distance * along});
+  }
+  return bones;
+}
+
+/// One segment from every joint to each of its children, and those of last_bones(); a lone joint is a bone of length zero.
+std::vector<Bone> bones_of(const Skeleton &skeleton, const RayScene &scene) {
+  std::vector<Bone> bones = last_bones(skeleton, scene);
   for (const Joint &joint : skeleton.joints)
     if (joint.parent >= 0)
       bones.push_back({joint.parent, skeleton.joints[joint.parent].rest, joint.rest});
@@ -78,7 +98,7 @@ Source heat_source(const Eigen::Vector3d &inside, const std::vector<Bone> &bones
 
 std::vector<Source> heat_sources(const Mesh &mesh, const Skeleton &skeleton, const Context &context) {
   const RayScene scene(mesh);
-  const std::vector<Bone> bones = bones_of(skeleton);
+  const std::vector<Bone> bones = bones_of(skeleton, scene);
   const Vertices normals = vertex_normals(mesh.vertices, mesh.faces);
   const double inward = 1e-2 * mean_edge_length(mesh.vertices, mesh.faces);
   std::vector<Source> sources(mesh.vertices.rows());

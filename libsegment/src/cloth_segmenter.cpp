@@ -63,21 +63,36 @@ std::vector<char> carrying(const Surface &surface, double smallest, const Eigen:
   return carries;
 }
 
+/// (V) seams at which something else than `core` is beside it, across its seam or the invented surface there. The others are the
+/// edges of holes of the scan in it, which nothing hangs from.
+std::vector<char> seams_on_others(const Surface &surface, const Patch &core) {
+  std::vector<char> inside(surface.size(), 0);
+  for (int i : core.members)
+    inside[i] = 1;
+  std::vector<char> open(surface.size(), 0); // by hole; there are fewer than vertices
+  for (int i = 0; i < surface.size(); ++i)
+    for (int j : surface.neighbours[i])
+      if (surface.seam[i] && !surface.seam[j] && !inside[j])
+        open[surface.hole[i]] = 1;
+  return choose(surface, [&](int i) { return surface.seam[i] && open[surface.hole[i]]; });
+}
+
 /// Cloth hangs from something. A core whose upper part rises above all that borders on it stands: a head. One under a seam, with
 /// its seams higher than its own middle and than the rigid surface beside it, is what comes out of a garment: a shank below a
 /// hem, a hand below a cuff. Both are ends of limbs that were tracked badly.
 bool hangs(const Surface &surface, const Patch &core, const std::vector<char> &carries) {
   double middle = 0, seams = 0, rigid = 0, top = -std::numeric_limits<double>::infinity(), highest = top;
   int seam_count = 0, rigid_count = 0;
+  const std::vector<char> seam = seams_on_others(surface, core);
   for (int i : core.members) {
     middle += surface.areas[i] * surface.vertices(i, 1) / core.area;
     top = std::max(top, surface.vertices(i, 1));
     for (int j : surface.neighbours[i]) {
       const double height = surface.vertices(j, 1);
-      if (surface.seam[j]) {
+      if (seam[j]) {
         seams += height;
         ++seam_count;
-      } else if (carries[j]) {
+      } else if (carries[j] && !surface.seam[j]) {
         rigid += height;
         ++rigid_count;
       } else {
@@ -113,6 +128,18 @@ void drop_islands(const Surface &surface, double smallest, Eigen::VectorXd &delt
   for (int i = 0; i < surface.size(); ++i)
     if (!(to_kept[i] < to_dropped[i])) // also where neither reaches
       delta[i] = 0;
+}
+
+/// The same test once the faint clothness around is counted in: a head of which only some moves enough for a core borders, there,
+/// on the rest of itself.
+void drop_what_stands(const Surface &surface, double smallest, Eigen::VectorXd &delta) {
+  std::vector<char> carries = carrying(surface, smallest, delta);
+  for (int i = 0; i < surface.size(); ++i)
+    carries[i] = carries[i] && delta[i] <= 0;
+  for (const Patch &patch : connected_patches(surface, choose(surface, [&](int i) { return delta[i] > 0 && !surface.seam[i]; })))
+    if (!hangs(surface, patch, carries))
+      for (int i : patch.members)
+        delta[i] = 0;
 }
 
 void snap(Eigen::VectorXd &delta) {
@@ -178,6 +205,7 @@ Segmentation segmentation_of(const Mesh &pose, const std::vector<std::uint8_t> &
   Eigen::VectorXd delta = raw_clothness(surface, sigma, options);
   fill_holes(surface, options.smallest_region, delta);
   drop_islands(surface, options.smallest_region, delta);
+  drop_what_stands(surface, options.smallest_region, delta);
   if (slide.size() > 0) {
     add_snug_cloth(surface, sigma, slide, options, delta);
     fill_holes(surface, options.smallest_region, delta);

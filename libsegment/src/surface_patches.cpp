@@ -4,6 +4,8 @@
 #include "doublet/core/parts/sheets.h"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -11,13 +13,13 @@
 namespace doublet::detail {
 namespace {
 
-std::vector<char> seam_vertices(const Faces &faces, const std::vector<std::uint8_t> &face_valid, int vertex_count) {
-  std::vector<char> seam(vertex_count, 0);
-  for (int f = 0; f < faces.rows(); ++f)
-    if (!face_valid.empty() && !face_valid[f])
-      for (int k = 0; k < 3; ++k)
-        seam[faces(f, k)] = 1;
-  return seam;
+/// (V) which connected set of invalid faces a vertex touches, -1 = none.
+Eigen::VectorXi holes(const Faces &faces, const std::vector<std::uint8_t> &face_valid, int vertex_count) {
+  std::vector<std::uint8_t> invalid;
+  std::transform(face_valid.begin(), face_valid.end(), std::back_inserter(invalid), std::logical_not<>());
+  int count = 0;
+  return invalid.empty() ? Eigen::VectorXi::Constant(vertex_count, -1)
+                         : vertex_components(valid_faces(faces, invalid), vertex_count, &count);
 }
 
 /// Cloth that `patches` leave out joins the nearest of them along the cloth.
@@ -51,8 +53,10 @@ Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid
                                 std::to_string(face_valid.size()));
   const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
   const Faces faces = valid_faces(pose.faces, scanned);
-  return {pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n),
-          seam_vertices(pose.faces, scanned, n)};
+  const Eigen::VectorXi hole = holes(pose.faces, scanned, n);
+  std::vector<char> seam(n);
+  std::transform(hole.begin(), hole.end(), seam.begin(), [](int h) { return h >= 0; });
+  return {pose.vertices, faces, vertex_areas(pose.vertices, faces), vertex_neighbours(faces, n), std::move(seam), hole};
 }
 
 std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen) {

@@ -15,6 +15,7 @@ struct Surface {
   Eigen::VectorXd areas;
   std::vector<std::vector<int>> neighbours;
   std::vector<char> seam; ///< touches an invalid face
+  Eigen::VectorXi hole;   ///< (V) which connected set of invalid faces that is, -1 = none
   int size() const { return static_cast<int>(vertices.rows()); }
 };
 

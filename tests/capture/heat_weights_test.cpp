@@ -64,6 +64,24 @@ TEST(HeatWeights, TubeMatchesTheLineEquation) {
     }
 }
 
+TEST(HeatWeights, ALastJointThatTurnsMovesWhatLiesBeyondIt) {
+  const Mesh arm = testing::capsule(0.04, 0, 0.6, 32, 120);
+  std::vector<JointMark> marks = chain("b", "", 0, {0, 0.2, 0.4}); // shoulder, elbow, wrist; no hand
+  const auto beyond_wrist = [&] {
+    const Skeleton skeleton = make_skeleton(marks);
+    const MatrixRM weights = heat_weights(arm, {}, skeleton);
+    expect_partition_of_unity(weights);
+    Eigen::RowVectorXd least = Eigen::RowVectorXd::Ones(3);
+    for (Eigen::Index v = 0; v < arm.vertices.rows(); ++v)
+      if (arm.vertices(v, 1) > 0.5)
+        least = least.cwiseMin(weights.row(v));
+    return least;
+  };
+  EXPECT_GT(beyond_wrist()[1], 0.9); // fixed: the forearm goes on
+  marks.back().dof = 2;
+  EXPECT_GT(beyond_wrist()[2], 0.9);
+}
+
 TEST(HeatWeights, DoNotDependOnTheResolution) {
   const Skeleton skeleton = make_skeleton(chain("b", "", 0, {-0.3, 0, 0.3}));
   const Mesh coarse = testing::capsule(0.05, -0.3, 0.3, 16, 60), fine = testing::capsule(0.05, -0.3, 0.3, 64, 240);

@@ -31,7 +31,7 @@ SegmentOptions plain() {
 /// Loose from 0.3 to 0.5 m; from there to 0.7 m what moves `times` as much as the skin beyond, in and out as well as along, and
 /// too little for the thresholds.
 MeshSequence half_loose(double times) {
-  constexpr double kLoose = 0.02, kSkin = 0.002;
+  constexpr double kLoose = 0.02, kSkin = 0.0013;
   MeshSequence sequence{tube::faces(), {}};
   for (int t = 0; t < 40; ++t) {
     const double s = std::sin(2 * std::numbers::pi * 2 * t / 40), c = std::cos(2 * std::numbers::pi * 3 * t / 40);
@@ -266,6 +266,38 @@ TEST(Segment, AHeadThatHairReachesIsNoCloth) {
   EXPECT_EQ(result.region_count, 1);
   EXPECT_GT(result.clothness[8 * tube::kAround], 0.95);
   EXPECT_EQ(result.clothness[38 * tube::kAround], 0.0);
+}
+
+TEST(Segment, AHeadWithHolesInItsScanIsNoCloth) {
+  const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(pose.vertices.rows());
+  std::vector<std::uint8_t> valid(pose.faces.rows(), 1);
+  for (int i = 0; i < sigma.size(); ++i)
+    if (const double y = pose.vertices(i, 1); y < 0.5 || y > 0.7)
+      sigma[i] = 0.05; // a garment, and the head
+  for (int f = 0; f < pose.faces.rows();
+       ++f) // under the chin and at the crown: higher than most of the head, but nothing holds it
+    if (const Eigen::Vector3d x = pose.vertices.row(pose.faces(f, 0)); x.z() > 0.08)
+      valid[f] = (x.y() < 0.74 || x.y() > 0.84) && (x.y() < 0.93 || x.y() > 0.97 || x.z() < 0.09);
+  const Segmentation result = segmentation_from_deviation(pose, valid, sigma);
+  EXPECT_EQ(result.region_count, 1);
+  EXPECT_GT(result.clothness[8 * tube::kAround], 0.95);
+  EXPECT_EQ(result.clothness[36 * tube::kAround], 0.0);
+}
+
+TEST(Segment, AHeadOfWhichOnlySomeMovesEnoughIsNoCloth) {
+  const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
+  const SegmentOptions options;
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(pose.vertices.rows());
+  for (int i = 0; i < sigma.size(); ++i)
+    if (const double y = pose.vertices(i, 1); y < 0.5) // a garment
+      sigma[i] = 0.05;
+    else if (y > 0.8) // the head; its core borders on a face that moves less, as high as itself
+      sigma[i] = pose.vertices(i, 2) < 0.075 ? 0.05 : 0.7 * options.rigid_threshold + 0.3 * options.cloth_threshold;
+  const Segmentation result = segmentation_from_deviation(pose, {}, sigma);
+  EXPECT_EQ(result.region_count, 1);
+  EXPECT_GT(result.clothness[8 * tube::kAround], 0.95);
+  EXPECT_EQ(result.clothness[36 * tube::kAround + tube::kAround / 2], 0.0);
 }
 
 TEST(Segment, ThresholdsRiseAboveTheNoiseOfAPoorCapture) {

@@ -12,8 +12,8 @@
 namespace doublet {
 
 struct SegmentOptions {
-  double rigid_threshold = 0.003;
-  double cloth_threshold = 0.009;
+  double rigid_threshold = 0.0025;
+  double cloth_threshold = 0.006;
   double diffusion = 0.03;
   double smallest_region = 0.08;
   double contrast = 1.5;
@@ -24,10 +24,12 @@ struct SegmentOptions {
     return Description{
         "SegmentOptions",
         option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m",
-               "t_rigid: below, a vertex is rigid; half way to cloth_threshold, at 6 mm, most captured skin stays below"),
-        option(&O::cloth_threshold, "cloth_threshold", at_least(0), "m",
-               "t_cloth: above, a vertex is cloth; the top of a skirt, which lies on the hips, has 3 to 10 mm, loose cloth 20 mm "
-               "and more"),
+               "t_rigid: below, a vertex is rigid; captured skin has 1 to 3 mm, at 1.75 mm it passes for cloth in two of nine "
+               "sessions"),
+        option(
+            &O::cloth_threshold, "cloth_threshold", at_least(0), "m",
+            "t_cloth: above, a vertex is cloth; trouser legs, sleeves and the top of a skirt, which lie on the body, have 3 to "
+            "10 mm, loose cloth 20 mm and more"),
         option(&O::diffusion, "diffusion", at_least(0), "m",
                "length scale of the implicit diffusion; about an edge of the 5000-triangle template"),
         option(&O::smallest_region, "smallest_region", at_least(0), "m^2",

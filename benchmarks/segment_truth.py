@@ -1,0 +1,77 @@
+"""What limits cloth_iou: the capture, or the segmentation? Segments a session's surfaces with the true ones in their place.
+
+python benchmarks/segment_truth.py OUT SESSION [--rigid 0.0025 --cloth 0.006 --contrast 1.5]
+
+The template is carried along by the true surface (the nearest one that a camera sees in the scan pose), all of it, its skin, or
+its cloth; the skeleton is the captured one. A line each: cloth_iou as `doublet evaluate` has it, false and missed cloth in m^2,
+and where (by the joint that moves it, from 0.01 m^2).
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from doublet.evaluate import Reconstruction, Truth, cloth_iou, seen_faces
+
+
+def barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(N, 3) of points (N, 3) in triangles (N, 3, 3)."""
+    a, b, to = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], points - corners[:, 0]
+    aa, ab, bb = (a * a).sum(1), (a * b).sum(1), (b * b).sum(1)
+    ta, tb = (to * a).sum(1), (to * b).sum(1)
+    size = np.maximum(aa * bb - ab * ab, 1e-18)
+    v, w = (bb * ta - ab * tb) / size, (aa * tb - ab * ta) / size
+    return np.stack([1 - v - w, v, w], axis=1)
+
+
+def carried(made: Reconstruction, truth: Truth, cameras) -> tuple[np.ndarray, np.ndarray]:
+    """(T, V, 3) m: the template where the true surface takes it, and which of its vertices are truly cloth (V)."""
+    vertices, faces, garment = truth.surface(0)
+    seen = np.flatnonzero(seen_faces(vertices, faces, cameras))
+    near, _, points = d.RayScene(d.Mesh(vertices, faces[seen])).closest(made.actor.mesh.vertices)
+    corners = faces[seen[near]]
+    weights = barycentric(vertices[corners], points)
+    frames = [np.vstack(truth.frame(f))[corners] for f in made.performance.frames]
+    return np.einsum("vk,tvkc->tvc", weights, np.array(frames)), garment[seen[near]]
+
+
+def where(joints: list[str], owner: np.ndarray, area: np.ndarray) -> str:
+    sums = {joints[j]: area[owner == j].sum() for j in np.unique(owner)}
+    return ", ".join(f"{name} {total:.3f}" for name, total in sums.items() if total >= 0.01) or "-"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("session", type=Path)
+    defaults = d.SegmentOptions()
+    parser.add_argument("--rigid", type=float, default=defaults.rigid_threshold, help="m, rigid_threshold")
+    parser.add_argument("--cloth", type=float, default=defaults.cloth_threshold, help="m, cloth_threshold")
+    parser.add_argument("--contrast", type=float, default=defaults.contrast)
+    options = parser.parse_args()
+    made, truth, cameras = Reconstruction(options.out), Truth(options.session / "ground_truth"), d.Session(options.session).rig
+    segmenter = d.ClothSegmenter.create(
+        d.SegmentOptions(rigid_threshold=options.rigid, cloth_threshold=options.cloth, contrast=options.contrast)
+    )
+    performance = made.performance
+    captured = np.array(performance.surface.frames)
+    true, cloth = carried(made, truth, cameras)
+    area = np.asarray(d.vertex_areas(made.actor.mesh.vertices, made.faces))
+    owner, joints = np.asarray(made.actor.weights).argmax(axis=1), made.actor.skeleton.joint_names
+    for name, taken in {"captured": [], "all true": ..., "true skin": ~cloth, "true cloth": cloth}.items():
+        frames = captured.copy()
+        frames[:, taken] = true[:, taken]
+        performance.surface.frames = list(frames)
+        made.clothness = d.segment_performance(made.actor, performance, segmenter).clothness
+        found = made.clothness > 0.5
+        false, missed = area * (found & ~cloth), area * (cloth & ~found)
+        print(f"{name:<11} cloth_iou {cloth_iou(made, truth, cameras):.3f}", end="")
+        print(f"  false {false.sum():.3f} ({where(joints, owner, false)})", end="")
+        print(f"  missed {missed.sum():.3f} ({where(joints, owner, missed)})")
+
+
+if __name__ == "__main__":
+    main()
