@@ -5,6 +5,7 @@
 #include "doublet/core/error.h"
 #include "figure_character.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <gtest/gtest.h>
@@ -306,11 +307,14 @@ TEST(Player, WrongInputIsRefusedAndChangesNothing) {
 }
 
 #ifndef DOUBLET_OWN_MALLOC
-double fastest(const Player &player) {
-  double speed = 0;
+/// 95 % of the cloth's vertices are slower, m/s.
+double speed(const Player &player) {
+  std::vector<double> speeds;
   for (const pbd::ClothState &cloth : player.state().regions)
-    speed = std::max(speed, cloth.velocities.rowwise().norm().maxCoeff());
-  return speed;
+    for (Eigen::Index i = 0; i < cloth.velocities.rows(); ++i)
+      speeds.push_back(cloth.velocities.row(i).norm());
+  std::sort(speeds.begin(), speeds.end());
+  return speeds[speeds.size() * 95 / 100];
 }
 
 /// After the march, four seconds of its last pose.
@@ -332,8 +336,8 @@ Player held(double rest_damping, const Eigen::Vector3d &wind = {0, 0, 0}) {
 }
 
 TEST(Player, ClothComesToRestWhileThePoseIsHeld) {
-  EXPECT_GT(fastest(held(0)), 0.02);
-  EXPECT_LT(fastest(held(AnimateOptions{}.rest_damping)), 0.002);
+  EXPECT_GT(speed(held(0)), 0.02);
+  EXPECT_LT(speed(held(AnimateOptions{}.rest_damping)), 0.002);
 }
 
 TEST(Player, WindKeepsClothFromRest) {
