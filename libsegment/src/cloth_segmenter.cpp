@@ -25,6 +25,7 @@ namespace {
 constexpr double kSnap = 0.05;
 /// m, the widest transition from cloth to skin: a waistband, not a limb.
 constexpr double kTransition = 0.10;
+constexpr double kAboveNoise = 1.4; // t_rigid by what skin moves
 
 /// m, the length of the border between the rigid patches `of` (V, -1 = cloth) and cloth, halfway between their vertices.
 std::vector<double> borders_on_cloth(const Surface &surface, const std::vector<int> &of, std::size_t count) {
@@ -246,7 +247,7 @@ public:
     context.report("segment", 0.8);
     const SegmentOptions raised = fitting_thresholds(pose, face_valid, sigma, options_);
     if (raised.rigid_threshold > options_.rigid_threshold)
-      context.say("segment: everything moves as cloth would: thresholds are raised from " +
+      context.say("segment: skin moves too much in this capture for its thresholds, which are raised from " +
                   options::shown(1000 * options_.rigid_threshold) + " and " + options::shown(1000 * options_.cloth_threshold) +
                   " mm to " + options::shown(1000 * raised.rigid_threshold, 3) + " and " +
                   options::shown(1000 * raised.cloth_threshold, 3));
@@ -268,13 +269,28 @@ void SegmentOptions::validate() const {
                     options::shown(rigid_threshold));
 }
 
+namespace {
+
+/// What the capture makes of rigid skin: the tenth centile, m. Everybody shows that much of head, hands or legs.
+double noise_of(const Eigen::VectorXd &sigma) {
+  std::vector<double> known;
+  std::copy_if(sigma.begin(), sigma.end(), std::back_inserter(known), [](double value) { return std::isfinite(value); });
+  if (known.empty())
+    return 0;
+  const auto tenth = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 10);
+  std::nth_element(known.begin(), tenth, known.end());
+  return *tenth;
+}
+
+} // namespace
+
 SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
                                   const SegmentOptions &options) {
   options.validate();
   const Surface surface = sigma_surface(pose, face_valid, sigma);
   constexpr double kStep = 1.25, kMost = 8; // times the options
   SegmentOptions raised = options;
-  for (double scale = 1; scale < kMost; scale *= kStep) {
+  for (double scale = std::max(1.0, kAboveNoise * noise_of(sigma) / options.rigid_threshold); scale < kMost; scale *= kStep) {
     raised.rigid_threshold = scale * options.rigid_threshold;
     raised.cloth_threshold = scale * options.cloth_threshold;
     Eigen::VectorXd delta = raw_clothness(surface, sigma, raised);

@@ -316,8 +316,13 @@ TEST(Segment, ThresholdsRiseAboveTheNoiseOfAPoorCapture) {
   // A good capture keeps its thresholds, and so does one in which all levels are alike.
   for (int i = 0; on_side(i); ++i)
     if (height(i) >= 0.5)
-      sigma[i] = 0.002;
+      sigma[i] = 0.0015;
   EXPECT_EQ(fitting_thresholds(pose, {}, sigma).rigid_threshold, plain.rigid_threshold);
+  // A middling one is not far above what it makes of skin.
+  for (int i = 0; on_side(i); ++i)
+    if (height(i) >= 0.5)
+      sigma[i] = 0.0025;
+  EXPECT_NEAR(fitting_thresholds(pose, {}, sigma).rigid_threshold, 1.4 * 0.0025, 1e-12);
   EXPECT_EQ(fitting_thresholds(pose, {}, Eigen::VectorXd::Constant(sigma.size(), 1.0)).rigid_threshold, plain.rigid_threshold);
 }
 

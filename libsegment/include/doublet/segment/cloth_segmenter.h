@@ -68,9 +68,10 @@ Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerform
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                          const Eigen::VectorXd &sigma, const SegmentOptions &options = {});
 
-/// options, with both thresholds raised together (up to eightfold) while what moves is more than half of the surface and has its
-/// top (+Y), or hangs from nothing: then it is the noise of the capture (few cameras, a rough scan) that moves. The segmenter
-/// uses these. sigma as above.
+/// options, with both thresholds raised together (up to eightfold): so far that rigid_threshold is 1.4 times the tenth centile of
+/// sigma, what the capture makes of skin; and while what moves is more than half of the surface and has its top (+Y), or hangs
+/// from nothing: then it is the noise of the capture (few cameras, a rough scan) that moves. The segmenter uses these. sigma as
+/// above.
 SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
                                   const SegmentOptions &options = {});
 
