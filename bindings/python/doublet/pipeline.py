@@ -266,10 +266,10 @@ def run_segment(job: Job) -> dict:
     areas = d.vertex_areas(job.actor.mesh.vertices, job.actor.mesh.faces)
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.actor, cloth, areas)
-    noise = [asdict(f) for f in noisy_capture(job, result)]
     text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
-        "findings": [*noise, *(asdict(Finding(False, text.format(joint))) for joint in doubtful)],
+        "findings": [asdict(Finding(False, text.format(joint))) for joint in doubtful],
+        "thresholds_raised": thresholds_raised(job, result),
         "corrections": "none" if result is found else "painted",
         "regions": result.region_count,
         "doubtful_ends": doubtful,
@@ -292,16 +292,12 @@ def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
     return result
 
 
-def noisy_capture(job: Job, segmentation: d.Segmentation) -> list[Finding]:
-    surface = job.performance().surface
-    options = job.group("segment")
+def thresholds_raised(job: Job, segmentation: d.Segmentation) -> float:
+    """How many times its options a segmentation's thresholds are, for a capture that moves what should be skin."""
+    surface, options = job.performance().surface, job.group("segment")
     pose = d.Mesh(surface.frames[0], surface.faces)
     raised = d.fitting_thresholds(pose, job.actor.face_valid, segmentation.sigma, options)
-    times = raised.rigid_threshold / options.rigid_threshold if options.rigid_threshold else 1
-    if times <= 1:
-        return []
-    text = "expected some of the surface to move as skin, found all of it to move as cloth would: few cameras or a rough scan? "
-    return [Finding(False, text + f"cloth is what moves {times:.1f} times as much as it takes elsewhere; look at it")]
+    return raised.rigid_threshold / options.rigid_threshold if options.rigid_threshold else 1.0
 
 
 def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> list[str]:

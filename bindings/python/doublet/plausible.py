@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from . import _doublet as d
@@ -53,6 +54,12 @@ LIMITS = {
         Limit(
             "silhouette_iou_against_measured_masks", 0.85, 0.6, "overlap of the tracked surface with the silhouettes",
             "look at the report's overlays: calibration, silhouettes or frame rate may be wrong",
+        ),
+    ),
+    "segment": (
+        Limit(
+            "thresholds_raised", 1.25, math.inf, "what is taken for skin moves, by how far it may elsewhere",
+            "few cameras or a rough scan? look at what is cloth",
         ),
     ),
     "body": (
