@@ -61,6 +61,7 @@ def main() -> None:
             for path in formats[extension][0]:
                 put("mesh", f"{path.stem}_{extension}", f"==== mesh.{extension}\n".encode() + path.read_bytes())
         put("bvh", "walk", BVH)
+        put("gltf_motion", "clip.glb", formats["clip"][0][0].read_bytes())
         put("acclaim", "person", f"==== person.asf\n{ASF}==== person.amc\n{AMC}")
         for name in ("opencv", "easymocap", "colmap_text", "colmap_binary", "toml", "qualisys"):
             put("calibration", name, container(formats[name][0]))

@@ -297,6 +297,9 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     formats["bvh"] = ([motions / "walk.bvh"], d.SourceMotion.read)
     formats["amc"] = ([motions / "person_01.amc", motions / "person.asf"], lambda path: read_acclaim(path.parent))
 
+    d.write_baked_glb(motions / "clip.glb", world.character, d.animate(world.character, world.motion))
+    formats["clip"] = ([motions / "clip.glb"], d.SourceMotion.read)
+
     world.character.write(folder / "characters" / "character.glb")
     formats["glb"] = ([folder / "characters" / "character.glb"], d.Character.read)
 
