@@ -140,7 +140,7 @@ function showNumbers() {
   for (const label of sliders) label.refresh();
   const labels = byId("labels").children;
   state.actors.forEach(({ figure }, i) => {
-    if (!labels[i]) return;
+    if (!labels[i] || !figure.extent) return;
     const { x, y } = stage.above(figure);
     labels[i].style.left = `${x}px`;
     labels[i].style.top = `${y}px`;

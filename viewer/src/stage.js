@@ -103,8 +103,9 @@ export class Stage {
 
   /** The camera's first place: in front, a little above, everybody in view. */
   home() {
+    if (!this.figures[0]?.extent) return; // with the first picture it comes again
     this.isStale = true;
-    const { low, height } = this.figures[0].extent();
+    const { low, height } = this.figures[0].extent;
     this.ground.position.y = low;
     this.middle = low + 0.5 * height;
     this.centre.copy(this.figures[0].centre).setY(this.middle).setX(this.placeOfAll());
@@ -173,7 +174,7 @@ export class Stage {
 
   /** Pixels of the point over a figure's head. */
   above(figure) {
-    const { low, height } = figure.extent();
+    const { low, height } = figure.extent;
     const at = figure.centre.clone().add(figure.group.position).setY(low + 1.05 * height).project(this.camera);
     return { x: ((at.x + 1) / 2) * innerWidth, y: ((1 - at.y) / 2) * innerHeight };
   }
@@ -196,6 +197,7 @@ class Figure {
   constructor({ shapes, bodyColour }, map) {
     this.group = new Group();
     this.centre = new Vector3();
+    this.extent = undefined; // of the first frame that is shown: until then nothing has a place
     const surface = new MeshStandardMaterial({ map, color: map ? 0xffffff : PLAIN, roughness: 0.95, side: DoubleSide });
     surface.shadowSide = DoubleSide;
     surface.onBeforeCompile = stayInTriangle;
@@ -223,21 +225,18 @@ class Figure {
       this.centre.z += places[i + 2];
     }
     this.centre.divideScalar(count);
+    this.extent ??= extentOf(places);
   }
+}
 
-  /** Of the first frame that was shown, m. */
-  extent() {
-    if (!this.size) {
-      const places = this.meshes[0].geometry.attributes.position.array;
-      let low = Infinity, high = -Infinity;
-      for (let i = 1; i < places.length; i += 3) {
-        low = Math.min(low, places[i]);
-        high = Math.max(high, places[i]);
-      }
-      this.size = { low, height: high - low };
-    }
-    return this.size;
+/** Of vertices (V * 3) along +Y, m. */
+function extentOf(places) {
+  let low = Infinity, high = -Infinity;
+  for (let i = 1; i < places.length; i += 3) {
+    low = Math.min(low, places[i]);
+    high = Math.max(high, places[i]);
   }
+  return { low, height: high - low };
 }
 
 /** Multisampling else looks the colour of an edge up beyond it, where in the image there is another triangle. */
