@@ -2,6 +2,7 @@
 
 #include "../display/glb.h"
 #include "doublet/animate/motion_file.h"
+#include "doublet/core/error.h"
 #include "doublet/options/options.h"
 
 #include <algorithm>
