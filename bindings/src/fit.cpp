@@ -77,7 +77,10 @@ void bind_optimizers(py::module_ &m) {
       .def("save", &Optimizer::save, Release(), "The exact state as text; empty = cannot be saved.")
       .def("restore", &Optimizer::restore, py::arg("state"), Release(),
            "Goes on where the saved optimiser stood, to the same bits.");
-  OptionsClass<CmaEsOptions>(m, "Options of create_cma_es.");
+  OptionsClass<CmaEsOptions>(m, "Options of create_cma_es.")
+      .get()
+      .def_readwrite("first", &CmaEsOptions::first,
+                     "(K, n) samples of the first generation, from whose best quarter the search goes on; empty = drawn");
   OptionsClass<AnnealingOptions>(m, "Options of create_simulated_annealing.");
   m.def("create_cma_es", &create_cma_es, py::arg("dimension"), py::arg("options") = CmaEsOptions{},
         "Covariance matrix adaptation (Hansen) over [0, 1]^dimension.");

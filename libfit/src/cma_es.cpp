@@ -18,6 +18,14 @@ constexpr const char *kCmaEs = "cma-es";
 constexpr std::size_t kHalf = 10;          // generations that are compared with as many before them, see stagnation
 constexpr double kLargestCondition = 1e14; // beyond it the eigenvalues are rounding errors
 
+/// (mu) of the best mu of lambda samples, positive, sum to one, eq. (49).
+Eigen::VectorXd falling_weights(int mu, int lambda) {
+  Eigen::VectorXd weights(mu);
+  for (int i = 0; i < mu; ++i)
+    weights[i] = std::log((lambda + 1) / 2.0) - std::log(i + 1.0);
+  return weights / weights.sum();
+}
+
 /// Fixed numbers of a run, Table 1 of the tutorial.
 struct Strategy {
   int lambda, mu;
@@ -27,10 +35,7 @@ struct Strategy {
   Strategy(int n, int population) {
     lambda = population > 0 ? population : 4 + static_cast<int>(std::floor(3 * std::log(n)));
     mu = lambda / 2;
-    weights.resize(mu);
-    for (int i = 0; i < mu; ++i)
-      weights[i] = std::log((lambda + 1) / 2.0) - std::log(i + 1.0); // eq. (49)
-    weights /= weights.sum();
+    weights = falling_weights(mu, lambda);
     mu_eff = 1 / weights.squaredNorm();
     c_sigma = (mu_eff + 2) / (n + mu_eff + 5);                                               // eq. (55)
     d_sigma = 1 + 2 * std::max(0.0, std::sqrt((mu_eff - 1) / (n + 1)) - 1) + c_sigma;        // eq. (55)
@@ -52,6 +57,8 @@ public:
   }
 
   MatrixRM ask() override {
+    if (given())
+      return options_.first;
     MatrixRM samples(strategy_.lambda, n_);
     Eigen::VectorXd z(n_);
     for (int k = 0; k < strategy_.lambda; ++k) {
@@ -64,6 +71,7 @@ public:
 
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
     check_told(samples, energies, n_, strategy_.mu);
+    const bool begins = given();
     std::vector<int> order(static_cast<std::size_t>(energies.size()));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return energies[a] < energies[b]; });
@@ -75,7 +83,10 @@ public:
     ++generation_;
     remember(bests_, energies[order[0]]);
     remember(medians_, energies[order[order.size() / 2]]);
-    update(samples, order);
+    if (begins)
+      mean_ = weighted_mean(samples, order);
+    else
+      update(samples, order);
     decompose();
   }
 
@@ -134,6 +145,19 @@ public:
   }
 
 private:
+  /// Is the next generation the one that was given?
+  bool given() const { return generation_ == 0 && options_.first.rows() > 0; }
+
+  /// Of the best quarter, with the weights of the method. The shape of the search follows from later generations.
+  Eigen::VectorXd weighted_mean(const MatrixRM &samples, const std::vector<int> &order) const {
+    const int count = static_cast<int>(order.size()) / 4;
+    const Eigen::VectorXd weights = falling_weights(count, 2 * count);
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(n_);
+    for (int i = 0; i < count; ++i)
+      mean += weights[i] * samples.row(order[i]).transpose();
+    return mean;
+  }
+
   Eigen::VectorXd deviations() const { return sigma_ * covariance_.diagonal().cwiseSqrt(); }
 
   std::string reason() const {
@@ -215,6 +239,9 @@ void Optimizer::restore(const std::string &) {
 
 void CmaEsOptions::validate() const {
   options::check(*this);
+  require(first.size() == 0 || (first.rows() >= 4 && first.allFinite()),
+          "CmaEsOptions: first: expected no samples, or at least 4 finite ones, found " + std::to_string(first.rows()) +
+              (first.allFinite() ? "" : " with NaN or infinity"));
   require(population == 0 || population >= 4,
           "CmaEsOptions: population: expected 0 or at least 4, found " + std::to_string(population));
 }
@@ -222,6 +249,9 @@ void CmaEsOptions::validate() const {
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options) {
   require_dimension(dimension, "create_cma_es");
   options.validate();
+  require(options.first.size() == 0 || options.first.cols() == dimension, "create_cma_es: first: expected " +
+                                                                              std::to_string(dimension) + " columns, found " +
+                                                                              std::to_string(options.first.cols()));
   return std::make_unique<CmaEs>(dimension, options);
 }
 

@@ -1,6 +1,7 @@
 #include "doublet/fit/material_estimator.h"
 
 #include "doublet/core/error.h"
+#include "doublet/fit/garment_trial.h"
 #include "doublet/options/options.h"
 #include "optimizer_checks.h"
 
@@ -26,6 +27,8 @@ CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   cma.smallest_deviation = options.smallest_deviation;
   cma.stagnation = options.stagnation;
   cma.seed = seed;
+  if (options.first_samples > 0)
+    cma.first = trial_samples(options.space, options.first_samples);
   return cma;
 }
 
@@ -351,6 +354,8 @@ std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &name
 
 void FitOptions::validate() const {
   options::check(*this);
+  require(first_samples == 0 || first_samples >= 4,
+          "FitOptions: first_samples: expected 0 or at least 4, found " + std::to_string(first_samples));
   cma_options(*this, seed).validate();
 }
 

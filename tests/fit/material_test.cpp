@@ -576,6 +576,8 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
 FitOptions quick() {
   FitOptions options;
   options.stop_margin = 0;
+  options.first_samples = 0;
+  options.initial_sigma = 0.3;
   options.smallest_deviation = 0.025;
   options.answer_generations = 1;
   options.space = ParameterSpace::paper();

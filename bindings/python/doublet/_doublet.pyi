@@ -4383,6 +4383,14 @@ class CmaEsOptions:
         Name -> value of every option.
         """
     @property
+    def first(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (K, n) samples of the first generation, from whose best quarter the search goes on; empty = drawn
+        """
+    @first.setter
+    def first(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    @property
     def initial_mean(self) -> float:
         """
         along every axis; 0.5 = the centre of the box: a finite number
@@ -5013,6 +5021,14 @@ class FitOptions:
     def energy(self, arg0: EnergyOptions) -> None:
         ...
     @property
+    def first_samples(self) -> int:
+        """
+        CMA-ES begins with so many ordinary materials, spread evenly over the box and inelastic, and goes on from the best quarter; at least 4, or 0 = around the centre of the box (the paper's): a number in [0, 4096]
+        """
+    @first_samples.setter
+    def first_samples(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
     def influence(self) -> bool:
         """
         measure at the end what the motion tells about each parameter: 4 n + 12 more evaluations
@@ -5023,7 +5039,7 @@ class FitOptions:
     @property
     def initial_sigma(self) -> float:
         """
-        of the search, box units: from the centre, the box is +-1.7 sigma: a number above 0
+        of the search where it starts, box units; 0.3 around the centre, where the box is +-1.7 sigma, is the paper's: a number above 0
         """
     @initial_sigma.setter
     def initial_sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:

@@ -20,8 +20,9 @@ struct FitOptions {
   int seeds = 1;
   int max_evaluations = 512;
   int population = 0;
+  int first_samples = 16;
   double stop_margin = 0.1; ///< see MaterialObjective::race
-  double initial_sigma = 0.3;
+  double initial_sigma = 0.2;
   double smallest_deviation = 0.1; ///< what is gained below is less than what chaos adds
   double stagnation = 0.02;        ///< see CmaEsOptions
   double penalty = 16.0;           ///< see MinimiseOptions
@@ -52,10 +53,14 @@ struct FitOptions {
                "no generation begins at or beyond it; 512 is the paper's"),
         option(&O::population, "population", at_least(0), "",
                "samples a generation; 0 = 4 + floor(3 ln n), Hansen's: 8 for five parameters, 9 for six"),
+        option(
+            &O::first_samples, "first_samples", Range{0, 4096}, "",
+            "CMA-ES begins with so many ordinary materials, spread evenly over the box and inelastic, and goes on from the best "
+            "quarter; at least 4, or 0 = around the centre of the box (the paper's)"),
         option(&O::stop_margin, "stop_margin", at_least(0), "",
                "stop samples whose energy so far is more than 1 + this times that of the middle of the ranking; 0 = never"),
         option(&O::initial_sigma, "initial_sigma", above(0), "",
-               "of the search, box units: from the centre, the box is +-1.7 sigma"),
+               "of the search where it starts, box units; 0.3 around the centre, where the box is +-1.7 sigma, is the paper's"),
         option(&O::smallest_deviation, "smallest_deviation", at_least(0), "",
                "stop when all standard deviations are below, box units; 0.025 is the paper's"),
         option(&O::stagnation, "stagnation", at_least(0), "",
@@ -85,6 +90,8 @@ struct FitOptions {
     FitOptions options;
     options.stop_margin = options.stagnation = 0;
     options.smallest_deviation = 0.025;
+    options.first_samples = 0;
+    options.initial_sigma = 0.3;
     options.relative_penalty = false;
     options.answer_generations = 1;
     options.space = ParameterSpace::paper();
