@@ -111,21 +111,22 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
 def test_a_larger_budget_goes_on_to_the_bits_of_one_search(fit, out, bell, tmp_path):
     whole = tmp_path / "whole"
     shutil.copytree(bell, whole)
-    larger = ["--fit-max-evaluations", "84", "--no-fit-influence"]
+    plain = ["--no-fit-influence", "--fit-first-samples", "0", "--fit-initial-sigma", "0.3"]  # settles after both budgets
+    larger = ["--fit-max-evaluations", "84", *plain]
     finished(fit(whole, *larger))
     assert "resuming" not in (whole / "log.txt").read_text()
 
-    finished(fit(out, "--no-fit-influence"))
+    finished(fit(out, *plain))
     assert fitted(out)["regions"][0]["evaluations"] == 56
     assert "option fit.max_evaluations changed from 56 to 84" in finished(fit(out, *larger))
     assert "resuming after 56 evaluations" in (out / "log.txt").read_text()
     assert fitted(out) == fitted(whole) and fitted(out)["regions"][0]["evaluations"] == 84
     assert log_without_seconds(out) == log_without_seconds(whole)
 
-    finished(fit(out, "--no-fit-influence"))  # a smaller one is another search
+    finished(fit(out, *plain))  # a smaller one is another search
     assert "belongs to a longer search" in (out / "log.txt").read_text()
     assert fitted(out)["regions"][0]["evaluations"] == 56
-    finished(fit(out, "--no-fit-influence", "--force"))  # and a forced one begins again
+    finished(fit(out, *plain, "--force"))  # and a forced one begins again
     assert (out / "log.txt").read_text().count("resuming") == 1
 
 
