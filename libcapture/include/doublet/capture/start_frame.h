@@ -1,0 +1,27 @@
+#pragma once
+// Where a take is most like the scan: tracking begins there.
+
+#include "doublet/capture/session.h"
+#include "doublet/capture/silhouette_extractor.h"
+#include "doublet/core/context.h"
+#include "doublet/core/mesh.h"
+
+namespace doublet {
+
+/// A scan is in a frame's pose if, moved and turned about the vertical, its silhouettes overlap the measured ones so much.
+inline constexpr double kScanPoseOverlap = 0.8;
+
+struct StartFrame {
+  int frame = 0;            ///< of the frame source
+  double overlap = 0;       ///< of the silhouettes with those of the scan placed there, mean over the cameras that show the actor
+  double first_overlap = 0; ///< the same in frame 0
+  Eigen::Isometry3d world_from_scan = Eigen::Isometry3d::Identity(); ///< where the scan is placed: moved, and turned about +Y
+};
+
+/// Frame 0 if it is in the scan's pose, otherwise the frame that comes nearest. A PerformanceCapture chooses in the same way, by
+/// the template. `scan` in metres, standing along +Y; holes do not matter. The overlap is 0 where fewer than two cameras show the
+/// actor. Throws std::invalid_argument if the scan is empty or frames and rig do not go together.
+StartFrame find_start_frame(const Mesh &scan, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
+                            const Context &context);
+
+} // namespace doublet
