@@ -126,6 +126,7 @@ void bind_session(py::module_ &m) {
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
         Release(), "The image, and the ready mask or, where there is none, the extractor's -> CameraView.");
   m.attr("SCAN_POSE_OVERLAP") = kScanPoseOverlap;
+  m.attr("NEAR_SCAN_POSE") = kNearScanPose;
   py::class_<StartFrame>(m, "StartFrame", "Where a take is most like the scan.")
       .def_readonly("frame", &StartFrame::frame)
       .def_readonly("overlap", &StartFrame::overlap, "with the silhouettes there, mean over the cameras")

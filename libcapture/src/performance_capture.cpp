@@ -520,6 +520,9 @@ private:
       return; // fewer than two cameras: nothing tells one place from another
     const double best = likely.front().placed.overlap;
     say("frame %d is not in the scan's pose (overlap %.2f, expected %.1f)", frame(start_), placed.overlap, kScanPoseOverlap);
+    if (best < kNearScanPose && !given)
+      refuse_to_start("at best frame " + std::to_string(likely.front().frame) + " overlaps the scan by " +
+                      options::shown(best, 2) + ", expected " + options::shown(kNearScanPose, 2));
     if (best >= kScanPoseOverlap) {
       begin_at(likely.front().frame, likely.front().placed.dofs);
       say("frame %d is (overlap %.2f); it goes on from there, and back", frame(start_), best);
@@ -535,10 +538,11 @@ private:
     start_pose_ = dofs;
   }
 
-  /// The pose in each of the frames; tracking begins where it is least in doubt which way the actor faces.
+  /// The pose in the first of the frames where it is beyond doubt which way the actor faces, or in the one that leaves the least.
+  /// What a garment hides is where the scan has it, so that the most alike comes first.
   void search_start(const std::vector<LikelyStart> &likely) {
     constexpr double kUsable = 0.35; // wrong pixels against those of the actor: a wide skirt that flies has 0.2
-    constexpr double kDoubt = 0.9;   // wrong against rival
+    constexpr double kDoubt = 0.85;  // wrong against rival; 0.3 to 0.7 where the actor faces the right way
     FoundPose best;
     double doubt = 2, least_wrong = 1;
     for (const LikelyStart &start : likely) {
@@ -549,16 +553,21 @@ private:
       best = found;
       doubt = found.wrong / found.rival;
       begin_at(start.frame, found.dofs);
+      if (doubt < kDoubt)
+        break;
     }
     if (doubt > 1)
-      throw Error("capture: expected a frame in the scan's pose, or one in which the pose can be found, found none: at best " +
-                  options::shown(std::round(100 * least_wrong), 3) +
-                  " % of the silhouettes are wrong; do scan, calibration and videos belong together? start_frame names a frame "
-                  "that is near the scan's pose");
+      refuse_to_start("with the best one " + options::shown(std::round(100 * least_wrong), 3) +
+                      " % of the silhouettes are wrong");
     say("none is; the pose was found in frame %d, where %.0f %% of the silhouettes are wrong; it goes on from there, and back",
         frame(start_), 100 * best.wrong);
-    if (doubt > kDoubt)
+    if (doubt >= kDoubt)
       say("which way the actor faces is in doubt: turned round, %.0f %% are wrong", 100 * best.rival);
+  }
+
+  [[noreturn]] static void refuse_to_start(const std::string &found) {
+    throw Error("capture: expected a frame in the scan's pose, or one in which the pose can be found, found none (" + found +
+                "); do scan, calibration and videos belong together? start_frame names a frame that is near the scan's pose");
   }
 
   FoundPose pose_in(int video_frame) {

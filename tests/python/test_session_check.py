@@ -50,6 +50,12 @@ class Filmed(d.FrameSource):
         super().__init__()
         self.masks = masks  # [camera], or {(camera, frame): mask}
 
+    def frame_count(self):
+        return 20
+
+    def camera_count(self):
+        return CAMERAS
+
     def image(self, camera, frame):
         return np.zeros((0, 0, 3), np.uint8)
 

@@ -180,9 +180,12 @@ CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
 
 
 def run_check(job: Job) -> dict:
-    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
+    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes, job.context)
     found = session_check.look(evidence, job.path("check.png"))
-    return {"findings": [asdict(finding) for finding in found]}
+    if words := session_check.where_it_begins(evidence):
+        job.console.finish()
+        job.console.say(f"check: {words}")
+    return {"findings": [asdict(finding) for finding in found], "frame": evidence.shown_frame}
 
 
 def run_template(job: Job) -> dict:
@@ -250,6 +253,7 @@ def run_performance(job: Job) -> dict:
         "rim_px": float(np.mean(summary.rim_px)),
         "sift_px": float(np.mean(summary.sift_px)),
         "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
+        "start_frame": summary.start_frame,
         "lost_limbs": len(summary.lost_limbs),
         "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
         "frames_inferred": {sight.joint: sight.inferred for sight in summary.joints if sight.inferred},

@@ -8,8 +8,9 @@
 
 namespace doublet {
 
-/// A scan is in a frame's pose if, moved and turned about the vertical, its silhouettes overlap the measured ones so much.
-inline constexpr double kScanPoseOverlap = 0.8;
+/// A frame is in the scan's pose if the silhouettes of the scan, moved and turned about the vertical, overlap the measured ones so
+/// much: scans have 0.9 and more in their own pose, 0.5 to 0.6 in others. Below the second the pose is not searched, either.
+inline constexpr double kScanPoseOverlap = 0.8, kNearScanPose = 0.4;
 
 struct StartFrame {
   int frame = 0;            ///< of the frame source
