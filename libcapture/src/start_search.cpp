@@ -39,12 +39,12 @@ std::vector<LikelyStart> peaks(std::vector<LikelyStart> tried, int apart, int mo
 /// The mesh with one vertex for all in a cell of a grid, their mean; what falls together is gone. For silhouettes a few pixels
 /// wide.
 Mesh thinned(const Mesh &mesh, double cell) {
-  std::map<std::array<long, 3>, int> place;
+  std::map<std::array<double, 3>, int> place;
   std::vector<int> of_vertex(mesh.vertices.rows()), count;
   std::vector<Eigen::RowVector3d> sum;
   for (int i = 0; i < mesh.vertices.rows(); ++i) {
     const Eigen::RowVector3d x = mesh.vertices.row(i);
-    const std::array<long, 3> key{std::lround(x[0] / cell), std::lround(x[1] / cell), std::lround(x[2] / cell)};
+    const std::array<double, 3> key{std::floor(x[0] / cell), std::floor(x[1] / cell), std::floor(x[2] / cell)};
     const auto [at, is_new] = place.try_emplace(key, static_cast<int>(sum.size()));
     if (is_new) {
       sum.emplace_back(Eigen::RowVector3d::Zero());
@@ -83,8 +83,7 @@ RiggedMesh rigid_actor(const Mesh &scan) {
 
 StartFrame find_start_frame(const Mesh &scan, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
                             const Context &context) {
-  if (scan.vertices.rows() == 0 || scan.faces.rows() == 0)
-    throw std::invalid_argument("find_start_frame: scan: expected a surface, found none");
+  require_usable(scan, "find_start_frame: scan");
   if (frames.frame_count() < 1 || frames.camera_count() != static_cast<int>(rig.size()))
     throw std::invalid_argument("find_start_frame: expected frames of the rig's " + std::to_string(rig.size()) +
                                 " cameras, found " + std::to_string(frames.frame_count()) + " of " +

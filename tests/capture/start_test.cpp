@@ -206,7 +206,7 @@ TEST(StartFrame, IsTheFirstOneThatIsInTheScansPose) {
 TEST(StartFrame, NoScanIsRefused) {
   Scene scene;
   Masks film(scene.actor, scene.rig, tracker_scene::surfaces(scene.actor, raised_arms(scene, 4)));
-  EXPECT_THROW(find_start_frame({}, scene.rig, film, nullptr, {}), std::invalid_argument);
+  EXPECT_THROW(find_start_frame({}, scene.rig, film, nullptr, {}), Error);
   scene.rig.pop_back();
   EXPECT_THROW(find_start_frame(scene.actor.mesh, scene.rig, film, nullptr, {}), std::invalid_argument);
 }

@@ -244,7 +244,7 @@ def check_overlap(evidence: Evidence) -> Iterator[Finding]:
         yield from check_start(evidence)
     elif bad:
         text = f"{where}: expected scan and silhouettes to overlap by at least {FITS}, found {', '.join(bad)}"
-        yield Finding(False, text + "; does scan, calibration and time belong together?")
+        yield Finding(False, text + "; do scan, calibration and time belong together?")
 
 
 def check_start(evidence: Evidence) -> Iterator[Finding]:
@@ -258,7 +258,7 @@ def check_start(evidence: Evidence) -> Iterator[Finding]:
         yield Finding(False, text)
         return
     text = f"expected a frame in the scan's pose, or near it, found none: {nearest}, expected at least {NEAR_POSE}"
-    yield Finding(True, text + "; does scan, calibration and time belong together?")
+    yield Finding(True, text + "; do scan, calibration and time belong together?")
 
 
 def where_it_begins(evidence: Evidence) -> str:

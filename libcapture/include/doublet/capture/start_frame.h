@@ -8,8 +8,8 @@
 
 namespace doublet {
 
-/// A frame is in the scan's pose if the silhouettes of the scan, moved and turned about the vertical, overlap the measured ones so
-/// much: scans have 0.9 and more in their own pose, 0.5 to 0.6 in others. Below the second the pose is not searched, either.
+/// A frame is in the scan's pose if the silhouettes of the scan, moved and turned about the vertical, overlap the measured ones
+/// so much: scans have 0.9 and more in their own pose, 0.5 to 0.6 in others. Below the second the pose is not searched, either.
 inline constexpr double kScanPoseOverlap = 0.8, kNearScanPose = 0.4;
 
 struct StartFrame {
@@ -21,7 +21,8 @@ struct StartFrame {
 
 /// Frame 0 if it is in the scan's pose, otherwise the frame that comes nearest. A PerformanceCapture chooses in the same way, by
 /// the template. `scan` in metres, standing along +Y; holes do not matter. The overlap is 0 where fewer than two cameras show the
-/// actor. Throws std::invalid_argument if the scan is empty or frames and rig do not go together.
+/// actor. Throws Error if the scan is no usable mesh (see MeshReport), std::invalid_argument if frames and rig do not go
+/// together.
 StartFrame find_start_frame(const Mesh &scan, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
                             const Context &context);
 
