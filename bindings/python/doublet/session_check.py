@@ -21,8 +21,7 @@ SHORTEST, USUAL, TALLEST = 0.5, 1.7, 2.6  #: m, of people in any pose
 NEAREST, USUAL_AWAY, FARTHEST = 0.3, 4.0, 100.0  #: m, of cameras
 OUTSIDE = 0.05  #: m, how far from the scan a marked joint may lie; toes and hands end near the skin
 IN_PICTURE = 0.02  #: share of the scan that a camera must see
-FITS, CLEARLY = d.SCAN_POSE_OVERLAP, 0.05  #: overlap of a silhouette with the scan, and what makes one explanation better than another
-NEAR_POSE = d.NEAR_SCAN_POSE  #: overlap with the scan, moved and turned, of a frame in which the pose can be searched
+FITS, CLEARLY = 0.8, 0.05  #: overlap of a silhouette with the scan, and what makes one explanation better than another
 NO_ACTOR, ALL_ACTOR = 0.0005, 0.8  #: share of the image
 LOOKS = 5  #: frames at which ready masks are looked at
 CHECKED_SIZE = 500  #: px, larger side of the images that are compared
@@ -250,21 +249,21 @@ def check_overlap(evidence: Evidence) -> Iterator[Finding]:
 def check_start(evidence: Evidence) -> Iterator[Finding]:
     """A take need not begin in the scan's pose, nor where the scan stands."""
     start = evidence.find_start()
-    if start.overlap >= FITS:
+    if start.in_scan_pose:
         return
     nearest = f"nearest is frame {start.frame} with an overlap of {start.overlap:.2f}"
-    if start.overlap >= NEAR_POSE:
+    if start.near_scan_pose:
         text = f"expected a frame in the scan's pose, {FITS} at least, found none: {nearest}, and the pose is searched there"
         yield Finding(False, text)
         return
-    text = f"expected a frame in the scan's pose, or near it, found none: {nearest}, expected at least {NEAR_POSE}"
+    text = f"expected a frame in the scan's pose, or near it, found none: {nearest}"
     yield Finding(True, text + "; do scan, calibration and time belong together?")
 
 
 def where_it_begins(evidence: Evidence) -> str:
     """In words; empty if the scan fits frame 0 as it stands."""
     start = evidence.start
-    if start is None or start.overlap < FITS:
+    if start is None or not start.in_scan_pose:
         return ""
     if start.frame == 0:
         return f"frame 0 is in the scan's pose, but elsewhere: overlap {start.overlap:.2f} with the scan moved and turned"

@@ -16,6 +16,8 @@ struct StartFrame {
   int frame = 0;            ///< of the frame source
   double overlap = 0;       ///< of the silhouettes with those of the scan placed there, mean over the cameras that show the actor
   double first_overlap = 0; ///< the same in frame 0
+  bool in_scan_pose() const { return overlap >= kScanPoseOverlap; }
+  bool near_scan_pose() const { return overlap >= kNearScanPose; }
   Eigen::Isometry3d world_from_scan = Eigen::Isometry3d::Identity(); ///< where the scan is placed: moved, and turned about +Y
 };
 
