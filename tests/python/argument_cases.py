@@ -110,6 +110,7 @@ def calls(world, folder) -> dict:
         ),
         "segment_cloth": (d.segment_cloth, {"sequence": sequence, "face_valid": valid}),
         "ClothSegmenter.segment": (d.ClothSegmenter.create().segment, {"sequence": sequence, "face_valid": valid}),
+        "segmented_pose": (d.segmented_pose, {"actor": w.actor, "performance": w.performance}),
         "segment_performance": (
             lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),
             {"actor": w.actor, "performance": w.performance},

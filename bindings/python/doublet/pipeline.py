@@ -289,8 +289,8 @@ def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
         job.path(segmentation_paint.FOUND).unlink(missing_ok=True)
         return found
     d.write_segmentation(job.path(segmentation_paint.FOUND), found)
-    actor, surface = job.actor, job.performance().surface
-    pose = d.Mesh(surface.frames[0], surface.faces)
+    actor, performance = job.actor, job.performance()
+    pose, surface = d.segmented_pose(actor, performance), performance.surface
     result = d.corrected_segmentation(pose, actor.face_valid, found, painted)
     result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, surface, job.options["fullness"], job.context)
     return result
@@ -298,8 +298,7 @@ def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
 
 def thresholds_raised(job: Job, segmentation: d.Segmentation) -> float:
     """How many times its options a segmentation's thresholds are, for a capture that moves what should be skin."""
-    surface, options = job.performance().surface, job.group("segment")
-    pose = d.Mesh(surface.frames[0], surface.faces)
+    pose, options = d.segmented_pose(job.actor, job.performance()), job.group("segment")
     raised = d.fitting_thresholds(pose, job.actor.face_valid, segmentation.sigma, options)
     return raised.rigid_threshold / options.rigid_threshold if options.rigid_threshold else 1.0
 

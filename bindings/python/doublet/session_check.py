@@ -310,8 +310,8 @@ def check_session(evidence: Evidence) -> list[Finding]:
 
 
 def draw(evidence: Evidence) -> np.ndarray:
-    """(H, W, 3) RGB: the frame that was compared, of every camera, with the outlines of scan (magenta) and silhouette (green), the joints (yellow), and
-    the camera's name and overlap; without a scan, silhouettes alone."""
+    """(H, W, 3) RGB: the frame that was compared, of every camera, with the outlines of scan (magenta) and silhouette (green),
+    the joints (yellow), and the camera's name and overlap; without a scan, silhouettes alone."""
     tiles = []
     for c, full in enumerate(evidence.session.rig):
         camera = small(full)
