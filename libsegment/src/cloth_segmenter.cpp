@@ -352,6 +352,7 @@ bool begins_in_scan_pose(const Skeleton &skeleton, const ReferencePerformance &p
 } // namespace
 
 Mesh segmented_pose(const RiggedMesh &actor, const ReferencePerformance &performance) {
+  require_actor(actor, "segmented_pose");
   require_performance(performance, actor, "segmented_pose");
   if (begins_in_scan_pose(actor.skeleton, performance))
     return {performance.surface.frames.front(), performance.surface.faces};
