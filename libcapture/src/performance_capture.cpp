@@ -559,7 +559,7 @@ private:
     if (doubt > 1)
       refuse_to_start("with the best one " + options::shown(std::round(100 * least_wrong), 3) +
                       " % of the silhouettes are wrong");
-    say("none is; the pose was found in frame %d, where %.0f %% of the silhouettes are wrong; it goes on from there, and back",
+    say("the pose was found in frame %d, where %.0f %% of the silhouettes are wrong; it goes on from there, and back",
         frame(start_), 100 * best.wrong);
     if (doubt >= kDoubt)
       say("which way the actor faces is in doubt: turned round, %.0f %% are wrong", 100 * best.rival);
