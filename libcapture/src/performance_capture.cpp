@@ -271,6 +271,7 @@ private:
     if (first.frame < 0 || first.frame >= count_)
       throw OtherCapture("is damaged");
     start_ = first.frame;
+    searched_ = first.searched;
   }
 
   void go_through(std::vector<TrackedFrame> known) {
@@ -310,6 +311,7 @@ private:
     context_.report("capture", progress());
     TrackedFrame found;
     found.frame = t;
+    found.searched = t == start_ && searched_;
     if (again_)
       recall(t);
     else
@@ -446,8 +448,19 @@ private:
     again_ = true;
     looseness_.settle(offsets_);
     offset_.setZero();
+    if (searched_)
+      offset_ = hanging_near_start();
     limb_record_ = no_record();
     result_.summary.lost_limbs.clear();
+  }
+
+  /// The loose part of the offset a few frames from the start: there the surface has come from that of the scan to where it
+  /// hangs.
+  Vertices hanging_near_start() const {
+    constexpr int kAway = 6; // frames
+    const int t = start_ + kAway < count_ ? start_ + kAway : std::max(0, start_ - kAway);
+    const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
+    return loose.asDiagonal() * offsets_[t];
   }
 
   /// The way to the last frame is done; the one from the start to the first begins with what was known at the start. What is
@@ -553,6 +566,7 @@ private:
       best = found;
       doubt = found.wrong / found.rival;
       begin_at(start.frame, found.dofs);
+      searched_ = true;
       if (doubt < kDoubt)
         break;
     }
@@ -846,9 +860,10 @@ private:
   CaptureCheckpoint &checkpoint_;
   const Context &context_;
   CaptureResult result_;
-  double began_ = now(); // earlier runs included
-  int done_ = 0;         // frames that are in the checkpoint, of all passes
-  int start_ = 0;        // frame index at which tracking begins
+  double began_ = now();  // earlier runs included
+  int done_ = 0;          // frames that are in the checkpoint, of all passes
+  int start_ = 0;         // frame index at which tracking begins
+  bool searched_ = false; // its pose was, as it is not the scan's
   Eigen::VectorXd start_pose_;
   std::vector<ViewMeasurement> start_views_; // measured while the start was sought
   struct AtStart {

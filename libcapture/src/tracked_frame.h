@@ -19,6 +19,7 @@ struct LimbRecord {
 /// from their images, and from nothing else.
 struct TrackedFrame {
   int frame = 0;                                  ///< index; that of the first one tracked is the start
+  bool searched = false;                          ///< the start, and not in the scan's pose
   std::uint64_t images = 0;                       ///< fingerprint of all images and masks; first pass, else 0
   std::vector<std::vector<FeatureMatch>> matches; ///< [cameras], to the frame before; first pass, else empty
   std::vector<SurfaceTrack> mapped;               ///< features that the map has found; first pass, else empty

@@ -290,7 +290,7 @@ TEST_F(CheapCapture, AForgedFrameIsNotUsed) {
   ASSERT_EQ(with_record(frame), file.substr(0, sizes[1])); // the right checksums
   std::string no_number = frame, no_length = frame;
   std::memset(no_number.data() + frame.size() / 2, 0xFF, 64);
-  std::memset(no_length.data() + 12, 0xFF, 8);
+  std::memset(no_length.data() + 13, 0xFF, 8);
   for (const std::string &forged : {std::string(), frame.substr(1), frame + "x", no_number, no_length}) {
     write_text(options.checkpoint, with_record(forged));
     EXPECT_EQ(bits(run()), whole);
