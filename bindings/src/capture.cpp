@@ -5,6 +5,7 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/scan_from_views.h"
+#include "doublet/capture/start_frame.h"
 #include "doublet/capture/template_builder.h"
 
 namespace doublet::python {
@@ -124,6 +125,19 @@ void bind_session(py::module_ &m) {
           "mask", [](const CameraView &view) { return view.mask; }, "(H, W) uint8, 255 = actor; (0, 0) = none");
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
         Release(), "The image, and the ready mask or, where there is none, the extractor's -> CameraView.");
+  py::class_<StartFrame>(m, "StartFrame", "Where a take is most like the scan.")
+      .def_readonly("frame", &StartFrame::frame)
+      .def_readonly("overlap", &StartFrame::overlap, "with the silhouettes there, mean over the cameras")
+      .def_readonly("first_overlap", &StartFrame::first_overlap, "the same in frame 0")
+      .def_property_readonly("in_scan_pose", &StartFrame::in_scan_pose, "tracking begins there at once: overlap 0.8")
+      .def_property_readonly("near_scan_pose", &StartFrame::near_scan_pose, "near enough to search the pose: overlap 0.4")
+      .def_property_readonly(
+          "world_from_scan", [](const StartFrame &start) { return MatrixRM(start.world_from_scan.matrix()); },
+          "(4, 4): where the scan is placed");
+  m.def("find_start_frame", &find_start_frame, py::arg("scan"), py::arg("rig"), py::arg("frames"),
+        py::arg("extractor").none(true) = nullptr, py::arg("context") = interruptible_context(), Release(),
+        "Frame 0 if it is in the scan's pose, moved and turned about the vertical, otherwise the frame that comes nearest -> "
+        "StartFrame.");
   OptionsClass<ViewScanOptions>(m, "Options of scan_from_views.");
   m.def(
       "scan_from_views", &scan_from_views, py::arg("rig"), py::arg("views"), py::arg("options") = ViewScanOptions{},
@@ -202,6 +216,7 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("jitter_before", &CaptureSummary::jitter_before, "rad, mean |second difference| of the joint angles")
       .def_readwrite("jitter_after", &CaptureSummary::jitter_after, "the same after smoothing")
       .def_readwrite("lost_limbs", &CaptureSummary::lost_limbs, "in the order of frames")
+      .def_readwrite("start_frame", &CaptureSummary::start_frame, "video frame from which tracking went both ways")
       .def_readwrite("joints", &CaptureSummary::joints, "those with degrees of freedom")
       .def_readwrite("measure_seconds", &CaptureSummary::measure_seconds)
       .def_readwrite("map_seconds", &CaptureSummary::map_seconds)

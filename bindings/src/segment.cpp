@@ -49,6 +49,8 @@ void bind_segment(py::module_ &m) {
   m.def("fitting_thresholds", &fitting_thresholds, py::arg("pose"), py::arg("face_valid"), py::arg("sigma"),
         py::arg("options") = SegmentOptions{}, Release(),
         "The options, with both thresholds raised while all of the surface moves: the noise of a poor capture.");
+  m.def("segmented_pose", &segmented_pose, py::arg("actor"), py::arg("performance"), Release(),
+        "The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.");
   m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
         py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");

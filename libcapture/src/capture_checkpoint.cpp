@@ -11,7 +11,7 @@ namespace doublet {
 namespace {
 
 constexpr const char *kKind = "doublet capture checkpoint, format ";
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 template <class T> bool read_number(std::istream &in, T &value) {
   return static_cast<bool>(in.read(reinterpret_cast<char *>(&value), sizeof value));

@@ -23,19 +23,14 @@ bool centroid(const Image &mask, Eigen::Vector2d &centre) {
   return count > 0;
 }
 
-const Joint &root_joint(const Skeleton &skeleton) {
-  for (const Joint &joint : skeleton.joints)
-    if (joint.kind == JointKind::Root)
-      return joint;
-  throw Error("capture: the actor's skeleton has no root with 6 degrees of freedom");
-}
-
 /// The scan pose at one place and heading after another, against the masks.
 class Placement {
 public:
-  Placement(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks, const Context &context)
-      : actor_(actor), context_(context), root_(root_joint(actor.skeleton)), views_(small_views(rig, masks, kSize)),
-        centres_(views_.size()) {
+  /// `size` px: of the small views; `rounds` of moving the rendering to where the masks are.
+  Placement(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks, int size, int rounds,
+            const Context &context)
+      : actor_(actor), context_(context), root_(root_joint(actor.skeleton)), rounds_(rounds),
+        views_(small_views(rig, masks, size)), centres_(views_.size()) {
     for (size_t v = 0; v < views_.size(); ++v)
       if (centroid(views_[v].mask, centres_[v]))
         rays_.add(views_[v].camera, centres_[v]);
@@ -54,20 +49,17 @@ public:
   /// Moves `dofs` until the centroids meet and returns the overlap there, mean over the views. Where the image cuts the actor, it
   /// cuts the rendering, too, so that a few rounds also get those right.
   double settle(Eigen::VectorXd &dofs) const {
-    constexpr int kRounds = 4;
     double overlap = 0;
-    for (int round = 0; round <= kRounds; ++round) {
+    for (int round = 0; round <= rounds_; ++round) {
       detail::RayBundle wanted, got;
       overlap = compare(dofs, wanted, got);
-      if (got.rays >= 2 && round < kRounds)
+      if (got.rays >= 2 && round < rounds_)
         dofs.segment<3>(root_.first_dof) += wanted.point() - got.point();
     }
     return overlap;
   }
 
 private:
-  static constexpr int kSize = 192; // px; the overlap of whole silhouettes needs no more
-
   double compare(const Eigen::VectorXd &dofs, detail::RayBundle &wanted, detail::RayBundle &got) const {
     const Vertices surface = pose_surface(actor_, dofs, {}).vertices;
     std::vector<Eigen::Vector2d> centres(views_.size());
@@ -94,34 +86,69 @@ private:
   const RiggedMesh &actor_;
   const Context &context_;
   const Joint &root_;
+  const int rounds_;
   std::vector<SmallView> views_;
   std::vector<Eigen::Vector2d> centres_; // of the masks
   detail::RayBundle rays_;
 };
 
-} // namespace
+/// Step k of `headings` around the vertical, the scan's own first, then those beside it: 0, 1, -1, 2, -2, ...
+int heading_step(int k) {
+  return k % 2 ? (k + 1) / 2 : -k / 2;
+}
 
-Eigen::VectorXd first_pose(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks,
-                           const Context &context) {
-  constexpr int kHeadings = 24;          // 15 degrees apart; the local optimisation turns three times as far
+PlacedPose best_place(const Placement &placement, const RiggedMesh &actor, int headings, const Context &context) {
   constexpr double kClearlyBetter = 1.1; // for the half where front and back are exchanged
-  const Placement placement(actor, rig, masks, context);
-  Eigen::VectorXd best = Eigen::VectorXd::Zero(actor.skeleton.dof_count());
+  PlacedPose best{Eigen::VectorXd::Zero(actor.skeleton.dof_count()), 0};
   if (placement.views() < 2)
     return best;
   double best_score = 0;
-  for (int k = 0; k < kHeadings; ++k) {
-    const int step = k % 2 ? (k + 1) / 2 : -k / 2; // 0, 1, -1, 2, -2, ...: the scan's own first
-    const double heading = 2 * std::numbers::pi * step / kHeadings;
-    Eigen::VectorXd dofs = placement.facing(heading);
-    const double score = placement.settle(dofs) / (4 * std::abs(step) > kHeadings ? kClearlyBetter : 1);
+  for (int k = 0; k < headings; ++k) {
+    const int step = heading_step(k);
+    PlacedPose placed{placement.facing(2 * std::numbers::pi * step / headings), 0};
+    placed.overlap = placement.settle(placed.dofs);
+    const double score = placed.overlap / (4 * std::abs(step) > headings ? kClearlyBetter : 1);
     if (score > best_score) {
       best_score = score;
-      best = dofs;
+      best = placed;
     }
     context.check_cancelled();
   }
   return best;
+}
+
+constexpr int kSize = 192; // px; the overlap of whole silhouettes needs no more
+constexpr int kRounds = 4;
+
+} // namespace
+
+const Joint &root_joint(const Skeleton &skeleton) {
+  for (const Joint &joint : skeleton.joints)
+    if (joint.kind == JointKind::Root)
+      return joint;
+  throw Error("capture: the actor's skeleton has no root with 6 degrees of freedom");
+}
+
+PlacedPose first_pose(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks, const Context &context) {
+  constexpr int kHeadings = 24; // 15 degrees apart; the local optimisation turns three times as far
+  return best_place(Placement(actor, rig, masks, kSize, kRounds, context), actor, kHeadings, context);
+}
+
+PlacedPose rough_first_pose(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks,
+                            const Context &context) {
+  return best_place(Placement(actor, rig, masks, kSize / 2, 1, context), actor, 12, context);
+}
+
+std::vector<PlacedPose> placed_all_around(const RiggedMesh &actor, const CameraRig &rig, const std::vector<Image> &masks,
+                                          int headings, const Context &context) {
+  const Placement placement(actor, rig, masks, kSize, kRounds, context);
+  std::vector<PlacedPose> placed;
+  for (int k = 0; placement.views() >= 2 && k < headings; ++k) {
+    placed.push_back({placement.facing(2 * std::numbers::pi * heading_step(k) / headings), 0});
+    placed.back().overlap = placement.settle(placed.back().dofs);
+    context.check_cancelled();
+  }
+  return placed;
 }
 
 } // namespace doublet

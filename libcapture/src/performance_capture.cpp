@@ -3,9 +3,11 @@
 #include "camera_choice.h"
 #include "capture_checkpoint.h"
 #include "doublet/capture/parts/smoothing.h"
+#include "doublet/capture/start_frame.h"
 #include "feature_map.h"
 #include "first_pose.h"
 #include "packed_mask.h"
+#include "start_search.h"
 #include "tracked_actor.h"
 #include "view_measurement.h"
 
@@ -177,6 +179,9 @@ struct OtherCapture : Error {
 ///
 /// A frame is measured, tracked (`track`) and taken in (`take`). What is known at a frame is what was measured at those before
 /// and what was taken in, nothing else: a run goes on from a checkpoint by measuring its frames again and taking them in.
+///
+/// Tracking goes from the start to the last frame, then from the start back to the first: "before" is one frame nearer to the
+/// start. A take that begins in the scan's pose starts at its first frame.
 class Tracking {
 public:
   Tracking(const CaptureOptions &options, const CaptureParts &parts, const RiggedMesh &actor, const CameraRig &rig,
@@ -188,21 +193,26 @@ public:
     for (const Joint &joint : actor.skeleton.joints)
       if (joint.dof_count > 0)
         result_.summary.joints.push_back({joint.name});
+    make_room();
   }
 
   /// `known`: the first frames, out of the checkpoint. Throws OtherCapture if they are not of this capture.
   CaptureResult run(std::vector<TrackedFrame> known) {
     if (!options_.use_sift)
       context_.say("capture: silhouettes alone, no texture features");
-    result_.performance.surface.faces = actor_.mesh.faces;
-    result_.performance.dofs.resize(count_, actor_.skeleton.dof_count());
-    result_.observations.cameras = rig_;
     done_ = static_cast<int>(known.size());
     try {
       context_.report("capture", progress());
+      if (known.empty())
+        find_start();
+      else
+        go_on_from(known.front());
+      result_.summary.start_frame = frame(start_);
       if (done_ > 0)
         context_.say("capture: " + checkpoint_.path().string() + " goes on " + place());
       go_through(std::move(known));
+      std::stable_sort(result_.summary.lost_limbs.begin(), result_.summary.lost_limbs.end(),
+                       [](const LostLimb &a, const LostLimb &b) { return a.frame < b.frame; });
       say_what_was_hidden();
       smooth();
       result_.summary.seconds_per_frame = seconds().back() / count_;
@@ -222,19 +232,56 @@ private:
   int steps() const { return passes(options_) * count_; }
   double progress() const { return static_cast<double>(done_) / steps(); }
 
+  /// The frame index that a step is about.
+  int at(int step) const {
+    const int k = step % count_;
+    return k < count_ - start_ ? start_ + k : count_ - 1 - k;
+  }
+  /// How many frames lie between this one and the start.
+  int age(int t) const { return std::abs(t - start_); }
+  /// `n` frames nearer to the start.
+  int before(int t, int n) const { return t < start_ ? t + n : t - n; }
+
+  void make_room() {
+    const ViewObservation nothing;
+    const std::vector<ViewObservation> of_all_views(rig_.size(), nothing);
+    result_.performance.surface.faces = actor_.mesh.faces;
+    result_.performance.dofs.resize(count_, actor_.skeleton.dof_count());
+    result_.observations.cameras = rig_;
+    result_.observations.views.assign(count_, of_all_views);
+    for (int t = 0; t < count_; ++t)
+      result_.performance.frames.push_back(frame(t));
+    result_.observations.frames = result_.performance.frames;
+    CaptureSummary &summary = result_.summary;
+    for (std::vector<double> *of_frames : {&summary.rim_px, &summary.sift_px, &summary.silhouette_iou})
+      of_frames->assign(count_, 0);
+    summary.views.assign(count_, 0);
+    offsets_.resize(count_);
+    kept_.resize(count_);
+  }
+
   /// Where a run goes on, in words.
   std::string place() const {
     if (done_ >= steps())
       return "after the last frame";
-    return "at frame " + std::to_string(frame(done_ % count_)) + (done_ < count_ ? "" : " of the second pass");
+    return "at frame " + std::to_string(frame(at(done_))) + (done_ < count_ ? "" : " of the second pass");
+  }
+
+  void go_on_from(const TrackedFrame &first) {
+    if (first.frame < 0 || first.frame >= count_)
+      throw OtherCapture("is damaged");
+    start_ = first.frame;
+    searched_ = first.searched;
   }
 
   void go_through(std::vector<TrackedFrame> known) {
     const int known_count = done_;
     for (int step = 0; step < steps(); ++step) {
-      const int t = step % count_;
+      const int t = at(step);
       if (step == count_)
         start_again();
+      if (t == start_ - 1)
+        turn_back();
       if (step < known_count)
         go_over(t, std::exchange(known[step], {}), step + 1 == known_count);
       else
@@ -242,16 +289,16 @@ private:
     }
   }
 
-  /// A frame that was tracked before. Its features are detected only where they are still needed: in the first frame for the map,
-  /// in the `latest` one for the matches of the next.
+  /// A frame that was tracked before. Its features are detected only where they are still needed: in the start for the map and
+  /// for the way back, in the `latest` one for the matches of the next.
   void go_over(int t, const TrackedFrame &found, bool latest) {
     context_.check_cancelled();
-    if (!fits(found, actor_, rig_.size(), limbs_.size(), !again_))
+    if (found.frame != t || !fits(found, actor_, rig_.size(), limbs_.size(), !again_))
       throw OtherCapture("is damaged");
     if (again_) {
       recall(t);
     } else {
-      std::vector<ViewMeasurement> current = measure_views(t, t == 0 || latest ? tracker() : nullptr);
+      std::vector<ViewMeasurement> current = measure_next(t, t == start_ || latest ? tracker() : nullptr);
       if (fingerprint(current) != found.images)
         throw OtherCapture("was made from other images");
       keep(t, std::move(current), found.matches);
@@ -263,6 +310,8 @@ private:
   void go_on(int t) {
     context_.report("capture", progress());
     TrackedFrame found;
+    found.frame = t;
+    found.searched = t == start_ && searched_;
     if (again_)
       recall(t);
     else
@@ -284,14 +333,14 @@ private:
   /// As TrackedFrame::seconds.
   std::array<double, 6> seconds() const {
     const CaptureSummary &s = result_.summary;
-    return {s.measure_seconds, s.map_seconds, s.pose_seconds, s.limb_seconds, s.surface_seconds, now() - start_};
+    return {s.measure_seconds, s.map_seconds, s.pose_seconds, s.limb_seconds, s.surface_seconds, now() - began_};
   }
 
   void set_seconds(const std::array<double, 6> &seconds) {
     CaptureSummary &s = result_.summary;
     double all = 0;
     std::tie(s.measure_seconds, s.map_seconds, s.pose_seconds, s.limb_seconds, s.surface_seconds, all) = std::tuple_cat(seconds);
-    start_ = now() - all;
+    began_ = now() - all;
   }
 
   LimbRecord no_record() const {
@@ -310,20 +359,41 @@ private:
   }
 
   void measure(int t, TrackedFrame &found) {
-    std::vector<ViewMeasurement> current = measure_views(t, tracker());
+    std::vector<ViewMeasurement> current = measure_next(t, tracker());
     const auto has_image = [](const ViewMeasurement &view) { return view.has_image; };
-    if (t == 0 && tracker() && std::none_of(current.begin(), current.end(), has_image))
+    if (t == start_ && tracker() && std::none_of(current.begin(), current.end(), has_image))
       context_.say("capture: masks without images: silhouettes alone, no texture features");
     found.images = fingerprint(current);
     found.matches = match(t, current);
     keep(t, std::move(current), found.matches);
   }
 
+  /// As measure_views. On the way back a stretch of frames is read at once, forwards: to go back in a video by one frame may be
+  /// to decode hundreds.
+  std::vector<ViewMeasurement> measure_next(int t, const FeatureTracker *tracker) {
+    constexpr int kStretch = 16; // frames
+    if (t == start_ && !start_views_.empty())
+      return std::exchange(start_views_, {});
+    if (t >= start_)
+      return measure_views(t, tracker);
+    if (stretch_.empty() || stretch_tracker_ != tracker) {
+      stretch_.clear();
+      stretch_tracker_ = tracker;
+      for (int s = std::max(0, t + 1 - kStretch); s <= t; ++s) {
+        context_.check_cancelled();
+        stretch_.push_back(measure_views(s, tracker));
+      }
+    }
+    std::vector<ViewMeasurement> views = std::move(stretch_.back());
+    stretch_.pop_back();
+    return views;
+  }
+
   /// [cameras] features of the frame before in this one.
   std::vector<std::vector<FeatureMatch>> match(int t, const std::vector<ViewMeasurement> &current) {
     const Stopwatch watch(result_.summary.measure_seconds);
     std::vector<std::vector<FeatureMatch>> matches(rig_.size());
-    if (tracker() && t > 0)
+    if (tracker() && t != start_)
       parallel_for(context_, static_cast<int>(rig_.size()), [&](int v) {
         const Features &before = last_[v].features, &here = current[v].features;
         for (const auto &[i, j] : checked_match(*tracker(), before, here, options_.features.max_displacement * current[v].height))
@@ -335,39 +405,73 @@ private:
   /// What was measured becomes the latest frame, and is kept for the second pass.
   void keep(int t, std::vector<ViewMeasurement> current, const std::vector<std::vector<FeatureMatch>> &matches) {
     const int views = static_cast<int>(rig_.size());
-    std::vector<ViewObservation> observed(views);
     int present = 0;
     outlines_.resize(views);
     masks_.resize(views);
     for (int v = 0; v < views; ++v) {
       present += !current[v].outline.empty();
-      observed[v] = {current[v].outline.points, matches[v]};
+      result_.observations.views[t][v].contour = current[v].outline.points;
+      observe(t, v, matches[v]);
       outlines_[v] = std::move(current[v].outline);
       masks_[v] = std::move(current[v].mask);
     }
     if (present == 0)
       throw Error("capture: no camera shows the actor at frame " + std::to_string(frame(t)));
     last_ = std::move(current);
-    result_.summary.views.push_back(present);
-    result_.performance.frames.push_back(frame(t));
-    result_.observations.frames.push_back(frame(t));
-    result_.observations.views.push_back(std::move(observed));
-    kept_.push_back({outlines_, pack(masks_), {}});
+    result_.summary.views[t] = present;
+    kept_[t] = {outlines_, pack(masks_), {}};
   }
 
-  /// Everything is tracked a second time, from the first frame on and with the measurements at hand, knowing what is loose: until
+  /// Observations are matches of a frame with the one that was filmed before it, whichever was tracked first.
+  void observe(int t, int view, const std::vector<FeatureMatch> &matches) {
+    if (t >= start_)
+      result_.observations.views[t][view].matches = matches;
+    else
+      result_.observations.views[t + 1][view].matches = swapped(matches);
+  }
+
+  /// Of the frame before, tracked before, that is, with this one.
+  std::vector<FeatureMatch> matches_at(int t, int view) const {
+    return t >= start_ ? result_.observations.views[t][view].matches : swapped(result_.observations.views[t + 1][view].matches);
+  }
+
+  static std::vector<FeatureMatch> swapped(std::vector<FeatureMatch> matches) {
+    for (FeatureMatch &match : matches)
+      std::swap(match.previous, match.current);
+    return matches;
+  }
+
+  /// Everything is tracked a second time, from the start on and with the measurements at hand, knowing what is loose: until
   /// a garment has been seen to swing it passes for skin, and drags the limbs under it along.
   void start_again() {
     context_.say("capture: again, knowing what is loose");
     again_ = true;
     looseness_.settle(offsets_);
-    offsets_.clear();
     offset_.setZero();
+    if (searched_)
+      offset_ = hanging_near_start();
     limb_record_ = no_record();
-    result_.summary.rim_px.clear();
-    result_.summary.sift_px.clear();
-    result_.summary.silhouette_iou.clear();
     result_.summary.lost_limbs.clear();
+  }
+
+  /// The loose part of the offset a few frames from the start: there the surface has come from that of the scan to where it
+  /// hangs.
+  Vertices hanging_near_start() const {
+    constexpr int kAway = 6; // frames
+    const int t = start_ + kAway < count_ ? start_ + kAway : std::max(0, start_ - kAway);
+    const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
+    return loose.asDiagonal() * offsets_[t];
+  }
+
+  /// The way to the last frame is done; the one from the start to the first begins with what was known at the start. What is
+  /// loose is known better by now, and stays.
+  void turn_back() {
+    context_.say("capture: back from frame " + std::to_string(frame(start_)) + " to frame " + std::to_string(frame(0)));
+    last_ = std::move(at_start_.views);
+    last_surface_ = std::move(at_start_.surface);
+    visible_ = std::move(at_start_.visible);
+    offset_ = std::move(at_start_.offset);
+    limb_record_ = no_record();
   }
 
   /// What was measured at a frame.
@@ -376,15 +480,14 @@ private:
     masks_ = unpack(kept_[t].masks);
   }
 
-  /// Features seen at t-1, lifted onto the refined surface there.
+  /// Features seen at the frame before, lifted onto the refined surface there.
   std::vector<SurfaceTrack> lift_tracks(int t) {
     const Stopwatch watch(result_.summary.map_seconds);
     const int views = static_cast<int>(rig_.size());
     std::vector<std::vector<SurfaceTrack>> tracks(views);
-    if (t > 0)
-      parallel_for(context_, views, [&](int v) {
-        tracks[v] = lift_matches(result_.observations.views[t].at(v).matches, v, last_surface_, actor_, rig_[v], visible_[v]);
-      });
+    if (t != start_)
+      parallel_for(context_, views,
+                   [&](int v) { tracks[v] = lift_matches(matches_at(t, v), v, last_surface_, actor_, rig_[v], visible_[v]); });
     std::vector<SurfaceTrack> all;
     for (const auto &part : tracks)
       all.insert(all.end(), part.begin(), part.end());
@@ -411,6 +514,98 @@ private:
     return all;
   }
 
+  /// The first frame, or the one asked for, if the scan pose fits there; otherwise the frame of the take where it fits best.
+  /// Where it fits nowhere, the pose is searched in the frames that come nearest.
+  void find_start() {
+    constexpr int kTries = 3;
+    const bool given = options_.start_frame >= 0;
+    start_ = given ? options_.start_frame - options_.first_frame : 0;
+    start_views_ = measure_views(start_, tracker());
+    const Stopwatch watch(result_.summary.pose_seconds);
+    const PlacedPose placed = first_pose(actor_, rig_, masks_of(start_views_), context_);
+    start_pose_ = placed.dofs;
+    if (placed.overlap >= kScanPoseOverlap)
+      return;
+    std::vector<LikelyStart> likely{{frame(start_), placed}};
+    if (!given)
+      likely = frames_like_the_scan(actor_, rig_, frames_, extractor_, options_.first_frame, count_, kTries, context_);
+    if (likely.empty() || likely.front().placed.overlap == 0)
+      return; // fewer than two cameras: nothing tells one place from another
+    const double best = likely.front().placed.overlap;
+    say("frame %d is not in the scan's pose (overlap %.2f, expected %.1f)", frame(start_), placed.overlap, kScanPoseOverlap);
+    if (best < kNearScanPose && !given)
+      refuse_to_start("at best frame " + std::to_string(likely.front().frame) + " overlaps the scan by " +
+                      options::shown(best, 2) + ", expected " + options::shown(kNearScanPose, 2));
+    if (best >= kScanPoseOverlap) {
+      begin_at(likely.front().frame, likely.front().placed.dofs);
+      say("frame %d is (overlap %.2f); it goes on from there, and back", frame(start_), best);
+    } else {
+      search_start(likely);
+    }
+  }
+
+  void begin_at(int video_frame, const Eigen::VectorXd &dofs) {
+    if (video_frame != frame(start_))
+      start_views_.clear();
+    start_ = video_frame - options_.first_frame;
+    start_pose_ = dofs;
+  }
+
+  /// The pose in the first of the frames where it is beyond doubt which way the actor faces, or in the one that leaves the least.
+  /// What a garment hides is where the scan has it, so that the most alike comes first.
+  void search_start(const std::vector<LikelyStart> &likely) {
+    constexpr double kUsable = 0.35; // wrong pixels against those of the actor: a wide skirt that flies has 0.2
+    constexpr double kDoubt = 0.85;  // wrong against rival; 0.3 to 0.7 where the actor faces the right way
+    FoundPose best;
+    double doubt = 2, least_wrong = 1;
+    for (const LikelyStart &start : likely) {
+      const FoundPose found = pose_in(start.frame);
+      least_wrong = std::min(least_wrong, found.wrong);
+      if (found.wrong > kUsable || found.wrong / found.rival >= doubt)
+        continue;
+      best = found;
+      doubt = found.wrong / found.rival;
+      begin_at(start.frame, found.dofs);
+      searched_ = true;
+      if (doubt < kDoubt)
+        break;
+    }
+    if (doubt > 1)
+      refuse_to_start("with the best one " + options::shown(std::round(100 * least_wrong), 3) +
+                      " % of the silhouettes are wrong");
+    say("the pose was found in frame %d, where %.0f %% of the silhouettes are wrong; it goes on from there, and back",
+        frame(start_), 100 * best.wrong);
+    if (doubt >= kDoubt)
+      say("which way the actor faces is in doubt: turned round, %.0f %% are wrong", 100 * best.rival);
+  }
+
+  [[noreturn]] static void refuse_to_start(const std::string &found) {
+    throw Error("capture: expected a frame in the scan's pose, or one in which the pose can be found, found none (" + found +
+                "); do scan, calibration and videos belong together? start_frame names a frame that is near the scan's pose");
+  }
+
+  FoundPose pose_in(int video_frame) {
+    const std::vector<ViewMeasurement> views = measure_views(video_frame - options_.first_frame, nullptr);
+    const std::vector<Image> masks = masks_of(views);
+    std::vector<Outline> outlines;
+    for (const ViewMeasurement &view : views)
+      outlines.push_back(view.outline);
+    const StartProblem problem{&actor_, &rig_, &outlines, &masks, looseness_.reliability()};
+    return search_pose(problem, *parts_.pose, *parts_.limbs, options_.limbs, context_);
+  }
+
+  template <class... Numbers> void say(const char *format, Numbers... numbers) const {
+    char line[200];
+    std::snprintf(line, sizeof line, format, numbers...);
+    context_.say(std::string("capture: ") + line);
+  }
+
+  static std::vector<Image> masks_of(const std::vector<ViewMeasurement> &views) {
+    std::vector<Image> masks;
+    for (const ViewMeasurement &view : views)
+      masks.push_back(view.mask);
+    return masks;
+  }
   void find_pose(int t, TrackedFrame &found) {
     PoseProblem problem;
     problem.actor = &actor_;
@@ -418,8 +613,8 @@ private:
     problem.outlines = &outlines_;
     problem.offset = offset_;
     problem.reliability = looseness_.reliability();
-    problem.first = t == 0 && !again_;
-    problem.predicted = problem.first ? first_pose(actor_, rig_, masks_, context_) : predict(t);
+    problem.first = t == start_ && !again_;
+    problem.predicted = problem.first ? start_pose_ : predict(t);
     problem.start = problem.predicted;
     lifted_ = lift_tracks(t);
     problem.tracks = find_tracks(problem.predicted, t);
@@ -458,7 +653,7 @@ private:
     const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
     std::vector<Limb> sought;
     for (size_t l = 0; l < limbs_.size(); ++l)
-      if (before[l] > options_.limbs.lost && t >= next_search[l])
+      if (before[l] > options_.limbs.lost && age(t) >= next_search[l])
         sought.push_back(limbs_[l]);
     Eigen::VectorXd after = before;
     if (!sought.empty()) {
@@ -475,15 +670,15 @@ private:
         after = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
         for (const Limb &limb : sought)
           for (int d : limb.dofs)
-            steady_since[d] = t;
+            steady_since[d] = age(t);
       }
     }
     for (size_t l = 0; l < limbs_.size(); ++l) {
-      const bool lost = after[l] > options_.limbs.lost, searched = t >= next_search[l];
+      const bool lost = after[l] > options_.limbs.lost, searched = age(t) >= next_search[l];
       if (!lost)
         misses[l] = 0;
       else if (searched)
-        next_search[l] = t + std::min(++misses[l], kLongestWait);
+        next_search[l] = age(t) + std::min(++misses[l], kLongestWait);
       if (before[l] > options_.limbs.lost) {
         found.lost.push_back({frame(t), limbs_[l].name, before[l], after[l], !lost});
         if (searched)
@@ -502,12 +697,13 @@ private:
   /// From the last three frames: damped velocity and a share of its change; both only since the limb was last found again.
   Eigen::VectorXd predict(int t) const {
     const MatrixRM &x = result_.performance.dofs;
-    Eigen::VectorXd prediction = x.row(std::max(t - 1, 0));
+    const int a = t == start_ ? t : before(t, 1), b = before(t, 2), c = before(t, 3);
+    Eigen::VectorXd prediction = x.row(a);
     for (int d = 0; d < prediction.size(); ++d) {
-      if (t - 2 >= limb_record_.steady_since[d])
-        prediction[d] += options_.velocity_damping * (x(t - 1, d) - x(t - 2, d));
-      if (t - 3 >= limb_record_.steady_since[d])
-        prediction[d] += options_.acceleration * (x(t - 1, d) - 2 * x(t - 2, d) + x(t - 3, d));
+      if (age(t) - 2 >= limb_record_.steady_since[d])
+        prediction[d] += options_.velocity_damping * (x(a, d) - x(b, d));
+      if (age(t) - 3 >= limb_record_.steady_since[d])
+        prediction[d] += options_.acceleration * (x(a, d) - 2 * x(b, d) + x(c, d));
     }
     return prediction.cwiseMax(actor_.skeleton.lower).cwiseMin(actor_.skeleton.upper);
   }
@@ -534,8 +730,8 @@ private:
   void take(int t, const TrackedFrame &found) {
     const Stopwatch watch(result_.summary.surface_seconds);
     result_.performance.dofs.row(t) = found.dofs;
-    result_.summary.rim_px.push_back(found.rim_px);
-    result_.summary.sift_px.push_back(found.sift_px);
+    result_.summary.rim_px[t] = found.rim_px;
+    result_.summary.sift_px[t] = found.sift_px;
     result_.summary.lost_limbs.insert(result_.summary.lost_limbs.end(), found.lost.begin(), found.lost.end());
     limb_record_ = found.limbs;
     if (!again_)
@@ -543,11 +739,13 @@ private:
     last_surface_ = found.surface;
     const PosedSurface skinned = pose_surface(actor_, found.dofs, {});
     looseness_.learn(last_surface_, skinned.vertices);
-    offsets_.push_back(rest_offset(actor_, skinned.blend, last_surface_));
+    offsets_[t] = rest_offset(actor_, skinned.blend, last_surface_);
     const Eigen::VectorXd loose = 1 - looseness_.reliability().array();
-    offset_ = options_.offset_decay * (loose.asDiagonal() * offsets_.back());
-    look();
-    if (t == 0 && !again_ && options_.use_sift && options_.use_feature_map)
+    offset_ = options_.offset_decay * (loose.asDiagonal() * offsets_[t]);
+    look(t);
+    if (t == start_ && start_ > 0)
+      at_start_ = {last_, last_surface_, visible_, offset_};
+    if (t == start_ && !again_ && options_.use_sift && options_.use_feature_map)
       for (size_t v = 0; v < rig_.size(); ++v)
         map_.add(last_[v].features, actor_, {skinned.blend, last_surface_}, rig_[v], visible_[v]);
     if (again_ || passes(options_) == 1)
@@ -556,7 +754,7 @@ private:
 
   /// What each camera sees of the refined surface: for lifting the next frame's tracks, and for the overlap with the measured
   /// masks.
-  void look() {
+  void look(int t) {
     const int views = static_cast<int>(rig_.size());
     visible_.resize(views);
     std::vector<double> overlap(views, -1);
@@ -571,7 +769,7 @@ private:
         sum += o;
         count += 1;
       }
-    result_.summary.silhouette_iou.push_back(sum / count);
+    result_.summary.silhouette_iou[t] = sum / count;
   }
 
   /// Smooths poses and rest-pose offsets over time and builds the final surfaces from both.
@@ -662,11 +860,24 @@ private:
   CaptureCheckpoint &checkpoint_;
   const Context &context_;
   CaptureResult result_;
-  double start_ = now(); // earlier runs included
-  int done_ = 0;         // frames that are in the checkpoint, of all passes
+  double began_ = now();  // earlier runs included
+  int done_ = 0;          // frames that are in the checkpoint, of all passes
+  int start_ = 0;         // frame index at which tracking begins
+  bool searched_ = false; // its pose was, as it is not the scan's
+  Eigen::VectorXd start_pose_;
+  std::vector<ViewMeasurement> start_views_; // measured while the start was sought
+  struct AtStart {
+    std::vector<ViewMeasurement> views;
+    Vertices surface;
+    std::vector<FaceBuffer> visible;
+    Vertices offset;
+  };
+  AtStart at_start_;                                  // what the way back begins with
+  std::vector<std::vector<ViewMeasurement>> stretch_; // frames read ahead on the way back; the next is the last
+  const FeatureTracker *stretch_tracker_ = nullptr;
   Looseness looseness_;
   Vertices offset_;                   // expected non-rigid offset, rest pose
-  std::vector<Vertices> offsets_;     // T x (V, 3), refined, rest pose
+  std::vector<Vertices> offsets_;     // T x (V, 3), refined, rest pose; empty until the frame is tracked
   std::vector<ViewMeasurement> last_; // features of the latest frame
   std::vector<Outline> outlines_;
   std::vector<Image> masks_;
@@ -718,6 +929,11 @@ public:
       throw std::invalid_argument("capture: frames " + std::to_string(options_.first_frame) + " to " +
                                   std::to_string(options_.first_frame + count - 1) + " were asked for, there are " +
                                   std::to_string(frames.frame_count()));
+    if (options_.start_frame >= 0 &&
+        (options_.start_frame < options_.first_frame || options_.start_frame >= options_.first_frame + count))
+      throw std::invalid_argument("capture: start_frame: expected one of the frames " + std::to_string(options_.first_frame) +
+                                  " to " + std::to_string(options_.first_frame + count - 1) + ", found " +
+                                  std::to_string(options_.start_frame));
     const CameraChoice chosen(options_.cameras, rig, frames, extractor);
     const TrackedActor tracked = track_actor(actor, options_.ends_turn);
     CaptureCheckpoint checkpoint(options_.checkpoint, fingerprint(options_, own_parts_, tracked.actor, chosen.rig(), count));

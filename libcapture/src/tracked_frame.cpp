@@ -35,8 +35,8 @@ template <Of<LimbRecord> T> auto members(T &limbs) {
   return std::tie(misses, next_search, steady_since);
 }
 template <Of<TrackedFrame> T> auto members(T &frame) {
-  auto &[images, matches, mapped, dofs, surface, rim_px, sift_px, limbs, lost, seconds] = frame;
-  return std::tie(images, matches, mapped, dofs, surface, rim_px, sift_px, limbs, lost, seconds);
+  auto &[index, searched, images, matches, mapped, dofs, surface, rim_px, sift_px, limbs, lost, seconds] = frame;
+  return std::tie(index, searched, images, matches, mapped, dofs, surface, rim_px, sift_px, limbs, lost, seconds);
 }
 
 template <class T>

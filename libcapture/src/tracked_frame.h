@@ -10,13 +10,16 @@ namespace doublet {
 
 /// Where the limbs stand after a frame.
 struct LimbRecord {
-  std::vector<int> misses, next_search; ///< by limb: searches in a row that failed, frame index of the next one
-  std::vector<int> steady_since;        ///< (D) frame index from which a degree of freedom has moved without a jump
+  /// By limb: searches in a row that failed; how many frames from the start the next one is.
+  std::vector<int> misses, next_search;
+  std::vector<int> steady_since; ///< (D) so many frames from the start a degree of freedom last jumped
 };
 
 /// All that the tracker finds at one frame of a pass. What it knows at a frame follows from these values of the frames before and
 /// from their images, and from nothing else.
 struct TrackedFrame {
+  int frame = 0;                                  ///< index; that of the first one tracked is the start
+  bool searched = false;                          ///< the start, and not in the scan's pose
   std::uint64_t images = 0;                       ///< fingerprint of all images and masks; first pass, else 0
   std::vector<std::vector<FeatureMatch>> matches; ///< [cameras], to the frame before; first pass, else empty
   std::vector<SurfaceTrack> mapped;               ///< features that the map has found; first pass, else empty

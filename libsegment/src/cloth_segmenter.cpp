@@ -336,11 +336,38 @@ Segmentation segment_cloth(const MeshSequence &sequence, const std::vector<std::
   return ClothSegmenter::create(options)->segment(sequence, face_valid, context);
 }
 
+namespace {
+
+bool begins_in_scan_pose(const Skeleton &skeleton, const ReferencePerformance &performance) {
+  constexpr double kBent = 0.15; // rad; a first frame in the scan's pose has 0.02, a dance 0.3
+  double sum = 0, count = 0;
+  for (const Joint &joint : skeleton.joints)
+    for (int d = joint.first_dof; joint.kind != JointKind::Root && d < joint.first_dof + joint.dof_count; ++d) {
+      sum += std::pow(performance.dofs(0, d), 2);
+      count += 1;
+    }
+  return sum <= kBent * kBent * count;
+}
+
+} // namespace
+
+Mesh segmented_pose(const RiggedMesh &actor, const ReferencePerformance &performance) {
+  require_actor(actor, "segmented_pose");
+  require_performance(performance, actor, "segmented_pose");
+  if (begins_in_scan_pose(actor.skeleton, performance))
+    return {performance.surface.frames.front(), performance.surface.faces};
+  return actor.mesh;
+}
+
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const FullnessOptions &fullness, const Context &context) {
   require_actor(actor, "segment_performance");
   MeshSequence sequence = performance.surface;
   sequence.unposed = unposed_frames(actor, performance, context);
+  if (!begins_in_scan_pose(actor.skeleton, performance)) {
+    sequence.frames.insert(sequence.frames.begin(), actor.mesh.vertices);
+    sequence.unposed.insert(sequence.unposed.begin(), actor.mesh.vertices);
+  }
   Segmentation segmentation = segmenter.segment(sequence, actor.face_valid, context);
   segmentation.fullness = estimate_fullness(actor.mesh, actor.face_valid, segmentation, performance.surface, fullness, context);
   return segmentation;

@@ -101,12 +101,16 @@ def calls(world, folder) -> dict:
         "scan_from_views": (
             lambda rig, masks: d.scan_from_views(rig, [d.CameraView(mask=m) for m in masks], coarse), ring_of_discs(),
         ),
+        "find_start_frame": (
+            lambda scan, rig: d.find_start_frame(scan, rig, Discs()), {"scan": w.mesh, "rig": ring_of_discs()["rig"]},
+        ),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
         "fitting_thresholds": (
             d.fitting_thresholds, {"pose": w.mesh, "face_valid": valid, "sigma": np.zeros(len(v))},
         ),
         "segment_cloth": (d.segment_cloth, {"sequence": sequence, "face_valid": valid}),
         "ClothSegmenter.segment": (d.ClothSegmenter.create().segment, {"sequence": sequence, "face_valid": valid}),
+        "segmented_pose": (d.segmented_pose, {"actor": w.actor, "performance": w.performance}),
         "segment_performance": (
             lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),
             {"actor": w.actor, "performance": w.performance},
@@ -285,6 +289,22 @@ def ring_of_discs() -> dict:
         camera.t = -camera.R @ (3 * back)
         rig.append(camera)
     return {"rig": rig, "masks": [disc] * 4}
+
+
+class Discs(d.FrameSource):
+    """One frame of what ring_of_discs() shows."""
+
+    def frame_count(self):
+        return 1
+
+    def camera_count(self):
+        return 4
+
+    def image(self, camera, frame):
+        return np.zeros((0, 0, 3), np.uint8)
+
+    def mask(self, camera, frame):
+        return ring_of_discs()["masks"][camera]
 
 
 def template(world) -> d.Template:

@@ -149,7 +149,9 @@ def names_of(page: str, world: World) -> dict:
         "architecture.md": {
             "my_segmentation": lambda job: d.write_segmentation(job.path("segmentation.npz"), world.segmentation) or {}
         },
-        "capture-tracking.md": {"d": d},
+        "capture-tracking.md": {
+            "d": d, "session": (session := d.Session(SESSION)), "frames": d.FrameSource.open(session), "extractor": None,
+        },
         "cloth.md": {"d": d, **actor, "character": world.character, "motion": world.motion},
         "material-estimation.md": {
             "doublet": d, "cma": cma, "optuna": optuna, "nevergrad": nevergrad, "simulator": world.simulator,

@@ -50,6 +50,12 @@ class Filmed(d.FrameSource):
         super().__init__()
         self.masks = masks  # [camera], or {(camera, frame): mask}
 
+    def frame_count(self):
+        return 20
+
+    def camera_count(self):
+        return CAMERAS
+
     def image(self, camera, frame):
         return np.zeros((0, 0, 3), np.uint8)
 
@@ -216,3 +222,57 @@ def test_written_picture_is_complete(scene, tmp_path):
     with Image.open(tmp_path / "check.png") as image:
         image.verify()
     assert [p.name for p in tmp_path.glob("*.png")] == ["check.png"]
+
+
+def bent() -> d.Mesh:
+    """The same person on one knee, both arms up: another silhouette in every camera."""
+    vertices = np.array(person().vertices)
+    arm = vertices[:, 0] > 0.2
+    vertices[arm] = [0.15, 1.38, 0] + (vertices[arm] - [0.15, 1.38, 0]) @ np.array([[0, 1.0, 0], [-1, 0, 0], [0, 0, 1]])
+    leg = (vertices[:, 1] < 0.85) & (vertices[:, 0] > 0)
+    vertices[leg] = [0.1, 0.9, 0] + (vertices[leg] - [0.1, 0.9, 0]) @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    return d.Mesh(vertices, person().faces)
+
+
+def take(scene, frames_of_scan, of=None):
+    """Frames in which the person stands as in the scan, half a metre off; in all others as `of`, or bent."""
+    there, other = np.asarray(person().vertices) + [0.4, 0, -0.3], of or bent()
+    shadow = {}
+    for stands, vertices in ((True, there), (False, other.vertices)):
+        for c, camera in enumerate(scene.rig):
+            shadow[stands, c] = (255 * (d.rasterize(vertices, other.faces, camera)[0] >= 0)).astype(np.uint8)
+    scene.mask_of = lambda camera, frame: shadow[frame in frames_of_scan, camera]
+
+
+def test_a_take_that_begins_in_another_pose_begins_where_it_is_the_scans(scene):
+    take(scene, (12, 13))
+    evidence = scene.evidence()
+    assert session_check.check_session(evidence) == []
+    words = session_check.where_it_begins(evidence)
+    assert "frame 0 is not in the scan's pose" in words and "frame 12 is (" in words
+    image = session_check.draw(evidence)  # of frame 12, with the scan where the person stands
+    assert all(evidence.overlaps[c, c] > session_check.FITS for c in range(CAMERAS))
+    assert (image == (255, 0, 120)).all(axis=2).sum() > 100
+
+
+def test_a_take_that_begins_elsewhere_begins_there(scene):
+    take(scene, range(20))
+    evidence = scene.evidence()
+    assert session_check.check_session(evidence) == []
+    assert "elsewhere" in session_check.where_it_begins(evidence)
+
+
+def test_a_take_that_is_never_in_the_scans_pose_is_doubtful(scene):
+    take(scene, ())
+    (finding,) = scene.findings()
+    assert not finding.impossible and "the pose is searched there" in finding.text
+
+
+def test_a_take_of_something_else_is_impossible(scene):
+    take(scene, (), d.capsule_mesh((-0.9, 0.2, 0), (0.9, 0.2, 0), 0.1, 0.1))
+    assert "do scan, calibration and time belong together" in impossible(scene)
+
+
+def test_a_take_that_fits_is_not_searched(scene, monkeypatch):
+    monkeypatch.setattr(session_check.Evidence, "find_start", None)
+    assert scene.findings() == []

@@ -1,9 +1,11 @@
 #include "tube.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/skinning.h"
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
 #include "doublet/segment/parts/diffusion.h"
+#include "support/figure.h"
 
 #include <gtest/gtest.h>
 
@@ -478,4 +480,48 @@ TEST(Diffusion, ComponentsWithoutKnownValuesStayUnknown) {
   EXPECT_TRUE(std::isnan(x[4]));
   EXPECT_THROW(diffuse_on_surface(v, f, Eigen::VectorXd::Zero(2), 0.1), std::invalid_argument);
   EXPECT_THROW(diffuse_on_surface(v, f, values, -1), std::invalid_argument);
+}
+
+namespace first_pose {
+
+/// Keeps what it was given.
+struct Keeper : ClothSegmenter {
+  mutable MeshSequence given;
+  Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &, const Context &) const override {
+    given = sequence;
+    const auto n = sequence.frames[0].rows();
+    Segmentation none;
+    none.sigma = none.clothness = Eigen::VectorXd::Zero(n);
+    none.region = Eigen::VectorXi::Constant(n, -1);
+    return none;
+  }
+};
+
+ReferencePerformance turning(const RiggedMesh &actor, double bent) {
+  ReferencePerformance performance;
+  performance.dofs = MatrixRM::Zero(2, actor.skeleton.dof_count());
+  performance.dofs.leftCols(6).setConstant(0.5); // where and which way is no pose
+  performance.dofs.rightCols(performance.dofs.cols() - 6).setConstant(bent);
+  performance.surface.faces = actor.mesh.faces;
+  for (int t = 0; t < 2; ++t)
+    performance.surface.frames.push_back(dual_quaternion_skinning(actor.mesh.vertices, actor.weights,
+                                                                  forward_kinematics(actor.skeleton, performance.dofs.row(t))));
+  return performance;
+}
+
+} // namespace first_pose
+
+TEST(SegmentedPose, IsTheFirstFrameOrElseTheScans) {
+  const RiggedMesh actor = doublet::testing::figure_actor(0.06);
+  for (const double bent : {0.05, 0.3}) {
+    const ReferencePerformance performance = first_pose::turning(actor, bent);
+    const first_pose::Keeper keeper;
+    segment_performance(actor, performance, keeper);
+    const Vertices &first = bent < 0.15 ? performance.surface.frames[0] : actor.mesh.vertices;
+    EXPECT_EQ(segmented_pose(actor, performance).vertices, first);
+    EXPECT_EQ(keeper.given.frames.front(), first);
+    EXPECT_EQ(keeper.given.frames.size(), bent < 0.15 ? 2u : 3u);
+    EXPECT_EQ(keeper.given.unposed.size(), keeper.given.frames.size());
+    EXPECT_LT((keeper.given.unposed.front() - actor.mesh.vertices).rowwise().norm().maxCoeff(), 1e-9);
+  }
 }

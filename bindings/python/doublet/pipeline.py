@@ -180,9 +180,12 @@ CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
 
 
 def run_check(job: Job) -> dict:
-    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
+    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes, job.context)
     found = session_check.look(evidence, job.path("check.png"))
-    return {"findings": [asdict(finding) for finding in found]}
+    if words := session_check.where_it_begins(evidence):
+        job.console.finish()
+        job.console.say(f"check: {words}")
+    return {"findings": [asdict(finding) for finding in found], "frame": evidence.shown_frame}
 
 
 def run_template(job: Job) -> dict:
@@ -250,6 +253,7 @@ def run_performance(job: Job) -> dict:
         "rim_px": float(np.mean(summary.rim_px)),
         "sift_px": float(np.mean(summary.sift_px)),
         "silhouette_iou_against_measured_masks": float(np.mean(summary.silhouette_iou)),
+        "start_frame": summary.start_frame,
         "lost_limbs": len(summary.lost_limbs),
         "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
         "frames_inferred": {sight.joint: sight.inferred for sight in summary.joints if sight.inferred},
@@ -285,8 +289,8 @@ def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
         job.path(segmentation_paint.FOUND).unlink(missing_ok=True)
         return found
     d.write_segmentation(job.path(segmentation_paint.FOUND), found)
-    actor, surface = job.actor, job.performance().surface
-    pose = d.Mesh(surface.frames[0], surface.faces)
+    actor, performance = job.actor, job.performance()
+    pose, surface = d.segmented_pose(actor, performance), performance.surface
     result = d.corrected_segmentation(pose, actor.face_valid, found, painted)
     result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, surface, job.options["fullness"], job.context)
     return result
@@ -294,8 +298,7 @@ def with_paint(job: Job, found: d.Segmentation) -> d.Segmentation:
 
 def thresholds_raised(job: Job, segmentation: d.Segmentation) -> float:
     """How many times its options a segmentation's thresholds are, for a capture that moves what should be skin."""
-    surface, options = job.performance().surface, job.group("segment")
-    pose = d.Mesh(surface.frames[0], surface.faces)
+    pose, options = d.segmented_pose(job.actor, job.performance()), job.group("segment")
     raised = d.fitting_thresholds(pose, job.actor.face_valid, segmentation.sigma, options)
     return raised.rigid_threshold / options.rigid_threshold if options.rigid_threshold else 1.0
 

@@ -1,10 +1,10 @@
 """Whether a session can be true, before anything is built on it: scan, joints, calibration and silhouettes against each other at
-frame 0, which shows the scan's pose (docs/formats.md)."""
+frame 0 if it shows the scan's pose, otherwise at the frame that comes nearest."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -34,6 +34,12 @@ class Evidence:
     session: d.Session
     frames: d.FrameSource
     extractor: d.SilhouetteExtractor | None
+    context: d.Context = field(default_factory=d.Context)
+    start: d.StartFrame | None = None  #: where a capture begins, if the scan does not fit frame 0 as it stands
+
+    @property
+    def shown_frame(self) -> int:
+        return self.start.frame if self.start else 0
 
     @property
     def scanned(self) -> bool:
@@ -48,13 +54,20 @@ class Evidence:
     def calibration(self) -> str:
         return f"the calibration of {self.session.name}"
 
+    def find_start(self) -> d.StartFrame:
+        """Looks for the scan's pose; what is compared from then on is that frame, with the scan where it is placed in it."""
+        self.start = d.find_start_frame(self.scan, self.session.rig, self.frames, self.extractor, self.context)
+        for known in ("masks", "seen", "placed", "shadows", "overlaps", "mirrored"):
+            self.__dict__.pop(known, None)
+        return self.start
+
     @cached_property
     def masks(self) -> list[np.ndarray]:
-        """Of every camera at frame 0: bool (H, W), or (0, 0) where it shows nothing."""
-        return [self._mask(c, 0) for c in range(len(self.session.cameras))]
+        """Of every camera at the frame that is compared: bool (H, W), or (0, 0) where it shows nothing."""
+        return [self._mask(c, self.shown_frame) for c in range(len(self.session.cameras))]
 
     def mask(self, camera: int, frame: int) -> np.ndarray:
-        return self._mask(camera, frame) if frame else self.masks[camera]
+        return self.masks[camera] if frame == self.shown_frame else self._mask(camera, frame)
 
     def _mask(self, camera: int, frame: int) -> np.ndarray:
         mask = d.read_view(self.frames, camera, frame, self.extractor).mask
@@ -65,11 +78,18 @@ class Evidence:
         """Cameras with a silhouette that can be one."""
         return [c for c, mask in enumerate(self.masks) if mask.size and NO_ACTOR < mask.mean() < ALL_ACTOR]
 
+    def in_place(self, points: np.ndarray) -> np.ndarray:
+        """(N, 3) points of the scan, where it is placed in the frame that is compared."""
+        if self.start is None:
+            return points
+        placed = np.asarray(self.start.world_from_scan)
+        return points @ placed[:3, :3].T + placed[:3, 3]
+
     @cached_property
     def shadows(self) -> list[np.ndarray]:
         """Where every camera, made small, sees the scan: bool (h, w)."""
-        rig = [small(camera) for camera in self.session.rig]
-        return [d.rasterize(self.scan.vertices, self.scan.faces, camera)[0] >= 0 for camera in rig]
+        rig, vertices = [small(camera) for camera in self.session.rig], self.in_place(np.asarray(self.scan.vertices))
+        return [d.rasterize(vertices, self.scan.faces, camera)[0] >= 0 for camera in rig]
 
     @cached_property
     def overlaps(self) -> np.ndarray:
@@ -219,10 +239,38 @@ def check_overlap(evidence: Evidence) -> Iterator[Finding]:
     if swapped:
         return
     bad = [f"{names[c]} {own[c]:.2f}" for c in evidence.seen if own[c] < FITS]
-    if bad:
+    if bad and middle < FITS:
+        yield from check_start(evidence)
+    elif bad:
         text = f"{where}: expected scan and silhouettes to overlap by at least {FITS}, found {', '.join(bad)}"
-        advice = "; is the first frame in the scan's pose, and does scan, calibration and time belong together?"
-        yield Finding(middle < 0.6, text + advice)
+        yield Finding(False, text + "; do scan, calibration and time belong together?")
+
+
+def check_start(evidence: Evidence) -> Iterator[Finding]:
+    """A take need not begin in the scan's pose, nor where the scan stands."""
+    start = evidence.find_start()
+    if start.in_scan_pose:
+        return
+    nearest = f"nearest is frame {start.frame} with an overlap of {start.overlap:.2f}"
+    if start.near_scan_pose:
+        text = f"expected a frame in the scan's pose, {FITS} at least, found none: {nearest}, and the pose is searched there"
+        yield Finding(False, text)
+        return
+    text = f"expected a frame in the scan's pose, or near it, found none: {nearest}"
+    yield Finding(True, text + "; do scan, calibration and time belong together?")
+
+
+def where_it_begins(evidence: Evidence) -> str:
+    """In words; empty if the scan fits frame 0 as it stands."""
+    start = evidence.start
+    if start is None or not start.in_scan_pose:
+        return ""
+    if start.frame == 0:
+        return f"frame 0 is in the scan's pose, but elsewhere: overlap {start.overlap:.2f} with the scan moved and turned"
+    return (
+        f"frame 0 is not in the scan's pose (overlap {start.first_overlap:.2f}); frame {start.frame} is ({start.overlap:.2f}), "
+        "and tracking begins there and goes both ways"
+    )
 
 
 def is_swapped(table: np.ndarray, i: int, j: int) -> bool:
@@ -262,13 +310,13 @@ def check_session(evidence: Evidence) -> list[Finding]:
 
 
 def draw(evidence: Evidence) -> np.ndarray:
-    """(H, W, 3) RGB: frame 0 of every camera with the outlines of scan (magenta) and silhouette (green), the joints (yellow), and
-    the camera's name and overlap; without a scan, silhouettes alone."""
+    """(H, W, 3) RGB: the frame that was compared, of every camera, with the outlines of scan (magenta) and silhouette (green),
+    the joints (yellow), and the camera's name and overlap; without a scan, silhouettes alone."""
     tiles = []
     for c, full in enumerate(evidence.session.rig):
         camera = small(full)
         shape = (camera.height, camera.width)
-        image = evidence.frames.image(c, 0)
+        image = evidence.frames.image(c, evidence.shown_frame)
         photo = np.full((*shape, 3), 100, np.uint8)
         if image.size:
             photo = np.asarray(Image.fromarray(image[..., ::-1]).resize(shape[::-1]))
@@ -279,7 +327,7 @@ def draw(evidence: Evidence) -> np.ndarray:
             photo = picture.draw_outline(photo, picture.mask_outline(evidence.shadows[c]))
             text += f"  overlap {evidence.overlaps[c, c]:.2f}"
         for mark in evidence.session.joints:
-            dot(photo, camera.project(mark.position))
+            dot(photo, camera.project(evidence.in_place(np.asarray(mark.position))))
         tiles.append(labelled(photo, text))
     height = max(tile.shape[0] for tile in tiles)
     columns = min(4, len(tiles))
@@ -303,8 +351,9 @@ def dot(image: np.ndarray, place) -> None:
 
 def look(evidence: Evidence, path: Path) -> list[Finding]:
     """Every check, and the picture of it."""
+    found = check_session(evidence)
     write_picture(path, draw(evidence))
-    return check_session(evidence)
+    return found
 
 
 def write_picture(path: Path, image: np.ndarray) -> None:

@@ -19,7 +19,7 @@
 namespace doublet {
 
 struct CaptureOptions {
-  int first_frame = 0, frame_count = -1;
+  int first_frame = 0, frame_count = -1, start_frame = -1;
   std::vector<std::string> cameras;
   bool use_sift = true;
   FeatureTrackerOptions features;
@@ -48,6 +48,9 @@ struct CaptureOptions {
         "CaptureOptions",
         option(&O::first_frame, "first_frame", at_least(0), "", "first video frame"),
         option(&O::frame_count, "frame_count", at_least(-1), "", "number of frames; -1 = to the end"),
+        option(&O::start_frame, "start_frame", at_least(-1), "",
+               "video frame in the scan's pose, or near it, from which tracking goes both ways; -1 = the first frame if it is in "
+               "that pose, else it is sought"),
         option(&O::cameras, "cameras", "names of the cameras to use; none = all"),
         option(&O::use_sift, "use_sift", "texture features; off: silhouettes alone, features are neither detected nor matched"),
         option(&O::features, "features", "of the feature tracker"),
@@ -103,6 +106,7 @@ struct CaptureSummary {
   std::vector<int> views;                     ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
+  int start_frame = 0;                        ///< video frame number: tracking went from it to the last, then to the first
   std::vector<JointSight> joints;             ///< in the order of the skeleton
   /// Whole run, the parts of one that went on from a checkpoint included: images to outlines, features and their matches;
   /// features lifted to the surface and found by the map; poses; the check of limbs and the search for lost ones; surfaces.

@@ -58,8 +58,14 @@ public:
 Segmentation segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                            const SegmentOptions &options = {}, const Context &context = {});
 
-/// The whole stage for a captured performance: its frames are brought back to the scan pose, too (unposed_frames), `segmenter` is
-/// asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
+/// The surface in whose pose a segmentation is made, for that is the scan's: the performance's first frame if its joints are
+/// within 0.15 rad (RMS over the degrees of freedom but the root's), otherwise the actor's own mesh. Throws as
+/// require_performance().
+Mesh segmented_pose(const RiggedMesh &actor, const ReferencePerformance &performance);
+
+/// The whole stage for a captured performance: its frames are brought back to the scan pose, too (unposed_frames), after
+/// segmented_pose() if that is none of them, `segmenter` is asked, and the cloth gets its fullness (estimate_fullness). Throws as
+/// these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const FullnessOptions &fullness = {},
                                  const Context &context = {});
