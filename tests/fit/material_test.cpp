@@ -1,5 +1,6 @@
 #include "doublet/core/error.h"
 #include "doublet/core/parts/normal_generator.h"
+#include "doublet/fit/garment_trial.h"
 #include "fit/synthetic.h"
 #include "support/temp_folder.h"
 
@@ -624,6 +625,36 @@ TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
   EXPECT_NEAR(last.regions[0].energy, whole.regions[0].best_energy, 1e-9); // without the penalty of samples outside the box
   EXPECT_EQ(last.regions[0].material.d_n, whole.regions[0].best.d_n);
   EXPECT_TRUE(whole.regions[0].confidence().empty());
+}
+
+TEST(EstimateMaterial, BeginsAroundTheBestOfOrdinaryMaterials) {
+  const auto s = make_scene({cotton()}, {12, 2, 160});
+  FitOptions options = quick();
+  options.influence = false;
+  options.first_samples = 16;
+  options.max_evaluations = 17; // the first generation, and one that is drawn
+  const FitResult fit = estimate_material(*s->simulator, s->performance, s->observations, options);
+  ASSERT_EQ(fit.log.size(), 2u);
+  EXPECT_EQ(fit.log[0].evaluations, 16);
+
+  const MatrixRM samples = trial_samples(options.space, 16);
+  const MaterialObjective objective(*s->simulator, s->performance, s->observations, options.energy, options.space);
+  std::vector<std::pair<double, int>> ranking;
+  for (int i = 0; i < 16; ++i)
+    ranking.push_back({objective.energies({{options.space.material(samples.row(i).transpose())}}, {})(0, 0), i});
+  std::sort(ranking.begin(), ranking.end());
+  const Eigen::RowVectorXd best = samples.row(ranking[0].second);
+  EXPECT_NEAR(fit.log[0].best, ranking[0].first, 1e-9);
+  Eigen::RowVectorXd low = best, high = best; // a weighted mean of the best four lies between them
+  for (int i = 1; i < 4; ++i) {
+    low = low.cwiseMin(samples.row(ranking[i].second));
+    high = high.cwiseMax(samples.row(ranking[i].second));
+  }
+  const Eigen::RowVectorXd mean = fit.log[0].mean.transpose();
+  EXPECT_TRUE((mean.array() > low.array()).all() && (mean.array() < high.array()).all()) << mean << " in " << low << ", " << high;
+
+  options.first_samples = 3;
+  EXPECT_THROW(options.validate(), std::invalid_argument);
 }
 
 TEST(EstimateMaterial, CanBeDoneByAnnealing) {
