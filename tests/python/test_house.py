@@ -1,6 +1,7 @@
 """The rules of the house: who may include and link whom, and what stays out of public headers."""
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,37 @@ def test_public_headers_show_no_third_party_types_but_eigens(room):
         for name in includes(path):
             own_or_standard = name.startswith(("doublet/", "Eigen/")) or re.fullmatch(r"[a-z_]+", name)
             assert own_or_standard, f"{path.relative_to(ROOT)} includes {name}"
+
+
+def reached_from(path: Path) -> set[Path]:
+    """The project's own files that a file includes, directly or not."""
+    folders = [ROOT / f"lib{room}" / part for room in MAY_USE for part in ("include", "src")]
+    reached, left = set(), [path]
+    while left:
+        at = left.pop()
+        if at not in reached:
+            reached.add(at)
+            candidates = [folder / name for name in includes(at) for folder in (at.parent, *folders)]
+            left.extend(c.resolve() for c in candidates if c.exists())
+    return reached
+
+
+@cache
+def types_of(path: Path) -> frozenset[str]:
+    text = path.read_text(encoding="utf-8")
+    return frozenset(re.findall(r"^(?:class|struct|enum class) (\w+)", text, re.MULTILINE))
+
+
+@pytest.mark.parametrize("room", MAY_USE)
+def test_sources_include_what_declares_the_types_they_name(room):
+    """CI compiles several sources at once, where one passes on what another includes."""
+    public = {name: path for paths in SOURCES.values() for path in paths if "include" in path.parts for name in types_of(path)}
+    for path in (p for p in SOURCES[room] if p.suffix == ".cpp"):
+        code = re.sub(r'//.*|"(?:\\.|[^"\\\n])*"', "", path.read_text(encoding="utf-8"))
+        named = set(re.findall(r"(?<!::)\b[A-Z]\w+", code)) - set(re.findall(r"(?:class|struct|using) (\w+)", code))
+        for name in (named & public.keys()) - {n for reached in reached_from(path.resolve()) for n in types_of(reached)}:
+            header = public[name].relative_to(ROOT)
+            raise AssertionError(f"{path.relative_to(ROOT)} names {name} without including {header}")
 
 
 def test_every_room_has_tests():
