@@ -45,21 +45,29 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   write_proxies(out / "proxies.json", fit_proxies(fitted, actor, segmentation), actor.skeleton);
   const BodyFit body = read_body(out / "body.npz");
   const std::vector<TaperedCapsule> proxies = read_proxies(out / "proxies.json", actor.skeleton);
-  // The garment whose rest shape moves most like the filmed one
+  // The garment whose rest shape, and then whose attachment, moves most like the filmed one
   FitOptions fit;
   fit.energy.dt = 1 / session.fps;
-  GarmentOptions options;
-  std::vector<Garment> garments;
-  std::vector<double> energies;
-  for (const double spread : TrialOptions{}.spreads) {
-    options.spread = spread;
-    garments.push_back(mesh_garment(actor, segmentation, body.body, performance.surface, options, context));
-    const DressedActor dressed = dress(actor, segmentation, garments.back());
-    const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
-    const ReferencePerformance motion = dress(performance, actor, garments.back());
-    energies.push_back(garment_energy(simulator, motion, observations, {}, fit.energy, fit.space, context));
-  }
-  write_garment(out / "garment.npz", garments[chosen_garment(energies)]);
+  const TrialOptions trial;
+  GarmentOptions taken;
+  taken.spread = trial.spreads[0];
+  taken.band = trial.bands[0];
+  const auto chosen = [&](double GarmentOptions::*option, const std::vector<double> &values) {
+    std::vector<double> energies;
+    for (const double value : values) {
+      GarmentOptions options = taken;
+      options.*option = value;
+      const Garment tried = mesh_garment(actor, segmentation, body.body, performance.surface, options, context);
+      const DressedActor dressed = dress(actor, segmentation, tried);
+      const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
+      const ReferencePerformance motion = dress(performance, actor, tried);
+      energies.push_back(garment_energy(simulator, motion, observations, trial, fit.energy, fit.space, context));
+    }
+    return values[chosen_garment(energies, trial)];
+  };
+  taken.spread = chosen(&GarmentOptions::spread, trial.spreads);
+  taken.band = chosen(&GarmentOptions::band, trial.bands);
+  write_garment(out / "garment.npz", mesh_garment(actor, segmentation, body.body, performance.surface, taken, context));
   const Garment garment = read_garment(out / "garment.npz", actor);
   const DressedActor dressed = dress(actor, segmentation, garment);
   const ReferencePerformance motion = dress(performance, actor, garment);

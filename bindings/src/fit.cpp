@@ -234,8 +234,9 @@ void bind_energy(py::module_ &m) {
 
 void bind_garment_trial(py::module_ &m) {
   OptionsClass<TrialOptions>(m, "Which rest shapes of a garment are tried on the video.");
-  m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"),
-        "(count, n) points of the box, spread evenly, of cloth that does not stretch.");
+  m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"), py::arg("share") = 0,
+        "(count, n) points of the box, spread evenly, of cloth that does not stretch: the share-th (from 0) count of the "
+        "sequence.");
   m.def(
       "chosen_garment", &chosen_garment, py::arg("energies"), py::arg("trial") = TrialOptions{},
       "Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.");

@@ -31,14 +31,16 @@ void require_materials(int count, const std::string &what) {
 
 } // namespace
 
-MatrixRM trial_samples(const ParameterSpace &space, int count) {
+MatrixRM trial_samples(const ParameterSpace &space, int count, int share) {
   constexpr std::array<int, 6> kPrimes{2, 3, 5, 7, 11, 13}; // one a parameter of a material
   space.validate();
   require_materials(count, "trial_samples: count");
+  require(share >= 0 && share <= 100000,
+          "trial_samples: share: expected a number in [0, 100000], found " + std::to_string(share));
   MatrixRM samples(count, space.size());
   for (int s = 0; s < count; ++s)
     for (int i = 0; i < space.size(); ++i)
-      samples(s, i) = space.names[i] == "k_stretch" ? 1.0 : radical_inverse(s + 1, kPrimes.at(i));
+      samples(s, i) = space.names[i] == "k_stretch" ? 1.0 : radical_inverse(share * count + s + 1, kPrimes.at(i));
   return samples;
 }
 

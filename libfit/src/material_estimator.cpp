@@ -28,7 +28,7 @@ CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   cma.stagnation = options.stagnation;
   cma.seed = seed;
   if (options.first_samples > 0)
-    cma.first = trial_samples(options.space, options.first_samples);
+    cma.first = trial_samples(options.space, options.first_samples, static_cast<int>(seed - options.seed));
   return cma;
 }
 

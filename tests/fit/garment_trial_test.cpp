@@ -21,6 +21,8 @@ TEST(GarmentTrial, SamplesAreSpreadEvenlyAndDoNotStretch) {
       EXPECT_NEAR((column >= quarter / 4.0 && column < (quarter + 1) / 4.0).count(), count / 4, 3) << space.names[i];
     }
   EXPECT_EQ(space.material(samples.row(0).transpose()).k_stretch, 1);
+  EXPECT_EQ(trial_samples(space, count / 4, 1), samples.middleRows(count / 4, count / 4)); // shares of one sequence
+  EXPECT_THROW(trial_samples(space, count, -1), std::invalid_argument);
 }
 
 double cost_of_width(const Scene &scene, double fullness) {

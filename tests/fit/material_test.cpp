@@ -657,6 +657,31 @@ TEST(EstimateMaterial, BeginsAroundTheBestOfOrdinaryMaterials) {
   EXPECT_THROW(options.validate(), std::invalid_argument);
 }
 
+TEST(EstimateMaterial, SearchesSideBySideBeginWithMaterialsOfTheirOwn) {
+  pbd::Material stiff = cotton(); // far from each of the first four
+  stiff.d_n = 28;
+  stiff.k_bend = 0.9;
+  const auto s = make_scene({stiff}, {12, 2, 160});
+  FitOptions options = quick();
+  options.influence = false;
+  options.first_samples = 4;
+  options.max_evaluations = 4;
+  options.seeds = 6;
+  const FitResult fit = estimate_material(*s->simulator, s->performance, s->observations, options);
+  const MaterialObjective objective(*s->simulator, s->performance, s->observations, options.energy, options.space);
+  std::vector<double> lowest;
+  for (int share = 0; share < options.seeds; ++share) {
+    const MatrixRM samples = trial_samples(options.space, 4, share);
+    std::vector<std::vector<pbd::Material>> materials;
+    for (const auto &sample : samples.rowwise())
+      materials.push_back({options.space.material(sample.transpose())});
+    lowest.push_back(objective.energies(materials, {}).minCoeff());
+  }
+  const double best = *std::min_element(lowest.begin(), lowest.end());
+  ASSERT_LT(best, lowest[0]);
+  EXPECT_NEAR(fit.log[0].best, best, 1e-9);
+}
+
 TEST(EstimateMaterial, CanBeDoneByAnnealing) {
   const auto s = make_scene({cotton()}, {12, 2, 160});
   FitOptions options = quick();

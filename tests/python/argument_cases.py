@@ -168,7 +168,7 @@ def calls(world, folder) -> dict:
         "measure_influence": (lambda answers: d.measure_influence(objective, answers), {"answers": np.full((1, 1), 0.5)}),
         "garment_energy": (lambda **given: d.garment_energy(**given, space=d.ParameterSpace(names=["d_n"])), reference),
         "chosen_garment": (d.chosen_garment, {"energies": np.array([3.0, 2.0])}),
-        "trial_samples": (lambda count: d.trial_samples(d.ParameterSpace(), count), {"count": 4}),
+        "trial_samples": (lambda count, share: d.trial_samples(d.ParameterSpace(), count, share), {"count": 4, "share": 1}),
         "trial_energy": (lambda materials: d.trial_energy(objective, materials), {"materials": 4}),
         "ParameterSpace.material": (d.ParameterSpace().material, {"unit": np.full(len(d.ParameterSpace().names), 0.5)}),
         "Optimizer.tell": (cma.tell, {"samples": np.array(cma.ask()), "energies": np.ones(4)}),

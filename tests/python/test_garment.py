@@ -89,7 +89,7 @@ def area_of(garment) -> float:
 
 
 def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
-    """Each spread is tried, the cheapest is written and all costs are recorded; a spread that nobody would use is refused."""
+    """Each spread is tried, then each band; the cheapest is taken, all costs are told; what nobody would use is refused."""
     actor, clothness = skirt
     wide = np.array(actor.mesh.vertices) * [1.3, 1, 1.3]
     performance = d.ReferencePerformance()
@@ -103,26 +103,35 @@ def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
     body = d.BodyFit()
     body.body = d.Mesh(np.array(actor.mesh.vertices) * [0.6, 1, 0.6], actor.mesh.faces)
     d.write_body(tmp_path / "body.npz", body)
-    options = {"garment": d.GarmentOptions(vertices=300), "trial": d.TrialOptions(spreads=[0.1, 0.9])}
+    trial = {"spreads": [0.1, 0.9], "bands": [0, 0.1]}
+    options = {"garment": d.GarmentOptions(vertices=300), "trial": d.TrialOptions(**trial)}
     job = pipeline.Job(tmp_path, tmp_path, options)
-    areas = []
+    tried = []
 
-    def cost(_, garment):
-        areas.append(area_of(garment))
-        return -areas[-1]
+    def cheap_if_wide(_, garment):
+        """Costs less the more area and the more cloth hangs on the skeleton in part."""
+        clothness = np.asarray(garment.clothness)
+        tried.append((area_of(garment), int(((clothness > 0) & (clothness < 1)).sum())))
+        return 1 / (tried[-1][0] + tried[-1][1])
 
-    monkeypatch.setattr(pipeline, "trial_energy", cost)
+    monkeypatch.setattr(pipeline, "trial_energy", cheap_if_wide)
     chosen, costs = pipeline.filmed_garment(job)
-    assert areas[0] > 1.05 * areas[1] and costs == {"0.1": -areas[0], "0.9": -areas[1]}
-    assert area_of(chosen) == areas[0]
-    monkeypatch.setattr(pipeline, "trial_energy", lambda _, garment: -cost(_, garment))
-    assert area_of(pipeline.filmed_garment(job)[0]) == areas[1]
-    job.options["garment"] = d.GarmentOptions(spread=0.3)
-    with pytest.raises(ValueError, match=r"garment.spread 0.3 would not be used: .* found \[0.1, 0.9\]"):
-        pipeline.filmed_garment(job)
-    job.options["trial"] = d.TrialOptions(spreads=[])
-    monkeypatch.setattr(pipeline, "trial_energy", None)  # nothing to choose from
-    assert pipeline.filmed_garment(job)[1] == {}
+    (wide, no_band), (narrow, _), (as_wide, band) = tried  # the wide seam is not tried twice
+    assert wide > 1.05 * narrow and as_wide == wide and band > no_band == 0
+    assert area_of(chosen) == wide and int(((chosen.clothness > 0) & (chosen.clothness < 1)).sum()) == band
+    assert list(costs["spread"]) == ["0.1", "0.9"] and list(costs["band"]) == ["0", "0.1"]
+    assert costs["band"]["0"] == costs["spread"]["0.1"]
+    monkeypatch.setattr(pipeline, "trial_energy", lambda _, garment: 1 / cheap_if_wide(_, garment))
+    chosen, _ = pipeline.filmed_garment(job)
+    assert area_of(chosen) == narrow and not ((chosen.clothness > 0) & (chosen.clothness < 1)).any()
+    for name, value, found in (("spread", 0.3, r"\[0.1, 0.9\]"), ("band", 0.02, r"\[0.0, 0.1\]")):
+        job.options["garment"] = d.GarmentOptions(**{name: value})
+        with pytest.raises(ValueError, match=rf"garment.{name} {value} would not be used: .* found {found}"):
+            pipeline.filmed_garment(job)
+        job.options["trial"] = d.TrialOptions(**{**trial, f"{name}s": []})
+        monkeypatch.setattr(pipeline, "trial_energy", lambda *_: 1.0)
+        assert pipeline.filmed_garment(job)[1][name] == {}  # nothing to choose from
+        job.options["trial"] = d.TrialOptions(**trial)
 
 
 def test_another_rest_shape_must_be_clearly_cheaper():

@@ -4991,9 +4991,17 @@ class TrialOptions:
         Name -> value of every option.
         """
     @property
+    def bands(self) -> list[float]:
+        """
+        m, likewise in the place of the mesher's band, at the spread that was taken: a number in [0, 1]
+        """
+    @bands.setter
+    def bands(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+        ...
+    @property
     def margin(self) -> float:
         """
-        share by which another must cost less than the first of the spreads to be taken in its place: a number in [0, 1]
+        share by which another must cost less than the first to be taken in its place: a number in [0, 1]
         """
     @margin.setter
     def margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -5559,9 +5567,9 @@ def trial_energy(objective: MaterialObjective, materials: typing.SupportsInt | t
     """
     (regions) pixels^2: what a garment costs before its material is known, the mean of the lowest quarter of E_fit over trial_samples().
     """
-def trial_samples(space: ParameterSpace, count: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+def trial_samples(space: ParameterSpace, count: typing.SupportsInt | typing.SupportsIndex, share: typing.SupportsInt | typing.SupportsIndex = 0) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
-    (count, n) points of the box, spread evenly, of cloth that does not stretch.
+    (count, n) points of the box, spread evenly, of cloth that does not stretch: the share-th (from 0) count of the sequence.
     """
 def unposed_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
@@ -338,33 +338,44 @@ def run_garment(job: Job) -> dict:
         "loops_that_hang": found.hanging_loops,
         "edge_mm": 1000 * found.mean_edge,
         "smallest_angle_1_percent_degrees": found.smallest_angle,
-        "energy_px2_of_spread": trials,
+        "energy_px2_of_spread": trials["spread"],
+        "energy_px2_of_band": trials["band"],
     }
 
 
-def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, float]]:
-    """The garment whose rest shape moves most like the filmed one, and what each that was tried costs: spread -> pixels^2."""
-    options, spreads = job.options["garment"], job.options["trial"].spreads
-    if spreads and options.spread != d.GarmentOptions().spread:
-        raise ValueError(
-            f"garment.spread {options.spread} would not be used: expected it left alone, or trial.spreads empty, "
-            f"found {spreads} to be tried on the video (on the command line: --trial-spreads {options.spread})"
-        )
+def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, dict[str, float]]]:
+    """The garment whose rest shape and attachment move most like the filmed one, and what each that was tried costs, pixels^2."""
+    tried = {"spread": job.options["trial"].spreads, "band": job.options["trial"].bands}
+    given, untouched = job.options["garment"].to_dict(), d.GarmentOptions().to_dict()
+    for name, values in tried.items():
+        if values and given[name] != untouched[name]:
+            raise ValueError(
+                f"garment.{name} {given[name]} would not be used: expected it left alone, or trial.{name}s empty, "
+                f"found {values} to be tried on the video (on the command line: --trial-{name}s {given[name]})"
+            )
     segmentation, captured = job.segmentation(), job.performance().surface
     body = d.read_body(job.path("body.npz")).body
 
-    def garment_of(spread: float) -> d.Garment:
-        mesher = d.GarmentMesher.create(d.GarmentOptions(**{**options.to_dict(), "spread": spread}))
+    @cache
+    def garment_of(spread: float, band: float) -> d.Garment:
+        mesher = d.GarmentMesher.create(d.GarmentOptions(**{**given, "spread": spread, "band": band}))
         return mesher.mesh(job.actor, segmentation, body, captured, job.context)
 
-    garments = [garment_of(spread) for spread in spreads or [options.spread]]
-    if len(garments) < 2 or garments[0].region_count == 0:
-        return garments[0], {}
-    costs: dict[str, float] = {}
-    for spread, garment in zip(spreads, garments):
-        costs[f"{spread:g}"] = cost = trial_energy(job, garment)
-        job.console.say(f"garment: spread {spread:g} costs {cost:.4g} px^2 with ordinary materials")
-    return garments[d.chosen_garment(list(costs.values()), job.options["trial"])], costs
+    @cache
+    def cost_of(spread: float, band: float) -> float:
+        cost = trial_energy(job, garment_of(spread, band))
+        job.console.say(f"garment: spread {spread:g} and band {band:g} m cost {cost:.4g} px^2 with ordinary materials")
+        return cost
+
+    taken = {name: values[0] if values else given[name] for name, values in tried.items()}
+    costs: dict[str, dict[str, float]] = {name: {} for name in tried}
+    if garment_of(**taken).region_count:
+        for name, values in tried.items():
+            if len(values) > 1:
+                energies = [cost_of(**{**taken, name: value}) for value in values]
+                costs[name] = {f"{value:g}": energy for value, energy in zip(values, energies)}
+                taken[name] = values[d.chosen_garment(energies, job.options["trial"])]
+    return garment_of(**taken), costs
 
 
 def trial_energy(job: Job, garment: d.Garment) -> float:

@@ -9,9 +9,11 @@
 namespace doublet {
 
 /// The rest shape of a garment follows from how much of the video's motion it must allow for (see the garment mesher's `spread`),
-/// and that share differs from film to film. So several are tried on the video, each with the same ordinary materials.
+/// and that share differs from film to film. So several are tried on the video, each with the same ordinary materials. Then, at
+/// the spread that was taken, several widths of the band that it hangs from (the mesher's `band`).
 struct TrialOptions {
   std::vector<double> spreads = {0.15, 0.25, 0.35, 0.5};
+  std::vector<double> bands = {0, 0.05};
   int materials = 16;
   double margin = 0.1; ///< chaos alone moves what 16 materials cost by 5 to 10 %
   static constexpr auto describe() {
@@ -22,19 +24,21 @@ struct TrialOptions {
         option(&O::spreads, "spreads", Range{0, 1, Open::Both}, "",
                "tried in the place of the mesher's own, the one of the lowest energy is taken; one = that one, untried, none = "
                "the mesher's"),
+        option(&O::bands, "bands", Range{0, 1}, "m", "likewise in the place of the mesher's band, at the spread that was taken"),
         option(&O::materials, "materials", Range{4, 4096}, "",
                "that each is tried with; 16 are two groups side by side, and the mean of the lowest quarter counts"),
         option(&O::margin, "margin", Range{0, 1}, "",
-               "share by which another must cost less than the first of the spreads to be taken in its place"),
+               "share by which another must cost less than the first to be taken in its place"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// (count, n) points of the box, spread evenly (Halton, "On the efficiency of certain quasi-random sequences of points",
-/// Numerische Mathematik 2, 1960), but of cloth that does not stretch. Throws std::invalid_argument for a wrong space, or a count
-/// outside [4, 4096].
-MatrixRM trial_samples(const ParameterSpace &space, int count);
+/// Numerische Mathematik 2, 1960), but of cloth that does not stretch. `share` (from 0): which `count` of the sequence, so that
+/// searches side by side begin with different ones. Throws std::invalid_argument for a wrong space, a count outside [4, 4096] or
+/// a share outside [0, 100000].
+MatrixRM trial_samples(const ParameterSpace &space, int count, int share = 0);
 
 /// (R) what the regions of a garment cost, pixels^2: the mean of the lowest quarter of E_fit over trial_samples(). Lower where
 /// some ordinary material moves the garment as the filmed one moves. Throws std::invalid_argument as trial_samples() does.
