@@ -641,6 +641,8 @@ for command in ("check session -o new", TEMPLATE, *(f"{stage} out --force" for s
         },
     )
 spoilt_by("Options", RECONSTRUCT + " --segment-rigid-threshold -1", a_threshold_below_0=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --capture-start-frame 500", a_start_after_the_last_frame=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --garment-spread 0.3", a_width_that_the_video_chooses=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --cloth-substeps 0", no_steps_at_all=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --fit-optimizer newton", an_optimiser_that_is_not_there=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --energy-dt x", an_option_that_is_not_there=lambda folder: None)

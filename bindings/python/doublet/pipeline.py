@@ -343,16 +343,35 @@ def run_garment(job: Job) -> dict:
     }
 
 
-def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, dict[str, float]]]:
-    """The garment whose rest shape and attachment move most like the filmed one, and what each that was tried costs, pixels^2."""
-    tried = {"spread": job.options["trial"].spreads, "band": job.options["trial"].bands}
+def tried_on_video(job: Job) -> dict[str, list[float]]:
+    """Options of the garment that the video chooses, and from what: name -> values."""
+    return {"spread": job.options["trial"].spreads, "band": job.options["trial"].bands}
+
+
+def require_tried(job: Job) -> None:
+    """Throws ValueError if an option of the garment was given that the video chooses."""
     given, untouched = job.options["garment"].to_dict(), d.GarmentOptions().to_dict()
-    for name, values in tried.items():
+    for name, values in tried_on_video(job).items():
         if values and given[name] != untouched[name]:
             raise ValueError(
                 f"garment.{name} {given[name]} would not be used: expected it left alone, or trial.{name}s empty, "
                 f"found {values} to be tried on the video (on the command line: --trial-{name}s {given[name]})"
             )
+
+
+def require_start_in_take(job: Job) -> None:
+    """Throws ValueError if tracking would have to begin in a frame that is not tracked."""
+    options = job.options["capture"]
+    first, count, start = options.first_frame, options.frame_count, options.start_frame
+    last = (job.session.frame_count if count < 0 else first + count) - 1
+    if start >= 0 and not first <= start <= last:
+        raise ValueError(f"capture.start_frame: expected one of the frames {first} to {last}, found {start}")
+
+
+def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, dict[str, float]]]:
+    """The garment whose rest shape and attachment move most like the filmed one, and what each that was tried costs, pixels^2."""
+    require_tried(job)
+    given, tried = job.options["garment"].to_dict(), tried_on_video(job)
     segmentation, captured = job.segmentation(), job.performance().surface
     body = d.read_body(job.path("body.npz")).body
 
@@ -628,6 +647,8 @@ def start_record(job: Job, scanned: bool = True) -> None:
     if job.out.exists() and not job.out.is_dir():
         raise RuntimeError(f"{job.out}: expected a folder for the results, found a file")
     refuse_other_session(job)
+    require_tried(job)
+    require_start_in_take(job)
     if scanned:
         d.require_scanned(job.session)
     job.out.mkdir(parents=True, exist_ok=True)
