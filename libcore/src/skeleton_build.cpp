@@ -199,9 +199,17 @@ std::vector<Freedom> wrist(const Bones &b, const Vector3d &elbow_axis) {
   return {{"flex", flex, -80 * kDegree, 80 * kDegree}, {"dev", b.out.cross(flex), -80 * kDegree, 80 * kDegree}};
 }
 
-std::vector<Freedom> ankle(const Bones &b, const BodyAxes &body) {
+std::vector<Freedom> knee(const Bones &b, const BodyAxes &body) {
+  // Of the bent knee the shank turns by some 40 degrees about itself, between the extremes.
+  return {flexion(b, flexion_axis(b, -body.forward, -body.up)), {"twist", b.out, -40 * kDegree, 40 * kDegree}};
+}
+
+std::vector<Freedom> ankle(const Bones &b, const BodyAxes &body, int dof) {
   // Positive lifts the toes. From standing: dorsiflexion in a deep lunge reaches 50 degrees, plantar flexion on tiptoe 60.
-  return {{"flex", flexion_axis(b, body.forward, body.up), -60 * kDegree, 50 * kDegree}};
+  const Freedom flex{"flex", flexion_axis(b, body.forward, body.up), -60 * kDegree, 50 * kDegree};
+  if (dof == 1)
+    return {flex};
+  return {{"turn", b.in, -45 * kDegree, 45 * kDegree}, flex}; // toes in and out, about the shank
 }
 
 /// A hinge that is no joint we know: any axis across the bone, any angle.
@@ -217,12 +225,12 @@ std::vector<Freedom> hinges(const Skeleton &skeleton, int joint, int dof, const 
   const Joint &j = skeleton.joints[joint];
   const Bones b = bones_at(skeleton, joint);
   const std::string name = without_side(j.name);
-  if (name == "knee" && dof == 1)
-    return {flexion(b, flexion_axis(b, -body.forward, -body.up))};
-  if (name == "ankle" && dof == 1)
-    return ankle(b, body);
   std::vector<Freedom> out;
-  if (name == "elbow")
+  if (name == "knee")
+    out = knee(b, body);
+  else if (name == "ankle")
+    out = ankle(b, body, dof);
+  else if (name == "elbow")
     out = elbow(b, body);
   else if (name == "wrist" && j.parent >= 0)
     out = wrist(b, flexion_axis(bones_at(skeleton, j.parent), body.forward, body.up));

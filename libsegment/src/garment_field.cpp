@@ -258,4 +258,25 @@ Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sh
   return result;
 }
 
+Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece) {
+  const Vertices &x = piece.mesh.vertices;
+  const EdgeTopology edges = edge_topology(piece.mesh.faces);
+  const std::vector<int> joints = joint_of_faces(actor);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(x.rows()), count = sum;
+  for (std::size_t e = 0; e < edges.edges.size(); ++e) {
+    if (edges.edge_faces[e].minCoeff() >= 0)
+      continue;
+    const int f = edges.edge_faces[e].maxCoeff(), a = edges.edges[e][0], b = edges.edges[e][1];
+    const Eigen::RowVector3d along = (x.row(b) - x.row(a)).normalized();
+    const int opposite = piece.mesh.faces.row(f).sum() - a - b;
+    const Eigen::RowVector3d across = x.row(a) - x.row(opposite), out = (across - across.dot(along) * along).normalized();
+    const double cosine = out.dot(away_along(actor.skeleton, joints[piece.actor_face[f]]).transpose());
+    for (int v : {a, b}) {
+      sum[v] += cosine;
+      count[v] += 1;
+    }
+  }
+  return sum.cwiseQuotient(count.cwiseMax(1));
+}
+
 } // namespace doublet::detail

@@ -24,4 +24,8 @@ Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &
 Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sheet, const Eigen::VectorXd &field,
                             const Piece &piece, double smoothing);
 
+/// (N) at the boundary of the piece: cosine between the way out of it and the way the limb below ends, 1 at a skirt's hem, -1 at
+/// its waist. 0 inside.
+Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece);
+
 } // namespace doublet::detail

@@ -28,35 +28,55 @@ namespace {
 constexpr double kTooWide = 0.03; // share of the frames
 constexpr double kOffCount = 0.1; // of the wanted number of vertices
 
-/// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut.
-std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin, double smallest) {
+constexpr double kEnds = 0.2; // mean cosine along an edge: there the garment ends, whatever is behind it
+
+/// A stretch of a loop of one kind.
+struct Run {
+  std::size_t first = 0, count = 0;
+  double length = 0; ///< m
+};
+
+std::vector<Run> runs_of(const Vertices &vertices, const std::vector<int> &loop, const std::vector<char> &kinds) {
   const std::size_t n = loop.size();
-  std::vector<char> result(n);
-  for (std::size_t i = 0; i < n; ++i)
-    result[i] = skin[loop[i]] > 0.5;
-  const auto length = [&](std::size_t i) { return (vertices.row(loop[(i + 1) % n]) - vertices.row(loop[i])).norm(); };
-  // Short runs of one kind become the other, the shortest first.
-  while (true) {
-    double shortest = smallest;
-    std::size_t first = n, count = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (result[i] == result[(i + n - 1) % n])
-        continue; // not the start of a run
-      double run = 0;
-      std::size_t k = 0;
-      for (; k < n && result[(i + k) % n] == result[i]; ++k)
-        run += length((i + k) % n);
-      if (run < shortest) {
-        shortest = run;
-        first = i;
-        count = k;
-      }
-    }
-    if (first == n)
-      return result;
-    for (std::size_t k = 0; k < count; ++k)
-      result[(first + k) % n] ^= 1;
+  std::vector<Run> runs;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (kinds[i] == kinds[(i + n - 1) % n])
+      continue;
+    Run run{i, 0, 0};
+    for (; run.count < n && kinds[(i + run.count) % n] == kinds[i]; ++run.count)
+      run.length += (vertices.row(loop[(i + run.count + 1) % n]) - vertices.row(loop[(i + run.count) % n])).norm();
+    runs.push_back(run);
   }
+  return runs; // none if all is of one kind
+}
+
+/// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut; `ends` (N):
+/// of ends_along_limb(). Runs that are shorter than `smallest` become the other kind, the shortest first.
+std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin,
+                          const Eigen::VectorXd &ends, double smallest) {
+  std::vector<char> kinds;
+  for (int v : loop)
+    kinds.push_back(skin[v] > 0.5);
+  const auto turn = [&](const Run &run) {
+    for (std::size_t k = 0; k < run.count; ++k)
+      kinds[(run.first + k) % loop.size()] ^= 1;
+  };
+  for (std::vector<Run> runs = runs_of(vertices, loop, kinds); !runs.empty(); runs = runs_of(vertices, loop, kinds)) {
+    const Run &shortest =
+        *std::min_element(runs.begin(), runs.end(), [](const Run &a, const Run &b) { return a.length < b.length; });
+    if (shortest.length >= smallest)
+      break;
+    turn(shortest);
+  }
+  // A leg that touches the hem, or is one surface with it in a scan made of silhouettes, does not hold it.
+  for (const Run &run : runs_of(vertices, loop, kinds)) {
+    double sum = 0;
+    for (std::size_t k = 0; k < run.count; ++k)
+      sum += ends[loop[(run.first + k) % loop.size()]];
+    if (kinds[run.first] && sum > kEnds * static_cast<double>(run.count))
+      turn(run);
+  }
+  return kinds;
 }
 
 /// The frame in which the piece is spread out, but not the very widest (the worst tracking); -1 if there is none.
@@ -70,10 +90,11 @@ int wide_frame(const RiggedMesh &actor, const Piece &piece, const MeshSequence &
 }
 
 /// (N) 1 for the vertices of the piece's boundary that the garment hangs from.
-std::vector<char> hanging_vertices(const Piece &piece, const Eigen::VectorXd &skin_at_cut, double smallest_edge) {
+std::vector<char> hanging_vertices(const Piece &piece, const Eigen::VectorXd &skin_at_cut, const Eigen::VectorXd &ends,
+                                   double smallest_edge) {
   std::vector<char> result(piece.mesh.vertices.rows(), 0);
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces)) {
-    const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, smallest_edge);
+    const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, ends, smallest_edge);
     for (std::size_t i = 0; i < loop.size(); ++i)
       result[loop[i]] = kinds[i];
   }
@@ -344,7 +365,7 @@ public:
       fields.push_back(detail::garment_field(actor, excluded, segmentation, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
       const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing);
-      hangs.push_back(hanging_vertices(whole, skin, options_.smallest_edge));
+      hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), options_.smallest_edge));
       pieces.push_back(hanging_part(whole, hangs.back()));
       say_what_falls(whole, pieces.back(), r, context);
       spread.push_back(spread_out(actor, pieces.back(), captured));

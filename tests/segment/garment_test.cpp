@@ -324,6 +324,26 @@ TEST(GarmentMesher, TheSheetBelowAHemIsNoSkinEvenWhereItCountsAsValid) {
   expect_loops(garment_of(person), 2, 1);
 }
 
+TEST(GarmentMesher, ALegThatIsOneSurfaceWithTheHemDoesNotHoldIt) {
+  Person person;
+  for (int k = 0; k <= 24; ++k) { // on a quarter of the hem, 47 cm
+    for (int ring = 0; ring < 28; ++ring) {
+      const double angle = 2 * skirt_person::pi * k / skirt_person::kAround, radius = 0.295 + 0.005 * std::max(0, ring - 20) / 8;
+      const double y = ring < 20 ? 0.024 * ring : 0.48 + 0.02 * (ring - 20) / 8;
+      person.actor.mesh.vertices.row(skirt_person::vertex(ring, k)) << radius * std::sin(angle), y, radius * std::cos(angle);
+    }
+    for (int ring = 20; ring < 28 && k < 24; ++ring)
+      for (int f : {0, 1})
+        person.actor.face_valid[skirt_person::face(ring, k) + f] = 1;
+  }
+  const Garment garment = garment_of(person);
+  expect_loops(garment, 2, 1);
+  const std::vector<int> hem = hem_vertices(garment);
+  EXPECT_TRUE(std::any_of(hem.begin(), hem.end(), [&](int v) { // the quarter is free
+    return garment.mesh.vertices(v, 0) > 0.2 && garment.mesh.vertices(v, 2) > 0.2;
+  }));
+}
+
 TEST(GarmentMesher, AGapInTheSkinAboveTheSeamIsNoHem) {
   Person person;
   for (int ring = 53; ring < 60; ++ring)
