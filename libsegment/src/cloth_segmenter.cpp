@@ -1,5 +1,6 @@
 #include "doublet/segment/cloth_segmenter.h"
 
+#include "bare_limbs.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/segment/parts/diffusion.h"
 #include "snug_cloth.h"
@@ -369,6 +370,8 @@ Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerform
     sequence.unposed.insert(sequence.unposed.begin(), actor.mesh.vertices);
   }
   Segmentation segmentation = segmenter.segment(sequence, actor.face_valid, context);
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "segment_performance: the segmenter's answer");
+  detail::strip_bare_limbs(actor, segmented_pose(actor, performance), segmentation, context);
   segmentation.fullness = estimate_fullness(actor.mesh, actor.face_valid, segmentation, performance.surface, fullness, context);
   return segmentation;
 }

@@ -1,3 +1,4 @@
+#include "skirt_person.h"
 #include "tube.h"
 
 #include "doublet/core/error.h"
@@ -510,6 +511,86 @@ ReferencePerformance turning(const RiggedMesh &actor, double bent) {
 }
 
 } // namespace first_pose
+
+namespace bare_limbs {
+
+/// Finds what it is told.
+struct Told : ClothSegmenter {
+  Segmentation told;
+  Segmentation segment(const MeshSequence &, const std::vector<std::uint8_t> &, const Context &) const override { return told; }
+};
+
+/// A person in a skirt whose leg, down to a foot of four rings, was taken for cloth, as was the sheet between leg and hem.
+struct Case {
+  skirt_person::Person person;
+  ReferencePerformance performance;
+  Told segmenter;
+  std::string said;
+
+  Case() {
+    person.actor.face_valid.assign(person.actor.mesh.faces.rows(), 1);
+    const int ankle = person.actor.skeleton.find("l_ankle");
+    person.actor.weights.setZero();
+    person.actor.weights.col(0).setOnes();
+    for (int v = 0; v < skirt_person::vertex(4, 0); ++v) {
+      person.actor.weights(v, 0) = 0;
+      person.actor.weights(v, ankle) = 1;
+    }
+    for (int ring = 0; ring < 28; ++ring)
+      person.set_cloth(ring, 0);
+    segmenter.told = person.segmentation;
+    performance.dofs = MatrixRM::Zero(2, person.actor.skeleton.dof_count());
+    performance.surface = {person.actor.mesh.faces, {person.actor.mesh.vertices, person.actor.mesh.vertices}, {}};
+  }
+  Segmentation found() {
+    Context context;
+    context.log = [&](const std::string &line) { said += line; };
+    return segment_performance(person.actor, performance, segmenter, {}, context);
+  }
+  static double cloth_of_ring(const Segmentation &segmentation, int ring) {
+    return segmentation.clothness.segment(skirt_person::vertex(ring, 0), skirt_person::kAround).mean();
+  }
+};
+
+} // namespace bare_limbs
+
+TEST(BareLimbs, ALegBelowAHemWhoseFootCountsAsClothIsSkin) {
+  bare_limbs::Case leg;
+  const Segmentation found = leg.found();
+  for (int ring = 0; ring < 19; ++ring)
+    EXPECT_EQ(leg.cloth_of_ring(found, ring), 0) << ring;
+  for (int ring = 28; ring < 54; ++ring)
+    EXPECT_EQ(leg.cloth_of_ring(found, ring), 1) << ring;
+  EXPECT_EQ(found.region_count, 1);
+  EXPECT_NE(leg.said.find("l_toe moved like cloth"), std::string::npos) << leg.said;
+}
+
+TEST(BareLimbs, WithAFootThatIsSkinNothingChanges) {
+  bare_limbs::Case leg;
+  for (int ring = 0; ring < 4; ++ring)
+    for (int k = 0; k < skirt_person::kAround; ++k) {
+      leg.segmenter.told.clothness[skirt_person::vertex(ring, k)] = 0;
+      leg.segmenter.told.region[skirt_person::vertex(ring, k)] = -1;
+    }
+  EXPECT_EQ(leg.found().clothness, leg.segmenter.told.clothness);
+  EXPECT_EQ(leg.said.find("moved like cloth"), std::string::npos);
+}
+
+TEST(BareLimbs, ALimbThatNothingWidensStaysAsItWas) {
+  bare_limbs::Case leg;
+  leg.person.actor.mesh.vertices = skirt_person::surface(skirt_person::plain);
+  for (Eigen::Index v = 0; v < leg.person.actor.mesh.vertices.rows(); ++v) { // as wide as the leg all over
+    auto row = leg.person.actor.mesh.vertices.row(v);
+    const double radius = std::hypot(row.x(), row.z());
+    if (radius > 0) {
+      row.x() *= 0.08 / radius;
+      row.z() *= 0.08 / radius;
+    }
+  }
+  leg.performance.surface.frames = {leg.person.actor.mesh.vertices, leg.person.actor.mesh.vertices};
+  EXPECT_EQ(leg.found().clothness, leg.segmenter.told.clothness);
+  EXPECT_NE(leg.said.find("no hem was found above it"), std::string::npos) << leg.said;
+}
 
 TEST(SegmentedPose, IsTheFirstFrameOrElseTheScans) {
   const RiggedMesh actor = doublet::testing::figure_actor(0.06);
