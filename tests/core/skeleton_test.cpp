@@ -107,6 +107,26 @@ TEST(Skeleton, PositiveFlexionBendsAsPeopleDo) {
   }
 }
 
+TEST(Skeleton, KneesAndAnklesMayTurnAboutTheShank) {
+  std::vector<JointMark> marks = testing::stick_figure();
+  for (JointMark &m : marks)
+    if (m.name.size() > 2 && (m.name.substr(2) == "knee" || m.name.substr(2) == "ankle"))
+      m.dof = 2;
+  const Skeleton s = make_skeleton(marks), plain = testing::figure_skeleton();
+  EXPECT_EQ(s.dof_count(), 40);
+  const Vertices rest = joint_positions(s, forward_kinematics(s, Eigen::VectorXd::Zero(40)));
+  for (const std::string side : {"l_", "r_"}) {
+    const int ankle = s.find(side + "ankle"), toe = s.find(side + "toe");
+    for (const std::string turned : {"knee.twist", "ankle.turn"}) {
+      const Vertices posed_joints = posed(s, side + turned, 0.4);
+      EXPECT_LT((posed_joints.row(ankle) - rest.row(ankle)).norm(), 1e-9) << turned; // about the shank, which keeps its place
+      EXPECT_GT(std::abs(posed_joints(toe, 0) - rest(toe, 0)), 0.03) << turned;
+    }
+    for (const std::string bent : {"knee.flex", "ankle.flex"}) // the second hinge leaves the first as it was
+      EXPECT_LT((posed(s, side + bent, 0.5) - posed(plain, side + bent, 0.5)).cwiseAbs().maxCoeff(), 1e-9) << bent;
+  }
+}
+
 TEST(Skeleton, StraightLimbsBendTheRightWayToo) {
   std::vector<JointMark> t_pose = testing::stick_figure();
   for (JointMark &m : t_pose) {
