@@ -159,7 +159,7 @@ def garment(chosen: argparse.Namespace) -> np.ndarray:
     """In the scan pose, and its rest shape: at one scale, with the triangles' edges."""
     worn = d.read_garment(chosen.out / "garment.npz", d.read_actor(chosen.out / "actor.npz"))
     faces, colours = worn.mesh.faces, picture.cloth_colours(worn.clothness)
-    camera = picture.around(np.vstack([worn.mesh.vertices, worn.rest]), 0.0, 800)
+    camera = picture.around(np.vstack([worn.mesh.vertices, worn.rest]), 0.0, 960)
     panels = []
     for vertices in (worn.mesh.vertices, worn.rest):
         solid = picture.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
