@@ -6,6 +6,10 @@ python benchmarks/pictures.py captured OUT -o docs/pictures/own-footage.jpg [--f
 python benchmarks/pictures.py captured OUT -o docs/pictures/tracking.jpg --frames 20 55 88 115
 python benchmarks/pictures.py template OUT -o docs/pictures/template.png
 python benchmarks/pictures.py segmentation OUT -o docs/pictures/segmentation.jpg
+python benchmarks/pictures.py garment OUT -o docs/pictures/garment.png
+python benchmarks/pictures.py hem OUT MOTION -o docs/pictures/display-hem.jpg [--frames 30 60 30]
+
+scripts/make-pictures.sh makes all of them, and those of other scripts.
 """
 
 from __future__ import annotations
@@ -16,12 +20,16 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from doublet import evaluate, picture, pipeline
+from doublet.character import bake_first_frame
 from doublet.console import Console
 from PIL import Image
 
 HEIGHT = 720  # px, of a panel
 BODY = np.array((0.55, 0.57, 0.62))
 ROWS = (("true", (0.85, 0.36, 0.22)), ("simulated", (0.20, 0.42, 0.80)), ("captured", (0.30, 0.62, 0.32)))
+
+#: Of hem(): height of what is looked at, from the garment's hem (0) to its seam (1); m around it; rad around +Y, and upwards.
+HEM_VIEWS = ((0.4, 0.45, 0.2, 0.1), (0.1, 0.4, 0.5, -0.15), (0.8, 0.25, 0.2, 0.35))
 
 
 def scaled(image: np.ndarray, height: int) -> np.ndarray:
@@ -147,6 +155,61 @@ def segmentation(chosen: argparse.Namespace) -> np.ndarray:
     return np.hstack(panels)
 
 
+def garment(chosen: argparse.Namespace) -> np.ndarray:
+    """In the scan pose, and its rest shape: at one scale, with the triangles' edges."""
+    worn = d.read_garment(chosen.out / "garment.npz", d.read_actor(chosen.out / "actor.npz"))
+    faces, colours = worn.mesh.faces, picture.cloth_colours(worn.clothness)
+    camera = picture.around(np.vstack([worn.mesh.vertices, worn.rest]), 0.0, 960)
+    panels = []
+    for vertices in (worn.mesh.vertices, worn.rest):
+        solid = picture.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
+        drawn = picture.draw_outline(solid, picture.edges(vertices, faces, camera), (90, 50, 50))
+        panels.append(drawn[picture.crop_box(vertices, camera)])
+    height = max(panel.shape[0] for panel in panels)
+    return np.hstack([np.pad(p, ((0, height - p.shape[0]), (20, 20), (0, 0)), constant_values=255) for p in panels])
+
+
+def with_the_scans_triangles(job: pipeline.Job) -> d.Character:
+    """The character of `job`, its cloth drawn by what was scanned in the place of the garment's own mesh."""
+    character = d.Character.read(job.path("character.glb"))
+    scanned = d.read_mesh(job.path("template_high.ply"))
+    valid = d.make_display(job.actor, job.segmentation(), scanned).valid  # of the actor: it wears no garment
+    made = d.make_character(
+        character.actor,
+        character.segmentation,
+        d.read_body(job.path("body.npz")),
+        character.proxies,
+        character.materials,
+        character.solver,
+        scanned,
+        valid,
+    )
+    bake_first_frame(made, job, job.dressed_performance())
+    return made
+
+
+def hem(chosen: argparse.Namespace) -> np.ndarray:
+    """Columns: the front of the garment, from below, its seam. Rows: drawn by the scan's triangles, and by the garment's own."""
+    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out, console=Console(quiet=True))
+    rows = []
+    for character in (with_the_scans_triangles(job), d.Character.read(job.path("character.glb"))):
+        retargeting = d.RetargetOptions(fps=1 / character.solver.dt)
+        motion = d.retarget(d.SourceMotion.read(chosen.motion), character.actor.skeleton, retargeting)
+        floor = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()))
+        renderer, size, row = d.CharacterRenderer(character), 400, []
+        cloth = character.segmentation.clothness > 0.5
+        frames = frames_of(character, motion, chosen.frames)
+        for frame, (height, radius, azimuth, elevation) in zip(chosen.frames, HEM_VIEWS):
+            surface, high, body, _ = frames[frame]
+            low, top = surface[cloth].min(axis=0), surface[cloth].max(axis=0)
+            middle = (low + top) / 2
+            middle[1] = low[1] + height * (top[1] - low[1])
+            camera = d.orbit_camera(middle, radius, azimuth, elevation, size, size)
+            row.append(renderer.render(surface, high, body, camera, floor)[..., ::-1])
+        rows.append(np.hstack(row))
+    return np.vstack(rows)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     commands = parser.add_subparsers(required=True)
@@ -156,6 +219,8 @@ def main() -> None:
         ("captured", captured),
         ("template", template),
         ("segmentation", segmentation),
+        ("garment", garment),
+        ("hem", hem),
     ):
         command = commands.add_parser(name)
         command.add_argument("out", type=Path, metavar="OUT")
@@ -166,6 +231,9 @@ def main() -> None:
             command.add_argument("--frame", type=int, default=72, metavar="N", help="row of the performance (default: 72)")
             command.add_argument("--camera", type=int, default=0, metavar="N", help="of the session (default: 0)")
             command.add_argument("--new", type=int, nargs="+", default=[76, 156], metavar="N", help="frames of the new motion")
+        elif name == "hem":
+            command.add_argument("motion", type=Path, metavar="MOTION")
+            command.add_argument("--frames", type=int, nargs=3, default=[30, 60, 30], metavar="N", help="of the new motion")
         elif name == "captured":
             command.add_argument("--frames", type=int, nargs="+", default=[0, 30, 55, 75, 95, 118], metavar="N", help="rows")
             command.add_argument("--cameras", type=int, nargs="+", default=[0, 2, 5, 1, 3, 7], metavar="N", help="in turn")

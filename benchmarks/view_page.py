@@ -33,7 +33,7 @@ next();
 """
 
 
-def opened(folder: Path, width: int, height: int, phone: bool):
+def browser(width: int, height: int, phone: bool = False):
     options = webdriver.ChromeOptions()
     options.binary_location = shutil.which("chromium") or ""
     for flag in ("--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", f"--window-size={width},{height}"):
@@ -43,7 +43,6 @@ def opened(folder: Path, width: int, height: int, phone: bool):
         options.add_experimental_option("mobileEmulation", {"deviceMetrics": metrics})
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(shutil.which("chromedriver")))
     driver.set_script_timeout(600)
-    driver.get((folder.resolve() / "index.html").as_uri())
     return driver
 
 
@@ -56,8 +55,9 @@ def main() -> None:
     parser.add_argument("--phone", action="store_true", help="a window of 390 x 780")
     arguments = parser.parse_args()
     width, height = (390, 780) if arguments.phone else (1240, 860)
-    driver = opened(arguments.folder, width, height, arguments.phone)
+    driver = browser(width, height, arguments.phone)
     try:
+        driver.get((arguments.folder.resolve() / "index.html").as_uri())
         # Time goes on by a tenth of a second a picture at most, however long that takes to draw.
         driver.execute_script("doubletView.stage.lighten = () => {}")
         while driver.execute_script("return doubletView.state.time") < arguments.frame:

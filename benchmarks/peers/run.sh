@@ -12,7 +12,9 @@ cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DDOUBLET_COMPONENTS=
   { cat "$build.log"; exit 1; }
 ninja -C "$build" --quiet cloth_peers
 [ -x "$build/venv/bin/python" ] || /usr/bin/python3 -m venv "$build/venv"
-"$build/venv/bin/pip" install -q --disable-pip-version-check --only-binary :all: -r benchmarks/peers/requirements.txt
+wanted=(-r benchmarks/peers/requirements.txt)
+[ "${1:-}" != --growth ] || wanted=(numpy matplotlib) # of our own solver alone
+"$build/venv/bin/pip" install -q --disable-pip-version-check --only-binary :all: "${wanted[@]}"
 
 export OMP_NUM_THREADS=1 # one core for everybody
 "$build/venv/bin/python" benchmarks/peers/peers.py "$build/benchmarks/cloth_peers" "$@"

@@ -112,7 +112,8 @@ private:
     MatrixRM samples(count, static_cast<Eigen::Index>(parts_) * n_);
     for (int r = 0; r < parts_; ++r) {
       samples.middleCols(r * n_, n_).rowwise() = now(r).answer.transpose();
-      samples.block(0, r * n_, asked[r].rows(), n_) = asked[r];
+      if (asked[r].rows() > 0) // one that has stopped is asked nothing, (0, 0)
+        samples.block(0, r * n_, asked[r].rows(), n_) = asked[r];
     }
     const MatrixRM inside = samples.cwiseMax(0.0).cwiseMin(1.0);
     const MatrixRM energies = objective_.evaluate(inside, context);

@@ -300,6 +300,7 @@ PICTURES = {
     "captured": ["--frames", 20, 88],
     "template": [],
     "segmentation": [],
+    "garment": [],
 }
 
 

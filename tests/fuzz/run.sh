@@ -23,10 +23,11 @@ status=0
 for harness in "$@"; do
   found=$PWD/build/fuzz/found/$harness corpus=$PWD/build/fuzz/corpus/$harness log=$PWD/build/fuzz/$harness.log
   mkdir -p "$found" "$corpus"
-  result=clean
+  result=clean dictionary=()
+  [ ! -f "tests/fuzz/dict/$harness.dict" ] || dictionary=(-dict="tests/fuzz/dict/$harness.dict")
   build/fuzz/tests/fuzz/fuzz_"$harness" "$corpus" "tests/fuzz/corpus/$harness" -max_total_time="$seconds" -timeout=10 \
     -rss_limit_mb=512 -malloc_limit_mb=256 -artifact_prefix="$found/" -print_final_stats=1 -verbosity=1 \
-    $([ ! -f "tests/fuzz/dict/$harness.dict" ] || echo "-dict=tests/fuzz/dict/$harness.dict") >"$log" 2>&1 || result="FOUND, see $log"
+    "${dictionary[@]}" >"$log" 2>&1 || result="FOUND, see $log"
   [ "$result" = clean ] || status=1
   executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
   echo "$harness: ${executions:-?} executions, $result"

@@ -11,9 +11,13 @@ namespace {
 
 std::atomic<long> allocations{0};
 
-void *counted(std::size_t bytes, std::size_t alignment) {
+void *counted_or_null(std::size_t bytes, std::size_t alignment) noexcept {
   ++allocations;
-  if (void *block = std::aligned_alloc(alignment, (bytes + alignment) / alignment * alignment))
+  return std::aligned_alloc(alignment, (bytes + alignment) / alignment * alignment);
+}
+
+void *counted(std::size_t bytes, std::size_t alignment) {
+  if (void *block = counted_or_null(bytes, alignment))
     return block;
   throw std::bad_alloc();
 }
@@ -25,6 +29,11 @@ void *operator new(std::size_t bytes) {
 }
 void *operator new(std::size_t bytes, std::align_val_t alignment) {
   return counted(bytes, static_cast<std::size_t>(alignment));
+}
+// Of std::stable_sort. The standard library's calls the one above; AddressSanitizer's does not, and would miss it when freed
+// here.
+void *operator new(std::size_t bytes, const std::nothrow_t &) noexcept {
+  return counted_or_null(bytes, alignof(std::max_align_t));
 }
 void operator delete(void *block) noexcept {
   std::free(block);

@@ -51,7 +51,7 @@ PLACES = {
     "CMakeLists.txt": " VERSION {} ",
     "pyproject.toml": 'version = "{}"',
     "CITATION.cff": "version: {}",
-    "packaging/conda/meta.yaml": 'version = "{}"',
+    "packaging/conda/recipe.yaml": 'version: "{}"',
 }
 
 
