@@ -40,6 +40,25 @@ template <class T> inline Vec3<T> barycentric(const Vec3<T> &q, const Vec3<T> &a
   const T s = (vv * du - uv * dv) * inverse, t = (uu * dv - uv * du) * inverse;
   return {T(1) - s - t, s, t};
 }
+/// Squared distance of q to the segment (a, b).
+template <class T> inline T segment_distance2(const Vec3<T> &q, const Vec3<T> &a, const Vec3<T> &b) {
+  const Vec3<T> e = b - a, d = q - a;
+  const T t = lane_min(lane_max(dot(d, e) / lane_max(dot(e, e), T(1e-30f)), T(0)), T(1));
+  const Vec3<T> r = d - t * e;
+  return dot(r, r);
+}
+/// Of the segments (a, b) and (c, d).
+template <class T>
+inline T segments_distance2(const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, const Vec3<T> &d) {
+  const Vec3<T> u = b - a, v = d - c, r = c - a;
+  const T uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
+  const T inverse = T(1) / lane_max(det, T(1e-30f)), s = (vv * ur - uv * vr) * inverse, t = (uv * ur - uu * vr) * inverse;
+  const Vec3<T> way = mul_add(t, v, c) - mul_add(s, u, a);
+  const auto between = (det > T(0)) & (s >= T(0)) & (s <= T(1)) & (t >= T(0)) & (t <= T(1));
+  const T ends = lane_min(lane_min(segment_distance2(a, c, d), segment_distance2(b, c, d)),
+                          lane_min(segment_distance2(c, a, b), segment_distance2(d, a, b)));
+  return select(between, lane_min(dot(way, way), ends), ends);
+}
 /// Sets box[node] of the whole tree; leaf(face): the face's box.
 template <class T, class Leaf> inline void refit(const TreeNode *nodes, int count, Box<T> *box, Leaf &&leaf) {
   for (int i = count - 1; i >= 0; --i)
