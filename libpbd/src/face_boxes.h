@@ -64,10 +64,12 @@ template <class T, class Leaf> inline void refit(const TreeNode *nodes, int coun
   for (int i = count - 1; i >= 0; --i)
     box[i] = nodes[i].face >= 0 ? leaf(nodes[i].face) : united(box[i + 1], box[nodes[i + 1].skip]);
 }
-/// Calls found(face, lanes) for every leaf whose box overlaps `query` in some of the lanes, in the order of the tree.
+/// Calls found(face, lanes) for every leaf from node `first` on whose box overlaps `query` in some of the lanes, in the order of
+/// the tree.
 template <class T, class Found>
-inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box, const Box<T> &query, Found &&found) {
-  for (int i = 0; i < count;) {
+inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box, const Box<T> &query, Found &&found,
+                             int first = 0) {
+  for (int i = first; i < count;) {
     const auto lanes = overlap(query, box[i]);
     if (!any(lanes)) {
       i = nodes[i].skip;
@@ -88,8 +90,9 @@ public:
     DOUBLET_PBD_ISA::refit<T>(m.nodes, m.node_count, boxes_.data(), leaf);
   }
   /// Calls found(face, lanes) for every face whose box overlaps `query` in some of the lanes, in the order of the tree.
-  template <class Found> void for_each_overlap(const LaneModel &m, const Box<T> &query, Found &&found) const {
-    DOUBLET_PBD_ISA::for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), query, found);
+  /// first: the node from whose leaf on.
+  template <class Found> void for_each_overlap(const LaneModel &m, const Box<T> &query, Found &&found, int first = 0) const {
+    DOUBLET_PBD_ISA::for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), query, found, first);
   }
 
 private:
@@ -108,7 +111,7 @@ public:
       for (int k = 0; k < 4; ++k)
         quads_[i].set(k, m.quads[i].node[k] >= 0 ? boxes_[m.quads[i].node[k]] : nothing());
   }
-  template <class Found> void for_each_overlap(const LaneModel &m, const Box<float> &query, Found &&found) const {
+  template <class Found> void for_each_overlap(const LaneModel &m, const Box<float> &query, Found &&found, int first = 0) const {
     int waiting[64], count = 1; // four a level, and as many levels as quads of 2^31 faces have
     waiting[0] = 0;
     while (count > 0) {
@@ -117,10 +120,11 @@ public:
         found(~at, true);
         continue;
       }
-      const int overlaps = quads_[at].overlap(query);
+      const QuadNode &quad = m.quads[at];
+      const int overlaps = quads_[at].overlap(query) & (static_cast<int>(quad.skip[0] > first) | (quad.skip[1] > first) << 1 | (quad.skip[2] > first) << 2 | (quad.skip[3] > first) << 3);
       for (int k = 3; k >= 0; --k) // the last goes below the first
         if (overlaps >> k & 1)
-          waiting[count++] = m.quads[at].next[k];
+          waiting[count++] = quad.next[k];
     }
   }
 

@@ -58,11 +58,12 @@ int add_quad(const std::vector<TreeNode> &nodes, int at, std::vector<QuadNode> &
       add_children_of(child);
   }
   const auto index = quads.size();
-  quads.push_back({{-1, -1, -1, -1}, {}});
+  quads.push_back({{-1, -1, -1, -1}, {}, {}});
   for (size_t k = 0; k < children.size(); ++k) {
     const int face = nodes[children[k]].face, next = face >= 0 ? ~face : add_quad(nodes, children[k], quads);
     quads[index].node[k] = children[k];
     quads[index].next[k] = next;
+    quads[index].skip[k] = nodes[children[k]].skip;
   }
   return static_cast<int>(index);
 }
@@ -98,11 +99,13 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes) {
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces) {
   std::map<std::pair<int, int>, int> known;
   OrderedEdges all;
+  all.leaves.resize(faces.size());
   all.first.resize(faces.size());
   all.counts.resize(faces.size());
   for (const TreeNode &node : nodes) {
     if (node.face < 0)
       continue;
+    all.leaves[node.face] = static_cast<int>(&node - nodes.data());
     all.first[node.face] = static_cast<int>(all.edges.size());
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(faces[node.face].v[k], faces[node.face].v[(k + 1) % 3]);

@@ -16,7 +16,7 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes);
 /// Each once, as the tree comes to its faces: of face f those are counts[f] from first[f] on.
 struct OrderedEdges {
   std::vector<Edge> edges;
-  std::vector<int> first, counts;
+  std::vector<int> leaves, first, counts; ///< leaves: the tree's node of each face
 };
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
 

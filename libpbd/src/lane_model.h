@@ -50,6 +50,7 @@ struct TreeNode {
 struct QuadNode {
   int node[4]; ///< whose box it has, an index into the nodes; -1: no child
   int next[4]; ///< of an inner node its quad, of a leaf ~face
+  int skip[4]; ///< that of its node
 };
 
 struct LaneModel {
@@ -66,7 +67,7 @@ struct LaneModel {
   const Edge *edges;                  ///< in the order of the tree: neighbours ask the same boxes
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
-  const int *first_edges, *edge_counts; ///< [face] which of the edges the tree met here first
+  const int *leaves, *first_edges, *edge_counts; ///< [face] its node; which of the edges the tree met here first
   const std::uint64_t *resting_edges;   ///< sorted (edge << 32 | later edge) that never collide
   int resting_edge_count;
   int iterations;

@@ -51,8 +51,6 @@ public:
     knots_.find(m_, x_);
     if (m_.edge_collision)
       knots_.untangle(m_, x_);
-    self_collision_.forget();
-    passed_ = 0;
   }
   void advance(float end) override {
     set_targets(end);
@@ -65,8 +63,7 @@ public:
     self_contacts_.clear();
     edge_contacts_.clear();
     if (m_.self_collision)
-      self_collision_.find(m_, x_, p_, opening, (1 - passed_) / (end - passed_), knots_, self_contacts_, edge_contacts_);
-    passed_ = end;
+      self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_, edge_contacts_);
     iterate();
     push_out_strays(m_, capsules_, contacts_, p_);
     update_velocities();
@@ -362,7 +359,6 @@ private:
 
   const LaneModel &m_;
   Substep<T> s_;
-  float passed_ = 0; ///< of the frame
   Array<Place> x_, p_;                                ///< start, end of the substep; with the spare vertices
   Array<Vec3<T>> v_, v_free_;                         ///< velocity; the same before contacts, where they reflect it
   Array<Vec3<T>> target_start_, target_end_, target_; ///< of the followers: in the frame; at the end of the substep

@@ -238,7 +238,7 @@ void PbdModel::set_arrays() {
   a.nodes = nodes_.data(), a.node_count = size(nodes_);
   a.quads = quads_.data(), a.quad_count = size(quads_);
   a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
-  a.first_edges = edges_.first.data(), a.edge_counts = edges_.counts.data();
+  a.leaves = edges_.leaves.data(), a.first_edges = edges_.first.data(), a.edge_counts = edges_.counts.data();
   a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
   a.iterations = options().iterations;

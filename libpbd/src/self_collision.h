@@ -26,179 +26,79 @@ inline bool is_among(const std::uint64_t *pairs, int count, int i, int j) {
   return first < count && pairs[first] == key;
 }
 
-constexpr float kAside = 0.002f;    ///< m that a vertex may leave its way through a frame before the tree is asked again ...
-constexpr float kAstray = 0.2f;     ///< ... and the share of that way
-constexpr float kRounded = 1e-5f;   ///< m
 constexpr float kCrossing = 0.01f; ///< squared sine of the angle up to which two edges are parallel: vertices collide there
 
 /// Finds the contacts of the cloth with itself for a step from x to p: vertices that would come nearer to a face than the
 /// thickness, on the side on which they started (so that nothing passes through), or are within a thickness of doing so; and
-/// likewise edges. A pair that starts closer than the thickness is opened at most by `opening` in this step. Where the cloth has
-/// passed through itself the side says nothing, and a contact would hold the knot together: there are none, unless edges collide,
-/// too, and Knots moves it apart. Work is bounded: a vertex that moves, or a face that spans, more than the model's largest_extent
-/// (cloth that has exploded) is left out.
-///
-/// The tree is asked once a frame for the pairs that can meet while every vertex keeps to a box around its way through the frame,
-/// and again when one has left it; pairs are told apart in each step. What is found is what find_afresh() finds, in that order.
+/// likewise edges, if they collide. A pair that starts closer than the thickness is opened at most by `opening` in this step.
+/// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none,
+/// unless edges collide, too, and Knots moves the cloth apart. Work is bounded: a vertex that moves, or a face that spans, more
+/// than the model's largest_extent (cloth that has exploded) is left out.
 template <class T> class SelfCollision {
 public:
-  /// At the start of a frame.
-  void forget() { known_ = false; }
-  /// horizon: how many steps like this one the frame has left, with this one.
   template <class Points>
-  void find(const LaneModel &m, const Points &x, const Points &p, T opening, float horizon, const Knots<T> &knots,
+  void find(const LaneModel &m, const Points &x, const Points &p, T opening, const Knots<T> &knots,
             Array<SelfContact<T>> &contacts, Array<EdgeContact<T>> &edge_contacts) {
-    const Vec3<T> drift = common_motion(m, x, p);
-    if (!known_ || !keeps_to_boxes(m, x, p, drift))
-      known_ = collect(m, x, p, drift, horizon);
-    if (!known_) {
-      find_afresh(m, x, p, opening, knots, contacts, edge_contacts);
-      return;
-    }
     contacts.clear();
     edge_contacts.clear();
-    set_paths(m, x, p, drift);
-    const T margin(2 * m.self_thickness);
-    face_boxes_.resize(m.face_count);
-    for (int f = 0; f < m.face_count; ++f)
-      face_boxes_[f] = grown(box_of(paths_, m.faces[f]), margin);
-    for (const Pair &pair : vertex_faces_) {
-      const auto lanes = overlap(paths_[pair.i], face_boxes_[pair.j]);
-      if (any(lanes))
-        add_contact(m, x, p, pair.i, pair.j, opening, lanes, knots, contacts);
-    }
-    const auto everywhere = T(0) <= T(0);
-    for (const Pair &pair : edge_edges_)
-      add_edges(m, x, p, pair.i, pair.j, opening, everywhere, edge_contacts);
-    since_ += drift;
-  }
-
-  /// The same from the tree alone.
-  template <class Points>
-  void find_afresh(const LaneModel &m, const Points &x, const Points &p, T opening, const Knots<T> &knots,
-                   Array<SelfContact<T>> &contacts, Array<EdgeContact<T>> &edge_contacts) {
-    contacts.clear();
-    edge_contacts.clear();
-    set_paths(m, x, p, common_motion(m, x, p));
-    const T margin(2 * m.self_thickness), largest(m.largest_extent);
-    boxes_.refit(m, [&](int f) { return bounded(grown(box_of(paths_, m.faces[f]), margin), largest); });
-    for (int q = 0; q < m.vertex_count; ++q)
-      boxes_.for_each_overlap(m, bounded(paths_[q], largest), [&](int f, auto lanes) {
-        if (!has_corner(m.faces[f], q))
-          add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
-      });
-    for (int i = 0; m.edge_collision && i < m.edge_count; ++i)
-      boxes_.for_each_overlap(m, bounded(box_of(paths_, m.edges[i]), largest), [&](int f, auto lanes) {
-        for_each_later_edge(m, i, f, [&](int j) { add_edges(m, x, p, i, j, opening, lanes, edge_contacts); });
-      });
-  }
-
-private:
-  struct Pair { int i, j; };
-
-  static Box<T> grown(const Box<T> &box, T by) {
-    const Vec3<T> grow{by, by, by};
-    return {box.lo - grow, box.hi + grow};
-  }
-  static Box<T> box_of(const Array<Box<T>> &boxes, const Triangle &f) {
-    return united(united(boxes[f.v[0]], boxes[f.v[1]]), boxes[f.v[2]]);
-  }
-  static Box<T> box_of(const Array<Box<T>> &boxes, const Edge &e) { return united(boxes[e.a], boxes[e.b]); }
-  static bool has_corner(const Triangle &f, int vertex) { return f.v[0] == vertex || f.v[1] == vertex || f.v[2] == vertex; }
-  /// Calls visit(j) for the edges behind edge i that the face stands for and that share no vertex with it.
-  template <class Visit> static void for_each_later_edge(const LaneModel &m, int i, int f, Visit &&visit) {
-    const Edge &e = m.edges[i];
-    const int first = m.first_edges[f], last = first + m.edge_counts[f];
-    for (int j = first > i ? first : i + 1; j < last; ++j) {
-      const Edge &other = m.edges[j];
-      if (other.a != e.a && other.a != e.b && other.b != e.a && other.b != e.b)
-        visit(j);
-    }
-  }
-
-  /// It brings nobody together and is left out of the boxes.
-  template <class Points> static Vec3<T> common_motion(const LaneModel &m, const Points &x, const Points &p) {
+    // Common motion brings nobody together: leave it out of the boxes.
     Vec3<T> drift{T(0), T(0), T(0)};
     for (int i = 0; i < m.vertex_count; ++i)
       drift += p[i] - x[i];
-    return T(1.0f / static_cast<float>(m.vertex_count)) * drift;
-  }
-  template <class Points> void set_paths(const LaneModel &m, const Points &x, const Points &p, const Vec3<T> &drift) {
-    paths_.resize(m.vertex_count);
-    for (int i = 0; i < m.vertex_count; ++i) {
+    drift = T(1.0f / static_cast<float>(m.vertex_count)) * drift;
+    const auto path = [&](int i) {
       const Vec3<T> end = p[i] - drift;
-      paths_[i] = {low<T>(x[i], end), high<T>(x[i], end)};
-    }
-  }
+      return Box<T>{low<T>(x[i], end), high<T>(x[i], end)};
+    };
 
-  template <class Points> bool keeps_to_boxes(const LaneModel &m, const Points &x, const Points &p, const Vec3<T> &drift) const {
-    for (int i = 0; i < m.vertex_count; ++i) {
-      const Vec3<T> start = x[i] - since_, end = (p[i] - drift) - since_;
-      if (any(!inside(start, ways_[i])) || any(!inside(end, ways_[i])))
-        return false;
-    }
-    return true;
-  }
-  static auto inside(const Vec3<T> &q, const Box<T> &b) {
-    return (b.lo.x <= q.x) & (q.x <= b.hi.x) & (b.lo.y <= q.y) & (q.y <= b.hi.y) & (b.lo.z <= q.z) & (q.z <= b.hi.z);
-  }
-
-  /// The boxes of all vertices and the pairs that can meet in them. False where one is too large, or not a number: the cloth has
-  /// exploded.
-  template <class Points> bool collect(const LaneModel &m, const Points &x, const Points &p, const Vec3<T> &drift, float horizon) {
-    since_ = Vec3<T>{T(0), T(0), T(0)};
-    ways_.resize(m.vertex_count);
-    for (int i = 0; i < m.vertex_count; ++i) {
-      const Vec3<T> way = T(horizon) * ((p[i] - drift) - x[i]), end = x[i] + way;
-      const T size = lane_max(lane_abs(way.x), lane_max(lane_abs(way.y), lane_abs(way.z)));
-      ways_[i] = grown({low<T>(x[i], end), high<T>(x[i], end)}, mul_add(T(kAstray), size, T(kAside)));
-    }
-    const T margin = T(2 * m.self_thickness + kRounded), largest(m.largest_extent);
-    auto fits = T(0) <= T(0);
+    const T margin(2 * m.self_thickness), largest(m.largest_extent);
     boxes_.refit(m, [&](int f) {
-      const Box<T> box = grown(box_of(ways_, m.faces[f]), margin);
-      const Vec3<T> size = box.hi - box.lo;
-      fits = fits & (size.x <= largest) & (size.y <= largest) & (size.z <= largest);
-      return box;
+      const int *v = m.faces[f].v;
+      const Box<T> box = united(united(path(v[0]), path(v[1])), path(v[2]));
+      const Vec3<T> grow{margin, margin, margin};
+      return bounded(Box<T>{box.lo - grow, box.hi + grow}, largest);
     });
-    if (any(!fits))
-      return false;
-    vertex_faces_.clear();
     for (int q = 0; q < m.vertex_count; ++q)
-      boxes_.for_each_overlap(m, ways_[q], [&](int f, auto) {
-        if (!has_corner(m.faces[f], q))
-          vertex_faces_.push_back({q, f});
+      boxes_.for_each_overlap(m, bounded(path(q), largest), [&](int f, auto lanes) {
+        const int *v = m.faces[f].v;
+        if (v[0] != q && v[1] != q && v[2] != q)
+          add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
       });
-    edge_edges_.clear();
     if (m.edge_collision)
-      collect_edges(m, margin);
-    return true;
+      find_edges(m, x, p, path, opening, edge_contacts);
   }
-  void collect_edges(const LaneModel &m, T margin) {
-    centres_.resize(m.vertex_count);
-    radii_.resize(m.vertex_count);
-    for (int i = 0; i < m.vertex_count; ++i) {
-      const Vec3<T> half = T(0.5f) * (ways_[i].hi - ways_[i].lo);
-      centres_[i] = ways_[i].lo + half;
-      radii_[i] = lane_sqrt(dot(half, half));
-    }
-    for (int i = 0; i < m.edge_count; ++i) {
-      const Edge &e = m.edges[i];
-      const Box<T> box = grown(box_of(ways_, e), margin);
-      const T reach = margin + lane_max(radii_[e.a], radii_[e.b]);
-      boxes_.for_each_overlap(m, box_of(ways_, e), [&](int f, auto) {
-        for_each_later_edge(m, i, f, [&](int j) {
-          const Edge &o = m.edges[j];
-          const auto lanes = overlap(box, box_of(ways_, o));
-          if (!any(lanes))
-            return;
-          const T most = reach + lane_max(radii_[o.a], radii_[o.b]);
-          if (any(lanes & (segments_distance2(centres_[e.a], centres_[e.b], centres_[o.a], centres_[o.b]) <= most * most)))
-            edge_edges_.push_back({i, j});
-        });
-      });
+
+private:
+  /// Every edge belongs to the first of its faces (LaneModel::first_edges): faces that come near bring their edges together.
+  template <class Points, class Path>
+  void find_edges(const LaneModel &m, const Points &x, const Points &p, const Path &path, T opening,
+                  Array<EdgeContact<T>> &contacts) {
+    const T margin(2 * m.self_thickness), largest(m.largest_extent);
+    edge_boxes_.resize(m.edge_count);
+    for (int i = 0; i < m.edge_count; ++i)
+      edge_boxes_[i] = bounded(united(path(m.edges[i].a), path(m.edges[i].b)), largest);
+    const Vec3<T> grow{margin, margin, margin};
+    for (int f = 0; f < m.face_count; ++f) {
+      const int first = m.first_edges[f], last = first + m.edge_counts[f];
+      if (first == last)
+        continue;
+      Box<T> all = edge_boxes_[first];
+      for (int i = first + 1; i < last; ++i)
+        all = united(all, edge_boxes_[i]);
+      const auto bring = [&](int g, auto near) {
+        for (int j = m.first_edges[g]; j < m.first_edges[g] + m.edge_counts[g]; ++j) {
+          const Box<T> box{edge_boxes_[j].lo - grow, edge_boxes_[j].hi + grow};
+          for (int i = first; i < last && i < j; ++i) {
+            const auto lanes = near & overlap(edge_boxes_[i], box);
+            if (any(lanes) && !share_a_vertex(m.edges[i], m.edges[j]))
+              add_edges(m, x, p, i, j, opening, lanes, contacts);
+          }
+        }
+      };
+      boxes_.for_each_overlap(m, all, bring, m.leaves[f]);
     }
   }
+  static bool share_a_vertex(const Edge &i, const Edge &j) { return i.a == j.a || i.a == j.b || i.b == j.a || i.b == j.b; }
 
   template <class Points, class M>
   void add_contact(const LaneModel &m, const Points &x, const Points &p, int q, int f, T opening, M lanes, const Knots<T> &knots,
@@ -289,14 +189,7 @@ private:
   }
 
   FaceBoxes<T> boxes_;
-  Array<Box<T>> paths_, face_boxes_; ///< of the vertices in this step without the common motion; of the faces, with the margin
-  // As long as they are known:
-  bool known_ = false;
-  Vec3<T> since_;                          ///< the common motion since then
-  Array<Box<T>> ways_;                     ///< to which the vertices keep, without it
-  Array<Vec3<T>> centres_;                 ///< of these
-  Array<T> radii_;                         ///< of the spheres around these
-  Array<Pair> vertex_faces_, edge_edges_; ///< that can meet, in the order of find_afresh()
+  Array<Box<T>> edge_boxes_;
 };
 
 } // namespace DOUBLET_PBD_ISA
