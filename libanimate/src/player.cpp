@@ -87,9 +87,8 @@ struct Player::Shared {
   std::optional<Skin> body;
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
-      : character(std::move(c)), options(o),
-        simulator(checked(character).actor, character.segmentation, character.proxies, cloth_options(character.solver.cloth, o),
-                  make_solver),
+      : character(std::move(c)), options(o), simulator(checked(character).actor, character.segmentation, character.proxies,
+                                                       cloth_options(character.solver.cloth, o), make_solver),
         substeps(character.actor, of_a_substep(character.segmentation, character.solver.cloth), character.proxies,
                  one_substep(cloth_options(character.solver.cloth, o)), make_solver) {
     options.validate();

@@ -48,8 +48,7 @@ template <class T> inline T segment_distance2(const Vec3<T> &q, const Vec3<T> &a
   return dot(r, r);
 }
 /// Of the segments (a, b) and (c, d).
-template <class T>
-inline T segments_distance2(const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, const Vec3<T> &d) {
+template <class T> inline T segments_distance2(const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, const Vec3<T> &d) {
   const Vec3<T> u = b - a, v = d - c, r = c - a;
   const T uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
   const T inverse = T(1) / lane_max(det, T(1e-30f)), s = (vv * ur - uv * vr) * inverse, t = (uv * ur - uu * vr) * inverse;
@@ -121,7 +120,8 @@ public:
         continue;
       }
       const QuadNode &quad = m.quads[at];
-      const int overlaps = quads_[at].overlap(query) & (static_cast<int>(quad.skip[0] > first) | (quad.skip[1] > first) << 1 | (quad.skip[2] > first) << 2 | (quad.skip[3] > first) << 3);
+      const int overlaps = quads_[at].overlap(query) & (static_cast<int>(quad.skip[0] > first) | (quad.skip[1] > first) << 1 |
+                                                        (quad.skip[2] > first) << 2 | (quad.skip[3] > first) << 3);
       for (int k = 3; k >= 0; --k) // the last goes below the first
         if (overlaps >> k & 1)
           waiting[count++] = quad.next[k];

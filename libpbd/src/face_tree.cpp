@@ -6,7 +6,6 @@
 #include <map>
 #include <numeric>
 
-
 namespace doublet::pbd {
 namespace {
 
@@ -169,7 +168,8 @@ std::vector<std::uint64_t> edges_closer_than(const std::vector<Vec3f> &points, c
     for_each_overlap(nodes.data(), static_cast<int>(nodes.size()), boxes.data(), box, [&](int f, bool) {
       for (int j = std::max(all.first[f], i + 1); j < all.first[f] + all.counts[f]; ++j) {
         const int c = all.edges[j].a, d = all.edges[j].b;
-        if (a != c && a != d && b != c && b != d && segments_distance2(points[a], points[b], points[c], points[d]) < distance * distance)
+        if (a != c && a != d && b != c && b != d &&
+            segments_distance2(points[a], points[b], points[c], points[d]) < distance * distance)
           close.push_back(pair_of(i, j));
       }
     });

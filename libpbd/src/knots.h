@@ -132,11 +132,11 @@ private:
   }
 
   FaceBoxes<T> boxes_;
-  Array<T> in_knot_; ///< of each vertex: 0, 1
+  Array<T> in_knot_;             ///< of each vertex: 0, 1
   Array<Pair> near_, crossings_; ///< edges and faces less than a step apart along every axis; that pass through each other
-  Array<Vec3<T>> ways_; ///< of each vertex, from all of its crossings
-  Array<T> counts_;     ///< of these
-  Array<int> moved_;    ///< 1: in some lane
+  Array<Vec3<T>> ways_;          ///< of each vertex, from all of its crossings
+  Array<T> counts_;              ///< of these
+  Array<int> moved_;             ///< 1: in some lane
 };
 
 } // namespace DOUBLET_PBD_ISA

@@ -68,7 +68,7 @@ struct LaneModel {
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
   const int *leaves, *first_edges, *edge_counts; ///< [face] its node; which of the edges the tree met here first
-  const std::uint64_t *resting_edges;   ///< sorted (edge << 32 | later edge) that never collide
+  const std::uint64_t *resting_edges;            ///< sorted (edge << 32 | later edge) that never collide
   int resting_edge_count;
   int iterations;
   float over_relaxation, thickness, self_thickness, restitution;

@@ -68,6 +68,41 @@ public:
       find_edges(m, x, p, path, opening, edge_contacts);
   }
 
+  /// Adds the contact of edges i and j in the lanes in which they have one.
+  template <class Points, class M>
+  static void try_edges(const LaneModel &m, const Points &x, const Points &p, int i, int j, T opening, M lanes,
+                        Array<EdgeContact<T>> &contacts) {
+    const int a = m.edges[i].a, b = m.edges[i].b, c = m.edges[j].a, d = m.edges[j].b;
+    const float *w = m.weights;
+    const T thickness(m.self_thickness);
+    const Vec3<T> n0 = cross<T>(x[b] - x[a], x[d] - x[c]), n1 = cross<T>(p[b] - p[a], p[d] - p[c]);
+    const T start = dot<T>(x[c] - x[a], n0) / lane_max(lane_sqrt(dot(n0, n0)), T(1e-12f));
+    const T end = dot<T>(p[c] - p[a], n1) / lane_max(lane_sqrt(dot(n1, n1)), T(1e-12f));
+    const T side = select(start < T(0), T(-1), T(1));
+    // Edges that turn past each other's direction turn the normal over, not their order.
+    const T side_end = select(dot(n0, n1) < T(0), -side, side);
+    const T h0 = side * start, h1 = side_end * end;
+    lanes = lanes & (h1 <= T(2) * thickness);
+    if (!any(lanes) || w[a] + w[b] + w[c] + w[d] == 0)
+      return;
+    const T share = lane_min(lane_max((h0 - thickness) / (h0 - h1), T(0)), T(1));
+    const T t = select((h1 < thickness) & (h0 > h1), share, T(1));
+    const auto at = [&](int v) { return x[v] + t * (p[v] - x[v]); };
+    const Vec3<T> pa = at(a), pc = at(c), u = at(b) - pa, v = at(d) - pc, r = pc - pa;
+    const T uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
+    const T inverse = T(1) / lane_max(det, T(1e-30f)), si = (vv * ur - uv * vr) * inverse, ti = (uv * ur - uu * vr) * inverse;
+    const Vec3<T> apart = mul_add(ti, v, pc) - mul_add(si, u, pa);
+    lanes = lanes & (det > T(kCrossing) * (uu * vv)) & (si >= T(0)) & (si <= T(1)) & (ti >= T(0)) & (ti <= T(1)) &
+            (dot(apart, apart) <= T(4) * thickness * thickness);
+    if (!any(lanes) || is_among(m.resting_edges, m.resting_edge_count, i, j))
+      return;
+    EdgeContact<T> contact{
+        a,    b,   c, d, w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)), si, ti, side_end, lane_min(thickness, h0 + opening),
+        T(0), T(0)};
+    contact.inverse_sum = contact_response(contact);
+    contacts.push_back(contact);
+  }
+
 private:
   /// Every edge belongs to the first of its faces (LaneModel::first_edges): faces that come near bring their edges together.
   template <class Points, class Path>
@@ -91,7 +126,7 @@ private:
           for (int i = first; i < last && i < j; ++i) {
             const auto lanes = near & overlap(edge_boxes_[i], box);
             if (any(lanes) && !share_a_vertex(m.edges[i], m.edges[j]))
-              add_edges(m, x, p, i, j, opening, lanes, contacts);
+              try_edges(m, x, p, i, j, opening, lanes, contacts);
           }
         }
       };
@@ -135,52 +170,6 @@ private:
                            foot.y,
                            foot.z,
                            side,
-                           lane_min(thickness, h0 + opening),
-                           T(0),
-                           T(0)};
-    contact.inverse_sum = contact_response(contact);
-    contacts.push_back(contact);
-  }
-
-  template <class Points, class M>
-  void add_edges(const LaneModel &m, const Points &x, const Points &p, int i, int j, T opening, M lanes,
-                 Array<EdgeContact<T>> &contacts) {
-    const int a = m.edges[i].a, b = m.edges[i].b, c = m.edges[j].a, d = m.edges[j].b;
-    const float *w = m.weights;
-    const T thickness(m.self_thickness);
-    const Vec3<T> n0 = cross<T>(x[b] - x[a], x[d] - x[c]), n1 = cross<T>(p[b] - p[a], p[d] - p[c]);
-    const T start = dot<T>(x[c] - x[a], n0) / lane_max(lane_sqrt(dot(n0, n0)), T(1e-12f));
-    const T end = dot<T>(p[c] - p[a], n1) / lane_max(lane_sqrt(dot(n1, n1)), T(1e-12f));
-    const T side = select(start < T(0), T(-1), T(1));
-    // Edges that turn past each other's direction turn the normal over, not their order.
-    const T side_end = select(dot(n0, n1) < T(0), -side, side);
-    const T h0 = side * start, h1 = side_end * end;
-    lanes = lanes & (h1 <= T(2) * thickness);
-    if (!any(lanes) || w[a] + w[b] + w[c] + w[d] == 0)
-      return;
-    const T share = lane_min(lane_max((h0 - thickness) / (h0 - h1), T(0)), T(1));
-    const T t = select((h1 < thickness) & (h0 > h1), share, T(1));
-    const auto at = [&](int v) { return x[v] + t * (p[v] - x[v]); };
-    const Vec3<T> pa = at(a), pc = at(c), u = at(b) - pa, v = at(d) - pc, r = pc - pa;
-    const T uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
-    const T inverse = T(1) / lane_max(det, T(1e-30f)), si = (vv * ur - uv * vr) * inverse, ti = (uv * ur - uu * vr) * inverse;
-    const Vec3<T> apart = mul_add(ti, v, pc) - mul_add(si, u, pa);
-    lanes = lanes & (det > T(kCrossing) * (uu * vv)) & (si >= T(0)) & (si <= T(1)) & (ti >= T(0)) & (ti <= T(1)) &
-            (dot(apart, apart) <= T(4) * thickness * thickness);
-    if (!any(lanes) || is_among(m.resting_edges, m.resting_edge_count, i, j))
-      return;
-    EdgeContact<T> contact{a,
-                           b,
-                           c,
-                           d,
-                           w[a],
-                           w[b],
-                           w[c],
-                           w[d],
-                           select(lanes, T(1), T(0)),
-                           si,
-                           ti,
-                           side_end,
                            lane_min(thickness, h0 + opening),
                            T(0),
                            T(0)};
