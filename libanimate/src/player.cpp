@@ -52,6 +52,11 @@ Segmentation of_a_substep(Segmentation segmentation, const pbd::ClothOptions &op
   return segmentation;
 }
 
+pbd::ClothOptions cloth_options(pbd::ClothOptions cloth, const AnimateOptions &options) {
+  cloth.edge_collision |= options.edge_collision;
+  return cloth;
+}
+
 pbd::ClothOptions one_substep(pbd::ClothOptions options) {
   options.substeps = 1;
   return options;
@@ -82,10 +87,10 @@ struct Player::Shared {
   std::optional<Skin> body;
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
-      : character(std::move(c)), options(o),
-        simulator(checked(character).actor, character.segmentation, character.proxies, character.solver.cloth, make_solver),
+      : character(std::move(c)), options(o), simulator(checked(character).actor, character.segmentation, character.proxies,
+                                                       cloth_options(character.solver.cloth, o), make_solver),
         substeps(character.actor, of_a_substep(character.segmentation, character.solver.cloth), character.proxies,
-                 one_substep(character.solver.cloth), make_solver) {
+                 one_substep(cloth_options(character.solver.cloth, o)), make_solver) {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);

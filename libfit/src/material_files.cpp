@@ -37,7 +37,8 @@ SolverSettings read_solver(const Json &json, int version, const SolverSettings &
   SolverSettings solver = expected;
   if (version >= 2) {
     Json named = json.at("solver");
-    named.at("cloth").emplace("over_relaxation", 1.0); // what files without it were fitted with
+    named.at("cloth").emplace("over_relaxation", 1.0); // what files without them were fitted with
+    named.at("cloth").emplace("edge_collision", false);
     options::from_json(named, solver);
   } else if (json.contains("solver")) {
     Json merged = options::to_json<Json>(expected);
@@ -47,6 +48,7 @@ SolverSettings read_solver(const Json &json, int version, const SolverSettings &
     merged["cloth"]["substeps"] = named.value("substeps", expected.cloth.substeps);
     merged["cloth"]["stiffness"] = named.value("stiffness", "sweeps"); // there was no other
     merged["cloth"]["over_relaxation"] = 1.0;
+    merged["cloth"]["edge_collision"] = false;
     options::from_json(merged, solver);
   }
   return solver;

@@ -40,15 +40,35 @@ template <class T> inline Vec3<T> barycentric(const Vec3<T> &q, const Vec3<T> &a
   const T s = (vv * du - uv * dv) * inverse, t = (uu * dv - uv * du) * inverse;
   return {T(1) - s - t, s, t};
 }
+/// Squared distance of q to the segment (a, b).
+template <class T> inline T segment_distance2(const Vec3<T> &q, const Vec3<T> &a, const Vec3<T> &b) {
+  const Vec3<T> e = b - a, d = q - a;
+  const T t = lane_min(lane_max(dot(d, e) / lane_max(dot(e, e), T(1e-30f)), T(0)), T(1));
+  const Vec3<T> r = d - t * e;
+  return dot(r, r);
+}
+/// Of the segments (a, b) and (c, d).
+template <class T> inline T segments_distance2(const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, const Vec3<T> &d) {
+  const Vec3<T> u = b - a, v = d - c, r = c - a;
+  const T uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
+  const T inverse = T(1) / lane_max(det, T(1e-30f)), s = (vv * ur - uv * vr) * inverse, t = (uv * ur - uu * vr) * inverse;
+  const Vec3<T> way = mul_add(t, v, c) - mul_add(s, u, a);
+  const auto between = (det > T(0)) & (s >= T(0)) & (s <= T(1)) & (t >= T(0)) & (t <= T(1));
+  const T ends = lane_min(lane_min(segment_distance2(a, c, d), segment_distance2(b, c, d)),
+                          lane_min(segment_distance2(c, a, b), segment_distance2(d, a, b)));
+  return select(between, lane_min(dot(way, way), ends), ends);
+}
 /// Sets box[node] of the whole tree; leaf(face): the face's box.
 template <class T, class Leaf> inline void refit(const TreeNode *nodes, int count, Box<T> *box, Leaf &&leaf) {
   for (int i = count - 1; i >= 0; --i)
     box[i] = nodes[i].face >= 0 ? leaf(nodes[i].face) : united(box[i + 1], box[nodes[i + 1].skip]);
 }
-/// Calls found(face, lanes) for every leaf whose box overlaps `query` in some of the lanes, in the order of the tree.
+/// Calls found(face, lanes) for every leaf from node `first` on whose box overlaps `query` in some of the lanes, in the order of
+/// the tree.
 template <class T, class Found>
-inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box, const Box<T> &query, Found &&found) {
-  for (int i = 0; i < count;) {
+inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box, const Box<T> &query, Found &&found,
+                             int first = 0) {
+  for (int i = first; i < count;) {
     const auto lanes = overlap(query, box[i]);
     if (!any(lanes)) {
       i = nodes[i].skip;
@@ -69,8 +89,9 @@ public:
     DOUBLET_PBD_ISA::refit<T>(m.nodes, m.node_count, boxes_.data(), leaf);
   }
   /// Calls found(face, lanes) for every face whose box overlaps `query` in some of the lanes, in the order of the tree.
-  template <class Found> void for_each_overlap(const LaneModel &m, const Box<T> &query, Found &&found) const {
-    DOUBLET_PBD_ISA::for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), query, found);
+  /// first: the node from whose leaf on.
+  template <class Found> void for_each_overlap(const LaneModel &m, const Box<T> &query, Found &&found, int first = 0) const {
+    DOUBLET_PBD_ISA::for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), query, found, first);
   }
 
 private:
@@ -89,7 +110,7 @@ public:
       for (int k = 0; k < 4; ++k)
         quads_[i].set(k, m.quads[i].node[k] >= 0 ? boxes_[m.quads[i].node[k]] : nothing());
   }
-  template <class Found> void for_each_overlap(const LaneModel &m, const Box<float> &query, Found &&found) const {
+  template <class Found> void for_each_overlap(const LaneModel &m, const Box<float> &query, Found &&found, int first = 0) const {
     int waiting[64], count = 1; // four a level, and as many levels as quads of 2^31 faces have
     waiting[0] = 0;
     while (count > 0) {
@@ -98,10 +119,12 @@ public:
         found(~at, true);
         continue;
       }
-      const int overlaps = quads_[at].overlap(query);
+      const QuadNode &quad = m.quads[at];
+      const int overlaps = quads_[at].overlap(query) & (static_cast<int>(quad.skip[0] > first) | (quad.skip[1] > first) << 1 |
+                                                        (quad.skip[2] > first) << 2 | (quad.skip[3] > first) << 3);
       for (int k = 3; k >= 0; --k) // the last goes below the first
         if (overlaps >> k & 1)
-          waiting[count++] = m.quads[at].next[k];
+          waiting[count++] = quad.next[k];
     }
   }
 

@@ -3,8 +3,8 @@
 #include "face_boxes.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
-#include <set>
 
 namespace doublet::pbd {
 namespace {
@@ -57,21 +57,16 @@ int add_quad(const std::vector<TreeNode> &nodes, int at, std::vector<QuadNode> &
       add_children_of(child);
   }
   const auto index = quads.size();
-  quads.push_back({{-1, -1, -1, -1}, {}});
+  quads.push_back({{-1, -1, -1, -1}, {}, {}});
   for (size_t k = 0; k < children.size(); ++k) {
     const int face = nodes[children[k]].face, next = face >= 0 ? ~face : add_quad(nodes, children[k], quads);
     quads[index].node[k] = children[k];
     quads[index].next[k] = next;
+    quads[index].skip[k] = nodes[children[k]].skip;
   }
   return static_cast<int>(index);
 }
 
-float segment_distance2(Vec3f q, Vec3f a, Vec3f b) {
-  const Vec3f e = b - a, d = q - a;
-  const float t = lane_min(lane_max(dot(d, e) / lane_max(dot(e, e), 1e-30f), 0.0f), 1.0f);
-  const Vec3f r = d - t * e;
-  return dot(r, r);
-}
 float triangle_distance(Vec3f q, Vec3f a, Vec3f b, Vec3f c) {
   const Vec3f w = barycentric(q, a, b, c);
   if (w.x >= 0 && w.y >= 0 && w.z >= 0) {
@@ -100,36 +95,85 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes) {
   return quads;
 }
 
-std::vector<Edge> edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces) {
-  std::set<std::pair<int, int>> known;
-  std::vector<Edge> edges;
-  for (const TreeNode &node : nodes)
-    for (int k = 0; node.face >= 0 && k < 3; ++k) {
+OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces) {
+  std::map<std::pair<int, int>, int> known;
+  OrderedEdges all;
+  all.leaves.resize(faces.size());
+  all.first.resize(faces.size());
+  all.counts.resize(faces.size());
+  for (const TreeNode &node : nodes) {
+    if (node.face < 0)
+      continue;
+    all.leaves[node.face] = static_cast<int>(&node - nodes.data());
+    all.first[node.face] = static_cast<int>(all.edges.size());
+    for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(faces[node.face].v[k], faces[node.face].v[(k + 1) % 3]);
-      if (known.insert({a, b}).second)
-        edges.push_back({a, b});
+      const int opposite = faces[node.face].v[(k + 2) % 3];
+      const auto [at, is_new] = known.insert({{a, b}, static_cast<int>(all.edges.size())});
+      if (is_new) {
+        all.edges.push_back({a, b, {opposite, -1}});
+        ++all.counts[node.face];
+      } else if (all.edges[at->second].wings[1] < 0) {
+        all.edges[at->second].wings[1] = opposite;
+      }
     }
-  return edges;
+  }
+  return all;
 }
 
-std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
-                                             const std::vector<TreeNode> &nodes, float distance) {
-  const int count = static_cast<int>(nodes.size());
+namespace {
+
+std::vector<Box<float>> boxes_of(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
+                                 const std::vector<TreeNode> &nodes) {
   std::vector<Box<float>> boxes(nodes.size());
-  refit(nodes.data(), count, boxes.data(), [&](int f) {
+  refit(nodes.data(), static_cast<int>(nodes.size()), boxes.data(), [&](int f) {
     Box<float> box{points[faces[f].v[0]], points[faces[f].v[0]]};
     for (int v : faces[f].v)
       box = united(box, {points[v], points[v]});
     return box;
   });
+  return boxes;
+}
+
+std::uint64_t pair_of(int i, int j) {
+  return static_cast<std::uint64_t>(i) << 32 | static_cast<std::uint32_t>(j);
+}
+
+} // namespace
+
+std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
+                                             const std::vector<TreeNode> &nodes, float distance) {
+  const int count = static_cast<int>(nodes.size());
+  const std::vector<Box<float>> boxes = boxes_of(points, faces, nodes);
   std::vector<std::uint64_t> close;
   const Vec3f reach{distance, distance, distance};
   for (int q = 0; q < static_cast<int>(points.size()); ++q)
     for_each_overlap(nodes.data(), count, boxes.data(), Box<float>{points[q] - reach, points[q] + reach}, [&](int f, bool) {
       const auto [a, b, c] = faces[f].v;
       if (q != a && q != b && q != c && triangle_distance(points[q], points[a], points[b], points[c]) < distance)
-        close.push_back(static_cast<std::uint64_t>(q) << 32 | static_cast<std::uint32_t>(f));
+        close.push_back(pair_of(q, f));
     });
+  std::sort(close.begin(), close.end());
+  return close;
+}
+
+std::vector<std::uint64_t> edges_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
+                                             const std::vector<TreeNode> &nodes, const OrderedEdges &all, float distance) {
+  const std::vector<Box<float>> boxes = boxes_of(points, faces, nodes);
+  const Vec3f reach{distance, distance, distance};
+  std::vector<std::uint64_t> close;
+  for (int i = 0; i < static_cast<int>(all.edges.size()); ++i) {
+    const int a = all.edges[i].a, b = all.edges[i].b;
+    const Box<float> box{low(points[a], points[b]) - reach, high(points[a], points[b]) + reach};
+    for_each_overlap(nodes.data(), static_cast<int>(nodes.size()), boxes.data(), box, [&](int f, bool) {
+      for (int j = std::max(all.first[f], i + 1); j < all.first[f] + all.counts[f]; ++j) {
+        const int c = all.edges[j].a, d = all.edges[j].b;
+        if (a != c && a != d && b != c && b != d &&
+            segments_distance2(points[a], points[b], points[c], points[d]) < distance * distance)
+          close.push_back(pair_of(i, j));
+      }
+    });
+  }
   std::sort(close.begin(), close.end());
   return close;
 }

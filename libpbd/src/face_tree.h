@@ -13,11 +13,19 @@ std::vector<TreeNode> build_tree(const std::vector<Vec3f> &points, const std::ve
 
 std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes);
 
-/// Each once, as the tree comes to its faces.
-std::vector<Edge> edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
+/// Each once, as the tree comes to its faces: of face f those are counts[f] from first[f] on.
+struct OrderedEdges {
+  std::vector<Edge> edges;
+  std::vector<int> leaves, first, counts; ///< leaves: the tree's node of each face
+};
+OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
 
 /// Sorted (vertex << 32 | face) of all pairs closer than `distance`, a face's own vertices left out.
 std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
                                              const std::vector<TreeNode> &nodes, float distance);
+
+/// Sorted (edge << 32 | later edge) of all pairs closer than `distance` that share no vertex.
+std::vector<std::uint64_t> edges_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,
+                                             const std::vector<TreeNode> &nodes, const OrderedEdges &edges, float distance);
 
 } // namespace doublet::pbd

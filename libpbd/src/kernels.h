@@ -235,6 +235,39 @@ template <class T> inline void project_self(Vec3<T> &q, Vec3<T> &a, Vec3<T> &b, 
   s.touched = select(pushes, T(1), s.touched);
 }
 
+/// Edge (a, b) against edge (c, d), which come nearest at the fractions s and t of the way along them: kept at `thickness` on the
+/// side on which they started, +1 where (c, d) lies to the side of (b - a) x (d - c).
+template <class T> struct EdgeContact {
+  int a, b, c, d;
+  float wa, wb, wc, wd; ///< inverse masses
+  T active, s, t, side, thickness, touched;
+  T inverse_sum; ///< see contact_response
+};
+template <class T> inline T contact_response(const EdgeContact<T> &e) {
+  const T r = T(1) - e.s, u = T(1) - e.t;
+  const T sum = T(e.wa) * r * r + T(e.wb) * e.s * e.s + T(e.wc) * u * u + T(e.wd) * e.t * e.t;
+  const float largest = lane_max(lane_max(e.wa, e.wb), lane_max(e.wc, e.wd));
+  return T(1) / lane_max(sum, T(0.25f * largest));
+}
+/// Distance between the two points along the normal of both edges, and that normal, pointing to the side of (c, d).
+template <class T>
+inline Distance<T> edge_distance(const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, const Vec3<T> &d, T s, T t, T side) {
+  const Vec3<T> u = b - a, v = d - c, n = cross(u, v);
+  const T scale = side / lane_max(lane_sqrt(dot(n, n)), T(1e-12f));
+  const Vec3<T> normal = scale * n;
+  return {dot(mul_add(t, v, c) - mul_add(s, u, a), normal), normal};
+}
+template <class T> inline void project_edges(Vec3<T> &a, Vec3<T> &b, Vec3<T> &c, Vec3<T> &d, EdgeContact<T> &e) {
+  const Distance<T> now = edge_distance(a, b, c, d, e.s, e.t, e.side);
+  const auto pushes = (now.value < e.thickness) & (e.active > T(0));
+  const T lambda = (e.thickness - now.value) * e.inverse_sum;
+  a = select(pushes, neg_mul_add(lambda * T(e.wa) * (T(1) - e.s), now.normal, a), a);
+  b = select(pushes, neg_mul_add(lambda * T(e.wb) * e.s, now.normal, b), b);
+  c = select(pushes, mul_add(lambda * T(e.wc) * (T(1) - e.t), now.normal, c), c);
+  d = select(pushes, mul_add(lambda * T(e.wd) * e.t, now.normal, d), d);
+  e.touched = select(pushes, T(1), e.touched);
+}
+
 /// Air drag, eq. (5) with A(v) = m, over a time h: exact for u' = -d_n/2 |u_n| u_n and u' = -d_t/2 u_t taken apart, hence it
 /// slows and never reverses, whatever the parameter. u: velocity relative to the air; tangential_factor = exp(-d_t h / 2);
 /// half_dn_h = d_n h / 2.

@@ -37,6 +37,7 @@ struct BlendConstraint {
 };
 struct Edge {
   int a, b;
+  int wings[2]; ///< the vertices opposite in two faces beside it; -1: none
 };
 /// Tree of boxes over the faces, in the order of a walk from the root: the children of an inner node i are i + 1 and
 /// nodes[i + 1].skip.
@@ -49,6 +50,7 @@ struct TreeNode {
 struct QuadNode {
   int node[4]; ///< whose box it has, an index into the nodes; -1: no child
   int next[4]; ///< of an inner node its quad, of a leaf ~face
+  int skip[4]; ///< that of its node
 };
 
 struct LaneModel {
@@ -65,10 +67,13 @@ struct LaneModel {
   const Edge *edges;                  ///< in the order of the tree: neighbours ask the same boxes
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
+  const int *leaves, *first_edges, *edge_counts; ///< [face] its node; which of the edges the tree met here first
+  const std::uint64_t *resting_edges;            ///< sorted (edge << 32 | later edge) that never collide
+  int resting_edge_count;
   int iterations;
   float over_relaxation, thickness, self_thickness, restitution;
   float largest_extent; ///< m, see SelfCollision
-  bool self_collision, compliant;
+  bool self_collision, edge_collision, compliant;
 };
 
 } // namespace doublet::pbd

@@ -46,8 +46,11 @@ public:
   float *substep() override { return reinterpret_cast<float *>(&s_); }
 
   void find_knots() override {
-    if (m_.self_collision)
-      knots_.find(m_, x_);
+    if (!m_.self_collision)
+      return;
+    knots_.find(m_, x_);
+    if (m_.edge_collision)
+      knots_.untangle(m_, x_);
   }
   void advance(float end) override {
     set_targets(end);
@@ -58,12 +61,14 @@ public:
     const T opening = T(kDepenetrationSpeed) * s_.h;
     find_capsule_contacts(m_, capsules_, x_, p_, opening, contacts_);
     self_contacts_.clear();
+    edge_contacts_.clear();
     if (m_.self_collision)
-      self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_);
+      self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_, edge_contacts_);
     iterate();
     push_out_strays(m_, capsules_, contacts_, p_);
     update_velocities();
     rub_self();
+    rub_edges();
     rub_capsules();
     limit_speed();
     x_.swap(p_);
@@ -190,6 +195,8 @@ private:
       }
       for (SelfContact<T> &c : self_contacts_)
         project_self<T>(p_[c.q], p_[c.a], p_[c.b], p_[c.c], c);
+      for (EdgeContact<T> &c : edge_contacts_)
+        project_edges<T>(p_[c.a], p_[c.b], p_[c.c], p_[c.d], c);
       for (CapsuleContact<T> &c : contacts_)
         project_capsule<T>(p_[c.vertex], c, capsules_[c.capsule].end, thickness);
     }
@@ -326,6 +333,26 @@ private:
     }
   }
 
+  void rub_edges() {
+    for (const EdgeContact<T> &c : edge_contacts_) {
+      if (!any(c.touched > T(0)))
+        continue;
+      const Distance<T> d = edge_distance<T>(p_[c.a], p_[c.b], p_[c.c], p_[c.d], c.s, c.t, c.side);
+      const auto rubs = (c.touched > T(0)) & (d.value <= c.thickness + T(kPulledOff));
+      const T r = T(1) - c.s, w = T(1) - c.t;
+      const auto relative = [&](const Array<Vec3<T>> &v) { return (w * v[c.c] + c.t * v[c.d]) - (r * v[c.a] + c.s * v[c.b]); };
+      const Vec3<T> u = relative(v_);
+      const T un = dot(u, d.normal);
+      const T after = bounce(un, [&] { return dot(relative(v_free_), d.normal); });
+      const Vec3<T> change = (-s_.k_friction) * u + (after - (T(1) - s_.k_friction) * un) * d.normal;
+      const Vec3<T> impulse = c.inverse_sum * change;
+      v_[c.a] = select(rubs, v_[c.a] - (T(c.wa) * r) * impulse, v_[c.a]);
+      v_[c.b] = select(rubs, v_[c.b] - (T(c.wb) * c.s) * impulse, v_[c.b]);
+      v_[c.c] = select(rubs, v_[c.c] + (T(c.wc) * w) * impulse, v_[c.c]);
+      v_[c.d] = select(rubs, v_[c.d] + (T(c.wd) * c.t) * impulse, v_[c.d]);
+    }
+  }
+
   const Vec3<T> &x(int i) const { return x_[i]; }
   const Vec3<T> &p(int i) const { return p_[i]; }
   Vec3<T> gravity() const { return {s_.gravity[0], s_.gravity[1], s_.gravity[2]}; }
@@ -338,6 +365,7 @@ private:
   Array<CapsuleMotion<T>> capsules_;
   Array<CapsuleContact<T>> contacts_; ///< ordered by capsule, then vertex
   Array<SelfContact<T>> self_contacts_;
+  Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;
   SelfCollision<T> self_collision_;
   Array<T> stretch_multipliers_, bend_multipliers_;

@@ -216,6 +216,8 @@ void PbdModel::set_tree(const Vertices &rest) {
   nodes_ = build_tree(points, faces_);
   quads_ = build_quads(nodes_);
   edges_ = edges_in_order(nodes_, faces_);
+  if (options().edge_collision)
+    resting_edges_ = edges_closer_than(points, faces_, nodes_, edges_, static_cast<float>(options().self_thickness));
   resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options().self_thickness));
 }
 
@@ -235,7 +237,9 @@ void PbdModel::set_arrays() {
   a.followers = followers_.data(), a.follower_count = size(followers_);
   a.nodes = nodes_.data(), a.node_count = size(nodes_);
   a.quads = quads_.data(), a.quad_count = size(quads_);
-  a.edges = edges_.data(), a.edge_count = size(edges_);
+  a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
+  a.leaves = edges_.leaves.data(), a.first_edges = edges_.first.data(), a.edge_counts = edges_.counts.data();
+  a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
   a.iterations = options().iterations;
   a.over_relaxation = static_cast<float>(options().over_relaxation);
@@ -250,6 +254,7 @@ void PbdModel::set_arrays() {
   const double mean = sum / static_cast<double>(std::max<size_t>(1, stretches_.size()));
   a.largest_extent = static_cast<float>(std::max(kMaxSpan * mean, 2 * longest) + 48 * options().self_thickness);
   a.self_collision = options().self_collision;
+  a.edge_collision = options().edge_collision;
   a.compliant = options().stiffness == Stiffness::Compliance;
 }
 

@@ -2,6 +2,7 @@
 // What our solver derives from a ClothModel: the constraints in their final order, laid out for the solver's loops.
 
 #include "doublet/pbd/cloth_solver.h"
+#include "face_tree.h"
 #include "kernels.h"
 #include "lane_model.h"
 
@@ -31,8 +32,8 @@ private:
   std::vector<BlendConstraint> blends_;
   std::vector<TreeNode> nodes_;
   std::vector<QuadNode> quads_;
-  std::vector<Edge> edges_;
-  std::vector<std::uint64_t> resting_pairs_;
+  OrderedEdges edges_;
+  std::vector<std::uint64_t> resting_pairs_, resting_edges_;
   LaneModel arrays_{};
 };
 

@@ -12,30 +12,35 @@ template <class T> inline T height(const Vec3<T> &q, const Vec3<T> &a, const Vec
   return dot(q - a, n) / lane_max(lane_sqrt(dot(n, n)), T(1e-12f));
 }
 
-inline bool rests_together(const LaneModel &m, int vertex, int face) {
-  const std::uint64_t key = static_cast<std::uint64_t>(vertex) << 32 | static_cast<std::uint32_t>(face);
-  int first = 0, last = m.resting_pair_count;
+/// Is (i, j) one of the sorted pairs?
+inline bool is_among(const std::uint64_t *pairs, int count, int i, int j) {
+  const std::uint64_t key = static_cast<std::uint64_t>(i) << 32 | static_cast<std::uint32_t>(j);
+  int first = 0, last = count;
   while (first < last) {
     const int middle = (first + last) / 2;
-    if (m.resting_pairs[middle] < key)
+    if (pairs[middle] < key)
       first = middle + 1;
     else
       last = middle;
   }
-  return first < m.resting_pair_count && m.resting_pairs[first] == key;
+  return first < count && pairs[first] == key;
 }
 
+constexpr float kCrossing = 0.01f; ///< squared sine of the angle up to which two edges are parallel: vertices collide there
+
 /// Finds the contacts of the cloth with itself for a step from x to p: vertices that would come nearer to a face than the
-/// thickness, on the side on which they started (so that nothing passes through), or are within a thickness of doing so. A pair
-/// that starts closer than the thickness is opened at most by `opening` in this step. Where the cloth has passed through itself
-/// the side says nothing, and a contact would hold the knot together: there are none. Work is bounded: a vertex that moves, or a
-/// face that spans, more than the model's largest_extent (cloth that has exploded) is left out.
+/// thickness, on the side on which they started (so that nothing passes through), or are within a thickness of doing so; and
+/// likewise edges, if they collide. A pair that starts closer than the thickness is opened at most by `opening` in this step.
+/// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none,
+/// unless edges collide, too, and Knots moves the cloth apart. Work is bounded: a vertex that moves, or a face that spans, more
+/// than the model's largest_extent (cloth that has exploded) is left out.
 template <class T> class SelfCollision {
 public:
   template <class Points>
   void find(const LaneModel &m, const Points &x, const Points &p, T opening, const Knots<T> &knots,
-            Array<SelfContact<T>> &contacts) {
+            Array<SelfContact<T>> &contacts, Array<EdgeContact<T>> &edge_contacts) {
     contacts.clear();
+    edge_contacts.clear();
     // Common motion brings nobody together: leave it out of the boxes.
     Vec3<T> drift{T(0), T(0), T(0)};
     for (int i = 0; i < m.vertex_count; ++i)
@@ -59,9 +64,77 @@ public:
         if (v[0] != q && v[1] != q && v[2] != q)
           add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
       });
+    if (m.edge_collision)
+      find_edges(m, x, p, path, opening, edge_contacts);
+  }
+
+  /// Adds the contact of edges i and j in the lanes in which they have one.
+  template <class Points, class M>
+  static void try_edges(const LaneModel &m, const Points &x, const Points &p, int i, int j, T opening, M lanes,
+                        Array<EdgeContact<T>> &contacts) {
+    const int a = m.edges[i].a, b = m.edges[i].b, c = m.edges[j].a, d = m.edges[j].b;
+    const float *w = m.weights;
+    const T thickness(m.self_thickness);
+    const Vec3<T> n0 = cross<T>(x[b] - x[a], x[d] - x[c]), n1 = cross<T>(p[b] - p[a], p[d] - p[c]);
+    const T start = dot<T>(x[c] - x[a], n0) / lane_max(lane_sqrt(dot(n0, n0)), T(1e-12f));
+    const T end = dot<T>(p[c] - p[a], n1) / lane_max(lane_sqrt(dot(n1, n1)), T(1e-12f));
+    const T side = select(start < T(0), T(-1), T(1));
+    // Edges that turn past each other's direction turn the normal over, not their order.
+    const T side_end = select(dot(n0, n1) < T(0), -side, side);
+    const T h0 = side * start, h1 = side_end * end;
+    lanes = lanes & (h1 <= T(2) * thickness);
+    if (!any(lanes) || w[a] + w[b] + w[c] + w[d] == 0)
+      return;
+    const T share = lane_min(lane_max((h0 - thickness) / (h0 - h1), T(0)), T(1));
+    const T t = select((h1 < thickness) & (h0 > h1), share, T(1));
+    const auto at = [&](int v) { return x[v] + t * (p[v] - x[v]); };
+    const Vec3<T> pa = at(a), pc = at(c), u = at(b) - pa, v = at(d) - pc, r = pc - pa;
+    const T uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), ur = dot(u, r), vr = dot(v, r), det = uu * vv - uv * uv;
+    const T inverse = T(1) / lane_max(det, T(1e-30f)), si = (vv * ur - uv * vr) * inverse, ti = (uv * ur - uu * vr) * inverse;
+    const Vec3<T> apart = mul_add(ti, v, pc) - mul_add(si, u, pa);
+    lanes = lanes & (det > T(kCrossing) * (uu * vv)) & (si >= T(0)) & (si <= T(1)) & (ti >= T(0)) & (ti <= T(1)) &
+            (dot(apart, apart) <= T(4) * thickness * thickness);
+    if (!any(lanes) || is_among(m.resting_edges, m.resting_edge_count, i, j))
+      return;
+    EdgeContact<T> contact{
+        a,    b,   c, d, w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)), si, ti, side_end, lane_min(thickness, h0 + opening),
+        T(0), T(0)};
+    contact.inverse_sum = contact_response(contact);
+    contacts.push_back(contact);
   }
 
 private:
+  /// Every edge belongs to the first of its faces (LaneModel::first_edges): faces that come near bring their edges together.
+  template <class Points, class Path>
+  void find_edges(const LaneModel &m, const Points &x, const Points &p, const Path &path, T opening,
+                  Array<EdgeContact<T>> &contacts) {
+    const T margin(2 * m.self_thickness), largest(m.largest_extent);
+    edge_boxes_.resize(m.edge_count);
+    for (int i = 0; i < m.edge_count; ++i)
+      edge_boxes_[i] = bounded(united(path(m.edges[i].a), path(m.edges[i].b)), largest);
+    const Vec3<T> grow{margin, margin, margin};
+    for (int f = 0; f < m.face_count; ++f) {
+      const int first = m.first_edges[f], last = first + m.edge_counts[f];
+      if (first == last)
+        continue;
+      Box<T> all = edge_boxes_[first];
+      for (int i = first + 1; i < last; ++i)
+        all = united(all, edge_boxes_[i]);
+      const auto bring = [&](int g, auto near) {
+        for (int j = m.first_edges[g]; j < m.first_edges[g] + m.edge_counts[g]; ++j) {
+          const Box<T> box{edge_boxes_[j].lo - grow, edge_boxes_[j].hi + grow};
+          for (int i = first; i < last && i < j; ++i) {
+            const auto lanes = near & overlap(edge_boxes_[i], box);
+            if (any(lanes) && !share_a_vertex(m.edges[i], m.edges[j]))
+              try_edges(m, x, p, i, j, opening, lanes, contacts);
+          }
+        }
+      };
+      boxes_.for_each_overlap(m, all, bring, m.leaves[f]);
+    }
+  }
+  static bool share_a_vertex(const Edge &i, const Edge &j) { return i.a == j.a || i.a == j.b || i.b == j.a || i.b == j.b; }
+
   template <class Points, class M>
   void add_contact(const LaneModel &m, const Points &x, const Points &p, int q, int f, T opening, M lanes, const Knots<T> &knots,
                    Array<SelfContact<T>> &contacts) {
@@ -79,9 +152,10 @@ private:
     const T t = select((h1 < thickness) & (h0 > h1), share, T(1));
     const auto at = [&](int i) { return x[i] + t * (p[i] - x[i]); };
     const Vec3<T> foot = barycentric<T>(at(q), at(a), at(b), at(c));
-    const auto knotted = knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c);
-    lanes = lanes & (foot.x >= T(0)) & (foot.y >= T(0)) & (foot.z >= T(0)) & !knotted;
-    if (!any(lanes) || rests_together(m, q, f))
+    lanes = lanes & (foot.x >= T(0)) & (foot.y >= T(0)) & (foot.z >= T(0));
+    if (!m.edge_collision)
+      lanes = lanes & !(knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c));
+    if (!any(lanes) || is_among(m.resting_pairs, m.resting_pair_count, q, f))
       return;
     SelfContact<T> contact{q,
                            a,
@@ -104,6 +178,7 @@ private:
   }
 
   FaceBoxes<T> boxes_;
+  Array<Box<T>> edge_boxes_;
 };
 
 } // namespace DOUBLET_PBD_ISA

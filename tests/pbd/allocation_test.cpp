@@ -78,6 +78,7 @@ TEST(Allocation, AWarmStepAllocatesNothing) {
     options.restitution = 0.5;
     options.self_thickness = 0.008;
     options.stiffness = stiffness;
+    options.edge_collision = stiffness == Stiffness::Compliance;
     const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
     std::vector<Material> materials(21);
     materials[3].k_damping = 0.5;

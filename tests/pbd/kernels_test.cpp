@@ -334,6 +334,38 @@ TEST(Kernels, SelfContactFollowsTheGradientAndReachesTheThickness) {
   }
 }
 
+TEST(Kernels, EdgeContactFollowsTheGradientAndReachesTheThickness) {
+  Random random;
+  for (int i = 0; i < 200; ++i) {
+    V a{-0.02, 0, 0.001}, b{0.03, 0.001, 0}, c{0.003, 0.004, -0.03}, d{0.002, 0.004, 0.02};
+    const double s = random(0.1, 0.9), t = random(0.1, 0.9), side = i % 2 ? 1 : -1, depth = random(0, 0.003);
+    V n = cross(b - a, d - c);
+    n = (side / std::sqrt(dot(n, n))) * n;
+    const V apart = mul_add(t, d - c, c) - mul_add(s, b - a, a), moved = depth * n - apart; // the two points meet, then `depth`
+    c += moved;
+    d += moved;
+    const auto value = [&] {
+      const V m = cross(b - a, d - c);
+      return side * dot(c - a, m) / std::sqrt(dot(m, m));
+    };
+    const Distance<double> now = edge_distance(a, b, c, d, s, t, side);
+    EXPECT_NEAR(now.value, value(), 1e-12);
+    expect_near(differences(value, a), (s - 1) * now.normal, 1e-6);
+    expect_near(differences(value, b), -s * now.normal, 1e-6);
+    expect_near(differences(value, c), (1 - t) * now.normal, 1e-6);
+    expect_near(differences(value, d), t * now.normal, 1e-6);
+    EdgeContact<double> e{0, 1, 2, 3, 2, 1, 0.5f, 0, 1, s, t, side, 0.004, 0, 0};
+    e.wd = i % 3 ? 4 : 0;
+    e.inverse_sum = contact_response(e);
+    const V sum = 0.5 * a + b + (e.wc > 0 ? 2.0 : 0.0) * c + (e.wd > 0 ? 0.25 : 0.0) * d;
+    project_edges(a, b, c, d, e);
+    EXPECT_EQ(e.touched, 1);
+    EXPECT_NEAR(edge_distance(a, b, c, d, s, t, side).value, 0.004, 4e-4); // the normal turns a little
+    if (e.wd > 0)
+      expect_near(0.5 * a + b + 2.0 * c + 0.25 * d, sum, 1e-12); // the centre of mass stays
+  }
+}
+
 TEST(Kernels, DragNeverReversesAndKeepsItsClosedForm) {
   Random random;
   for (int i = 0; i < 1000; ++i) {

@@ -3,10 +3,12 @@
 #include "../../libpbd/src/knots.h"
 #include "../../libpbd/src/pack.h"
 #include "../../libpbd/src/pbd_model.h"
+#include "../../libpbd/src/self_collision.h"
 #include "doublet/pbd/cloth_solver.h"
 #include "scenes.h"
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <set>
@@ -123,6 +125,84 @@ TEST(Knots, SheetsThatHavePassedThroughEachOtherComeApart) {
   for (int i = 0; i < 80; ++i)
     solver->step(state, in, material);
   EXPECT_EQ(knotted(state.positions, scene.both.faces).size(), 0u);
+}
+
+/// Two sheets whose upright lower edges cross like an X fall on each other edge to edge: no vertex meets a face.
+TEST(Knots, EdgesDoNotPassThroughEdges) {
+  Vertices rest(6, 3);
+  rest << -0.05, 0, 0, 0.05, 0, 0, 0, -0.1, 0, 0, 0.02, -0.05, 0, 0.02, 0.05, 0, 0.12, 0;
+  Faces faces(2, 3);
+  faces << 0, 1, 2, 3, 4, 5;
+  Eigen::VectorXd clothness = Eigen::VectorXd::Ones(6);
+  clothness.head(3).setZero();
+  Material material;
+  material.d_n = material.d_t = 0;
+  for (const bool edges : {false, true}) {
+    ClothOptions options;
+    options.edge_collision = edges;
+    const auto solver = ClothSolver::create(ClothModel::create(rest, faces, clothness, options));
+    ClothState state = initial_state(rest);
+    StepInputs in;
+    in.targets = &rest;
+    double lowest = 1;
+    for (int i = 0; i < 8; ++i) {
+      solver->step(state, in, material);
+      lowest = std::min(lowest, state.positions(3, 1));
+    }
+    if (edges)
+      EXPECT_NEAR(lowest, options.self_thickness, 5e-4);
+    else
+      EXPECT_LT(lowest, -0.05);
+  }
+}
+
+TEST(Knots, CrossingsAreMovedApartWhereEdgesCollide) {
+  const Curtains scene(0.012);
+  ClothOptions options;
+  options.edge_collision = true;
+  options.gravity.setZero();
+  const auto solver = ClothSolver::create(ClothModel::create(scene.both.rest, scene.both.faces, scene.both.clothness, options));
+  ClothState state = initial_state(scene.tangled);
+  StepInputs in;
+  in.targets = &scene.both.rest;
+  Material limp;
+  limp.k_bend = 0;
+  EXPECT_GT(knotted(state.positions, scene.both.faces).size(), 10u);
+  for (int i = 0; i < 20; ++i)
+    solver->step(state, in, limp);
+  EXPECT_EQ(knotted(state.positions, scene.both.faces).size(), 0u);
+}
+
+/// Every pair of edges that comes near is found: against all pairs.
+TEST(Knots, TheTreeFindsEveryPairOfEdges) {
+  const Curtains scene(0.03);
+  ClothOptions options;
+  options.edge_collision = true;
+  const PbdModel model(ClothModel::create(scene.both.rest, scene.both.faces, scene.both.clothness, options));
+  const LaneModel &m = model.arrays();
+  Array<Vec3f> x, p;
+  fill(x, scene.both.rest);
+  fill(p, scene.tangled);
+  Knots<float> knots;
+  knots.find(m, x);
+  SelfCollision<float> search;
+  Array<SelfContact<float>> faces;
+  Array<EdgeContact<float>> found;
+  search.find(m, x, p, 0.001f, knots, faces, found);
+  std::set<std::array<int, 4>> pairs;
+  for (const EdgeContact<float> &c : found)
+    EXPECT_TRUE(pairs.insert({c.a, c.b, c.c, c.d}).second); // once
+  Array<EdgeContact<float>> expected;
+  for (int i = 0; i < m.edge_count; ++i)
+    for (int j = i + 1; j < m.edge_count; ++j) {
+      const Edge &e = m.edges[i], &o = m.edges[j];
+      if (e.a != o.a && e.a != o.b && e.b != o.a && e.b != o.b)
+        SelfCollision<float>::try_edges(m, x, p, i, j, 0.001f, true, expected);
+    }
+  for (const EdgeContact<float> &c : expected)
+    EXPECT_TRUE(pairs.count({c.a, c.b, c.c, c.d})) << c.a << " " << c.b << " " << c.c << " " << c.d;
+  EXPECT_EQ(expected.size(), static_cast<int>(pairs.size()));
+  EXPECT_GT(expected.size(), 20);
 }
 
 } // namespace knots_test

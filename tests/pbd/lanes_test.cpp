@@ -126,6 +126,14 @@ TEST(Lanes, SubstepsRestitutionAndComplianceToo) {
   expect_same_bits(options, 9, 40);
 }
 
+TEST(Lanes, EdgesThatCollideToo) {
+  ClothOptions options;
+  options.self_thickness = 0.008;
+  options.edge_collision = true;
+  options.restitution = 0.3;
+  expect_same_bits(options, 9, 30);
+}
+
 /// Lanes may be windows: other frames, other places in the world.
 TEST(Lanes, TakeTheirOwnInputs) {
   const Sheet s = scenes::skirt(26, 10);

@@ -3324,6 +3324,14 @@ class ClothOptions:
         Name -> value of every option.
         """
     @property
+    def edge_collision(self) -> bool:
+        """
+        edges collide with edges, too, where cloth collides with itself
+        """
+    @edge_collision.setter
+    def edge_collision(self, arg0: bool) -> None:
+        ...
+    @property
     def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         m/s^2, acceleration of free cloth: a number in [-1000, 1000]
@@ -3929,6 +3937,14 @@ class AnimateOptions:
         """
     @body.setter
     def body(self, arg0: bool) -> None:
+        ...
+    @property
+    def edge_collision(self) -> bool:
+        """
+        edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the character's solver says; takes as long again, and may blow up: see docs/cloth.md
+        """
+    @edge_collision.setter
+    def edge_collision(self, arg0: bool) -> None:
         ...
     @property
     def high(self) -> bool:

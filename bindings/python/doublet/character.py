@@ -154,6 +154,6 @@ def exact_motion(character: d.Character, motion_file: Path, fps: float, context:
 
 
 def animate_exactly(character: d.Character, motion_file: Path, fps: float, context: d.Context) -> np.ndarray:
-    """(T, V, 3) m: the character on an `exact_motion`."""
+    """(T, V, 3) m: the character on an `exact_motion`, by the solver that its material was fitted with."""
     motion = exact_motion(character, motion_file, fps, context)
-    return d.animate(character, motion, d.AnimateOptions(high=False, body=False), context).surface
+    return d.animate(character, motion, d.AnimateOptions(high=False, body=False, edge_collision=False), context).surface

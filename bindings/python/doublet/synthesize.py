@@ -233,7 +233,8 @@ def synthesize(
                         Image.fromarray(mask).save(path)
             count += 1
 
-        d.animate_each(character, motion, film, d.AnimateOptions(high=surfaces.has_high), console.context())
+        as_fitted = d.AnimateOptions(high=surfaces.has_high, edge_collision=False)  # the truth of an estimation
+        d.animate_each(character, motion, film, as_fitted, console.context())
     truth.finish()
     materials = [m.to_dict() for m in character.materials]
     write_json(out / "ground_truth" / "material.json", {"regions": materials, "dt": character.solver.dt})

@@ -144,7 +144,8 @@ SolverSettings json_first_solver(const json &j) {
                 {"over_relaxation", 1.0},
                 {"rest_curvature", j.value("restCurvature", 1.0)},
                 {"self_thickness", j.at("selfThickness")},
-                {"self_collision", j.at("selfCollision")}};
+                {"self_collision", j.at("selfCollision")},
+                {"edge_collision", false}};
   for (const char *name : {"iterations", "substeps", "gravity", "restitution", "thickness"})
     cloth[name] = j.at(name);
   options::from_json<json>({{"dt", j.at("dt")}, {"cloth", cloth}}, solver);
@@ -155,7 +156,8 @@ SolverSettings json_solver(json j, int version) {
   SolverSettings solver;
   if (version == 1)
     return json_first_solver(j);
-  j.at("cloth").emplace("over_relaxation", 1.0); // what files without it were fitted with
+  j.at("cloth").emplace("over_relaxation", 1.0); // what files without them were fitted with
+  j.at("cloth").emplace("edge_collision", false);
   options::from_json(j, solver);
   return solver;
 }

@@ -16,6 +16,7 @@ namespace doublet {
 struct AnimateOptions {
   double settle_seconds = 1.0;
   double rest_damping = 6.0;
+  bool edge_collision = false;
   bool high = true;
   bool body = true;
   bool tuck_body = true;
@@ -30,6 +31,10 @@ struct AnimateOptions {
             &O::rest_damping, "rest_damping", Range{0, 100}, "1/s",
             "of the cloth while the pose is held, in still air: from 0.25 s after the last motion it grows to this within 1 s; "
             "0 = off"),
+        option(
+            &O::edge_collision, "edge_collision",
+            "edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the "
+            "character's solver says; takes as long again, and may blow up: see docs/cloth.md"),
         option(&O::high, "high", "also M_high"),
         option(&O::body, "body", "also the body under the clothes"),
         option(&O::tuck_body, "tuck_body",

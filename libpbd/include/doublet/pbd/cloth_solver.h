@@ -45,6 +45,7 @@ struct ClothOptions {
   double thickness = 0.012;
   double self_thickness = 0.004;
   bool self_collision = true;
+  bool edge_collision = false;
   static constexpr auto describe() {
     using namespace options;
     using O = ClothOptions;
@@ -70,6 +71,7 @@ struct ClothOptions {
         option(&O::self_thickness, "self_thickness", Range{0, 1}, "m",
                "kept between cloth and itself; pairs that rest closer are left alone"),
         option(&O::self_collision, "self_collision", "cloth collides with itself"),
+        option(&O::edge_collision, "edge_collision", "edges collide with edges, too, where cloth collides with itself"),
     };
   }
   /// 24 sweeps and one step, stiffness by sweeps, the angles of the rest mesh.
