@@ -140,12 +140,9 @@ std::vector<pbd::Material> json_materials(const json &list) {
 /// Version 1, which had a list of its own and lay flat; what it left out was not known yet.
 SolverSettings json_first_solver(const json &j) {
   SolverSettings solver;
-  json cloth = {{"stiffness", j.value("stiffness", "sweeps")},
-                {"over_relaxation", 1.0},
-                {"rest_curvature", j.value("restCurvature", 1.0)},
-                {"self_thickness", j.at("selfThickness")},
-                {"self_collision", j.at("selfCollision")},
-                {"edge_collision", false}};
+  json cloth = {{"stiffness", j.value("stiffness", "sweeps")},     {"over_relaxation", 1.0},
+                {"rest_curvature", j.value("restCurvature", 1.0)}, {"self_thickness", j.at("selfThickness")},
+                {"self_collision", j.at("selfCollision")},         {"edge_collision", false}};
   for (const char *name : {"iterations", "substeps", "gravity", "restitution", "thickness"})
     cloth[name] = j.at(name);
   options::from_json<json>({{"dt", j.at("dt")}, {"cloth", cloth}}, solver);
