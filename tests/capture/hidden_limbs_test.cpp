@@ -26,7 +26,7 @@ double joint_error(const CaptureResult &result, const RiggedMesh &actor, const s
 
 TEST(HiddenLimbs, AFootThatTurnsDoesNotTurnTheLeg) {
   const Scene scene;
-  // The true ankle has a second hinge, about an axis across the foot.
+  // The true ankle has a second hinge, about the shank.
   std::vector<JointMark> marks = joint_marks(scene.actor.skeleton);
   for (JointMark &mark : marks)
     if (mark.name == "l_ankle")
@@ -42,7 +42,7 @@ TEST(HiddenLimbs, AFootThatTurnsDoesNotTurnTheLeg) {
   for (int t = 0; t < dofs.rows(); ++t) {
     dofs(t, dof("l_hip.x")) = -0.09 * t; // the knee rises,
     dofs(t, dof("l_knee.flex")) = 0.12 * t;
-    dofs(t, dof("l_ankle.b")) = -0.09 * t; // and the foot turns by 36 degrees
+    dofs(t, dof("l_ankle.turn")) = -0.09 * t; // and the foot turns by 36 degrees
     joints.push_back(joint_positions(truth.skeleton, forward_kinematics(truth.skeleton, dofs.row(t))));
   }
   const auto surfaces = tracker_scene::surfaces(truth, dofs);
