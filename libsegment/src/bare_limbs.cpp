@@ -22,8 +22,9 @@ std::vector<double> girths(const Surface &surface, const Eigen::VectorXd &way) {
   return result;
 }
 
+/// Does a limb, or the neck, end at the joint? Not so the trunk, which the root carries.
 bool is_end(const Skeleton &skeleton, int joint) {
-  return joint > 0 &&
+  return skeleton.joints[joint].parent > 0 &&
          std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
 }
 

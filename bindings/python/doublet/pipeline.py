@@ -363,8 +363,10 @@ def require_start_in_take(job: Job) -> None:
     """Throws ValueError if tracking would have to begin in a frame that is not tracked."""
     options = job.options["capture"]
     first, count, start = options.first_frame, options.frame_count, options.start_frame
+    if start < 0:
+        return
     last = (job.session.frame_count if count < 0 else first + count) - 1
-    if start >= 0 and not first <= start <= last:
+    if not first <= start <= last:
         raise ValueError(f"capture.start_frame: expected one of the frames {first} to {last}, found {start}")
 
 
