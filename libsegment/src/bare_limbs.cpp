@@ -24,11 +24,14 @@ std::vector<double> girths(const Surface &surface, const Eigen::VectorXd &way) {
 
 /// Does a limb, or the neck, end at the joint? Not so the trunk, which the root carries.
 bool is_end(const Skeleton &skeleton, int joint) {
-  return skeleton.joints[joint].parent > 0 &&
-         std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
+  return skeleton.joints[joint].parent > 0 && is_leaf(skeleton, joint);
 }
 
 } // namespace
+
+bool is_leaf(const Skeleton &skeleton, int joint) {
+  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
+}
 
 std::vector<char> limb_below_hem(const Surface &surface, const std::vector<int> &end) {
   const Eigen::VectorXd way = edge_distances(surface.vertices, surface.neighbours, end, kLongest);

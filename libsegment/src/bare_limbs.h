@@ -7,6 +7,9 @@
 
 namespace doublet::detail {
 
+/// Does nothing follow on the joint? It then marks the end of a hand, a foot or the head.
+bool is_leaf(const Skeleton &skeleton, int joint);
+
 /// (V) 1 for the limb that ends in `end` (vertices of a foot or a hand), up to where what is around it gets suddenly wider: a
 /// hem. Where it does not, the answer is empty. A limb widens, too, but slowly.
 std::vector<char> limb_below_hem(const Surface &surface, const std::vector<int> &end);

@@ -1,5 +1,6 @@
 #include "garment_field.h"
 
+#include "bare_limbs.h"
 #include "doublet/rays/surface_distance.h"
 #include "doublet/segment/parts/diffusion.h"
 
@@ -67,10 +68,6 @@ std::vector<int> joint_of_faces(const RiggedMesh &actor) {
     result.push_back(static_cast<int>(joint));
   }
   return result;
-}
-
-bool is_leaf(const Skeleton &skeleton, int joint) {
-  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
 }
 
 /// What the search for bare ends asks of the actor.
