@@ -35,9 +35,17 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   const CaptureResult captured = PerformanceCapture::create()->capture(actor, session.rig, *frames, silhouettes.get(), context);
   write_observations(out / "observations.npz", captured.observations);
   write_performance(out / "performance.npz", captured.performance);
-  const ReferencePerformance performance = read_performance(out / "performance.npz", actor);
+  ReferencePerformance performance = read_performance(out / "performance.npz", actor);
   const Observations observations = read_observations(out / "observations.npz");
-  // Sect. 5: cloth and body
+  // Sect. 5: cloth, with what it looks like in the first frame, and body
+  std::vector<Image> images, masks;
+  for (int camera = 0; camera < frames->camera_count(); ++camera) {
+    auto [image, mask] = read_view(*frames, camera, performance.frames[0], silhouettes.get());
+    images.push_back(std::move(image));
+    masks.push_back(std::move(mask));
+  }
+  const Mesh first{performance.surface.frames[0], actor.mesh.faces};
+  performance.surface.colours = sample_colours(first, actor.face_valid, session.rig, images, masks, {}, context);
   write_segmentation(out / "segmentation.npz", segment_performance(actor, performance, *ClothSegmenter::create(), {}, context));
   const Segmentation segmentation = read_segmentation(out / "segmentation.npz");
   const BodyFit fitted = BodyFitter::create()->fit(actor, segmentation, *BodyModel::read(body_model), session.landmarks, context);
@@ -84,12 +92,6 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   Character character = make_character(dressed.actor, dressed.segmentation, body, proxies, result.materials(), result.solver,
                                        display.mesh, display.valid, display.garment_subdivisions);
   character.name = session.name;
-  std::vector<Image> images, masks;
-  for (int camera = 0; camera < frames->camera_count(); ++camera) {
-    auto [image, mask] = read_view(*frames, camera, motion.frames[0], silhouettes.get());
-    images.push_back(std::move(image));
-    masks.push_back(std::move(mask));
-  }
   texture_character(character, motion.surface.frames[0], session.rig, images, masks, {}, context);
   write_character(out / "character.glb", character);
 }

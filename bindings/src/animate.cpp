@@ -326,6 +326,10 @@ void bind_texture(py::module_ &m) {
         py::arg("context") = interruptible_context(), Release(),
         "Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the "
         "colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.");
+  m.def("sample_colours", &sample_colours, py::arg("mesh"), py::arg("face_valid"), py::arg("cameras"), py::arg("images"),
+        py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
+        py::arg("context") = interruptible_context(), Release(),
+        "(10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for MeshSequence.colours.");
   py::class_<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
       .def_readonly("mesh", &Display::mesh)
       .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")

@@ -132,7 +132,7 @@ void bind_mesh(py::module_ &m) {
   py::class_<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
       .def(py::init<>())
       .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
-             return MeshSequence{std::move(faces), unstack(frames, "frames"), {}};
+             return MeshSequence{std::move(faces), unstack(frames, "frames")};
            }),
            py::arg("faces"), py::arg("frames"))
       .def_readwrite("faces", &MeshSequence::faces)
@@ -148,6 +148,8 @@ void bind_mesh(py::module_ &m) {
             s.unposed = unstack(frames, "unposed");
           },
           "(T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy")
+      .def_readwrite("colours", &MeshSequence::colours,
+                     "(F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.")
       .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
   m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release(),
         "(F, 3) unit; zero for degenerate faces.");

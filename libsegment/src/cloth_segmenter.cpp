@@ -1,7 +1,9 @@
 #include "doublet/segment/cloth_segmenter.h"
 
 #include "bare_limbs.h"
+#include "colour_evidence.h"
 #include "doublet/core/parts/edge_distances.h"
+#include "doublet/core/parts/quantile.h"
 #include "doublet/segment/parts/diffusion.h"
 #include "snug_cloth.h"
 #include "surface_patches.h"
@@ -27,6 +29,7 @@ constexpr double kSnap = 0.05;
 /// m, the widest transition from cloth to skin: a waistband, not a limb.
 constexpr double kTransition = 0.10;
 constexpr double kAboveNoise = 1.4; // t_rigid by what skin moves
+constexpr double kSkin = 0.1;       // of the surface: everybody shows that much of head, hands or legs
 
 /// m, the length of the border between the rigid patches `of` (V, -1 = cloth) and cloth, halfway between their vertices.
 std::vector<double> borders_on_cloth(const Surface &surface, const std::vector<int> &of, std::size_t count) {
@@ -157,6 +160,13 @@ Surface sigma_surface(const Mesh &pose, const std::vector<std::uint8_t> &face_va
   return detail::surface_of(pose, face_valid);
 }
 
+/// m; of the vertices whose deviation is known. 0 if none is.
+double quantile_of_known(const Eigen::VectorXd &sigma, double share) {
+  std::vector<double> known;
+  std::copy_if(sigma.begin(), sigma.end(), std::back_inserter(known), [](double value) { return std::isfinite(value); });
+  return known.empty() ? 0 : quantile(std::move(known), share);
+}
+
 /// Eq. 1, diffused; NaN is filled in by the diffusion.
 Eigen::VectorXd raw_clothness(const Surface &surface, const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   Eigen::VectorXd delta = (sigma.array() - options.rigid_threshold) / (options.cloth_threshold - options.rigid_threshold);
@@ -219,6 +229,23 @@ Segmentation segmentation_of(const Mesh &pose, const std::vector<std::uint8_t> &
   return result;
 }
 
+/// (V) what deviations count times, by how much more a vertex looks like what surely is cloth than like what surely is skin.
+Eigen::VectorXd weight_of_colour(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                                 const Eigen::VectorXd &sigma, const SegmentOptions &options) {
+  constexpr double kStillest = 0.25; // of the surface: heads, hands, feet and what is tight on them
+  constexpr double kSurelyCloth = 2; // times cloth_threshold
+  Eigen::VectorXd factor = Eigen::VectorXd::Ones(sigma.size());
+  if (sequence.colours.rows() == 0 || options.colour == 0)
+    return factor;
+  const Mesh pose{sequence.frames.front(), sequence.faces};
+  const Surface surface = sigma_surface(pose, face_valid, sigma);
+  const double still = quantile_of_known(sigma, kStillest);
+  const Eigen::VectorXd evidence = detail::colour_evidence(
+      surface, sequence.faces, face_valid, sequence.colours, choose(surface, [&](int i) { return sigma[i] < still; }),
+      choose(surface, [&](int i) { return sigma[i] > kSurelyCloth * options.cloth_threshold; }));
+  return (-options.colour * evidence).array().exp();
+}
+
 class OppositeRaySegmenter : public ClothSegmenter {
 public:
   explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
@@ -233,6 +260,9 @@ public:
                                   std::to_string(sequence.frames.size()) + ", found " + std::to_string(sequence.unposed.size()));
     require_frames(sequence.frames, sequence.frames.front().rows(), "segment: a frame");
     require_frames(sequence.unposed, sequence.frames.front().rows(), "segment: an unposed frame");
+    if (sequence.colours.rows() % std::max<Eigen::Index>(sequence.faces.rows(), 1) != 0)
+      throw std::invalid_argument("segment: expected as many colours on each of " + std::to_string(sequence.faces.rows()) +
+                                  " faces, found " + std::to_string(sequence.colours.rows()) + " in all");
     context.report("segment", 0.0);
     const Mesh pose{sequence.frames.front(), sequence.faces};
     const OppositePoints points = find_opposite_points(pose, face_valid, options_.opposite, context);
@@ -240,7 +270,7 @@ public:
     Eigen::VectorXd sigma = opposite_distance_deviation(sequence, points, options_.opposite, context);
     Eigen::VectorXd slide;
     if (!sequence.unposed.empty()) {
-      const MeshSequence unposed{sequence.faces, sequence.unposed, {}};
+      const MeshSequence unposed{sequence.faces, sequence.unposed};
       sigma = sigma.cwiseMin(opposite_distance_deviation(unposed, points, options_.opposite, context));
       const Vertices normals = vertex_normals(pose.vertices, valid_faces(pose.faces, face_valid));
       slide = detail::sliding_deviation(sequence.unposed, normals, options_.opposite.trim, context);
@@ -252,7 +282,10 @@ public:
                   options::shown(1000 * options_.rigid_threshold) + " and " + options::shown(1000 * options_.cloth_threshold) +
                   " mm to " + options::shown(1000 * raised.rigid_threshold, 3) + " and " +
                   options::shown(1000 * raised.cloth_threshold, 3));
-    Segmentation result = segmentation_of(pose, face_valid, sigma, slide, raised);
+    const Eigen::VectorXd factor = weight_of_colour(sequence, face_valid, sigma, raised);
+    slide.array() *= factor.head(slide.size()).array();
+    Segmentation result = segmentation_of(pose, face_valid, sigma.cwiseProduct(factor), slide, raised);
+    result.sigma = sigma;
     context.report("segment", 1.0);
     return result;
   }
@@ -270,28 +303,14 @@ void SegmentOptions::validate() const {
                     options::shown(rigid_threshold));
 }
 
-namespace {
-
-/// What the capture makes of rigid skin: the tenth centile, m. Everybody shows that much of head, hands or legs.
-double noise_of(const Eigen::VectorXd &sigma) {
-  std::vector<double> known;
-  std::copy_if(sigma.begin(), sigma.end(), std::back_inserter(known), [](double value) { return std::isfinite(value); });
-  if (known.empty())
-    return 0;
-  const auto tenth = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 10);
-  std::nth_element(known.begin(), tenth, known.end());
-  return *tenth;
-}
-
-} // namespace
-
 SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
                                   const SegmentOptions &options) {
   options.validate();
   const Surface surface = sigma_surface(pose, face_valid, sigma);
   constexpr double kStep = 1.25, kMost = 8; // times the options
   SegmentOptions raised = options;
-  for (double scale = std::max(1.0, kAboveNoise * noise_of(sigma) / options.rigid_threshold); scale < kMost; scale *= kStep) {
+  for (double scale = std::max(1.0, kAboveNoise * quantile_of_known(sigma, kSkin) / options.rigid_threshold); scale < kMost;
+       scale *= kStep) {
     raised.rigid_threshold = scale * options.rigid_threshold;
     raised.cloth_threshold = scale * options.cloth_threshold;
     Eigen::VectorXd delta = raw_clothness(surface, sigma, raised);

@@ -174,6 +174,41 @@ TEST(TextureBaker, AtlasShowsWhatTheCamerasSaw) {
   EXPECT_LT(error[error.size() * 7 / 10], 0.10);
 }
 
+TEST(TextureBaker, SampledColoursAreThoseOfTheirFaces) {
+  const Mesh mesh = figure_surface(0.05);
+  const CameraRig cameras = camera_ring(8, 480);
+  std::vector<Image> images;
+  for (const Camera &camera : cameras)
+    images.push_back(photograph(mesh, camera));
+  std::vector<std::uint8_t> valid(mesh.faces.rows(), 1);
+  valid[7] = 0;
+  const Vertices colours = sample_colours(mesh, valid, cameras, images);
+  const Eigen::Index each = colours.rows() / mesh.faces.rows();
+  ASSERT_EQ(colours.rows(), 10 * mesh.faces.rows());
+  EXPECT_TRUE(colours.middleRows(7 * each, each).array().isNaN().all());
+  std::vector<double> error;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (const auto of_face = colours.middleRows(f * each, each); of_face.allFinite()) {
+      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+      for (int k = 0; k < 3; ++k)
+        centre += mesh.vertices.row(mesh.faces(f, k)).transpose() / 3;
+      error.push_back((of_face.colwise().mean().transpose() / 255 - pattern(centre)).cwiseAbs().maxCoeff());
+    }
+  EXPECT_GT(error.size(), 0.6 * static_cast<double>(mesh.faces.rows()));
+  std::sort(error.begin(), error.end());
+  EXPECT_LT(error[error.size() / 2], 0.04);
+  Context one, two;
+  one.threads = 1;
+  two.threads = 2;
+  const auto bits = [&](const Context &context) {
+    Vertices sampled = sample_colours(mesh, valid, cameras, images, {}, {}, context);
+    return sampled.unaryExpr([](double value) { return std::isnan(value) ? -1.0 : value; }).eval();
+  };
+  EXPECT_EQ(bits(one), bits(two));
+  EXPECT_TRUE(sample_colours(mesh, {}, cameras, std::vector<Image>(8)).array().isNaN().all()); // no image at all
+  EXPECT_THROW(sample_colours(mesh, {}, cameras, {images[0]}), std::invalid_argument);
+}
+
 TEST(TextureBaker, BackdropOutsideTheMaskDoesNotCount) {
   const Mesh mesh = sphere(0.5, {0, 0.9, 0});
   const CameraRig cameras = camera_ring(2, 200); // front and back: the sides are only seen at the rim

@@ -130,6 +130,51 @@ TEST(Segment, ClothThatLiesOnTheBodyTakesBothItsMeasures) {
   EXPECT_EQ(cloth_between(segment_cloth(sliding, {}), 0.56, 0.69), 0.0);
 }
 
+TEST(Segment, WhatLooksLikeSkinMovesMoreBeforeItIsCloth) {
+  const Eigen::RowVector3d skin(130, 150, 200), red(40, 30, 170), white(230, 230, 230); // B G R
+  const auto coloured = [&](const Eigen::RowVector3d &between, double shade = 1, bool seen = true) {
+    MeshSequence sequence = half_loose(2.3); // of the skin's deviation from 0.5 to 0.7 m: 4 mm, neither rigid nor cloth
+    sequence.unposed.clear();
+    sequence.colours.resize(4 * sequence.faces.rows(), 3);
+    for (int row = 0; row < sequence.colours.rows(); ++row) {
+      const int vertex = sequence.faces(row / 4, 0);
+      const double y = on_side(vertex) ? height(vertex) : 0.0;
+      const Eigen::RowVector3d cloth = row % 4 == 0 ? white : red; // a pattern
+      const Eigen::RowVector3d middle = between == red ? cloth : between;
+      sequence.colours.row(row) = y > 0.3 && y < 0.5 ? cloth : y >= 0.5 && y < 0.7 ? shade * middle : skin;
+      if (!seen)
+        sequence.colours.row(row).setConstant(std::numeric_limits<double>::quiet_NaN());
+    }
+    return sequence;
+  };
+  const auto between = [](const MeshSequence &sequence, double colour = SegmentOptions{}.colour) {
+    SegmentOptions options;
+    options.colour = colour;
+    const Segmentation result = segment_cloth(sequence, {}, options);
+    EXPECT_EQ(cloth_between(result, 0.33, 0.47), 1.0);
+    EXPECT_EQ(cloth_between(result, 0.0, 0.25) + cloth_between(result, 0.76, 1.0), 0.0);
+    return cloth_between(result, 0.56, 0.66);
+  };
+  EXPECT_EQ(between(coloured(red)), 1.0);
+  EXPECT_EQ(between(coloured(skin)), 0.0);
+  EXPECT_EQ(between(coloured(red, 0.8)), 1.0); // in the shade
+  EXPECT_EQ(between(coloured(skin, 0.8)), 0.0);
+  const Segmentation without = segment_cloth(coloured(red), {}, [] {
+    SegmentOptions off;
+    off.colour = 0;
+    return off;
+  }());
+  for (const MeshSequence &tells_nothing : {coloured(red, 1, false), coloured(skin, 1, false)})
+    EXPECT_EQ(segment_cloth(tells_nothing, {}).clothness, without.clothness);
+  EXPECT_EQ(segment_cloth(coloured(red), {}).sigma, without.sigma); // what was measured stays as it was
+}
+
+TEST(Segment, RejectsColoursThatDoNotBelongToTheFaces) {
+  MeshSequence sequence = tube::pulsating(0.02);
+  sequence.colours = Vertices::Zero(sequence.faces.rows() + 1, 3);
+  EXPECT_THROW(segment_cloth(sequence, {}), std::invalid_argument);
+}
+
 TEST(Segment, ThePaintedGoesBeforeTheFound) {
   const Mesh pose{tube::vertices([](double) { return tube::kRadius; }), tube::faces()};
   Eigen::VectorXd sigma = Eigen::VectorXd::Zero(pose.vertices.rows());

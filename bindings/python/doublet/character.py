@@ -54,11 +54,9 @@ def build_character(job) -> dict:
 
 def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:
     """Texture from the images of the first captured frame; 0 for a session without images."""
-    source, frame = d.FrameSource.open(job.session), performance.frames[0]
-    views = [d.read_view(source, camera, frame, job.silhouettes) for camera in range(source.camera_count)]
-    images, masks = [view.image for view in views], [view.mask for view in views]
+    images, masks = job.views(performance.frames[0])
     if not any(image.size for image in images):
-        job.console.log(f"character: no camera has an image of frame {frame}: the character has no texture")
+        job.console.log(f"character: no camera has an image of frame {performance.frames[0]}: the character has no texture")
         return 0.0
     surface = performance.surface.frames[0]
     return d.texture_character(character, surface, job.session.rig, images, masks, d.TextureOptions(), job.context)

@@ -219,28 +219,28 @@ template <class Visit> void for_texels(const Atlas &atlas, int f, const Visit &v
     }
 }
 
-void require_inputs(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras,
+void require_inputs(const std::string &who, const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras,
                     const std::vector<Image> &images, const std::vector<Image> &masks) {
-  require_usable(mesh, "bake_texture: mesh");
+  require_usable(mesh, who + ": mesh");
   if (!valid.empty() && static_cast<Eigen::Index>(valid.size()) != mesh.faces.rows())
-    throw std::invalid_argument("bake_texture: face_valid has " + std::to_string(valid.size()) + " entries, expected " +
+    throw std::invalid_argument(who + ": face_valid has " + std::to_string(valid.size()) + " entries, expected " +
                                 std::to_string(mesh.faces.rows()));
   for (const Camera &camera : cameras)
-    validate_camera(camera, "bake_texture");
+    validate_camera(camera, who);
   if (images.size() != cameras.size())
-    throw std::invalid_argument("bake_texture: expected one image a camera, found " + std::to_string(images.size()) + " for " +
+    throw std::invalid_argument(who + ": expected one image a camera, found " + std::to_string(images.size()) + " for " +
                                 std::to_string(cameras.size()));
   for (std::size_t c = 0; c < images.size(); ++c)
     if (!images[c].empty() &&
         (images[c].channels != 3 || images[c].width != cameras[c].width || images[c].height != cameras[c].height))
-      throw std::invalid_argument("bake_texture: the image of camera '" + cameras[c].name + "' must be " +
+      throw std::invalid_argument(who + ": the image of camera '" + cameras[c].name + "' must be " +
                                   std::to_string(cameras[c].width) + " x " + std::to_string(cameras[c].height) +
                                   " with 3 channels, found " + std::to_string(images[c].width) + " x " +
                                   std::to_string(images[c].height) + " with " + std::to_string(images[c].channels));
   for (std::size_t c = 0; c < masks.size(); ++c)
     if (masks.size() != cameras.size() || (!masks[c].empty() && (masks[c].channels != 1 || masks[c].width != cameras[c].width ||
                                                                  masks[c].height != cameras[c].height)))
-      throw std::invalid_argument("bake_texture: expected no masks or one a camera with 1 channel and the camera's size, found " +
+      throw std::invalid_argument(who + ": expected no masks or one a camera with 1 channel and the camera's size, found " +
                                   std::to_string(masks.size()) + " masks, the one of camera " + std::to_string(c) + " being " +
                                   std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
 }
@@ -302,7 +302,7 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
                           const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
                           const Context &context) {
   options.validate();
-  require_inputs(mesh, face_valid, cameras, images, masks);
+  require_inputs("bake_texture", mesh, face_valid, cameras, images, masks);
   const Atlas atlas(options.size, mesh.faces.rows());
   const Baker baker(mesh, face_valid, cameras, images, masks, options);
   const Vertices fallback = vertex_colours(mesh, baker);
@@ -349,6 +349,28 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
   baked.seen_fraction = drawn > 0 ? covered / drawn : 0;
   context.report("texture", 1.0);
   return baked;
+}
+
+Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
+                        const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
+                        const Context &context) {
+  options.validate();
+  require_inputs("sample_colours", mesh, face_valid, cameras, images, masks);
+  const Baker baker(mesh, face_valid, cameras, images, masks, options);
+  constexpr int kAlong = 4, kPoints = kAlong * (kAlong + 1) / 2; // a triangular grid, half a step away from the edges
+  const int faces = static_cast<int>(mesh.faces.rows());
+  Vertices colours = Vertices::Constant(kPoints * faces, 3, std::numeric_limits<double>::quiet_NaN());
+  parallel_for(context, faces, [&](int f) {
+    int row = kPoints * f;
+    for (int i = 0; i < kAlong; ++i)
+      for (int k = 0; i + k < kAlong; ++k, ++row) {
+        const Vector3d at = (Vector3d(i, k, kAlong - 1 - i - k).array() + 1.0 / 3) / kAlong;
+        Vector3f colour;
+        if (baker.drawn(f) && baker.colour_at(f, at, colour) > 0)
+          colours.row(row) = colour.cast<double>().transpose();
+      }
+  });
+  return colours;
 }
 
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,

@@ -45,6 +45,12 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
                           const std::vector<Image> &images, const std::vector<Image> &masks = {},
                           const TextureOptions &options = {}, const Context &context = {});
 
+/// Colours at 10 points of every face, for MeshSequence::colours: (10 F, 3) B G R, 0 to 255, NaN where no camera sees it.
+/// Arguments and errors as of bake_texture().
+Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
+                        const std::vector<Image> &images, const std::vector<Image> &masks = {},
+                        const TextureOptions &options = {}, const Context &context = {});
+
 /// Bakes the texture of a character's M_high from the frame whose captured surface is `surface` (V, 3), and puts it into the
 /// character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem. Returns
 /// the share of the surface that was seen. Throws Error if the character has no M_high.

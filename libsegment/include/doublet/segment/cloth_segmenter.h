@@ -17,6 +17,7 @@ struct SegmentOptions {
   double diffusion = 0.03;
   double smallest_region = 0.08;
   double contrast = 1.5;
+  double colour = 0.7;
   OppositeOptions opposite;
   static constexpr auto describe() {
     using namespace options;
@@ -36,6 +37,10 @@ struct SegmentOptions {
                "smaller islands of cloth are dropped and smaller holes filled; 28 x 28 cm, about a short sleeve"),
         option(&O::contrast, "contrast", at_least(1), "",
                "beside cloth, what moves this many times as much as the skin around it is cloth, too; 1000 = off"),
+        option(
+            &O::colour, "colour", Range{0, 5}, "",
+            "surface that looks like skin all over counts with exp(-colour) of its deviation, like cloth with exp(colour); 0 = "
+            "off"),
         option(&O::opposite, "opposite", "the rays to the other side"),
     };
   }
@@ -47,7 +52,8 @@ public:
   virtual ~ClothSegmenter() = default;
   /// sequence: the captured surface; where it holds unposed frames, too, the smaller of both deviations counts: skin that a bent
   /// joint or a twisted spine deforms keeps its place in the scan pose, and skin that the skin weights misplace keeps its shape.
-  /// And beside what these show to be cloth, what moves more than the skin around it counts, too (`contrast`).
+  /// And beside what these show to be cloth, what moves more than the skin around it counts, too (`contrast`). Where it holds
+  /// colours, what looks like the stillest quarter of the surface has to move more to be cloth, what looks like the loosest less.
   /// face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are rigid. Throws
   /// std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
   virtual Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
