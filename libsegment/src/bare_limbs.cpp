@@ -75,7 +75,7 @@ void strip_bare_limbs(const RiggedMesh &actor, const Mesh &pose, Segmentation &s
                 (limb.empty() ? "and no hem was found above it" : "and counts as skin up to where it widens"));
   }
   if (stripped)
-    label_regions(surface, {}, segmentation);
+    label_regions(surface, borders_of_regions(surface, segmentation), segmentation);
 }
 
 } // namespace doublet::detail

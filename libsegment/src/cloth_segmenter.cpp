@@ -2,6 +2,7 @@
 
 #include "bare_limbs.h"
 #include "colour_evidence.h"
+#include "colour_seams.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/segment/parts/diffusion.h"
@@ -246,6 +247,17 @@ Eigen::VectorXd weight_of_colour(const MeshSequence &sequence, const std::vector
   return (-options.colour * evidence).array().exp();
 }
 
+/// Regions do not connect where two garments touch.
+void part_by_colour(const Mesh &pose, const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
+                    const SegmentOptions &options, const Context &context, Segmentation &result) {
+  const Surface surface = sigma_surface(pose, face_valid, result.sigma);
+  const int before = result.region_count;
+  detail::label_regions(surface, detail::colour_seams(surface, sequence, face_valid, result, options), result);
+  if (result.region_count > before)
+    context.say("segment: cloth of two looks meets where it moves little: " + std::to_string(result.region_count) +
+                " garments in the place of " + std::to_string(before));
+}
+
 class OppositeRaySegmenter : public ClothSegmenter {
 public:
   explicit OppositeRaySegmenter(const SegmentOptions &options) : options_(options) { options_.validate(); }
@@ -286,6 +298,8 @@ public:
     slide.array() *= factor.head(slide.size()).array();
     Segmentation result = segmentation_of(pose, face_valid, sigma.cwiseProduct(factor), slide, raised);
     result.sigma = sigma;
+    if (sequence.colours.rows() > 0 && options_.colour > 0)
+      part_by_colour(pose, sequence, face_valid, raised, context, result);
     context.report("segment", 1.0);
     return result;
   }

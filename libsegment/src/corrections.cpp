@@ -18,7 +18,7 @@ Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uin
   const detail::Surface surface = detail::surface_of(pose, face_valid);
   Segmentation result = found;
   result.fullness.resize(0);
-  std::vector<char> parting(static_cast<std::size_t>(n), 0);
+  std::vector<char> parting = detail::borders_of_regions(surface, found);
   for (Eigen::Index i = 0; i < n; ++i)
     switch (static_cast<Paint>(painted[i])) {
     case Paint::None:
@@ -26,6 +26,7 @@ Segmentation corrected_segmentation(const Mesh &pose, const std::vector<std::uin
     case Paint::Skin:
     case Paint::Cloth:
       result.clothness[i] = painted[i];
+      parting[i] = 0; // cloth that is painted over a seam joins what it parted
       break;
     case Paint::Seam:
       parting[i] = 1;

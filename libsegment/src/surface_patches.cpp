@@ -82,6 +82,14 @@ std::vector<Patch> connected_patches(const Surface &surface, const std::vector<c
   return patches;
 }
 
+std::vector<char> borders_of_regions(const Surface &surface, const Segmentation &segmentation) {
+  const Eigen::VectorXi &region = segmentation.region;
+  return choose(surface, [&](int v) {
+    return region[v] >= 0 && std::any_of(surface.neighbours[v].begin(), surface.neighbours[v].end(),
+                                         [&](int w) { return region[w] >= 0 && region[w] != region[v]; });
+  });
+}
+
 void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result) {
   const std::vector<char> cloth = choose(surface, [&](int i) { return result.clothness[i] > 0; });
   std::vector<char> inner = cloth;

@@ -41,4 +41,7 @@ template <typename Predicate> std::vector<char> choose(const Surface &surface, P
 /// (V, or empty = none). Those go with the region nearest along the cloth.
 void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result);
 
+/// (V) vertices beside another region, which part both when they are labelled again.
+std::vector<char> borders_of_regions(const Surface &surface, const Segmentation &segmentation);
+
 } // namespace doublet::detail
