@@ -236,7 +236,7 @@ Eigen::VectorXd weight_of_colour(const MeshSequence &sequence, const std::vector
   constexpr double kStillest = 0.25; // of the surface: heads, hands, feet and what is tight on them
   constexpr double kSurelyCloth = 2; // times cloth_threshold
   Eigen::VectorXd factor = Eigen::VectorXd::Ones(sigma.size());
-  if (sequence.colours.rows() == 0 || options.colour == 0)
+  if (sequence.colours.rows() == 0)
     return factor;
   const Mesh pose{sequence.frames.front(), sequence.faces};
   const Surface surface = sigma_surface(pose, face_valid, sigma);
@@ -244,7 +244,7 @@ Eigen::VectorXd weight_of_colour(const MeshSequence &sequence, const std::vector
   const Eigen::VectorXd evidence = detail::colour_evidence(
       surface, sequence.faces, face_valid, sequence.colours, choose(surface, [&](int i) { return sigma[i] < still; }),
       choose(surface, [&](int i) { return sigma[i] > kSurelyCloth * options.cloth_threshold; }));
-  return (-options.colour * evidence).array().exp();
+  return evidence.unaryExpr([&](double e) { return std::exp(-(e > 0 ? options.skin_colour : options.cloth_colour) * e); });
 }
 
 /// Regions do not connect where two garments touch.
@@ -298,7 +298,7 @@ public:
     slide.array() *= factor.head(slide.size()).array();
     Segmentation result = segmentation_of(pose, face_valid, sigma.cwiseProduct(factor), slide, raised);
     result.sigma = sigma;
-    if (sequence.colours.rows() > 0 && options_.colour > 0)
+    if (sequence.colours.rows() > 0)
       part_by_colour(pose, sequence, face_valid, raised, context, result);
     context.report("segment", 1.0);
     return result;

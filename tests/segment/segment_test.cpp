@@ -147,10 +147,8 @@ TEST(Segment, WhatLooksLikeSkinMovesMoreBeforeItIsCloth) {
     }
     return sequence;
   };
-  const auto between = [](const MeshSequence &sequence, double colour = SegmentOptions{}.colour) {
-    SegmentOptions options;
-    options.colour = colour;
-    const Segmentation result = segment_cloth(sequence, {}, options);
+  const auto between = [](const MeshSequence &sequence) {
+    const Segmentation result = segment_cloth(sequence, {});
     EXPECT_EQ(cloth_between(result, 0.33, 0.47), 1.0);
     EXPECT_EQ(cloth_between(result, 0.0, 0.25) + cloth_between(result, 0.76, 1.0), 0.0);
     return cloth_between(result, 0.56, 0.66);
@@ -159,11 +157,9 @@ TEST(Segment, WhatLooksLikeSkinMovesMoreBeforeItIsCloth) {
   EXPECT_EQ(between(coloured(skin)), 0.0);
   EXPECT_EQ(between(coloured(red, 0.8)), 1.0); // in the shade
   EXPECT_EQ(between(coloured(skin, 0.8)), 0.0);
-  const Segmentation without = segment_cloth(coloured(red), {}, [] {
-    SegmentOptions off;
-    off.colour = 0;
-    return off;
-  }());
+  SegmentOptions off;
+  off.skin_colour = off.cloth_colour = 0;
+  const Segmentation without = segment_cloth(coloured(red), {}, off);
   for (const MeshSequence &tells_nothing : {coloured(red, 1, false), coloured(skin, 1, false)})
     EXPECT_EQ(segment_cloth(tells_nothing, {}).clothness, without.clothness);
   const Eigen::VectorXd sigma = segment_cloth(coloured(red), {}).sigma; // what was measured stays as it was

@@ -2494,20 +2494,20 @@ class SegmentOptions:
         Name -> value of every option.
         """
     @property
+    def cloth_colour(self) -> float:
+        """
+        surface that looks like cloth all over counts with exp(cloth_colour) of its deviation: less, for a tight top may be of the same fabric; 0 = off: a number in [0, 5]
+        """
+    @cloth_colour.setter
+    def cloth_colour(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def cloth_threshold(self) -> float:
         """
         m, t_cloth: above, a vertex is cloth; trouser legs, sleeves and the top of a skirt, which lie on the body, have 3 to 10 mm, loose cloth 20 mm and more: a number of at least 0
         """
     @cloth_threshold.setter
     def cloth_threshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
-    @property
-    def colour(self) -> float:
-        """
-        surface that looks like skin all over counts with exp(-colour) of its deviation, like cloth with exp(colour); 0 = off: a number in [0, 5]
-        """
-    @colour.setter
-    def colour(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def contrast(self) -> float:
@@ -2540,6 +2540,14 @@ class SegmentOptions:
         """
     @rigid_threshold.setter
     def rigid_threshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def skin_colour(self) -> float:
+        """
+        surface that looks like skin all over counts with exp(-skin_colour) of its deviation: nobody's forearm is cloth; 0 = off: a number in [0, 5]
+        """
+    @skin_colour.setter
+    def skin_colour(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def smallest_region(self) -> float:

@@ -17,7 +17,8 @@ struct SegmentOptions {
   double diffusion = 0.03;
   double smallest_region = 0.08;
   double contrast = 1.5;
-  double colour = 0.7;
+  double skin_colour = 2;
+  double cloth_colour = 0.7;
   OppositeOptions opposite;
   static constexpr auto describe() {
     using namespace options;
@@ -38,9 +39,13 @@ struct SegmentOptions {
         option(&O::contrast, "contrast", at_least(1), "",
                "beside cloth, what moves this many times as much as the skin around it is cloth, too; 1000 = off"),
         option(
-            &O::colour, "colour", Range{0, 5}, "",
-            "surface that looks like skin all over counts with exp(-colour) of its deviation, like cloth with exp(colour); 0 = "
-            "off"),
+            &O::skin_colour, "skin_colour", Range{0, 5}, "",
+            "surface that looks like skin all over counts with exp(-skin_colour) of its deviation: nobody's forearm is cloth; 0 "
+            "= off"),
+        option(
+            &O::cloth_colour, "cloth_colour", Range{0, 5}, "",
+            "surface that looks like cloth all over counts with exp(cloth_colour) of its deviation: less, for a tight top may be "
+            "of the same fabric; 0 = off"),
         option(&O::opposite, "opposite", "the rays to the other side"),
     };
   }
