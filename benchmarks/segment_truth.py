@@ -14,6 +14,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
+from doublet.appearance import first_colours
 from doublet.evaluate import Reconstruction, Truth, cloth_iou, seen_faces
 
 
@@ -52,11 +53,14 @@ def main() -> None:
     parser.add_argument("--cloth", type=float, default=defaults.cloth_threshold, help="m, cloth_threshold")
     parser.add_argument("--contrast", type=float, default=defaults.contrast)
     options = parser.parse_args()
-    made, truth, cameras = Reconstruction(options.out), Truth(options.session / "ground_truth"), d.Session(options.session).rig
+    made, truth, session = Reconstruction(options.out), Truth(options.session / "ground_truth"), d.Session(options.session)
+    cameras = session.rig
     segmenter = d.ClothSegmenter.create(
         d.SegmentOptions(rigid_threshold=options.rigid, cloth_threshold=options.cloth, contrast=options.contrast)
     )
     performance = made.performance
+    silhouettes = d.session_silhouettes(session, d.FrameSource.open(session))
+    performance.surface.colours = first_colours(made.actor, performance, session, silhouettes, d.Context())
     captured = np.array(performance.surface.frames)
     true, cloth = carried(made, truth, cameras)
     area = np.asarray(d.vertex_areas(made.actor.mesh.vertices, made.faces))

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from . import _doublet as d
+from .appearance import camera_views
 from .console import Console
 from .motions import read_motion
 from .usd import usd_modules, write_usdc
@@ -54,7 +55,7 @@ def build_character(job) -> dict:
 
 def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:
     """Texture from the images of the first captured frame; 0 for a session without images."""
-    images, masks = job.views(performance.frames[0])
+    images, masks = camera_views(job.session, performance.frames[0], job.silhouettes)
     if not any(image.size for image in images):
         job.console.log(f"character: no camera has an image of frame {performance.frames[0]}: the character has no texture")
         return 0.0

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _doublet as d
 from . import body_model_path, segmentation_paint, session_check, template_mask
+from .appearance import first_colours
 from .console import Console
 from .files import write_json
 from .plausible import Finding, Implausible, findings
@@ -111,12 +112,6 @@ class Job:
     def silhouettes(self) -> d.SilhouetteExtractor | None:
         """Trained, for the cameras without ready masks; None if all have some."""
         return d.session_silhouettes(self.session, d.FrameSource.open(self.session), self.group("silhouette"), self.context)
-
-    def views(self, frame: int) -> tuple[list[np.ndarray], list[np.ndarray]]:
-        """Of every camera: image, empty where there is none, and silhouette."""
-        source, silhouettes = d.FrameSource.open(self.session), self.silhouettes
-        views = [d.read_view(source, camera, frame, silhouettes) for camera in range(source.camera_count)]
-        return [view.image for view in views], [view.mask for view in views]
 
     @property
     def context(self) -> d.Context:
@@ -271,9 +266,7 @@ def run_performance(job: Job) -> dict:
 def run_segment(job: Job) -> dict:
     segmenter, fullness = d.ClothSegmenter.create(job.group("segment")), job.options["fullness"]
     performance = job.performance()
-    images, masks = job.views(performance.frames[0])
-    first = d.Mesh(performance.surface.frames[0], job.actor.mesh.faces)
-    performance.surface.colours = d.sample_colours(first, job.actor.face_valid, job.session.rig, images, masks, context=job.context)
+    performance.surface.colours = first_colours(job.actor, performance, job.session, job.silhouettes, job.context)
     found = d.segment_performance(job.actor, performance, segmenter, fullness, job.context)
     result = with_paint(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
