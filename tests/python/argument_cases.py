@@ -211,6 +211,10 @@ def calls(world, folder) -> dict:
             ),
             {"surface": v, "cameras": w.cameras, "images": pictures, "masks": masks},
         ),
+        "sample_colours": (
+            d.sample_colours,
+            {"mesh": w.mesh, "face_valid": valid, "cameras": w.cameras, "images": pictures, "masks": masks},
+        ),
         "SourceMotion": (d.SourceMotion, clip),
         "plant_feet": (lambda motion: d.plant_feet(w.skeleton, motion), {"motion": w.motion}),
         "find_contacts": (lambda motion: d.find_contacts(w.skeleton, motion), {"motion": w.motion}),

@@ -46,7 +46,7 @@ MAY = (
     ("CharacterRenderer.meshes|DisplaySurface.sample|CharacterSimulator.surface", ".*", "nan|-?inf|a column less"),  # pass on
     ("dress.*|summarise_garment|write_garment", "garment", ".*"),  # one without faces: the rest does not count
     ("rig_template", "surface", "high.*"),  # is not rigged
-    ("texture_character", "images|masks", "first: empty"),  # that camera has none
+    ("texture_character|sample_colours", "images|masks", "first: empty"),  # that camera has none
     ("scan_from_views", "masks", "first: empty"),  # likewise: it takes no part
     ("SilhouetteExtractor.*|Features", ".*", "(first: )?(shorter|longer|empty|a column less)"),  # images of any size
     ("orbit_camera", "azimuth|elevation", "-1"),

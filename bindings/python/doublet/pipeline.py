@@ -264,9 +264,10 @@ def run_performance(job: Job) -> dict:
 
 
 def run_segment(job: Job) -> dict:
-    segmenter, fullness = d.ClothSegmenter.create(job.group("segment")), job.options["fullness"]
-    performance = job.performance()
-    performance.surface.colours = first_colours(job.actor, performance, job.session, job.silhouettes, job.context)
+    options, fullness = job.group("segment"), job.options["fullness"]
+    segmenter, performance = d.ClothSegmenter.create(options), job.performance()
+    if options.skin_colour > 0 or options.cloth_colour > 0:
+        performance.surface.colours = first_colours(job.actor, performance, job.session, job.silhouettes, job.context)
     found = d.segment_performance(job.actor, performance, segmenter, fullness, job.context)
     result = with_paint(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
