@@ -32,7 +32,7 @@ run_part() {
     threads) TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp under sanitize-threads ;;
     fuzz) tests/fuzz/run.sh "${DOUBLET_FUZZ_SECONDS:-60}" ;;
     mutate) installed && "$venv/bin/python" tests/fuzz/mutate.py --count "${DOUBLET_MUTANTS:-1000}" ;;
-    stages) installed && "$venv/bin/python" tests/slow/every_stage.py ;;
+    stages) installed && "$venv/bin/python" tests/slow/every_stage.py --whole ;;
     slow) installed && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow ;;
     pictures) installed && PATH=$venv/bin:$PATH scripts/make-pictures.sh --quick "$logs/pictures" ;;
     conda) installed && "$venv/bin/pip" install -q py-rattler-build && "$venv/bin/python" packaging/conda/check.py ;;

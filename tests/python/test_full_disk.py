@@ -12,6 +12,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet import cli
+from doublet.console import Console
 from doublet.files import write_json, written_atomically
 from doublet.video import VideoWriter
 
@@ -139,3 +140,25 @@ def test_a_command_says_so(world, tmp_path, capsys):
             ["animate", str(tmp_path / "c.glb"), str(tmp_path / "walk.bvh"), "-o", str(tmp_path / "new.npz"), "--quiet"]
         )
     assert status == 1
+
+
+def test_the_log_is_named(tmp_path):
+    console = Console(quiet=True)
+    console.log_file = tmp_path / "log.txt"
+    with small_disk(), pytest.raises(OSError) as refused:
+        for line in range(ROOM):
+            console.log(f"line {line}")
+    assert (refused.value.filename, refused.value.strerror) == (str(console.log_file), "cannot be written: File too large")
+
+
+def test_memory_that_a_thread_has_not(monkeypatch, capsys):
+    """What TBB (in Embree, OpenCV) throws when there is no room for the stack of a thread."""
+
+    def run(parsed):
+        raise RuntimeError("pthread_create has failed: Resource temporarily unavailable")
+
+    monkeypatch.setattr(cli, "run_stages", run)
+    assert cli.main(["check", "session", "-o", "out"]) == 1
+    assert capsys.readouterr().err.startswith(
+        "doublet: expected more memory than this process may have (pthread_create has failed: Resource temporarily unavailable); "
+    )

@@ -48,7 +48,7 @@ OPTIONS = [
     "--segment-rigid-threshold",
     "0.001",
 ]
-OPTIONS += ["--segment-cloth-threshold", "0.004", "--no-capture-second-pass"]
+OPTIONS += ["--trial-materials", "4", "--segment-cloth-threshold", "0.004", "--no-capture-second-pass"]
 SIGNALS = {"int": signal.SIGINT, "term": signal.SIGTERM, "kill": signal.SIGKILL}
 WAYS = (*SIGNALS, "full", "memory", "readonly")
 MEMORY = 16 << 20  # bytes
@@ -122,10 +122,15 @@ def whole_run(session: Path, out: Path) -> None:
 def copy_before(undisturbed: Path, out: Path, stage: str) -> None:
     """What the folder holds when `stage` begins."""
     shutil.copytree(undisturbed, out, dirs_exist_ok=True)
+    forget_from(out, stage)
+
+
+def forget_from(out: Path, stage: str) -> None:
+    """As if `stage` and those behind it had never run."""
     record = json.loads((out / "run.json").read_text())
     names = list(STAGES)
     for name in names[names.index(stage) :]:
-        record["stages"].pop(name)
+        record["stages"].pop(name, None)
         for file in (*STAGES[name].writes, *STAGES[name].goes_on_from):
             (out / file).unlink(missing_ok=True)
     (out / "run.json").write_text(json.dumps(record))
@@ -146,7 +151,7 @@ def disturbed(session: Path, out: Path, stage: str, way: str, seconds: float, la
     elif way == "memory":
         limit(process, resource.RLIMIT_AS, address_space(process) + MEMORY)
     elif way == "readonly":
-        mount("-o", "remount,ro", str(out))
+        become_readonly(out)
     status, said = finished(process)
     return status, before + said
 
@@ -163,10 +168,24 @@ def mount(*arguments: str) -> None:
     subprocess.run(["mount", *arguments], check=True, capture_output=True)
 
 
+def become_readonly(out: Path) -> None:
+    """Refused while a file is open for writing, which none is for long."""
+    until = time.monotonic() + 2
+    while subprocess.run(["mount", "-o", "remount,ro", str(out)], capture_output=True).returncode:
+        if time.monotonic() > until:
+            raise SystemExit(f"{out} cannot be made read-only")
+        time.sleep(0.01)
+
+
 # --- what has to hold
 
 
-def problems_of_the_end(way: str, status: int, said: str) -> list[str]:
+def told(way: str, out: Path) -> str:
+    """What the sentence has in it; of a file it has to tell the name."""
+    return f"doublet: {out}/" if way in ("full", "readonly") else "expected more memory" if way == "memory" else "stopped; "
+
+
+def problems_of_the_end(way: str, status: int, said: str, out: Path) -> list[str]:
     sentences = [line for line in said.splitlines() if line.startswith("doublet: ")]
     expected = -SIGNALS[way] if way == "kill" else 128 + SIGNALS[way] if way in SIGNALS else 1
     found = []
@@ -174,6 +193,8 @@ def problems_of_the_end(way: str, status: int, said: str) -> list[str]:
         found.append(f"expected status {expected}, found {status}")
     if way != "kill" and len(sentences) != 1:
         found.append(f"expected one sentence, found {sentences or said.splitlines()[-3:]}")
+    if way != "kill" and not any(told(way, out) in sentence for sentence in sentences):
+        found.append(f"expected a sentence with '{told(way, out)}'")
     if "Traceback" in said or "internal error" in said:
         found.append(f"expected a sentence, found {said[-500:]}")
     return found
@@ -229,7 +250,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--ways", nargs="+", choices=WAYS, default=WAYS, help="default: all")
     parser.add_argument("--stages", nargs="+", choices=STAGES, default=list(STAGES), help="default: all")
-    parser.add_argument("--whole", action="store_true", help="go on to the report each time")
+    parser.add_argument("--whole", action="store_true", help="one folder a way, disturbed at every stage")
     parser.add_argument("--keep", type=Path, help="folder to work in, kept, where an undisturbed run is taken up")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
@@ -240,45 +261,62 @@ def main() -> int:
         whole_run(session, undisturbed)
         entries = json.loads((undisturbed / "run.json").read_text())["stages"]
         print(*(f"{name}: {entry['seconds']} s" for name, entry in entries.items()), sep=", ", flush=True)
+        stages = [stage for stage in STAGES if stage in arguments.stages]
+        walks = [stages] if arguments.whole else [[stage] for stage in stages]
         bad = 0
-        for stage in arguments.stages:
-            largest = max((undisturbed / name).stat().st_size for name in STAGES[stage].writes)
+        for walk in walks:
             for way in arguments.ways:
-                last = "report" if arguments.whole else stage
-                out, seconds = folder / f"{stage}_{way}", entries[stage]["seconds"]
-                bad += not holds(session, undisturbed, out, stage, way, seconds, largest, last)
+                if way == "readonly" and os.geteuid() != 0:
+                    print(*walk, "readonly: not tried, needs root")
+                    continue
+                out = folder / f"{'whole' if arguments.whole else walk[0]}_{way}"
+                shutil.rmtree(out, ignore_errors=True)
+                out.mkdir()
+                if way == "readonly":
+                    mount("-t", "tmpfs", "-o", "size=256m", "tmpfs", str(out))
+                try:
+                    good = walk_holds(session, undisturbed, out, walk, way, entries, "report" if arguments.whole else walk[-1])
+                finally:
+                    if way == "readonly":
+                        subprocess.run(["umount", str(out)], check=True)
+                if good:
+                    shutil.rmtree(out)
+                bad += not good
     return 1 if bad else 0
 
 
-def holds(session: Path, undisturbed: Path, out: Path, stage: str, way: str, seconds: float, largest: int, last: str) -> bool:
-    shutil.rmtree(out, ignore_errors=True)
-    out.mkdir()
+def walk_holds(session: Path, undisturbed: Path, out: Path, stages: list[str], way: str, entries: dict, end: str) -> bool:
+    """Disturbs one stage after the other in one folder, each on top of what came of the disturbance before, up to `end`."""
+    good = True
+    copy_before(undisturbed, out, stages[0])
+    for stage, following in zip(stages, [*stages[1:], None]):
+        last = end if following is None else list(STAGES)[list(STAGES).index(following) - 1]
+        if not holds(session, undisturbed, out, stage, way, entries[stage]["seconds"], last):
+            good = False
+            if following is not None:
+                shutil.copytree(out, out.with_name(f"{stage}_{way}"), dirs_exist_ok=True)
+                copy_before(undisturbed, out, following)  # one fault is told once
+    return good
+
+
+def holds(session: Path, undisturbed: Path, out: Path, stage: str, way: str, seconds: float, last: str) -> bool:
+    """`out` is where `stage` begins; the run that is not disturbed ends with `last`."""
+    largest = max((undisturbed / name).stat().st_size for name in STAGES[stage].writes)
+    for _ in range(5):
+        status, said = disturbed(session, out, stage, way, seconds, largest)
+        if way not in SIGNALS or f"{stage}: done" not in said:
+            break
+        seconds /= 3  # the machine was faster than in the undisturbed run, the signal too late
+        forget_from(out, stage)
+    found = problems_of_the_end(way, status, said, out)
     if way == "readonly":
-        if os.geteuid() != 0:
-            print(f"{stage} {way}: not tried, needs root")
-            return True
-        mount("-t", "tmpfs", "-o", "size=256m", "tmpfs", str(out))
-    try:
-        for _ in range(5):
-            copy_before(undisturbed, out, stage)
-            status, said = disturbed(session, out, stage, way, seconds, largest)
-            if way not in SIGNALS or f"{stage}: done" not in said:
-                break
-            seconds /= 3  # the machine was faster than in the undisturbed run, the signal too late
-        found = problems_of_the_end(way, status, said)
-        if way == "readonly":
-            mount("-o", "remount,rw", str(out))
-        again, said_again = finished(start(session, out, last))
-        if again not in (0, 3):
-            found.append(f"the next run ended with status {again}: {said_again[-500:]}")
-        found += differences(undisturbed, out, last)
-    finally:
-        if way == "readonly":
-            subprocess.run(["umount", str(out)], check=True)
+        mount("-o", "remount,rw", str(out))
+    again, said_again = finished(start(session, out, last))
+    if again not in (0, 3):
+        found.append(f"the next run ended with status {again}: {said_again[-500:]}")
+    found += differences(undisturbed, out, last)
     sentence = next((line for line in said.splitlines() if line.startswith("doublet: ")), "")
     print(f"{stage} {way}: status {status}; {sentence}", *(f"    {problem}" for problem in found), sep="\n", flush=True)
-    if not found:
-        shutil.rmtree(out)
     return not found
 
 

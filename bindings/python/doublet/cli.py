@@ -568,7 +568,12 @@ def what_is_left(parsed) -> str:
     return getattr(parsed, "when_stopped", "what is complete stays, the same command goes on from there")
 
 
-def no_memory(parsed, error: MemoryError) -> str:
+def is_no_memory(error: Exception) -> bool:
+    """Also TBB's words, in Embree and OpenCV, where there is no room for the stack of a thread."""
+    return isinstance(error, MemoryError) or str(error).startswith("pthread_create has failed")
+
+
+def no_memory(parsed, error: Exception) -> str:
     said = str(error)
     found = f"({said[0].lower()}{said[1:]})" if said and said != "std::bad_alloc" else ""
     return f"expected more memory than this process may have {found}; {what_is_left(parsed)}".replace(" ;", ";")
@@ -587,7 +592,7 @@ def main(arguments=None) -> int:
     except Exception as error:
         if parsed.debug:
             raise
-        if isinstance(error, MemoryError):
+        if is_no_memory(error):
             error = RuntimeError(no_memory(parsed, error))
         expected = isinstance(error, (RuntimeError, OSError, ValueError))
         if isinstance(error, OSError) and error.filename and error.strerror:

@@ -41,8 +41,11 @@ class Console:
     def log(self, line: str) -> None:
         """What a stage says: to the log file, beside its progress, and to the screen if asked for."""
         if self.log_file is not None:
-            with self.log_file.open("a", encoding="utf-8") as stream:
-                print(line, file=stream)
+            try:
+                with self.log_file.open("a", encoding="utf-8") as stream:
+                    print(line, file=stream)
+            except OSError as error:
+                raise OSError(error.errno, f"cannot be written: {error.strerror}", str(self.log_file)) from error
         if self._name and line.startswith(f"{self._name}: "):
             self.note = line.removeprefix(f"{self._name}: ")
         if self.verbose:
