@@ -8,6 +8,7 @@ inline namespace DOUBLET_PBD_ISA {
 
 constexpr int kUntangleSteps = 10;      ///< at the start of a frame, at most
 constexpr float kUntangleStep = 0.002f; ///< m, that an edge or a face moves in one
+constexpr float kStrained = 1.25f;      ///< cloth longer than this by its length at rest has no contacts, where edges collide
 
 template <class T> class Knots {
 public:
@@ -17,6 +18,8 @@ public:
       vertex = T(0);
     crossings_.clear();
     near_.clear();
+    if (m.edge_collision)
+      find_strained(m, x);
     const T reach(m.edge_collision ? kUntangleStep : 0.0f);
     boxes_.refit(m, [&](int f) {
       const Vec3<T> a = x[m.faces[f].v[0]], b = x[m.faces[f].v[1]], c = x[m.faces[f].v[2]], grow{reach, reach, reach};
@@ -59,12 +62,29 @@ public:
 
   /// The lanes in which a vertex belonged to an edge or a face of a crossing when they were last looked for.
   auto at(int vertex) const { return in_knot_[vertex] > T(0); }
+  /// The lanes in which an edge of a vertex was strained then. What holds layers apart that something squeezes together can pull
+  /// them out without end: cloth lets go before. Where edges collide alone.
+  auto strained(int vertex) const { return strained_[vertex] > T(0); }
 
 private:
   struct Pair {
     int edge, face;
     T here; ///< 1 in the lanes in which it is so, else 0
   };
+
+  template <class Points> void find_strained(const LaneModel &m, const Points &x) {
+    strained_.resize(m.vertex_count);
+    for (T &vertex : strained_)
+      vertex = T(0);
+    for (int i = 0; i < m.stretch_count; ++i) {
+      const StretchConstraint &c = m.stretches[i];
+      const Vec3<T> d = x[c.b] - x[c.a];
+      const float most = kStrained * c.length;
+      const auto over = dot(d, d) > T(most * most);
+      strained_[c.a] = select(over, T(1), strained_[c.a]);
+      strained_[c.b] = select(over, T(1), strained_[c.b]);
+    }
+  }
 
   template <class Points, class M> void note_crossing(const LaneModel &m, const Points &x, int edge, int face, M lanes) {
     const int corners[] = {m.edges[edge].a, m.edges[edge].b, m.faces[face].v[0], m.faces[face].v[1], m.faces[face].v[2]};
@@ -123,7 +143,7 @@ private:
         add(v[k], T(-1) * way);
     }
     for (int i = 0; i < m.vertex_count; ++i) {
-      const auto moves = counts_[i] > T(0);
+      const auto moves = (counts_[i] > T(0)) & !strained(i);
       if (m.weights[i] == 0 || !any(moves))
         continue;
       moved_[i] = 1;
@@ -132,7 +152,7 @@ private:
   }
 
   FaceBoxes<T> boxes_;
-  Array<T> in_knot_;             ///< of each vertex: 0, 1
+  Array<T> in_knot_, strained_;  ///< of each vertex: 0, 1
   Array<Pair> near_, crossings_; ///< edges and faces less than a step apart along every axis; that pass through each other
   Array<Vec3<T>> ways_;          ///< of each vertex, from all of its crossings
   Array<T> counts_;              ///< of these

@@ -31,9 +31,10 @@ constexpr float kCrossing = 0.01f; ///< squared sine of the angle up to which tw
 /// Finds the contacts of the cloth with itself for a step from x to p: vertices that would come nearer to a face than the
 /// thickness, on the side on which they started (so that nothing passes through), or are within a thickness of doing so; and
 /// likewise edges, if they collide. A pair that starts closer than the thickness is opened at most by `opening` in this step.
-/// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none,
-/// unless edges collide, too, and Knots moves the cloth apart. Work is bounded: a vertex that moves, or a face that spans, more
-/// than the model's largest_extent (cloth that has exploded) is left out.
+/// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none.
+/// Where edges collide, too, Knots moves the cloth apart, and contacts keep what it has gained: in a knot they open nothing, and
+/// strained cloth has none. Work is bounded: a vertex that moves, or a face that spans, more than the model's largest_extent
+/// (cloth that has exploded) is left out.
 template <class T> class SelfCollision {
 public:
   template <class Points>
@@ -65,13 +66,13 @@ public:
           add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
       });
     if (m.edge_collision)
-      find_edges(m, x, p, path, opening, edge_contacts);
+      find_edges(m, x, p, path, opening, knots, edge_contacts);
   }
 
   /// Adds the contact of edges i and j in the lanes in which they have one.
   template <class Points, class M>
   static void try_edges(const LaneModel &m, const Points &x, const Points &p, int i, int j, T opening, M lanes,
-                        Array<EdgeContact<T>> &contacts) {
+                        const Knots<T> &knots, Array<EdgeContact<T>> &contacts) {
     const int a = m.edges[i].a, b = m.edges[i].b, c = m.edges[j].a, d = m.edges[j].b;
     const float *w = m.weights;
     const T thickness(m.self_thickness);
@@ -93,12 +94,13 @@ public:
     const T inverse = T(1) / lane_max(det, T(1e-30f)), si = (vv * ur - uv * vr) * inverse, ti = (uv * ur - uu * vr) * inverse;
     const Vec3<T> apart = mul_add(ti, v, pc) - mul_add(si, u, pa);
     lanes = lanes & (det > T(kCrossing) * (uu * vv)) & (si >= T(0)) & (si <= T(1)) & (ti >= T(0)) & (ti <= T(1)) &
-            (dot(apart, apart) <= T(4) * thickness * thickness);
+            (dot(apart, apart) <= T(4) * thickness * thickness) &
+            !(knots.strained(a) | knots.strained(b) | knots.strained(c) | knots.strained(d));
     if (!any(lanes) || is_among(m.resting_edges, m.resting_edge_count, i, j))
       return;
-    EdgeContact<T> contact{
-        a,    b,   c, d, w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)), si, ti, side_end, lane_min(thickness, h0 + opening),
-        T(0), T(0)};
+    const auto in_knot = knots.at(a) | knots.at(b) | knots.at(c) | knots.at(d);
+    const T kept = lane_min(thickness, select(in_knot, h0, h0 + opening));
+    EdgeContact<T> contact{a, b, c, d, w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)), si, ti, side_end, kept, T(0), T(0)};
     contact.inverse_sum = contact_response(contact);
     contacts.push_back(contact);
   }
@@ -106,7 +108,7 @@ public:
 private:
   /// Every edge belongs to the first of its faces (LaneModel::first_edges): faces that come near bring their edges together.
   template <class Points, class Path>
-  void find_edges(const LaneModel &m, const Points &x, const Points &p, const Path &path, T opening,
+  void find_edges(const LaneModel &m, const Points &x, const Points &p, const Path &path, T opening, const Knots<T> &knots,
                   Array<EdgeContact<T>> &contacts) {
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
     edge_boxes_.resize(m.edge_count);
@@ -126,7 +128,7 @@ private:
           for (int i = first; i < last && i < j; ++i) {
             const auto lanes = near & overlap(edge_boxes_[i], box);
             if (any(lanes) && !share_a_vertex(m.edges[i], m.edges[j]))
-              try_edges(m, x, p, i, j, opening, lanes, contacts);
+              try_edges(m, x, p, i, j, opening, lanes, knots, contacts);
           }
         }
       };
@@ -153,8 +155,11 @@ private:
     const auto at = [&](int i) { return x[i] + t * (p[i] - x[i]); };
     const Vec3<T> foot = barycentric<T>(at(q), at(a), at(b), at(c));
     lanes = lanes & (foot.x >= T(0)) & (foot.y >= T(0)) & (foot.z >= T(0));
-    if (!m.edge_collision)
-      lanes = lanes & !(knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c));
+    const auto in_knot = knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c);
+    if (m.edge_collision)
+      lanes = lanes & !(knots.strained(q) | knots.strained(a) | knots.strained(b) | knots.strained(c));
+    else
+      lanes = lanes & !in_knot;
     if (!any(lanes) || is_among(m.resting_pairs, m.resting_pair_count, q, f))
       return;
     SelfContact<T> contact{q,
@@ -170,7 +175,7 @@ private:
                            foot.y,
                            foot.z,
                            side,
-                           lane_min(thickness, h0 + opening),
+                           lane_min(thickness, select(in_knot, h0, h0 + opening)),
                            T(0),
                            T(0)};
     contact.inverse_sum = contact_response(contact);

@@ -197,7 +197,7 @@ TEST(Knots, TheTreeFindsEveryPairOfEdges) {
     for (int j = i + 1; j < m.edge_count; ++j) {
       const Edge &e = m.edges[i], &o = m.edges[j];
       if (e.a != o.a && e.a != o.b && e.b != o.a && e.b != o.b)
-        SelfCollision<float>::try_edges(m, x, p, i, j, 0.001f, true, expected);
+        SelfCollision<float>::try_edges(m, x, p, i, j, 0.001f, true, knots, expected);
     }
   for (const EdgeContact<float> &c : expected)
     EXPECT_TRUE(pairs.count({c.a, c.b, c.c, c.d})) << c.a << " " << c.b << " " << c.c << " " << c.d;
