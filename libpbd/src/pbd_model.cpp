@@ -13,6 +13,7 @@
 namespace doublet::pbd {
 namespace {
 
+constexpr int kPatchFaces = 4;  ///< at most
 constexpr double kMaxSpan = 12; ///< mean edges, see LaneModel::largest_extent
 
 /// (N, 3) the direction in the surface across the axis, a unit vector; 0 where the surface lies (almost) flat, or there is none.
@@ -216,8 +217,10 @@ void PbdModel::set_tree(const Vertices &rest) {
   nodes_ = build_tree(points, faces_);
   quads_ = build_quads(nodes_);
   edges_ = edges_in_order(nodes_, faces_);
-  if (options().edge_collision)
+  if (options().edge_collision) {
+    patches_ = build_patches(nodes_, faces_, edges_, vertex_count(), kPatchFaces);
     resting_edges_ = edges_closer_than(points, faces_, nodes_, edges_, static_cast<float>(options().self_thickness));
+  }
   resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options().self_thickness));
 }
 
@@ -235,10 +238,12 @@ void PbdModel::set_arrays() {
   a.blocks = blocks_.data(), a.block_count = size(blocks_);
   a.blends = blends_.data(), a.blend_count = size(blends_);
   a.followers = followers_.data(), a.follower_count = size(followers_);
-  a.nodes = nodes_.data(), a.node_count = size(nodes_);
-  a.quads = quads_.data(), a.quad_count = size(quads_);
+  a.face_tree = {nodes_.data(), size(nodes_), quads_.data(), size(quads_)};
+  a.patch_tree = {patches_.nodes.data(), size(patches_.nodes), patches_.quads.data(), size(patches_.quads)};
+  a.patches = patches_.patches.data(), a.patch_count = size(patches_.patches);
+  a.patch_faces = patches_.faces.data(), a.patch_vertices = patches_.vertices.data();
+  a.patch_next = patches_.next.data(), a.patch_near = patches_.near.data();
   a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
-  a.leaves = edges_.leaves.data(), a.first_edges = edges_.first.data(), a.edge_counts = edges_.counts.data();
   a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
   a.iterations = options().iterations;

@@ -33,6 +33,7 @@ private:
   std::vector<TreeNode> nodes_;
   std::vector<QuadNode> quads_;
   OrderedEdges edges_;
+  PatchedTree patches_;
   std::vector<std::uint64_t> resting_pairs_, resting_edges_;
   LaneModel arrays_{};
 };

@@ -53,20 +53,27 @@ public:
     };
 
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
-    boxes_.refit(m, [&](int f) {
+    const auto face_box = [&](int f) {
       const int *v = m.faces[f].v;
-      const Box<T> box = united(united(path(v[0]), path(v[1])), path(v[2]));
-      const Vec3<T> grow{margin, margin, margin};
-      return bounded(Box<T>{box.lo - grow, box.hi + grow}, largest);
-    });
-    for (int q = 0; q < m.vertex_count; ++q)
-      boxes_.for_each_overlap(m, bounded(path(q), largest), [&](int f, auto lanes) {
-        const int *v = m.faces[f].v;
-        if (v[0] != q && v[1] != q && v[2] != q)
-          add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
-      });
-    if (m.edge_collision)
-      find_edges(m, x, p, path, opening, knots, edge_contacts);
+      return bounded(grown(united(united(path(v[0]), path(v[1])), path(v[2])), margin), largest);
+    };
+    const auto bring = [&](int q, int f, auto lanes) {
+      const int *v = m.faces[f].v;
+      if (v[0] != q && v[1] != q && v[2] != q)
+        add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
+    };
+    if (!m.edge_collision) {
+      boxes_.refit(m.face_tree, face_box);
+      for (int q = 0; q < m.vertex_count; ++q)
+        boxes_.for_each_overlap(m.face_tree, bounded(path(q), largest), [&](int f, auto lanes) { bring(q, f, lanes); });
+      return;
+    }
+
+    const auto bring_edges = [&](int i, int j, auto lanes) {
+      if (!share_a_vertex(m.edges[i], m.edges[j]))
+        try_edges(m, x, p, i, j, opening, lanes, knots, edge_contacts);
+    };
+    find_by_patches(m, p, path, face_box, bring, bring_edges);
   }
 
   /// Adds the contact of edges i and j in the lanes in which they have one.
@@ -106,33 +113,55 @@ public:
   }
 
 private:
-  /// Every edge belongs to the first of its faces (LaneModel::first_edges): faces that come near bring their edges together.
-  template <class Points, class Path>
-  void find_edges(const LaneModel &m, const Points &x, const Points &p, const Path &path, T opening, const Knots<T> &knots,
-                  Array<EdgeContact<T>> &contacts) {
+  /// Calls bring(vertex, face, lanes) and bring_edges(edge, later edge, lanes) for what comes near.
+  template <class Points, class Path, class FaceBox, class Bring, class BringEdges>
+  void find_by_patches(const LaneModel &m, const Points &p, const Path &path, const FaceBox &face_box, const Bring &bring,
+                       const BringEdges &bring_edges) {
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
+    vertex_boxes_.resize(m.vertex_count);
+    for (int q = 0; q < m.vertex_count; ++q)
+      vertex_boxes_[q] = bounded(path(q), largest);
     edge_boxes_.resize(m.edge_count);
     for (int i = 0; i < m.edge_count; ++i)
       edge_boxes_[i] = bounded(united(path(m.edges[i].a), path(m.edges[i].b)), largest);
-    const Vec3<T> grow{margin, margin, margin};
-    for (int f = 0; f < m.face_count; ++f) {
-      const int first = m.first_edges[f], last = first + m.edge_counts[f];
-      if (first == last)
-        continue;
-      Box<T> all = edge_boxes_[first];
-      for (int i = first + 1; i < last; ++i)
-        all = united(all, edge_boxes_[i]);
-      const auto bring = [&](int g, auto near) {
-        for (int j = m.first_edges[g]; j < m.first_edges[g] + m.edge_counts[g]; ++j) {
-          const Box<T> box{edge_boxes_[j].lo - grow, edge_boxes_[j].hi + grow};
-          for (int i = first; i < last && i < j; ++i) {
-            const auto lanes = near & overlap(edge_boxes_[i], box);
-            if (any(lanes) && !share_a_vertex(m.edges[i], m.edges[j]))
-              try_edges(m, x, p, i, j, opening, lanes, knots, contacts);
-          }
+    face_boxes_.resize(m.face_count);
+    for (int f = 0; f < m.face_count; ++f)
+      face_boxes_[f] = face_box(f);
+    const auto without_margin = [&](int f) { return grown(face_boxes_[f], -margin); };
+    patches_.find(m, p, without_margin, margin);
+    patches_.for_each_pair([&](int i, int j, auto lanes) {
+      bring_vertices(m, m.patches[i], m.patches[j], patches_.box(j), lanes, bring);
+      if (i != j)
+        bring_vertices(m, m.patches[j], m.patches[i], patches_.box(i), lanes, bring);
+    });
+    patches_.for_each_pair([&](int i, int j, auto may) {
+      const Patch &one = m.patches[i], &other = m.patches[j];
+      for (int e = one.first_edge; e < one.first_edge + one.edge_count; ++e) {
+        if (!any(may & overlap(edge_boxes_[e], patches_.box(j))))
+          continue;
+        const Box<T> box = grown(edge_boxes_[e], margin);
+        for (int o = i == j ? e + 1 : other.first_edge; o < other.first_edge + other.edge_count; ++o) {
+          const auto lanes = may & overlap(box, edge_boxes_[o]);
+          if (any(lanes))
+            bring_edges(e, o, lanes);
         }
-      };
-      boxes_.for_each_overlap(m, all, bring, m.leaves[f]);
+      }
+    });
+  }
+  /// Those of one patch to the faces of another, which lie within `around`.
+  template <class M, class Bring>
+  void bring_vertices(const LaneModel &m, const Patch &one, const Patch &other, const Box<T> &around, M may,
+                      const Bring &bring) const {
+    for (int k = 0; k < one.vertex_count; ++k) {
+      const int q = m.patch_vertices[one.first_vertex + k];
+      if (!any(may & overlap(vertex_boxes_[q], around)))
+        continue;
+      for (int n = 0; n < other.face_count; ++n) {
+        const int f = m.patch_faces[other.first_face + n];
+        const auto lanes = may & overlap(vertex_boxes_[q], face_boxes_[f]);
+        if (any(lanes))
+          bring(q, f, lanes);
+      }
     }
   }
   static bool share_a_vertex(const Edge &i, const Edge &j) { return i.a == j.a || i.a == j.b || i.b == j.a || i.b == j.b; }
@@ -183,7 +212,8 @@ private:
   }
 
   FaceBoxes<T> boxes_;
-  Array<Box<T>> edge_boxes_;
+  Patches<T> patches_;
+  Array<Box<T>> vertex_boxes_, face_boxes_, edge_boxes_;
 };
 
 } // namespace DOUBLET_PBD_ISA
