@@ -63,8 +63,8 @@ public:
 
   /// The lanes in which a vertex belonged to an edge or a face of a crossing when they were last looked for.
   auto at(int vertex) const { return in_knot_[vertex] > T(0); }
-  /// The lanes in which an edge of a vertex was strained then. What holds layers apart that something squeezes together can pull
-  /// them out without end: cloth lets go before. Where edges collide alone.
+  /// The lanes in which an edge of a vertex was strained then, and all where the rest shape is in a knot. What holds layers apart
+  /// that something squeezes together can pull them out without end: cloth lets go before. Where edges collide alone.
   auto strained(int vertex) const { return strained_[vertex] > T(0); }
 
 private:
@@ -113,6 +113,8 @@ private:
     strained_.resize(m.vertex_count);
     for (T &vertex : strained_)
       vertex = T(0);
+    for (int i = 0; i < m.resting_knot_count; ++i)
+      strained_[m.resting_knots[i]] = T(1);
     for (int i = 0; i < m.stretch_count; ++i) {
       const StretchConstraint &c = m.stretches[i];
       const Vec3<T> d = x[c.b] - x[c.a];

@@ -90,6 +90,8 @@ struct LaneModel {
   const int *patch_faces, *patch_vertices, *patch_next, *patch_near;
   const std::uint64_t *resting_edges; ///< sorted (edge << 32 | later edge) that never collide
   int resting_edge_count;
+  const int *resting_knots; ///< vertices where the rest shape passes through itself; where edges collide
+  int resting_knot_count;
   int iterations;
   float over_relaxation, thickness, self_thickness, restitution;
   float largest_extent; ///< m, see SelfCollision

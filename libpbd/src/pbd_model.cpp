@@ -2,6 +2,7 @@
 
 #include "constraint_order.h"
 #include "face_tree.h"
+#include "knots.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -143,6 +144,8 @@ PbdModel::PbdModel(std::shared_ptr<const ClothModel> cloth) : cloth_(std::move(c
   if (options().self_collision)
     set_tree(cloth_->rest());
   set_arrays();
+  if (options().self_collision && options().edge_collision)
+    set_resting_knots(cloth_->rest());
 }
 
 void PbdModel::set_constraints(const Vertices &rest) {
@@ -222,6 +225,26 @@ void PbdModel::set_tree(const Vertices &rest) {
     resting_edges_ = edges_closer_than(points, faces_, nodes_, edges_, static_cast<float>(options().self_thickness));
   }
   resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options().self_thickness));
+}
+
+/// Of a captured garment; nothing would ever bring that apart.
+void PbdModel::set_resting_knots(const Vertices &rest) {
+  Array<Vec3f> points;
+  points.resize(vertex_count());
+  const Eigen::RowVector3d origin = rest.colwise().mean();
+  for (int i = 0; i < vertex_count(); ++i) {
+    const Eigen::RowVector3f p = (rest.row(i) - origin).cast<float>();
+    points[i] = {p[0], p[1], p[2]};
+  }
+  LaneModel by_face = arrays_;
+  by_face.edge_collision = false;
+  Knots<float> knots;
+  knots.find(by_face, points);
+  for (int i = 0; i < vertex_count(); ++i)
+    if (knots.at(i))
+      resting_knots_.push_back(i);
+  arrays_.resting_knots = resting_knots_.data();
+  arrays_.resting_knot_count = static_cast<int>(resting_knots_.size());
 }
 
 void PbdModel::set_arrays() {

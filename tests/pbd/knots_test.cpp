@@ -212,6 +212,29 @@ TEST(Knots, WhatIsSqueezedIsNotPulledOut) {
   EXPECT_LT(longest, 1.8);
 }
 
+/// Vertices where the rest shape passes through itself have no contacts where edges collide, nor are they moved: it rests.
+TEST(Knots, WhatIsInAKnotAtRestIsLeftAlone) {
+  const Curtains scene(0.06);
+  ClothOptions options;
+  options.edge_collision = true;
+  options.gravity.setZero();
+  const auto model = ClothModel::create(scene.tangled, scene.both.faces, scene.both.clothness, options);
+  const PbdModel laid_out(model);
+  const LaneModel &m = laid_out.arrays();
+  const std::set<int> expected = knotted(scene.tangled, scene.both.faces);
+  EXPECT_EQ(std::set<int>(m.resting_knots, m.resting_knots + m.resting_knot_count), expected);
+  Array<Vec3f> x;
+  Knots<float> knots;
+  knots.find(m, fill(x, scene.tangled));
+  for (const int v : expected)
+    EXPECT_TRUE(knots.strained(v)) << v;
+  knots.untangle(m, x);
+  Array<Vec3f> before;
+  fill(before, scene.tangled);
+  for (int i = 0; i < x.size(); ++i)
+    EXPECT_EQ(dot(x[i] - before[i], x[i] - before[i]), 0.0f) << i;
+}
+
 /// Every pair of edges that comes near is found: against all pairs.
 TEST(Knots, TheTreeFindsEveryPairOfEdges) {
   const Curtains scene(0.03);
