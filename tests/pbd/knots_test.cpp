@@ -214,7 +214,9 @@ TEST(Knots, WhatIsSqueezedIsNotPulledOut) {
 
 /// Vertices where the rest shape passes through itself have no contacts where edges collide, nor are they moved: it rests.
 TEST(Knots, WhatIsInAKnotAtRestIsLeftAlone) {
-  const Curtains scene(0.06);
+  Curtains scene(0.06);
+  const Eigen::Index behind = scene.tangled.rows() / 2; // not edge on edge, where rounding decides what passes through
+  scene.tangled.bottomRows(behind).rowwise() += Eigen::RowVector3d(0.0071, 0.0053, 0);
   ClothOptions options;
   options.edge_collision = true;
   options.gravity.setZero();
