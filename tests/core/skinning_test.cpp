@@ -92,8 +92,8 @@ TEST(Skinning, SignOfQuaternionsDoesNotMatter) {
 
 namespace {
 
-/// Three bones in a row along y, joints at 0, 1 and 2 m, each blended over 1.2 m to both sides; points on a
-/// cylinder around them.
+/// Three bones in a row along y, joints at 0, 1 and 2 m, each blended over 1.2 m to both sides, so that all three meet; points on
+/// a cylinder around them.
 struct Stick {
   Skeleton skeleton =
       make_skeleton({{"root", "", {0, 0, 0}, 6}, {"first", "root", {0, 1, 0}, 3}, {"second", "first", {0, 2, 0}, 3}});
@@ -108,7 +108,7 @@ struct Stick {
         weights.row(8 * i + k) << 1 - first, first - second, second;
       }
   }
-  static double ramp(double y, double joint) { return std::clamp((y - joint) / 2.4 + 0.5, 0.0, 1.0); } // over 2.4 m: three bones meet
+  static double ramp(double y, double joint) { return std::clamp((y - joint) / 2.4 + 0.5, 0.0, 1.0); }
   Transforms posed(double first, double second) const {
     Eigen::VectorXd dofs = Eigen::VectorXd::Zero(skeleton.dof_count());
     dofs[6] = first, dofs[9] = second;
