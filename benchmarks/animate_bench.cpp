@@ -111,7 +111,7 @@ void part_body(benchmark::State &state) {
   const Character &c = scene().character;
   const Skin skin(c.body.vertices, c.body_weights);
   std::vector<DualQuaternion> joints;
-  dual_quaternions(forward_kinematics(c.actor.skeleton, pose_at(0)), joints);
+  dual_quaternions(c.actor.skeleton, forward_kinematics(c.actor.skeleton, pose_at(0)), joints);
   Vertices body;
   for (auto unused : state) {
     (void)unused;
@@ -127,8 +127,8 @@ void part_tuck(benchmark::State &state) {
     (void)unused;
     state.PauseTiming();
     const AnimationFrame &frame = player.step(pose_at(++t));
-    Vertices body =
-        dual_quaternion_skinning(scene().character.body.vertices, scene().character.body_weights, frame.world_from_rest);
+    const Character &c = scene().character;
+    Vertices body = dual_quaternion_skinning(c.body.vertices, c.body_weights, c.actor.skeleton, frame.world_from_rest);
     state.ResumeTiming();
     tuck.apply(frame.surface, body);
   }

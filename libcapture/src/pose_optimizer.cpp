@@ -250,7 +250,7 @@ PosedSurface pose_surface(const RiggedMesh &actor, const Eigen::VectorXd &dofs, 
   if (!offset.allFinite())
     throw std::invalid_argument("pose_surface: offset: expected finite numbers, found NaN or infinity");
   PosedSurface surface;
-  surface.blend = dual_quaternion_blend(actor.weights, forward_kinematics(actor.skeleton, dofs));
+  surface.blend = dual_quaternion_blend(actor.weights, actor.skeleton, forward_kinematics(actor.skeleton, dofs));
   surface.vertices.resize(actor.mesh.vertices.rows(), 3);
   for (int i = 0; i < surface.vertices.rows(); ++i) {
     Eigen::Vector3d rest = actor.mesh.vertices.row(i);

@@ -33,19 +33,30 @@ struct Shares {
   int pivot; ///< the joint with the largest weight, the first of equal ones
 };
 
-/// Blends in the hemisphere of the pivot, and normalises the real part.
-DualQuaternion blend(const std::vector<DualQuaternion> &joints, const Shares &of, Eigen::Index vertex) {
+/// Which sign a joint has in a vertex's blend; q and -q are the same transform.
+enum class Signs {
+  Pivot, ///< that of the hemisphere of the vertex's heaviest joint
+  Given, ///< its own, see dual_quaternions()
+};
+
+/// Blends, and normalises the real part.
+DualQuaternion blend(const std::vector<DualQuaternion> &joints, Signs signs, const Shares &of, Eigen::Index vertex) {
+  constexpr double kNothing = 1e-9; // joints a whole turn apart cancel: between them the pivot is as good as any
   DualQuaternion sum = DualQuaternion::Zero();
+  double weight = 0;
   for (int k = 0; k < of.count; ++k) {
     const DualQuaternion &joint = joints[of.joints[k]];
-    const bool opposite = joint.head<4>().dot(joints[of.pivot].head<4>()) < 0;
+    const bool opposite = signs == Signs::Pivot && joint.head<4>().dot(joints[of.pivot].head<4>()) < 0;
     sum += (opposite ? -of.weights[k] : of.weights[k]) * joint;
+    weight += of.weights[k];
   }
   const double norm = sum.head<4>().norm();
-  if (!(norm > 0))
+  if (norm > kNothing * weight)
+    return sum / norm;
+  if (!(weight > 0))
     throw std::invalid_argument("dual quaternion skinning: expected skin weights that sum to one, found none at vertex " +
                                 std::to_string(vertex));
-  return sum / norm;
+  return joints[of.pivot];
 }
 
 /// Appends what row v of the weights (V, J) holds beside zeros; returns the pivot.
@@ -63,16 +74,15 @@ int append_shares(const MatrixRM &weights, Eigen::Index v, std::vector<int> &joi
 }
 
 /// The blend of every vertex, in turn.
-template <class Use> void blend_each(const MatrixRM &weights, const Transforms &world_from_rest, const Use &use) {
-  std::vector<DualQuaternion> joints;
-  dual_quaternions(world_from_rest, joints);
+template <class Use>
+void blend_each(const MatrixRM &weights, const std::vector<DualQuaternion> &joints, Signs signs, const Use &use) {
   std::vector<int> used;
   std::vector<double> values;
   for (Eigen::Index v = 0; v < weights.rows(); ++v) {
     used.clear();
     values.clear();
     const int pivot = append_shares(weights, v, used, values);
-    use(v, blend(joints, {used.data(), values.data(), static_cast<int>(used.size()), pivot}, v));
+    use(v, blend(joints, signs, {used.data(), values.data(), static_cast<int>(used.size()), pivot}, v));
   }
 }
 
@@ -92,12 +102,50 @@ void require_finite_rest(const Vertices &rest, const char *caller) {
     throw std::invalid_argument(std::string(caller) + ": expected finite rest positions, found NaN or infinity");
 }
 
-} // namespace
+Vertices skinned(const Vertices &rest, const MatrixRM &weights, const std::vector<DualQuaternion> &joints, Signs signs) {
+  require_sizes("dual_quaternion_skinning", rest.rows(), weights, static_cast<Eigen::Index>(joints.size()));
+  require_finite_rest(rest, "dual_quaternion_skinning");
+  Vertices out(rest.rows(), 3);
+  blend_each(weights, joints, signs, [&](Eigen::Index v, const DualQuaternion &q) { out.row(v) = moved(q, rest.row(v)); });
+  return out;
+}
 
-void dual_quaternions(const Transforms &world_from_rest, std::vector<DualQuaternion> &joints) {
-  joints.clear();
+Transforms blended(const MatrixRM &weights, const std::vector<DualQuaternion> &joints, Signs signs) {
+  require_sizes("dual_quaternion_blend", weights.rows(), weights, static_cast<Eigen::Index>(joints.size()));
+  Transforms out(weights.rows(), Eigen::Isometry3d::Identity());
+  blend_each(weights, joints, signs, [&](Eigen::Index v, const DualQuaternion &q) {
+    out[v].linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
+    out[v].translation() = translation_of(q);
+  });
+  return out;
+}
+
+/// Of transforms that nothing is known about.
+std::vector<DualQuaternion> unrelated(const Transforms &world_from_rest) {
+  std::vector<DualQuaternion> joints;
   for (const Eigen::Isometry3d &transform : world_from_rest)
     joints.push_back(dual_quaternion(transform));
+  return joints;
+}
+std::vector<DualQuaternion> along(const Skeleton &skeleton, const Transforms &world_from_rest) {
+  std::vector<DualQuaternion> joints;
+  dual_quaternions(skeleton, world_from_rest, joints);
+  return joints;
+}
+
+} // namespace
+
+void dual_quaternions(const Skeleton &skeleton, const Transforms &world_from_rest, std::vector<DualQuaternion> &joints) {
+  if (static_cast<int>(world_from_rest.size()) != skeleton.joint_count())
+    throw std::invalid_argument("dual_quaternions: expected " + std::to_string(skeleton.joint_count()) + " transforms, found " +
+                                std::to_string(world_from_rest.size()));
+  joints.clear();
+  for (std::size_t j = 0; j < world_from_rest.size(); ++j) {
+    joints.push_back(dual_quaternion(world_from_rest[j]));
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0 && joints[j].head<4>().dot(joints[parent].head<4>()) < 0)
+      joints[j] = -joints[j];
+  }
 }
 
 Skin::Skin(const Vertices &rest, const MatrixRM &weights) : rest_(rest), joint_count_(weights.cols()), first_{0} {
@@ -117,26 +165,23 @@ void Skin::pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) co
   for (Eigen::Index v = 0; v < rest_.rows(); ++v) {
     const int first = first_[v];
     const Shares shares{joints_.data() + first, weights_.data() + first, first_[v + 1] - first, pivots_[v]};
-    skinned.row(v) = moved(blend(joints, shares, v), rest_.row(v));
+    skinned.row(v) = moved(blend(joints, Signs::Given, shares, v), rest_.row(v));
   }
 }
 
 Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest) {
-  require_sizes("dual_quaternion_skinning", rest.rows(), weights, static_cast<Eigen::Index>(world_from_rest.size()));
-  require_finite_rest(rest, "dual_quaternion_skinning");
-  Vertices out(rest.rows(), 3);
-  blend_each(weights, world_from_rest, [&](Eigen::Index v, const DualQuaternion &q) { out.row(v) = moved(q, rest.row(v)); });
-  return out;
+  return skinned(rest, weights, unrelated(world_from_rest), Signs::Pivot);
+}
+Vertices dual_quaternion_skinning(const Vertices &rest, const MatrixRM &weights, const Skeleton &skeleton,
+                                  const Transforms &world_from_rest) {
+  return skinned(rest, weights, along(skeleton, world_from_rest), Signs::Given);
 }
 
 Transforms dual_quaternion_blend(const MatrixRM &weights, const Transforms &world_from_rest) {
-  require_sizes("dual_quaternion_blend", weights.rows(), weights, static_cast<Eigen::Index>(world_from_rest.size()));
-  Transforms out(weights.rows(), Eigen::Isometry3d::Identity());
-  blend_each(weights, world_from_rest, [&](Eigen::Index v, const DualQuaternion &q) {
-    out[v].linear() = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
-    out[v].translation() = translation_of(q);
-  });
-  return out;
+  return blended(weights, unrelated(world_from_rest), Signs::Pivot);
+}
+Transforms dual_quaternion_blend(const MatrixRM &weights, const Skeleton &skeleton, const Transforms &world_from_rest) {
+  return blended(weights, along(skeleton, world_from_rest), Signs::Given);
 }
 
 Vertices linear_blend_skinning(const Vertices &rest, const MatrixRM &weights, const Transforms &world_from_rest) {

@@ -101,7 +101,8 @@ std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePer
   std::vector<Vertices> unposed(frames, Vertices(vertices, 3));
   parallel_for(context, frames, [&](int t) {
     const Vertices &posed = performance.surface.frames[t];
-    const Transforms blend = dual_quaternion_blend(actor.weights, forward_kinematics(actor.skeleton, performance.dofs.row(t)));
+    const Transforms blend =
+        dual_quaternion_blend(actor.weights, actor.skeleton, forward_kinematics(actor.skeleton, performance.dofs.row(t)));
     for (int i = 0; i < vertices; ++i)
       unposed[t].row(i) = (blend[i].inverse() * Eigen::Vector3d(posed.row(i))).transpose();
   });

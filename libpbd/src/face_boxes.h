@@ -24,6 +24,10 @@ template <class T> inline auto overlap(const Box<T> &a, const Box<T> &b) {
   return (a.lo.x <= b.hi.x) & (b.lo.x <= a.hi.x) & (a.lo.y <= b.hi.y) & (b.lo.y <= a.hi.y) & (a.lo.z <= b.hi.z) &
          (b.lo.z <= a.hi.z);
 }
+template <class T> inline Box<T> grown(const Box<T> &box, T by) {
+  const Vec3<T> grow{by, by, by};
+  return {box.lo - grow, box.hi + grow};
+}
 /// `box` where it is at most `largest` wide, else one that overlaps nothing.
 template <class T> inline Box<T> bounded(const Box<T> &box, T largest) {
   const Vec3<T> size = box.hi - box.lo;
@@ -80,18 +84,18 @@ inline void for_each_overlap(const TreeNode *nodes, int count, const Box<T> *box
   }
 }
 
-/// The boxes of a model's faces, for many questions.
+/// The boxes of a tree's leaves, faces as a rule, for many questions.
 template <class T> class FaceBoxes {
 public:
   /// leaf(face): the face's box.
-  template <class Leaf> void refit(const LaneModel &m, Leaf &&leaf) {
-    boxes_.resize(m.node_count);
-    DOUBLET_PBD_ISA::refit<T>(m.nodes, m.node_count, boxes_.data(), leaf);
+  template <class Leaf> void refit(const BoxTree &tree, Leaf &&leaf) {
+    boxes_.resize(tree.node_count);
+    DOUBLET_PBD_ISA::refit<T>(tree.nodes, tree.node_count, boxes_.data(), leaf);
   }
   /// Calls found(face, lanes) for every face whose box overlaps `query` in some of the lanes, in the order of the tree.
   /// first: the node from whose leaf on.
-  template <class Found> void for_each_overlap(const LaneModel &m, const Box<T> &query, Found &&found, int first = 0) const {
-    DOUBLET_PBD_ISA::for_each_overlap<T>(m.nodes, m.node_count, boxes_.data(), query, found, first);
+  template <class Found> void for_each_overlap(const BoxTree &tree, const Box<T> &query, Found &&found, int first = 0) const {
+    DOUBLET_PBD_ISA::for_each_overlap<T>(tree.nodes, tree.node_count, boxes_.data(), query, found, first);
   }
 
 private:
@@ -102,15 +106,15 @@ private:
 /// foretell.
 template <> class FaceBoxes<float> {
 public:
-  template <class Leaf> void refit(const LaneModel &m, Leaf &&leaf) {
-    boxes_.resize(m.node_count);
-    DOUBLET_PBD_ISA::refit<float>(m.nodes, m.node_count, boxes_.data(), leaf);
-    quads_.resize(m.quad_count);
-    for (int i = 0; i < m.quad_count; ++i)
+  template <class Leaf> void refit(const BoxTree &tree, Leaf &&leaf) {
+    boxes_.resize(tree.node_count);
+    DOUBLET_PBD_ISA::refit<float>(tree.nodes, tree.node_count, boxes_.data(), leaf);
+    quads_.resize(tree.quad_count);
+    for (int i = 0; i < tree.quad_count; ++i)
       for (int k = 0; k < 4; ++k)
-        quads_[i].set(k, m.quads[i].node[k] >= 0 ? boxes_[m.quads[i].node[k]] : nothing());
+        quads_[i].set(k, tree.quads[i].node[k] >= 0 ? boxes_[tree.quads[i].node[k]] : nothing());
   }
-  template <class Found> void for_each_overlap(const LaneModel &m, const Box<float> &query, Found &&found, int first = 0) const {
+  template <class Found> void for_each_overlap(const BoxTree &tree, const Box<float> &query, Found &&found, int first = 0) const {
     int waiting[64], count = 1; // four a level, and as many levels as quads of 2^31 faces have
     waiting[0] = 0;
     while (count > 0) {
@@ -119,7 +123,7 @@ public:
         found(~at, true);
         continue;
       }
-      const QuadNode &quad = m.quads[at];
+      const QuadNode &quad = tree.quads[at];
       const int overlaps = quads_[at].overlap(query) & (static_cast<int>(quad.skip[0] > first) | (quad.skip[1] > first) << 1 |
                                                         (quad.skip[2] > first) << 2 | (quad.skip[3] > first) << 3);
       for (int k = 3; k >= 0; --k) // the last goes below the first

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <set>
 
 namespace doublet::pbd {
 namespace {
@@ -98,13 +99,11 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes) {
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces) {
   std::map<std::pair<int, int>, int> known;
   OrderedEdges all;
-  all.leaves.resize(faces.size());
   all.first.resize(faces.size());
   all.counts.resize(faces.size());
   for (const TreeNode &node : nodes) {
     if (node.face < 0)
       continue;
-    all.leaves[node.face] = static_cast<int>(&node - nodes.data());
     all.first[node.face] = static_cast<int>(all.edges.size());
     for (int k = 0; k < 3; ++k) {
       const auto [a, b] = std::minmax(faces[node.face].v[k], faces[node.face].v[(k + 1) % 3]);
@@ -119,6 +118,98 @@ OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vecto
     }
   }
   return all;
+}
+
+namespace {
+
+/// Does a way lead from each of the faces to each other by common vertices?
+bool are_connected(const std::vector<Triangle> &faces, std::vector<int> left) {
+  std::vector<int> reached{left.back()};
+  left.pop_back();
+  for (size_t at = 0; at < reached.size(); ++at) {
+    const auto touches = [&](int f) {
+      const auto &v = faces[f].v, &w = faces[reached[at]].v;
+      return std::find_first_of(v, v + 3, w, w + 3) != v + 3;
+    };
+    const auto rest = std::stable_partition(left.begin(), left.end(), [&](int f) { return !touches(f); });
+    reached.insert(reached.end(), rest, left.end());
+    left.erase(rest, left.end());
+  }
+  return left.empty();
+}
+
+struct PatchBuilder {
+  const std::vector<TreeNode> &from;
+  int most;
+  PatchedTree &to;
+
+  int faces_below(int node) const { return (from[node].skip - node + 1) / 2; } // of n leaves there are 2 n - 1 nodes
+  void add(int node) {
+    const size_t at = to.nodes.size();
+    to.nodes.push_back({0, -1});
+    if (faces_below(node) <= most) {
+      to.nodes[at].face = static_cast<int>(to.patches.size());
+      Patch patch{};
+      patch.node = static_cast<int>(at);
+      patch.first_face = static_cast<int>(to.faces.size());
+      for (int i = node; i < from[node].skip; ++i)
+        if (from[i].face >= 0)
+          to.faces.push_back(from[i].face);
+      patch.face_count = static_cast<int>(to.faces.size()) - patch.first_face;
+      to.patches.push_back(patch);
+    } else {
+      add(node + 1);
+      add(from[node + 1].skip);
+    }
+    to.nodes[at].skip = static_cast<int>(to.nodes.size());
+  }
+};
+
+} // namespace
+
+PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, const OrderedEdges &edges,
+                          int vertex_count, int most) {
+  PatchedTree out;
+  PatchBuilder{nodes, most, out}.add(0);
+  out.quads = build_quads(out.nodes);
+  std::vector<std::vector<int>> patches_of(vertex_count); // ascending
+  for (size_t i = 0; i < out.patches.size(); ++i) {
+    Patch &patch = out.patches[i];
+    const std::vector<int> own(out.faces.begin() + patch.first_face, out.faces.begin() + patch.first_face + patch.face_count);
+    patch.connected = are_connected(faces, own);
+    patch.first_vertex = static_cast<int>(out.vertices.size());
+    patch.first_edge = edges.first[own.front()];
+    for (const int f : own) {
+      patch.edge_count += edges.counts[f];
+      for (const int v : faces[f].v) {
+        if (patches_of[v].empty())
+          out.vertices.push_back(v);
+        if (patches_of[v].empty() || patches_of[v].back() != static_cast<int>(i))
+          patches_of[v].push_back(static_cast<int>(i));
+      }
+    }
+    patch.vertex_count = static_cast<int>(out.vertices.size()) - patch.first_vertex;
+  }
+  std::vector<std::set<int>> next(out.patches.size());
+  for (const std::vector<int> &meet : patches_of)
+    for (const int i : meet)
+      next[i].insert(meet.begin(), meet.end());
+  for (size_t i = 0; i < out.patches.size(); ++i) {
+    const int self = static_cast<int>(i);
+    Patch &patch = out.patches[i];
+    std::set<int> near;
+    patch.first_next = static_cast<int>(out.next.size());
+    for (const int j : next[i]) {
+      if (j != self)
+        out.next.push_back(j);
+      near.insert(next[j].upper_bound(self), next[j].end());
+    }
+    patch.next_count = static_cast<int>(out.next.size()) - patch.first_next;
+    patch.first_near = static_cast<int>(out.near.size());
+    out.near.insert(out.near.end(), near.begin(), near.end());
+    patch.near_count = static_cast<int>(near.size());
+  }
+  return out;
 }
 
 namespace {

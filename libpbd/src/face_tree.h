@@ -16,9 +16,19 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes);
 /// Each once, as the tree comes to its faces: of face f those are counts[f] from first[f] on.
 struct OrderedEdges {
   std::vector<Edge> edges;
-  std::vector<int> leaves, first, counts; ///< leaves: the tree's node of each face
+  std::vector<int> first, counts;
 };
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
+
+/// The tree cut off where a node has no more than `most` faces, see Patch.
+struct PatchedTree {
+  std::vector<TreeNode> nodes; ///< of a leaf, `face` is the patch
+  std::vector<QuadNode> quads;
+  std::vector<Patch> patches;
+  std::vector<int> faces, vertices, next, near;
+};
+PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, const OrderedEdges &edges,
+                          int vertex_count, int most);
 
 /// Sorted (vertex << 32 | face) of all pairs closer than `distance`, a face's own vertices left out.
 std::vector<std::uint64_t> pairs_closer_than(const std::vector<Vec3f> &points, const std::vector<Triangle> &faces,

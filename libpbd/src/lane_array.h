@@ -36,6 +36,8 @@ public:
   const E &operator[](int i) const { return data_[i]; }
   E *begin() { return data_; }
   E *end() { return data_ + size_; }
+  const E *begin() const { return data_; }
+  const E *end() const { return data_ + size_; }
 
 private:
   template <class V> static void exchange(V &a, V &b) {

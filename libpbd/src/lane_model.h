@@ -53,8 +53,28 @@ struct QuadNode {
   int skip[4]; ///< that of its node
 };
 
+/// One way through a tree, and the other.
+struct BoxTree {
+  const TreeNode *nodes;
+  int node_count;
+  const QuadNode *quads;
+  int quad_count;
+};
+
+/// A few faces that lie together (see patches.h): all of a node of the tree. A vertex or an edge belongs to the first patch that
+/// has it.
+struct Patch {
+  int node;                       ///< of the tree of patches
+  int first_face, face_count;     ///< in patch_faces
+  int first_vertex, vertex_count; ///< in patch_vertices
+  int first_edge, edge_count;     ///< in edges
+  int first_next, next_count;     ///< in patch_next: the patches that it shares a vertex with
+  int first_near, near_count;     ///< in patch_near: later patches that share a vertex with it or one of those, ascending
+  bool connected;                 ///< by common vertices
+};
+
 struct LaneModel {
-  int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, node_count, quad_count, edge_count;
+  int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, edge_count, patch_count;
   const Triangle *faces;
   const float *weights; ///< [vertex] inverse masses
   float mass;           ///< of all vertices that move
@@ -62,14 +82,16 @@ struct LaneModel {
   const BendBlock *blocks;
   const BlendConstraint *blends;
   const int *followers; ///< vertices of clothness < 1
-  const TreeNode *nodes;
-  const QuadNode *quads;
+  BoxTree face_tree, patch_tree;
   const Edge *edges;                  ///< in the order of the tree: neighbours ask the same boxes
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
-  const int *leaves, *first_edges, *edge_counts; ///< [face] its node; which of the edges the tree met here first
-  const std::uint64_t *resting_edges;            ///< sorted (edge << 32 | later edge) that never collide
+  const Patch *patches; ///< where edges collide, else none; in the order of the tree
+  const int *patch_faces, *patch_vertices, *patch_next, *patch_near;
+  const std::uint64_t *resting_edges; ///< sorted (edge << 32 | later edge) that never collide
   int resting_edge_count;
+  const int *resting_knots; ///< vertices where the rest shape passes through itself; where edges collide
+  int resting_knot_count;
   int iterations;
   float over_relaxation, thickness, self_thickness, restitution;
   float largest_extent; ///< m, see SelfCollision

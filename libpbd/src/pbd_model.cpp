@@ -2,6 +2,7 @@
 
 #include "constraint_order.h"
 #include "face_tree.h"
+#include "knots.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,6 +14,7 @@
 namespace doublet::pbd {
 namespace {
 
+constexpr int kPatchFaces = 4;  ///< at most
 constexpr double kMaxSpan = 12; ///< mean edges, see LaneModel::largest_extent
 
 /// (N, 3) the direction in the surface across the axis, a unit vector; 0 where the surface lies (almost) flat, or there is none.
@@ -142,6 +144,8 @@ PbdModel::PbdModel(std::shared_ptr<const ClothModel> cloth) : cloth_(std::move(c
   if (options().self_collision)
     set_tree(cloth_->rest());
   set_arrays();
+  if (options().self_collision && options().edge_collision)
+    set_resting_knots(cloth_->rest());
 }
 
 void PbdModel::set_constraints(const Vertices &rest) {
@@ -216,9 +220,31 @@ void PbdModel::set_tree(const Vertices &rest) {
   nodes_ = build_tree(points, faces_);
   quads_ = build_quads(nodes_);
   edges_ = edges_in_order(nodes_, faces_);
-  if (options().edge_collision)
+  if (options().edge_collision) {
+    patches_ = build_patches(nodes_, faces_, edges_, vertex_count(), kPatchFaces);
     resting_edges_ = edges_closer_than(points, faces_, nodes_, edges_, static_cast<float>(options().self_thickness));
+  }
   resting_pairs_ = pairs_closer_than(points, faces_, nodes_, static_cast<float>(options().self_thickness));
+}
+
+/// Of a captured garment; nothing would ever bring that apart.
+void PbdModel::set_resting_knots(const Vertices &rest) {
+  Array<Vec3f> points;
+  points.resize(vertex_count());
+  const Eigen::RowVector3d origin = rest.colwise().mean();
+  for (int i = 0; i < vertex_count(); ++i) {
+    const Eigen::RowVector3f p = (rest.row(i) - origin).cast<float>();
+    points[i] = {p[0], p[1], p[2]};
+  }
+  LaneModel by_face = arrays_;
+  by_face.edge_collision = false;
+  Knots<float> knots;
+  knots.find(by_face, points);
+  for (int i = 0; i < vertex_count(); ++i)
+    if (knots.at(i))
+      resting_knots_.push_back(i);
+  arrays_.resting_knots = resting_knots_.data();
+  arrays_.resting_knot_count = static_cast<int>(resting_knots_.size());
 }
 
 void PbdModel::set_arrays() {
@@ -235,10 +261,12 @@ void PbdModel::set_arrays() {
   a.blocks = blocks_.data(), a.block_count = size(blocks_);
   a.blends = blends_.data(), a.blend_count = size(blends_);
   a.followers = followers_.data(), a.follower_count = size(followers_);
-  a.nodes = nodes_.data(), a.node_count = size(nodes_);
-  a.quads = quads_.data(), a.quad_count = size(quads_);
+  a.face_tree = {nodes_.data(), size(nodes_), quads_.data(), size(quads_)};
+  a.patch_tree = {patches_.nodes.data(), size(patches_.nodes), patches_.quads.data(), size(patches_.quads)};
+  a.patches = patches_.patches.data(), a.patch_count = size(patches_.patches);
+  a.patch_faces = patches_.faces.data(), a.patch_vertices = patches_.vertices.data();
+  a.patch_next = patches_.next.data(), a.patch_near = patches_.near.data();
   a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
-  a.leaves = edges_.leaves.data(), a.first_edges = edges_.first.data(), a.edge_counts = edges_.counts.data();
   a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);
   a.iterations = options().iterations;

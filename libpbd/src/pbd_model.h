@@ -22,6 +22,7 @@ private:
   void set_followers(const Eigen::VectorXd &clothness);
   void set_tree(const Vertices &rest);
   void set_arrays();
+  void set_resting_knots(const Vertices &rest);
 
   std::shared_ptr<const ClothModel> cloth_;
   std::vector<Triangle> faces_;
@@ -33,7 +34,9 @@ private:
   std::vector<TreeNode> nodes_;
   std::vector<QuadNode> quads_;
   OrderedEdges edges_;
+  PatchedTree patches_;
   std::vector<std::uint64_t> resting_pairs_, resting_edges_;
+  std::vector<int> resting_knots_;
   LaneModel arrays_{};
 };
 

@@ -31,9 +31,10 @@ constexpr float kCrossing = 0.01f; ///< squared sine of the angle up to which tw
 /// Finds the contacts of the cloth with itself for a step from x to p: vertices that would come nearer to a face than the
 /// thickness, on the side on which they started (so that nothing passes through), or are within a thickness of doing so; and
 /// likewise edges, if they collide. A pair that starts closer than the thickness is opened at most by `opening` in this step.
-/// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none,
-/// unless edges collide, too, and Knots moves the cloth apart. Work is bounded: a vertex that moves, or a face that spans, more
-/// than the model's largest_extent (cloth that has exploded) is left out.
+/// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none.
+/// Where edges collide, too, Knots moves the cloth apart, and contacts keep what it has gained: in a knot they open nothing, and
+/// strained cloth has none. Work is bounded: a vertex that moves, or a face that spans, more than the model's largest_extent
+/// (cloth that has exploded) is left out.
 template <class T> class SelfCollision {
 public:
   template <class Points>
@@ -52,26 +53,33 @@ public:
     };
 
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
-    boxes_.refit(m, [&](int f) {
+    const auto face_box = [&](int f) {
       const int *v = m.faces[f].v;
-      const Box<T> box = united(united(path(v[0]), path(v[1])), path(v[2]));
-      const Vec3<T> grow{margin, margin, margin};
-      return bounded(Box<T>{box.lo - grow, box.hi + grow}, largest);
-    });
-    for (int q = 0; q < m.vertex_count; ++q)
-      boxes_.for_each_overlap(m, bounded(path(q), largest), [&](int f, auto lanes) {
-        const int *v = m.faces[f].v;
-        if (v[0] != q && v[1] != q && v[2] != q)
-          add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
-      });
-    if (m.edge_collision)
-      find_edges(m, x, p, path, opening, edge_contacts);
+      return bounded(grown(united(united(path(v[0]), path(v[1])), path(v[2])), margin), largest);
+    };
+    const auto bring = [&](int q, int f, auto lanes) {
+      const int *v = m.faces[f].v;
+      if (v[0] != q && v[1] != q && v[2] != q)
+        add_contact(m, x, p, q, f, opening, lanes, knots, contacts);
+    };
+    if (!m.edge_collision) {
+      boxes_.refit(m.face_tree, face_box);
+      for (int q = 0; q < m.vertex_count; ++q)
+        boxes_.for_each_overlap(m.face_tree, bounded(path(q), largest), [&](int f, auto lanes) { bring(q, f, lanes); });
+      return;
+    }
+
+    const auto bring_edges = [&](int i, int j, auto lanes) {
+      if (!share_a_vertex(m.edges[i], m.edges[j]))
+        try_edges(m, x, p, i, j, opening, lanes, knots, edge_contacts);
+    };
+    find_by_patches(m, p, path, face_box, bring, bring_edges);
   }
 
   /// Adds the contact of edges i and j in the lanes in which they have one.
   template <class Points, class M>
   static void try_edges(const LaneModel &m, const Points &x, const Points &p, int i, int j, T opening, M lanes,
-                        Array<EdgeContact<T>> &contacts) {
+                        const Knots<T> &knots, Array<EdgeContact<T>> &contacts) {
     const int a = m.edges[i].a, b = m.edges[i].b, c = m.edges[j].a, d = m.edges[j].b;
     const float *w = m.weights;
     const T thickness(m.self_thickness);
@@ -93,44 +101,67 @@ public:
     const T inverse = T(1) / lane_max(det, T(1e-30f)), si = (vv * ur - uv * vr) * inverse, ti = (uv * ur - uu * vr) * inverse;
     const Vec3<T> apart = mul_add(ti, v, pc) - mul_add(si, u, pa);
     lanes = lanes & (det > T(kCrossing) * (uu * vv)) & (si >= T(0)) & (si <= T(1)) & (ti >= T(0)) & (ti <= T(1)) &
-            (dot(apart, apart) <= T(4) * thickness * thickness);
+            (dot(apart, apart) <= T(4) * thickness * thickness) &
+            !(knots.strained(a) | knots.strained(b) | knots.strained(c) | knots.strained(d));
     if (!any(lanes) || is_among(m.resting_edges, m.resting_edge_count, i, j))
       return;
-    EdgeContact<T> contact{
-        a,    b,   c, d, w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)), si, ti, side_end, lane_min(thickness, h0 + opening),
-        T(0), T(0)};
+    const auto in_knot = knots.at(a) | knots.at(b) | knots.at(c) | knots.at(d);
+    const T kept = lane_min(thickness, select(in_knot, h0, h0 + opening));
+    EdgeContact<T> contact{a, b, c, d, w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)), si, ti, side_end, kept, T(0), T(0)};
     contact.inverse_sum = contact_response(contact);
     contacts.push_back(contact);
   }
 
 private:
-  /// Every edge belongs to the first of its faces (LaneModel::first_edges): faces that come near bring their edges together.
-  template <class Points, class Path>
-  void find_edges(const LaneModel &m, const Points &x, const Points &p, const Path &path, T opening,
-                  Array<EdgeContact<T>> &contacts) {
+  /// Calls bring(vertex, face, lanes) and bring_edges(edge, later edge, lanes) for what comes near.
+  template <class Points, class Path, class FaceBox, class Bring, class BringEdges>
+  void find_by_patches(const LaneModel &m, const Points &p, const Path &path, const FaceBox &face_box, const Bring &bring,
+                       const BringEdges &bring_edges) {
     const T margin(2 * m.self_thickness), largest(m.largest_extent);
+    vertex_boxes_.resize(m.vertex_count);
+    for (int q = 0; q < m.vertex_count; ++q)
+      vertex_boxes_[q] = bounded(path(q), largest);
     edge_boxes_.resize(m.edge_count);
     for (int i = 0; i < m.edge_count; ++i)
       edge_boxes_[i] = bounded(united(path(m.edges[i].a), path(m.edges[i].b)), largest);
-    const Vec3<T> grow{margin, margin, margin};
-    for (int f = 0; f < m.face_count; ++f) {
-      const int first = m.first_edges[f], last = first + m.edge_counts[f];
-      if (first == last)
-        continue;
-      Box<T> all = edge_boxes_[first];
-      for (int i = first + 1; i < last; ++i)
-        all = united(all, edge_boxes_[i]);
-      const auto bring = [&](int g, auto near) {
-        for (int j = m.first_edges[g]; j < m.first_edges[g] + m.edge_counts[g]; ++j) {
-          const Box<T> box{edge_boxes_[j].lo - grow, edge_boxes_[j].hi + grow};
-          for (int i = first; i < last && i < j; ++i) {
-            const auto lanes = near & overlap(edge_boxes_[i], box);
-            if (any(lanes) && !share_a_vertex(m.edges[i], m.edges[j]))
-              try_edges(m, x, p, i, j, opening, lanes, contacts);
-          }
+    face_boxes_.resize(m.face_count);
+    for (int f = 0; f < m.face_count; ++f)
+      face_boxes_[f] = face_box(f);
+    const auto without_margin = [&](int f) { return grown(face_boxes_[f], -margin); };
+    patches_.find(m, p, without_margin, margin);
+    patches_.for_each_pair([&](int i, int j, auto lanes) {
+      bring_vertices(m, m.patches[i], m.patches[j], patches_.box(j), lanes, bring);
+      if (i != j)
+        bring_vertices(m, m.patches[j], m.patches[i], patches_.box(i), lanes, bring);
+    });
+    patches_.for_each_pair([&](int i, int j, auto may) {
+      const Patch &one = m.patches[i], &other = m.patches[j];
+      for (int e = one.first_edge; e < one.first_edge + one.edge_count; ++e) {
+        if (!any(may & overlap(edge_boxes_[e], patches_.box(j))))
+          continue;
+        const Box<T> box = grown(edge_boxes_[e], margin);
+        for (int o = i == j ? e + 1 : other.first_edge; o < other.first_edge + other.edge_count; ++o) {
+          const auto lanes = may & overlap(box, edge_boxes_[o]);
+          if (any(lanes))
+            bring_edges(e, o, lanes);
         }
-      };
-      boxes_.for_each_overlap(m, all, bring, m.leaves[f]);
+      }
+    });
+  }
+  /// Those of one patch to the faces of another, which lie within `around`.
+  template <class M, class Bring>
+  void bring_vertices(const LaneModel &m, const Patch &one, const Patch &other, const Box<T> &around, M may,
+                      const Bring &bring) const {
+    for (int k = 0; k < one.vertex_count; ++k) {
+      const int q = m.patch_vertices[one.first_vertex + k];
+      if (!any(may & overlap(vertex_boxes_[q], around)))
+        continue;
+      for (int n = 0; n < other.face_count; ++n) {
+        const int f = m.patch_faces[other.first_face + n];
+        const auto lanes = may & overlap(vertex_boxes_[q], face_boxes_[f]);
+        if (any(lanes))
+          bring(q, f, lanes);
+      }
     }
   }
   static bool share_a_vertex(const Edge &i, const Edge &j) { return i.a == j.a || i.a == j.b || i.b == j.a || i.b == j.b; }
@@ -153,8 +184,11 @@ private:
     const auto at = [&](int i) { return x[i] + t * (p[i] - x[i]); };
     const Vec3<T> foot = barycentric<T>(at(q), at(a), at(b), at(c));
     lanes = lanes & (foot.x >= T(0)) & (foot.y >= T(0)) & (foot.z >= T(0));
-    if (!m.edge_collision)
-      lanes = lanes & !(knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c));
+    const auto in_knot = knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c);
+    if (m.edge_collision)
+      lanes = lanes & !(knots.strained(q) | knots.strained(a) | knots.strained(b) | knots.strained(c));
+    else
+      lanes = lanes & !in_knot;
     if (!any(lanes) || is_among(m.resting_pairs, m.resting_pair_count, q, f))
       return;
     SelfContact<T> contact{q,
@@ -170,7 +204,7 @@ private:
                            foot.y,
                            foot.z,
                            side,
-                           lane_min(thickness, h0 + opening),
+                           lane_min(thickness, select(in_knot, h0, h0 + opening)),
                            T(0),
                            T(0)};
     contact.inverse_sum = contact_response(contact);
@@ -178,7 +212,8 @@ private:
   }
 
   FaceBoxes<T> boxes_;
-  Array<Box<T>> edge_boxes_;
+  Patches<T> patches_;
+  Array<Box<T>> vertex_boxes_, face_boxes_, edge_boxes_;
 };
 
 } // namespace DOUBLET_PBD_ISA

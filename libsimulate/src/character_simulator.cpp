@@ -106,7 +106,7 @@ void CharacterSimulator::pose(const Eigen::VectorXd &dofs, PosedFrame &frame) co
                                 " entries, the skeleton has " + std::to_string(actor_.skeleton.dof_count()) +
                                 " degrees of freedom");
   forward_kinematics(actor_.skeleton, dofs, frame.world_from_rest);
-  dual_quaternions(frame.world_from_rest, frame.joints);
+  dual_quaternions(actor_.skeleton, frame.world_from_rest, frame.joints);
   skin_.pose(frame.joints, frame.skinned);
   frame.capsules.clear();
   for (const TaperedCapsule &capsule : proxies_) {
@@ -122,7 +122,8 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   if (surface && !surface->allFinite())
     throw std::invalid_argument("CharacterSimulator::start: surface: expected finite positions, found NaN or infinity");
   CharacterState state;
-  const Vertices spread = rest_.rows() > 0 ? dual_quaternion_skinning(rest_, actor_.weights, frame.world_from_rest) : Vertices();
+  const Vertices spread =
+      rest_.rows() > 0 ? dual_quaternion_skinning(rest_, actor_.weights, actor_.skeleton, frame.world_from_rest) : Vertices();
   const Vertices &from = spread.rows() > 0 && !surface ? spread : surface ? *surface : frame.skinned;
   for (const ClothRegion &region : regions_)
     state.regions.push_back(pbd::initial_state(gather(from, region.vertex_from_cloth)));

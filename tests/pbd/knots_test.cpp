@@ -8,6 +8,7 @@
 #include "scenes.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -173,6 +174,69 @@ TEST(Knots, CrossingsAreMovedApartWhereEdgesCollide) {
   EXPECT_EQ(knotted(state.positions, scene.both.faces).size(), 0u);
 }
 
+/// Six rods press a skirt flat from before and behind, nearer than there is room for its folds: contacts that held on to all of
+/// them would pull the cloth to three times its length, for good.
+TEST(Knots, WhatIsSqueezedIsNotPulledOut) {
+  const scenes::Sheet skirt = scenes::skirt(40, 18);
+  ClothOptions options;
+  options.edge_collision = true;
+  const auto solver = ClothSolver::create(ClothModel::create(skirt.rest, skirt.faces, skirt.clothness, options));
+  const auto rods = [](int frame) {
+    const double z = 0.5 * (1 - std::min(1.0, frame / 30.0));
+    std::vector<Capsule> all;
+    for (const double side : {-z, z})
+      for (const double x : {-0.15, 0.0, 0.15})
+        all.push_back({{x, 0.45, side}, {x, 0.75, side}, 0.12, 0.12});
+    return all;
+  };
+  ClothState state = initial_state(skirt.rest);
+  Material material;
+  material.k_damping = 0.05;
+  std::vector<Capsule> before, now = rods(0);
+  StepInputs in;
+  in.targets = &skirt.rest;
+  in.previous_capsules = &before;
+  in.capsules = &now;
+  double longest = 0; // by what it is at rest, once the rods stand still
+  for (int i = 1; i <= 70; ++i) {
+    before = now;
+    now = rods(i);
+    solver->step(state, in, material);
+    for (Eigen::Index f = 0; i > 50 && f < skirt.faces.rows(); ++f)
+      for (int k = 0; k < 3; ++k) {
+        const int p = skirt.faces(f, k), q = skirt.faces(f, (k + 1) % 3);
+        const double length = (state.positions.row(p) - state.positions.row(q)).norm();
+        longest = std::max(longest, length / (skirt.rest.row(p) - skirt.rest.row(q)).norm());
+      }
+  }
+  EXPECT_LT(longest, 1.8);
+}
+
+/// Vertices where the rest shape passes through itself have no contacts where edges collide, nor are they moved: it rests.
+TEST(Knots, WhatIsInAKnotAtRestIsLeftAlone) {
+  Curtains scene(0.06);
+  const Eigen::Index behind = scene.tangled.rows() / 2; // not edge on edge, where rounding decides what passes through
+  scene.tangled.bottomRows(behind).rowwise() += Eigen::RowVector3d(0.0071, 0.0053, 0);
+  ClothOptions options;
+  options.edge_collision = true;
+  options.gravity.setZero();
+  const auto model = ClothModel::create(scene.tangled, scene.both.faces, scene.both.clothness, options);
+  const PbdModel laid_out(model);
+  const LaneModel &m = laid_out.arrays();
+  const std::set<int> expected = knotted(scene.tangled, scene.both.faces);
+  EXPECT_EQ(std::set<int>(m.resting_knots, m.resting_knots + m.resting_knot_count), expected);
+  Array<Vec3f> x;
+  Knots<float> knots;
+  knots.find(m, fill(x, scene.tangled));
+  for (const int v : expected)
+    EXPECT_TRUE(knots.strained(v)) << v;
+  knots.untangle(m, x);
+  Array<Vec3f> before;
+  fill(before, scene.tangled);
+  for (int i = 0; i < x.size(); ++i)
+    EXPECT_EQ(dot(x[i] - before[i], x[i] - before[i]), 0.0f) << i;
+}
+
 /// Every pair of edges that comes near is found: against all pairs.
 TEST(Knots, TheTreeFindsEveryPairOfEdges) {
   const Curtains scene(0.03);
@@ -197,12 +261,77 @@ TEST(Knots, TheTreeFindsEveryPairOfEdges) {
     for (int j = i + 1; j < m.edge_count; ++j) {
       const Edge &e = m.edges[i], &o = m.edges[j];
       if (e.a != o.a && e.a != o.b && e.b != o.a && e.b != o.b)
-        SelfCollision<float>::try_edges(m, x, p, i, j, 0.001f, true, expected);
+        SelfCollision<float>::try_edges(m, x, p, i, j, 0.001f, true, knots, expected);
     }
   for (const EdgeContact<float> &c : expected)
     EXPECT_TRUE(pairs.count({c.a, c.b, c.c, c.d})) << c.a << " " << c.b << " " << c.c << " " << c.d;
   EXPECT_EQ(expected.size(), static_cast<int>(pairs.size()));
   EXPECT_GT(expected.size(), 20);
+  // And of vertices and faces what the other search finds, which leaves out nothing that is near.
+  const auto contacts_of = [](const Array<SelfContact<float>> &contacts) {
+    std::set<std::array<int, 4>> all;
+    for (int i = 0; i < contacts.size(); ++i)
+      EXPECT_TRUE(all.insert({contacts[i].q, contacts[i].a, contacts[i].b, contacts[i].c}).second);
+    return all;
+  };
+  const PbdModel plain(scene.model());
+  Array<SelfContact<float>> by_face;
+  search.find(plain.arrays(), x, p, 0.001f, knots, by_face, found);
+  EXPECT_EQ(contacts_of(by_face), contacts_of(faces));
+  EXPECT_GT(by_face.size(), 20);
+}
+
+TEST(Knots, EveryFaceVertexAndEdgeIsInOnePatch) {
+  const scenes::Sheet skirt = scenes::skirt(40, 18);
+  ClothOptions options;
+  options.edge_collision = true;
+  const PbdModel model(ClothModel::create(skirt.rest, skirt.faces, skirt.clothness, options));
+  const LaneModel &m = model.arrays();
+  std::multiset<int> faces, vertices;
+  std::vector<std::set<int>> corners(m.patch_count);
+  int edges = 0;
+  for (int i = 0; i < m.patch_count; ++i) {
+    const Patch &patch = m.patches[i];
+    EXPECT_EQ(patch.first_edge, edges); // in a row
+    edges += patch.edge_count;
+    EXPECT_LE(patch.face_count, 4);
+    EXPECT_TRUE(patch.connected);
+    EXPECT_EQ(m.patch_tree.nodes[patch.node].face, i);
+    for (int k = 0; k < patch.face_count; ++k) {
+      const int f = m.patch_faces[patch.first_face + k];
+      faces.insert(f);
+      corners[i].insert(m.faces[f].v, m.faces[f].v + 3);
+    }
+    for (int k = 0; k < patch.vertex_count; ++k) {
+      const int v = m.patch_vertices[patch.first_vertex + k];
+      vertices.insert(v);
+      EXPECT_TRUE(corners[i].count(v));
+    }
+    for (int e = patch.first_edge; e < patch.first_edge + patch.edge_count; ++e)
+      EXPECT_TRUE(corners[i].count(m.edges[e].a) && corners[i].count(m.edges[e].b));
+  }
+  const auto each_once = [](const std::multiset<int> &all, int count) {
+    return static_cast<int>(all.size()) == count && std::set<int>(all.begin(), all.end()).size() == all.size();
+  };
+  EXPECT_TRUE(each_once(faces, m.face_count));
+  EXPECT_TRUE(each_once(vertices, m.vertex_count));
+  EXPECT_EQ(edges, m.edge_count);
+  const auto touch = [&](int i, int j) {
+    return std::any_of(corners[i].begin(), corners[i].end(), [&](int v) { return corners[j].count(v) > 0; });
+  };
+  for (int i = 0; i < m.patch_count; i += 7) {
+    std::set<int> next, near;
+    for (int j = 0; j < m.patch_count; ++j)
+      if (j != i && touch(i, j))
+        next.insert(j);
+    for (int j = i + 1; j < m.patch_count; ++j)
+      if (next.count(j) || std::any_of(next.begin(), next.end(), [&](int k) { return touch(k, j); }))
+        near.insert(j);
+    const Patch &patch = m.patches[i];
+    const int *const first_next = m.patch_next + patch.first_next, *const first_near = m.patch_near + patch.first_near;
+    EXPECT_EQ(std::set<int>(first_next, first_next + patch.next_count), next);
+    EXPECT_EQ(std::vector<int>(first_near, first_near + patch.near_count), std::vector<int>(near.begin(), near.end()));
+  }
 }
 
 } // namespace knots_test

@@ -120,6 +120,7 @@ EMSCRIPTEN_KEEPALIVE int player_open(const char *path, double settle_seconds) {
   return attempt([&] {
     AnimateOptions options;
     options.settle_seconds = settle_seconds;
+    options.edge_collision = false; // a browser has one lane and no time for it
     view.emplace(read_character(path), options);
   });
 }

@@ -3965,7 +3965,7 @@ class AnimateOptions:
     @property
     def edge_collision(self) -> bool:
         """
-        edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the character's solver says; takes as long again, and may blow up: see docs/cloth.md
+        edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the character's solver says
         """
     @edge_collision.setter
     def edge_collision(self, arg0: bool) -> None:

@@ -16,7 +16,7 @@ namespace doublet {
 struct AnimateOptions {
   double settle_seconds = 1.0;
   double rest_damping = 6.0;
-  bool edge_collision = false;
+  bool edge_collision = true;
   bool high = true;
   bool body = true;
   bool tuck_body = true;
@@ -34,7 +34,7 @@ struct AnimateOptions {
         option(
             &O::edge_collision, "edge_collision",
             "edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the "
-            "character's solver says; takes as long again, and may blow up: see docs/cloth.md"),
+            "character's solver says"),
         option(&O::high, "high", "also M_high"),
         option(&O::body, "body", "also the body under the clothes"),
         option(&O::tuck_body, "tuck_body",

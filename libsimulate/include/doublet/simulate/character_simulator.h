@@ -17,7 +17,7 @@ struct PosedFrame {
   Vertices skinned;                   ///< (V, 3) M by dual quaternion skinning
   std::vector<pbd::Capsule> capsules; ///< proxies in the world
   Transforms world_from_rest;         ///< (J)
-  std::vector<DualQuaternion> joints; ///< (J) the same
+  std::vector<DualQuaternion> joints; ///< (J) the same, with signs along the skeleton
 };
 
 /// What acts on the cloth during a step.
