@@ -53,7 +53,7 @@ DualQuaternion blend(const std::vector<DualQuaternion> &joints, Signs signs, con
   const double norm = sum.head<4>().norm();
   if (norm > kNothing * weight)
     return sum / norm;
-  if (!(weight > 0))
+  if (!(weight > 0) || !std::isfinite(norm))
     throw std::invalid_argument("dual quaternion skinning: expected skin weights that sum to one, found none at vertex " +
                                 std::to_string(vertex));
   return joints[of.pivot];
