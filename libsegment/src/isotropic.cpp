@@ -21,12 +21,12 @@ struct DoubleTraits : OpenMesh::DefaultTraits {
   HalfedgeAttributes(OpenMesh::Attributes::Status);
   FaceAttributes(OpenMesh::Attributes::Status);
 };
-using Surface = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
-using Point = Surface::Point;
+using HalfEdgeMesh = OpenMesh::TriMesh_ArrayKernelT<DoubleTraits>;
+using Point = HalfEdgeMesh::Point;
 
-Surface to_openmesh(const Mesh &mesh) {
-  Surface out;
-  std::vector<Surface::VertexHandle> handles;
+HalfEdgeMesh to_openmesh(const Mesh &mesh) {
+  HalfEdgeMesh out;
+  std::vector<HalfEdgeMesh::VertexHandle> handles;
   for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
     handles.push_back(out.add_vertex({mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)}));
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
@@ -35,7 +35,7 @@ Surface to_openmesh(const Mesh &mesh) {
   return out;
 }
 
-Mesh from_openmesh(const Surface &surface) {
+Mesh from_openmesh(const HalfEdgeMesh &surface) {
   Mesh out{Vertices(static_cast<Eigen::Index>(surface.n_vertices()), 3), Faces(static_cast<Eigen::Index>(surface.n_faces()), 3)};
   for (const auto v : surface.vertices()) {
     const Point &p = surface.point(v);
@@ -52,7 +52,7 @@ Mesh from_openmesh(const Surface &surface) {
 /// The boundary that vertices slide along.
 class Boundary {
 public:
-  explicit Boundary(const Surface &surface) {
+  explicit Boundary(const HalfEdgeMesh &surface) {
     for (const auto e : surface.edges())
       if (e.is_boundary())
         ends_.push_back({surface.point(e.v0()), surface.point(e.v1())});
@@ -99,7 +99,7 @@ private:
     const double most = std::pow(4.0 / 3 * length_, 2);
     const std::size_t count = surface_.n_edges(); // halves of split ones wait for the next iteration
     for (std::size_t i = 0; i < count; ++i) {
-      const Surface::EdgeHandle e(static_cast<int>(i));
+      const HalfEdgeMesh::EdgeHandle e(static_cast<int>(i));
       if (surface_.status(e).deleted() || surface_.calc_edge_sqr_length(e) <= most)
         continue;
       const auto middle = surface_.add_vertex(surface_.calc_edge_midpoint(e));
@@ -108,7 +108,7 @@ private:
   }
 
   /// May the edge's first vertex go into its second?
-  bool may_collapse(Surface::HalfedgeHandle h) {
+  bool may_collapse(HalfEdgeMesh::HalfedgeHandle h) {
     const auto from = surface_.from_vertex_handle(h), to = surface_.to_vertex_handle(h);
     if (surface_.is_boundary(from) && !surface_.is_boundary(surface_.edge_handle(h)))
       return false;
@@ -139,7 +139,7 @@ private:
   void collapse_short_edges() {
     const double least = std::pow(4.0 / 5 * length_, 2);
     for (std::size_t i = 0; i < surface_.n_edges(); ++i) {
-      const Surface::EdgeHandle e(static_cast<int>(i));
+      const HalfEdgeMesh::EdgeHandle e(static_cast<int>(i));
       if (surface_.status(e).deleted() || surface_.calc_edge_sqr_length(e) >= least)
         continue;
       for (int side : {0, 1}) {
@@ -153,7 +153,7 @@ private:
     surface_.garbage_collection();
   }
 
-  int excess(Surface::VertexHandle v, int change) const {
+  int excess(HalfEdgeMesh::VertexHandle v, int change) const {
     const int ideal = surface_.is_boundary(v) ? 4 : 6;
     return std::abs(static_cast<int>(surface_.valence(v)) + change - ideal);
   }
@@ -176,7 +176,7 @@ private:
     }
   }
 
-  Point normal_at(Surface::VertexHandle v) const {
+  Point normal_at(HalfEdgeMesh::VertexHandle v) const {
     Point n(0, 0, 0);
     for (const auto f : surface_.vf_range(v))
       n += surface_.calc_face_normal(f);
@@ -215,7 +215,7 @@ private:
     return agreement > 0 ? Point(at.point.x(), at.point.y(), at.point.z()) : p;
   }
 
-  Surface surface_;
+  HalfEdgeMesh surface_;
   RayScene scene_;
   Vertices normals_;
   Boundary boundary_;
