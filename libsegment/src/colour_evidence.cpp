@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3i;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
 /// Bins of log(R / G), log(B / G) and half the logarithm of the brightness: a tenth, or a factor of 1.4 in brightness, is
 /// nothing.
 const Vector3i kBins(40, 30, 12);
@@ -85,7 +85,7 @@ Eigen::VectorXd colour_evidence(const Surface &surface, const Faces &faces, cons
           seen[faces(f, corner)] += areas[f];
         }
   Eigen::VectorXd evidence = diffuse_on_surface(surface.vertices, surface.faces,
-                                                (seen.array() > 0).select(sum.array() / seen.array(), kUnknown), kSpread);
+                                                (seen.array() > 0).select(sum.array() / seen.array(), kUnseen), kSpread);
   return evidence.unaryExpr([](double value) { return std::isfinite(value) ? value : 0.0; });
 }
 

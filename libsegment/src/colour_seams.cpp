@@ -9,7 +9,7 @@
 namespace doublet::detail {
 namespace {
 
-constexpr int kRounds = 8;
+constexpr int kMostRounds = 8;
 constexpr double kDistinct = 0.5; // mean evidence of each side, of at most 1
 
 /// (V, 3) mean logarithm of the colours around each vertex; NaN where none is seen.
@@ -33,7 +33,7 @@ Vertices looks_of(const Faces &faces, const Vertices &colours, int vertices) {
 std::vector<char> second_kind(const Surface &surface, const std::vector<int> &members, const Vertices &looks,
                               Eigen::RowVector3d a, Eigen::RowVector3d b) {
   std::vector<char> second(surface.size(), 0);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kMostRounds; ++round) {
     Eigen::RowVector3d sum_a = Eigen::RowVector3d::Zero(), sum_b = sum_a;
     double area_a = 0, area_b = 0;
     for (int v : members) {
@@ -86,7 +86,7 @@ struct Kinds {
 Kinds two_kinds(const Surface &surface, const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
                 const std::vector<char> &member, const Vertices &looks) {
   Kinds kinds{first_guess(surface, member, looks), {}};
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kMostRounds; ++round) {
     kinds.evidence = colour_evidence(surface, sequence.faces, face_valid, sequence.colours,
                                      choose(surface, [&](int v) { return member[v] && !kinds.second[v]; }),
                                      choose(surface, [&](int v) { return member[v] && kinds.second[v]; }));

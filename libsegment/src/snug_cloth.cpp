@@ -13,7 +13,7 @@ namespace {
 /// m; nearer to cloth than this the surface may be cloth, too, and does not tell what skin does. Also how far skin tells it.
 constexpr double kAround = 0.10;
 constexpr int kRounds = 5;
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoSkin = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<int> members(const std::vector<char> &chosen) {
   std::vector<int> result;
@@ -31,7 +31,7 @@ Eigen::VectorXd over_skin(const Surface &surface, const Eigen::VectorXd &deviati
   Eigen::VectorXd of_skin = known;
   for (int i = 0; i < surface.size(); ++i)
     if (!skin[i])
-      of_skin[i] = kUnknown;
+      of_skin[i] = kNoSkin;
   Eigen::VectorXd ratio = known - diffuse_on_surface(surface.vertices, surface.faces, of_skin, kAround);
   for (double &value : ratio)
     value = std::isnan(value) ? value : std::clamp(value, -most, most);
