@@ -61,7 +61,8 @@ def out(tmp_path_factory):
 @pytest.fixture
 def job(out, tmp_path):
     (out / segmentation_paint.PAINTED).unlink(missing_ok=True)
-    job = pipeline.Job(tmp_path, out, console=Console(quiet=True))
+    by_motion_alone = d.SegmentOptions(skin_colour=0, cloth_colour=0)  # there are no videos
+    job = pipeline.Job(tmp_path, out, {"segment": by_motion_alone}, console=Console(quiet=True))
     job.session = type("Session", (), {"folder": tmp_path})
     pipeline.run_stage(job, SEGMENT)
     return job
