@@ -42,6 +42,19 @@ Image photograph(const Mesh &mesh, const Camera &camera) {
     }
   return image;
 }
+std::vector<Image> photographs(const Mesh &mesh, const CameraRig &cameras) {
+  std::vector<Image> images;
+  for (const Camera &camera : cameras)
+    images.push_back(photograph(mesh, camera));
+  return images;
+}
+
+Eigen::Vector3d centre_of(const Mesh &mesh, Eigen::Index face) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k)
+    centre += mesh.vertices.row(mesh.faces(face, k)).transpose() / 3;
+  return centre;
+}
 
 std::vector<RenderMesh> grey_sphere() {
   const Mesh ball = sphere(0.5, {0, 1, 0});
@@ -144,9 +157,7 @@ TEST(Renderer, OrbitCameraHoldsTheSphere) {
 TEST(TextureBaker, AtlasShowsWhatTheCamerasSaw) {
   const Mesh mesh = figure_surface(0.05);
   const CameraRig cameras = camera_ring(8, 480);
-  std::vector<Image> images;
-  for (const Camera &camera : cameras)
-    images.push_back(photograph(mesh, camera));
+  const std::vector<Image> images = photographs(mesh, cameras);
   TextureOptions options;
   options.size = 1024;
   const BakedTexture baked = bake_texture(mesh, {}, cameras, images, {}, options);
@@ -157,12 +168,8 @@ TEST(TextureBaker, AtlasShowsWhatTheCamerasSaw) {
   // The colour in the middle of every triangle, seen or filled, against the pattern there.
   std::vector<double> error;
   for (int f = 0; f < mesh.faces.rows(); ++f) {
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    Eigen::RowVector2d uv = Eigen::RowVector2d::Zero();
-    for (int k = 0; k < 3; ++k) {
-      centre += mesh.vertices.row(mesh.faces(f, k)).transpose() / 3;
-      uv += baked.texcoords.row(3 * f + k) / 3;
-    }
+    const Eigen::Vector3d centre = centre_of(mesh, f);
+    const Eigen::RowVector2d uv = baked.texcoords.middleRows(3 * f, 3).colwise().mean();
     const int x = static_cast<int>(uv.x() * options.size), y = static_cast<int>(uv.y() * options.size);
     double worst = 0;
     for (int c = 0; c < 3; ++c)
@@ -177,9 +184,7 @@ TEST(TextureBaker, AtlasShowsWhatTheCamerasSaw) {
 TEST(TextureBaker, SampledColoursAreThoseOfTheirFaces) {
   const Mesh mesh = figure_surface(0.05);
   const CameraRig cameras = camera_ring(8, 480);
-  std::vector<Image> images;
-  for (const Camera &camera : cameras)
-    images.push_back(photograph(mesh, camera));
+  const std::vector<Image> images = photographs(mesh, cameras);
   std::vector<std::uint8_t> valid(mesh.faces.rows(), 1);
   valid[7] = 0;
   const Vertices colours = sample_colours(mesh, valid, cameras, images);
@@ -189,10 +194,7 @@ TEST(TextureBaker, SampledColoursAreThoseOfTheirFaces) {
   std::vector<double> error;
   for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
     if (const auto of_face = colours.middleRows(f * each, each); of_face.allFinite()) {
-      Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-      for (int k = 0; k < 3; ++k)
-        centre += mesh.vertices.row(mesh.faces(f, k)).transpose() / 3;
-      error.push_back((of_face.colwise().mean().transpose() / 255 - pattern(centre)).cwiseAbs().maxCoeff());
+      error.push_back((of_face.colwise().mean().transpose() / 255 - pattern(centre_of(mesh, f))).cwiseAbs().maxCoeff());
     }
   EXPECT_GT(error.size(), 0.6 * static_cast<double>(mesh.faces.rows()));
   std::sort(error.begin(), error.end());
@@ -268,9 +270,7 @@ TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
 TEST(TextureBaker, SameBitsForAnyNumberOfThreads) {
   const Mesh mesh = figure_surface(0.06);
   const CameraRig cameras = camera_ring(4, 200);
-  std::vector<Image> images;
-  for (const Camera &camera : cameras)
-    images.push_back(photograph(mesh, camera));
+  const std::vector<Image> images = photographs(mesh, cameras);
   TextureOptions options;
   options.size = 512;
   Context one, two;
