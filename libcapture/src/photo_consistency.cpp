@@ -24,6 +24,8 @@ constexpr double kChance = 0.3;
 constexpr int kRounds = 30;
 /// What a depth costs that cannot be.
 constexpr float kTooDeep = 10;
+/// What a depth costs that the outline speaks against.
+constexpr float kUnlikely = 0.3f;
 
 using Patch = Eigen::Array<float, kSide * kSide, 1>;
 
@@ -88,11 +90,39 @@ std::vector<int> seeing(const RayScene &scene, const CameraRig &rig, const std::
   return cameras;
 }
 
+bool in_mask(const Camera &camera, const Image &mask, const Eigen::Vector3d &point) {
+  const Eigen::Vector2d pixel = camera.project(point);
+  const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
+  return x >= 0 && y >= 0 && x < mask.width && y < mask.height && mask.data[static_cast<std::size_t>(y) * mask.width + x];
+}
+
 /// m, how far below the hull the surface may lie: a limb has a middle.
 double reach_of(const RayScene &scene, const Eigen::Vector3d &point, const Eigen::Vector3d &normal, double most) {
   constexpr double kShare = 0.25, kSkin = 1e-3; // of the way to the other side; the ray starts below the surface
   const auto other_side = scene.cast(point - kSkin * normal, -normal, 0, most / kShare);
   return other_side ? kShare * (other_side->distance + kSkin) : most;
+}
+
+/// m, how far below the hull the surface may lie where it makes a camera's outline: somewhere on the line of sight that passes it
+/// there the two touch, and between, cloth does not bend more sharply than kSharpestFold.
+double reach_at_outline(const RayScene &scene, const CameraRig &rig, const std::vector<CameraView> &views,
+                        const Eigen::Vector3d &point, const Eigen::Vector3d &normal, double most) {
+  constexpr double kSharpestFold = 0.03, kInside = 0.002, kOutside = 0.003; // m
+  constexpr double kPasses = 0.15;                                          // cosine
+  double reach = most;
+  const Eigen::Vector3d inside = point - kInside * normal;
+  for (std::size_t c = 0; c < rig.size(); ++c) {
+    const Eigen::Vector3d sight = (point - rig[c].centre()).normalized();
+    if (views[c].mask.empty() || std::abs(sight.dot(normal)) > kPasses ||
+        in_mask(rig[c], views[c].mask, point + kOutside * normal))
+      continue;
+    double chord = 0;
+    for (const double side : {1.0, -1.0})
+      if (const auto hit = scene.cast(inside, side * sight, 0, 1))
+        chord += hit->distance;
+    reach = std::min(reach, chord * chord / (8 * kSharpestFold));
+  }
+  return reach;
 }
 
 using Costs = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -206,9 +236,12 @@ Vertices photo_consistent(const Mesh &hull, const CameraRig &rig, const std::vec
       if (cameras.size() > 1)
         vertex_costs(rig, grey, cameras, point, normal, kSpacing, options, own.row(v));
       const double reach = reach_of(scene, point, normal, options.search_depth);
+      const double likely = reach_at_outline(scene, rig, views, point, normal, reach);
       for (int label = 1; label < labels; ++label)
         if (label * kSpacing > reach)
           own(v, label) = kTooDeep;
+        else if (label * kSpacing > likely)
+          own(v, label) += kUnlikely;
     });
   }
   const float slope = static_cast<float>(options.smoothness * kSpacing / 0.01);

@@ -6,6 +6,7 @@
 #include "../support/option_ranges.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
+#include "doublet/core/stage_values.h"
 #include "doublet/rays/ray_scene.h"
 
 #include <gtest/gtest.h>
@@ -127,6 +128,38 @@ TEST(ScanFromViews, WhereCamerasAgreeTheHullIsPressedIn) {
   EXPECT_LT(depth_of_dent(hull), 0.01);
   EXPECT_NEAR(depth_of_dent(pressed), 0.06, 0.01);
   EXPECT_LT(mean_distance(pressed, drum), 0.006);
+}
+
+/// Pictures that have nothing to do with each other, and so agree by chance: blobs of some pixels, others in every camera.
+void paint_by_chance(std::vector<CameraView> &views) {
+  const auto noise = [](std::uint32_t x, std::uint32_t y, std::uint32_t camera) {
+    std::uint32_t h = x * 0x9E3779B1u ^ y * 0x85EBCA77u ^ camera * 0xC2B2AE3Du;
+    h = (h ^ h >> 15) * 0x2C1B3C6Du;
+    return static_cast<std::uint8_t>((h ^ h >> 12) >> 8);
+  };
+  for (std::size_t c = 0; c < views.size(); ++c)
+    for (int y = 0; y < views[c].image.height; ++y)
+      for (int x = 0; x < views[c].image.width; ++x)
+        for (int channel = 0; channel < 3; ++channel)
+          views[c].image.at(x, y, channel) = noise(x / 6, y / 6, static_cast<std::uint32_t>(c));
+}
+
+TEST(ScanFromViews, ALimbStaysWhereItsOutlinesPutIt) {
+  const Mesh limb = capsule_mesh({PosedCapsule{{0, 0.6, 0}, {0.05, 1.2, 0}, 0.05, 0.04}});
+  const CameraRig rig = camera_ring(8, 640);
+  std::vector<CameraView> views = views_of(limb, rig);
+  paint_by_chance(views);
+  ViewScanOptions options;
+  options.poisson_depth = 7;
+  const Mesh scan = scan_from_views(rig, views, options);
+  const Vertices normals = vertex_normals(limb.vertices, limb.faces);
+  const RayScene scene(scan);
+  double out = 0; // m, of the scan, on average
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v)
+    out += (scene.closest(limb.vertices.row(v)).point - limb.vertices.row(v).transpose()).dot(normals.row(v));
+  out /= static_cast<double>(limb.vertices.rows());
+  EXPECT_GT(out, -0.002);
+  EXPECT_LT(out, 0.004);
 }
 
 TEST(ScanFromViews, WhatFacesDownUnseenIsLeftOut) {
