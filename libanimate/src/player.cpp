@@ -18,6 +18,8 @@ constexpr double kLongestStep = 1; // s
 constexpr double kMostGravity = 1000;
 // A held pose: all joints slower than this, for longer than kHeldAfter; then the damping grows for kRestGrows.
 constexpr double kStill = 0.02, kHeldAfter = 0.25, kRestGrows = 1; // m/s, s, s
+// Cloth that moves no faster than this then, on average over its vertices, stops within kStops.
+constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -114,6 +116,7 @@ struct Player::Playing {
     world = other.world;
     posed = other.posed;
     held_seconds = other.held_seconds;
+    slow_seconds = other.slow_seconds;
     state = other.state;
     frame = other.frame;
   }
@@ -133,6 +136,9 @@ struct Player::Playing {
   /// Makes ready for piece `index` of a step to `dofs`.
   void aim(const Shared &shared, const Eigen::VectorXd &dofs, const Cut &cut, int index) {
     world.dt = cut.seconds;
+    before.resize(state.regions.size());
+    for (std::size_t r = 0; r < before.size(); ++r)
+      before[r] = state.regions[r].positions;
     set_shares(cut.seconds / shared.character.solver.dt);
     if (index + 1 < cut.count) {
       interpolate_pose(shared.character.actor.skeleton, frame.dofs, dofs, (index + 1.0) / cut.count, between);
@@ -159,7 +165,30 @@ struct Player::Playing {
     if (share > 0)
       for (pbd::ClothState &cloth : state.regions)
         cloth.velocities *= std::exp(-share * shared.options.rest_damping * world.dt);
+    slow_seconds = share == 1 && shared.options.rest_damping > 0 && cloth_speed() < kAlmostStill ? slow_seconds + world.dt : 0;
+    if (slow_seconds > 0)
+      stop(std::max(0.0, 1 - slow_seconds / kStops));
   }
+  /// m/s, root of the mean square over the vertices in the step that ends.
+  double cloth_speed() const {
+    double squares = 0;
+    Eigen::Index count = 0;
+    for (std::size_t r = 0; r < before.size(); ++r) {
+      squares += (state.regions[r].positions - before[r]).squaredNorm();
+      count += before[r].rows();
+    }
+    return std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(count, 1))) / world.dt;
+  }
+  /// Of what the cloth has moved in the step that ends a share is kept: contacts that never agree would push it about for good.
+  void stop(double kept) {
+    for (std::size_t r = 0; r < before.size(); ++r) {
+      pbd::ClothState &cloth = state.regions[r];
+      cloth.positions = before[r] + kept * (cloth.positions - before[r]);
+      cloth.velocities *= kept;
+    }
+  }
+  /// Something has changed for the cloth: it moves again.
+  void wake() { held_seconds = slow_seconds = 0; }
   double fastest_joint(const Shared &shared) const { // m/s
     double far = 0;
     const std::vector<Joint> &joints = shared.character.actor.skeleton.joints;
@@ -190,8 +219,10 @@ struct Player::Playing {
   std::vector<TaperedCapsule> proxies;
   World world;
   CharacterState state;
-  PosedFrame posed, next;  ///< where it stands, and where it goes
-  double held_seconds = 0; ///< since the pose moved last
+  PosedFrame posed, next;       ///< where it stands, and where it goes
+  double held_seconds = 0;      ///< since the pose moved last
+  double slow_seconds = 0;      ///< since the cloth is almost still in a held pose
+  std::vector<Vertices> before; ///< of each region, at the start of the step
   Eigen::VectorXd between;
   StepBuffers buffers;
   DisplayBuffers display;
@@ -221,7 +252,7 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.posed);
   p.state = shared_->simulator.start(p.posed);
-  p.held_seconds = 0;
+  p.wake();
   p.world.dt = character().solver.dt;
   const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
   for (long i = 0; i < frames; ++i)
@@ -256,7 +287,7 @@ const AnimationFrame &Player::teleport(const Eigen::VectorXd &dofs) {
   p.pose(*shared_, dofs, p.next);
   shared_->simulator.carry(p.state, p.posed, p.next);
   std::swap(p.posed, p.next);
-  p.held_seconds = 0;
+  p.wake();
   p.show(*shared_, dofs, p.frame.index + 1);
   return p.frame;
 }
@@ -276,18 +307,24 @@ void Player::set_materials(const std::vector<pbd::Material> &materials) {
   for (const pbd::Material &material : materials)
     pbd::validate(material);
   playing_->materials = materials;
+  playing_->wake();
 }
 void Player::set_wind(const Eigen::Vector3d &wind) {
   require_vector(wind, 1000, "a wind", "m/s");
+  if (wind != playing_->world.wind)
+    playing_->wake();
   playing_->world.wind = wind;
 }
 void Player::set_gravity(const Eigen::Vector3d &gravity) {
   require_vector(gravity, kMostGravity, "a gravity", "m/s^2");
+  if (gravity != playing_->world.gravity)
+    playing_->wake();
   playing_->world.gravity = gravity;
 }
 void Player::set_proxies(const std::vector<TaperedCapsule> &proxies) {
   require_proxies(proxies, character().actor.skeleton, "Player");
   playing_->proxies = proxies;
+  playing_->wake();
   playing_->set_capsules(*shared_, playing_->posed);
 }
 const std::vector<pbd::Material> &Player::materials() const {
@@ -312,6 +349,7 @@ void Player::set_state(const CharacterState &state) {
     if (!cloth.positions.allFinite() || !cloth.velocities.allFinite())
       throw std::invalid_argument("Player::set_state: expected finite positions and velocities, found NaN or infinity");
   playing_->state = state;
+  playing_->wake();
   playing_->show(*shared_, playing_->frame.dofs, playing_->frame.index);
 }
 

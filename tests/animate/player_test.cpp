@@ -340,6 +340,33 @@ TEST(Player, ClothComesToRestWhileThePoseIsHeld) {
   EXPECT_LT(speed(held(AnimateOptions{}.rest_damping)), 0.002);
 }
 
+/// Contacts that never agree push cloth about for good, however it is damped.
+TEST(Player, ClothAtRestStaysUntilSomethingChanges) {
+  const Eigen::VectorXd pose = march().row(kFrames - 1);
+  const Player resting = held(AnimateOptions{}.rest_damping);
+  const Vertices there = resting.frame().surface;
+  Player player = resting;
+  EXPECT_EQ(player.step(pose).surface, there);
+  EXPECT_EQ(player.step(pose, 0.01).surface, there);
+  player.set_gravity(player.gravity()); // nothing new
+  EXPECT_EQ(player.step(pose).surface, there);
+  player.set_gravity({3, -9.81, 0});
+  EXPECT_GT((player.step(pose).surface - there).cwiseAbs().maxCoeff(), 1e-4);
+  player = resting;
+  player.set_wind({0, 0, 2});
+  EXPECT_GT((player.step(pose).surface - there).cwiseAbs().maxCoeff(), 1e-4);
+  player = resting;
+  std::vector<pbd::Material> stiff = player.materials();
+  for (pbd::Material &material : stiff)
+    material.k_bend = 1;
+  player.set_materials(stiff);
+  EXPECT_GT((player.step(pose).surface - there).cwiseAbs().maxCoeff(), 1e-5);
+  player = resting;
+  std::vector<Player *> one{&player};
+  step_players(one, std::vector<Eigen::VectorXd>{pose}, 0.025);
+  EXPECT_EQ(player.frame().surface, there);
+}
+
 TEST(Player, WindKeepsClothFromRest) {
   const Eigen::Vector3d wind(0, 0, 2);
   EXPECT_EQ(held(6, wind).frame().surface, held(0, wind).frame().surface);
