@@ -5,14 +5,17 @@
 
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/image_file.h"
+#include "doublet/animate/parts/irradiance.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
 #include "garment_part.h"
+#include "silhouette_depth.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace doublet {
 namespace {
@@ -21,7 +24,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr int kAround = 2; // pixels around a sample that must see the same surface
+constexpr double kGamma = 2.2; // about that of sRGB, which the images are in
+constexpr int kAround = 2;     // pixels around a sample that must see the same surface
+constexpr int kRim = 3;        // pixels on a silhouette's rim that are mixed with what is behind
 
 struct Atlas {
   int size, cell, columns;
@@ -46,21 +51,23 @@ struct Atlas {
 
 struct View {
   const Camera *camera;
-  const Image *image, *mask;
+  const Image *image;
+  std::vector<int> depth; ///< inside the silhouette, px; empty = there is none
   FaceBuffer buffer;
 };
 
-/// Is the pixel in the silhouette, away from its rim? Without a mask everything is.
-bool inside_mask(const Image *mask, const Vector2d &pixel) {
-  if (!mask)
+/// Is the pixel in the silhouette, away from its rim? Without one everything is.
+bool inside_silhouette(const View &view, const Vector2d &pixel) {
+  if (view.depth.empty())
     return true;
-  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
-  for (const auto &[dx, dy] : {std::pair{0, 0}, {3, 0}, {-3, 0}, {0, 3}, {0, -3}}) {
-    const int i = x + dx, k = y + dy;
-    if (i < 0 || k < 0 || i >= mask->width || k >= mask->height || mask->at(i, k) == 0)
-      return false;
-  }
-  return true;
+  const auto x = std::lround(pixel.x()), y = std::lround(pixel.y());
+  return view.depth[static_cast<std::size_t>(y * view.image->width + x)] > kRim;
+}
+
+/// The silhouette depth of a camera's image; empty without a mask.
+std::vector<int> depth_of(const Image &image, const Image *mask, double screen_reach) {
+  return !mask || mask->empty() ? std::vector<int>()
+                                : detail::silhouette_depth(detail::without_screen(image, *mask, screen_reach));
 }
 
 Vector3f sample(const Image &image, const Vector2d &pixel) {
@@ -84,9 +91,9 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
   return true;
 }
 
-/// Is something well in front of `depth` within `around` pixels? Its edge may have been there: surfaces are not exactly known.
-bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double around) {
-  constexpr double kWell = 0.05, kDiagonal = 0.70710678; // m
+/// Does something of such a depth lie `around` pixels away?
+template <class Test> bool surrounded_by(const FaceBuffer &buffer, const Vector2d &pixel, double around, const Test &test) {
+  constexpr double kDiagonal = 0.70710678;
   constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0},
                                                           {kDiagonal, kDiagonal},
                                                           {0, 1},
@@ -98,11 +105,18 @@ bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth,
   for (const auto &[dx, dy] : kCircle) {
     const int x = static_cast<int>(std::lround(pixel.x() + around * dx)),
               y = static_cast<int>(std::lround(pixel.y() + around * dy));
-    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
-        buffer.depth_at(x, y) < depth - kWell)
+    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 && test(buffer.depth_at(x, y)))
       return true;
   }
   return false;
+}
+
+/// Is something well in front of `depth` within `around` pixels, or well behind it within the rim? Its edge, or that of the
+/// surface itself, may have been there: surfaces are not exactly known.
+bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double margin, double around) {
+  constexpr double kWell = 0.05; // m
+  return surrounded_by(buffer, pixel, around, [&](double there) { return there < depth - kWell; }) ||
+         surrounded_by(buffer, pixel, kRim, [&](double there) { return there > depth + margin + kWell; });
 }
 
 class Baker {
@@ -112,11 +126,19 @@ public:
       : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (!images[c].empty())
-        views_.push_back({&cameras[c], &images[c], masks.empty() || masks[c].empty() ? nullptr : &masks[c],
+        views_.push_back({&cameras[c], &images[c], depth_of(images[c], masks.empty() ? nullptr : &masks[c], options.screen_reach),
                           rasterize(mesh.vertices, mesh.faces, cameras[c], valid)});
   }
 
   bool drawn(int f) const { return valid_.empty() || valid_[f]; }
+  const Vertices &normals() const { return normals_; }
+
+  /// From now on colours are divided by this light.
+  void divide_by(const Irradiance &light) {
+    gains_.resize(normals_.rows(), 3);
+    for (Eigen::Index v = 0; v < gains_.rows(); ++v)
+      gains_.row(v) = light.at(normals_.row(v)).array().pow(-1 / kGamma).transpose();
+  }
 
   /// B G R of the surface point, and its weight; 0 = seen by no camera.
   float colour_at(int f, const Vector3d &barycentric, Vector3f &colour) const {
@@ -137,40 +159,81 @@ public:
       // Within the pixels looked at, a slanted surface comes nearer by their size on it.
       const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
       const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
-      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel) ||
-          near_an_edge(view.buffer, pixel, depth, options_.edge_margin * view.camera->K(0, 0) / depth))
+      if (!visible(view.buffer, pixel, depth, margin) || !inside_silhouette(view, pixel) ||
+          near_an_edge(view.buffer, pixel, depth, margin, options_.edge_margin * view.camera->K(0, 0) / depth))
         continue;
       const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
       colour += weight * sample(*view.image, pixel);
       sum += weight;
     }
     if (sum > 0)
-      colour /= sum;
+      colour = colour.cwiseProduct(gain_at(f, barycentric)) / sum;
     return sum;
   }
 
 private:
+  Vector3f gain_at(int f, const Vector3d &barycentric) const {
+    if (gains_.rows() == 0)
+      return Vector3f::Ones();
+    Vector3d gain = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      gain += barycentric[k] * gains_.row(mesh_.faces(f, k)).transpose();
+    return gain.cast<float>();
+  }
+
   const Mesh &mesh_;
   const std::vector<std::uint8_t> &valid_;
   const TextureOptions &options_;
-  Vertices normals_;
+  Vertices normals_, gains_; ///< (V, 3); gains of the 8-bit B G R, none = 1
   std::vector<View> views_;
 };
 
-/// Colours of the vertices; those that no camera sees take the mean of their neighbours, ring by ring.
-Vertices vertex_colours(const Mesh &mesh, const Baker &baker) {
-  const int n = static_cast<int>(mesh.vertices.rows());
-  Vertices colours = Vertices::Constant(n, 3, 128);
-  std::vector<std::uint8_t> known(n, 0);
+struct VertexColours {
+  Vertices colours; ///< (V, 3) B G R
+  std::vector<std::uint8_t> known;
+};
+
+/// Of the vertices that a camera sees; grey elsewhere.
+VertexColours seen_colours(const Mesh &mesh, const Baker &baker) {
+  const auto n = static_cast<std::size_t>(mesh.vertices.rows());
+  VertexColours seen{Vertices::Constant(mesh.vertices.rows(), 3, 128), std::vector<std::uint8_t>(n, 0)};
   for (int f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3 && baker.drawn(f); ++k) {
       const int v = mesh.faces(f, k);
       Vector3f colour;
-      if (!known[v] && baker.colour_at(f, Vector3d::Unit(k), colour) > 0) {
-        known[v] = 1;
-        colours.row(v) = colour.cast<double>();
+      if (!seen.known[v] && baker.colour_at(f, Vector3d::Unit(k), colour) > 0) {
+        seen.known[v] = 1;
+        seen.colours.row(v) = colour.cast<double>();
       }
     }
+  return seen;
+}
+
+/// The light that the images were taken in; albedo is taken to be the same within a hand's breadth, but for what stands out.
+Irradiance estimated_light(const Mesh &mesh, const Baker &baker) {
+  constexpr double kPatch = 0.12, kDarkest = 5; // m; of 255: darker is noise
+  const VertexColours seen = seen_colours(mesh, baker);
+  const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
+  std::vector<int> chosen;
+  for (int v = 0; v < mesh.vertices.rows(); ++v)
+    if (seen.known[v] && seen.colours.row(v).minCoeff() > kDarkest)
+      chosen.push_back(v);
+  ShadedPoints points;
+  points.normals = baker.normals()(chosen, Eigen::all);
+  points.colours = (seen.colours(chosen, Eigen::all).array() / 255).pow(kGamma);
+  points.weights = areas(chosen);
+  std::map<std::array<int, 3>, int> patches;
+  for (int v : chosen) {
+    const Eigen::RowVector3i cell = (mesh.vertices.row(v) / kPatch).array().floor().cast<int>();
+    points.patches.push_back(patches.try_emplace({cell.x(), cell.y(), cell.z()}, static_cast<int>(patches.size())).first->second);
+  }
+  return estimate_irradiance(points);
+}
+
+/// (V, 3); vertices that no camera sees take the mean of their neighbours, ring by ring.
+Vertices vertex_colours(const Mesh &mesh, const Baker &baker) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  auto [colours, known] = seen_colours(mesh, baker);
   const auto neighbours = vertex_neighbours(mesh.faces, n);
   std::vector<int> front;
   for (int v = 0; v < n; ++v)
@@ -291,7 +354,7 @@ Vector3d hidden_colour(const Character &c, const BakedTexture &baked) {
   Vector3d colour;
   for (int k = 0; k < 3; ++k) {
     std::nth_element(found[k].begin(), found[k].begin() + found[k].size() / 2, found[k].end());
-    colour[2 - k] = std::pow(found[k][found[k].size() / 2] / 255.0, 2.2); // the image is sRGB
+    colour[2 - k] = std::pow(found[k][found[k].size() / 2] / 255.0, kGamma);
   }
   return colour;
 }
@@ -304,7 +367,9 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
   options.validate();
   require_inputs("bake_texture", mesh, face_valid, cameras, images, masks);
   const Atlas atlas(options.size, mesh.faces.rows());
-  const Baker baker(mesh, face_valid, cameras, images, masks, options);
+  Baker baker(mesh, face_valid, cameras, images, masks, options);
+  if (options.albedo)
+    baker.divide_by(estimated_light(mesh, baker));
   const Vertices fallback = vertex_colours(mesh, baker);
   const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
   const int faces = static_cast<int>(mesh.faces.rows());
