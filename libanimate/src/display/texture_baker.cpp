@@ -8,7 +8,7 @@
 #include "doublet/animate/parts/irradiance.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
-#include "garment_part.h"
+#include "hidden_skin.h"
 #include "silhouette_depth.h"
 
 #include <algorithm>
@@ -20,13 +20,13 @@
 namespace doublet {
 namespace {
 
+using detail::kGamma;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kGamma = 2.2; // about that of sRGB, which the images are in
-constexpr int kAround = 2;     // pixels around a sample that must see the same surface
-constexpr int kRim = 3;        // pixels on a silhouette's rim that are mixed with what is behind
+constexpr int kAround = 2; // pixels around a sample that must see the same surface
+constexpr int kRim = 3;    // pixels on a silhouette's rim that are mixed with what is behind
 
 struct Atlas {
   int size, cell, columns;
@@ -308,55 +308,32 @@ void require_inputs(const std::string &who, const Mesh &mesh, const std::vector<
                                   std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
 }
 
-/// Corners of the edges along which a garment ends free, or hangs.
-struct GarmentEdges {
-  std::vector<Vector3d> free, fixed;
-  GarmentEdges(const detail::Worn &garment, const Segmentation &segmentation) {
-    const auto is_fixed = [&](int v) { return segmentation.clothness[garment.vertices[v]] == 0; };
-    const EdgeTopology topology = edge_topology(garment.mesh.faces);
-    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
-      const Eigen::Vector2i &edge = topology.edges[e];
-      if (topology.edge_faces[e][1] < 0)
-        (is_fixed(edge[0]) && is_fixed(edge[1]) ? fixed : free).push_back(garment.mesh.vertices.row(edge[0]));
-    }
-  }
-};
-double distance_to(const std::vector<Vector3d> &points, const Vector3d &from) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Vector3d &point : points)
-    nearest = std::min(nearest, (point - from).norm());
-  return nearest;
+/// How much a colour (B G R) looks like the hidden body's, in light or in shadow: 1 = very, 0 = a shoe, a sock.
+double likeness(const Vector3d &bgr, const Vector3d &skin) {
+  constexpr double kChroma = 0.08, kLight = 1.0; // of the channels' shares, summed; of the logarithm of the brightness
+  const double sum = bgr.sum() + 1, skin_sum = skin.sum() + 1;
+  const double chroma = (bgr / sum - skin / skin_sum).cwiseAbs().sum() / kChroma, light = std::log(sum / skin_sum) / kLight;
+  return std::exp(-chroma * chroma - light * light);
 }
 
-/// Linear R G B that the hidden part of the body has in all likelihood: the median of the skin beyond the garment's free edges,
-/// of legs below a hem. As it was where there is no such skin.
-Vector3d hidden_colour(const Character &c, const BakedTexture &baked) {
-  constexpr double kReach = 0.20; // m
-  constexpr std::size_t kFewest = 20;
-  if (c.garment_subdivisions < 0)
-    return c.body_colour;
-  const detail::GarmentPart part = detail::garment_part(c);
-  const GarmentEdges edges(part.garment, c.segmentation);
-  std::array<std::vector<int>, 3> found; // B G R
-  for (int f = 0; f < part.skin_faces; ++f) {
-    Vector3d centre = Vector3d::Zero();
-    for (int k = 0; k < 3; ++k)
-      centre += c.high.vertices.row(c.high.faces(f, k)).transpose() / 3;
-    const double away = distance_to(edges.free, centre);
-    if (!c.high_valid[f] || away > kReach || distance_to(edges.fixed, centre) < away)
+/// Skin goes over into the hidden body's colour towards the seam where the body goes on; what is darker there is in the
+/// garment's shadow. `away` (VH) as of detail::from_the_seam().
+void fade_into_hidden(const Character &c, const std::vector<double> &away, BakedTexture &baked) {
+  constexpr double kReach = 0.10, kWhole = 0.02; // m
+  const Vector3d skin = 255 * c.body_colour.reverse().array().pow(1 / kGamma).matrix();
+  const Atlas atlas(baked.image.width, c.high.faces.rows());
+  for (int f = 0; f < c.high.faces.rows(); ++f) {
+    const Vector3d corners(away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]);
+    if (!(corners.maxCoeff() < kReach) || !c.high_valid[f])
       continue;
-    const Vector2d at = baked.texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * baked.image.width;
-    for (int k = 0; k < 3; ++k)
-      found[k].push_back(baked.image.at(static_cast<int>(at.x()), static_cast<int>(at.y()), k));
+    for_texels(atlas, f, [&](int x, int y, const Vector3d &b) {
+      Vector3d colour(baked.image.at(x, y, 0), baked.image.at(x, y, 1), baked.image.at(x, y, 2));
+      const double near = std::clamp((kReach - b.dot(corners)) / (kReach - kWhole), 0.0, 1.0);
+      colour += near * near * (3 - 2 * near) * likeness(colour, skin) * (skin - colour);
+      for (int k = 0; k < 3; ++k)
+        baked.image.at(x, y, k) = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5, 0.0, 255.0));
+    });
   }
-  if (found[0].size() < kFewest)
-    return c.body_colour;
-  Vector3d colour;
-  for (int k = 0; k < 3; ++k) {
-    std::nth_element(found[k].begin(), found[k].begin() + found[k].size() / 2, found[k].end());
-    colour[2 - k] = std::pow(found[k][found[k].size() / 2] / 255.0, kGamma);
-  }
-  return colour;
 }
 
 } // namespace
@@ -443,7 +420,9 @@ double texture_character(Character &character, const Vertices &surface, const Ca
                          const Context &context) {
   const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
   BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
-  character.body_colour = hidden_colour(character, baked);
+  const std::vector<double> away = detail::beyond_free_edges(character);
+  if (detail::find_hidden_colour(character, away, baked) && options.albedo)
+    fade_into_hidden(character, detail::from_the_seam(character, away), baked);
   character.texcoords = std::move(baked.texcoords);
   character.texture = encode_jpeg(baked.image);
   return baked.seen_fraction;

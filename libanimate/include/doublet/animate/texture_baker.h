@@ -61,8 +61,8 @@ Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_
                         const TextureOptions &options = {}, const Context &context = {});
 
 /// Bakes the texture of a character's M_high from the frame whose captured surface is `surface` (V, 3), and puts it into the
-/// character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem. Returns
-/// the share of the surface that was seen. Throws Error if the character has no M_high.
+/// character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem, and
+/// the texture goes over into it. Returns the share of the surface that was seen. Throws Error if the character has no M_high.
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
                          const std::vector<Image> &images, const std::vector<Image> &masks = {},
                          const TextureOptions &options = {}, const Context &context = {});
