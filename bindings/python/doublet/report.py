@@ -282,9 +282,10 @@ def timings(shown: Shown) -> str:
 
 #: What a doubt says -> what to do about it; those of plausible.LIMITS bring their own advice.
 ADVICE = (
-    ("bound of its box", "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are right."),
-    ("is a guess", "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a motion "
-     "that tells it (fast turns tell drag, cloth pressed against the body friction)."),
+    ("bound of its box", "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are "
+     "right."),
+    ("is a guess", "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a "
+     "motion that tells it (fast turns tell drag, cloth pressed against the body friction)."),
     ("depends on the seed", "Let the search go on: the same command with a larger --fit-max-evaluations."),
     ("was lost", "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help."),
     ("garment without sole", "Look at what is red under Cloth below; doublet edit-segmentation corrects it."),

@@ -13,8 +13,8 @@ constexpr double kGamma = 2.2; // about that of sRGB, which images are in
 /// edge that it hangs by is nearer. All infinite without a garment.
 std::vector<double> beyond_free_edges(const Character &character);
 
-/// (VH) m from each vertex of M_high's skin to where it ends beside the garment's free edges, and the body goes on; infinite far
-/// from those. `away` from beyond_free_edges().
+/// (VH) m from each vertex of M_high's skin to where it ends beside the garment's free edges, and the body goes on; infinite
+/// far from those. `away` from beyond_free_edges().
 std::vector<double> from_the_seam(const Character &character, const std::vector<double> &away);
 
 /// Sets the colour that the hidden part of the body has in all likelihood: the median of the brighter half (a shadow only

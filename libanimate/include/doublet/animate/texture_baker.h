@@ -46,10 +46,10 @@ struct BakedTexture {
   double seen_fraction = 0; ///< share of the drawn surface's area that at least one camera saw
 };
 
-/// `masks`: one silhouette a camera (255 = actor), or none at all; what lies outside, shows a screen through a gap, or is on the
-/// rim (3 pixels) of either does not count, so that the backdrop does not get onto fingers. `mesh` stands as in the images;
-/// `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one. What no camera sees is filled from
-/// its neighbours on the surface. Throws Error, std::invalid_argument if sizes do not fit.
+/// `masks`: one silhouette a camera (255 = actor), or none at all; what lies outside, shows a screen through a gap, or is on
+/// the rim (3 pixels) of either does not count, so that the backdrop does not get onto fingers. `mesh` stands as in the images;
+/// `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one. What no camera sees is filled
+/// from its neighbours on the surface. Throws Error, std::invalid_argument if sizes do not fit.
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                           const std::vector<Image> &images, const std::vector<Image> &masks = {},
                           const TextureOptions &options = {}, const Context &context = {});

@@ -16,8 +16,8 @@ struct ShadedPoints {
 };
 
 /// Irradiance over normals: its logarithm is a spherical function of order 2, about what distant light leaves on a matt surface
-/// (Ramamoorthi, Hanrahan 2001; Basri, Jacobs 2003). From pictures, light and albedo are known up to a factor a channel: here the
-/// brightest of the points has 1, so that what faces the light looks as it is.
+/// (Ramamoorthi, Hanrahan 2001; Basri, Jacobs 2003). From pictures, light and albedo are known up to a factor a channel: here
+/// the brightest of the points has 1, so that what faces the light looks as it is.
 struct Irradiance {
   Eigen::Matrix<double, 9, 3> coefficients =
       Eigen::Matrix<double, 9, 3>::Zero();          ///< of 1, x, y, z, xy, yz, zx, x^2 - y^2, 3 z^2 - 1
