@@ -1,6 +1,6 @@
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
-#include "doublet/core/parts/quantile.h"
+#include "doublet/core/parts/key_colour.h"
 #include "doublet/core/types.h"
 #include "mask_cleaning.h"
 
@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <stdexcept>
 
@@ -17,20 +16,7 @@ namespace doublet {
 
 namespace {
 
-/// ITU-R BT.601 luma and colour differences as linear forms of (B, G, R).
-using Form = Eigen::Vector3d;
-const Form kLuma(0.114, 0.587, 0.299), kBlueness = 0.564 * (Form(1, 0, 0) - kLuma), kRedness = 0.713 * (Form(0, 0, 1) - kLuma);
-
-/// How much a pixel looks like the screen: 1 = screen, 0 = no trace of its hue. With p the chroma along the key's hue and q
-/// across it (a "keyer" in chroma space: Jack, Video Demystified, ch. 7), keyness = (p - |q|) / (Y + Y_key), scaled to 1 at the
-/// key colour. Dividing by the luma keeps shadowed screen a screen; Y_key beside it keeps dark, noisy pixels from looking like
-/// one.
-struct Key {
-  Form along, across;
-  double luma = 0, scale = 0;
-
-  double keyness(const Form &bgr) const { return (along.dot(bgr) - std::abs(across.dot(bgr))) / (kLuma.dot(bgr) + luma) * scale; }
-};
+using Form = Eigen::Vector3d; // of (B, G, R)
 
 /// keyness < threshold, rewritten as along . bgr - |across . bgr| < constant in 32-bit integers: no division, no table,
 /// vectorises.
@@ -39,11 +25,12 @@ struct KeyTest {
   int constant = 0;
 
   KeyTest() = default;
-  KeyTest(const Key &key, double threshold) {
+  KeyTest(const KeyColour &key, double threshold) {
     constexpr double kFixed = 1 << 14; // 3 * 255 * 2^14 * |coefficient| < 2^31
     const double slope = threshold / key.scale;
+    const Form luma = KeyColour::luma_form();
     for (int i = 0; i < 3; ++i) {
-      along[i] = static_cast<int>(std::lround(kFixed * (key.along[i] - slope * kLuma[i])));
+      along[i] = static_cast<int>(std::lround(kFixed * (key.along[i] - slope * luma[i])));
       across[i] = static_cast<int>(std::lround(kFixed * key.across[i]));
     }
     constant = static_cast<int>(std::lround(kFixed * slope * key.luma));
@@ -77,63 +64,10 @@ std::vector<Form> border_pixels(const std::vector<Image> &images) {
   return pixels;
 }
 
-/// The hue that most saturated border pixels share, within 20 degrees.
-struct HuePeak {
-  double share = 0; ///< of all border pixels
-  std::vector<Form> pixels;
-};
-
-HuePeak hue_peak(const std::vector<Form> &border) {
-  constexpr int kBins = 72, kReach = 4; // 5 degrees a bin, +-20 degrees
-  constexpr double kSaturated = 12;     // of 128: above the chroma noise of grey walls under coloured light
-  std::array<std::vector<Form>, kBins> bins;
-  for (const Form &bgr : border) {
-    const double cb = kBlueness.dot(bgr), cr = kRedness.dot(bgr);
-    if (std::hypot(cb, cr) < kSaturated)
-      continue;
-    const double turn = std::atan2(cr, cb) / (2 * std::numbers::pi) + 1;
-    bins[static_cast<int>(turn * kBins) % kBins].push_back(bgr);
-  }
-  int best = 0;
-  std::size_t best_count = 0;
-  for (int b = 0; b < kBins; ++b) {
-    std::size_t count = 0;
-    for (int d = -kReach; d <= kReach; ++d)
-      count += bins[(b + d + kBins) % kBins].size();
-    if (count > best_count) {
-      best = b;
-      best_count = count;
-    }
-  }
-  HuePeak peak;
-  for (int d = -kReach; d <= kReach; ++d) {
-    const auto &bin = bins[(best + d + kBins) % kBins];
-    peak.pixels.insert(peak.pixels.end(), bin.begin(), bin.end());
-  }
-  peak.share = border.empty() ? 0 : static_cast<double>(peak.pixels.size()) / border.size();
-  return peak;
-}
-
-Key make_key(const std::vector<Form> &screen) {
-  std::vector<double> cb, cr, luma;
-  for (const Form &bgr : screen) {
-    cb.push_back(kBlueness.dot(bgr));
-    cr.push_back(kRedness.dot(bgr));
-    luma.push_back(kLuma.dot(bgr));
-  }
-  const Eigen::Vector2d colour(median(cb), median(cr)), hue = colour.normalized();
-  Key key;
-  key.along = hue.x() * kBlueness + hue.y() * kRedness;
-  key.across = -hue.y() * kBlueness + hue.x() * kRedness;
-  key.luma = median(luma);
-  key.scale = 2 * key.luma / colour.norm();
-  return key;
-}
-
 /// Midway between the means of the two classes it separates (Ridler & Calvard 1978): a pixel half covered by the actor lies on
 /// it, however few pixels the actor has. Starts at 0.5 and stays there on an empty stage: most pixels of an actor show less than
 /// a quarter of the key's hue, those of a shadow do not.
-double class_threshold(const Key &key, const std::vector<Image> &images) {
+double class_threshold(const KeyColour &key, const std::vector<Image> &images) {
   constexpr int kBins = 256;
   std::array<double, kBins> histogram{};
   for (const Image &image : images)
@@ -178,12 +112,12 @@ public:
       }
     if (usable.empty())
       throw std::invalid_argument("images: expected at least one image of camera " + std::to_string(camera) + ", found none");
-    const HuePeak peak = hue_peak(border_pixels(usable));
-    if (peak.share < options_.smallest_key_share)
+    const SharedHue hue = shared_hue(border_pixels(usable));
+    if (hue.share < options_.smallest_key_share)
       throw Error("camera " + std::to_string(camera) + ": no key colour: expected one saturated hue on at least " +
-                  percent(options_.smallest_key_share) + " of the image border, found " + percent(peak.share) +
+                  percent(options_.smallest_key_share) + " of the image border, found " + percent(hue.share) +
                   "; give the session ready masks instead (\"masks\" in session.json)");
-    const Key key = make_key(peak.pixels);
+    const KeyColour key = key_colour(hue.pixels);
     tests_[camera] = KeyTest(key, class_threshold(key, usable));
   }
 

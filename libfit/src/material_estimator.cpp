@@ -343,8 +343,8 @@ std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &name
                        options::shown(low ? parameter.lower : parameter.upper, 3) + ": the search would go further if it could.");
     if (i < influence.change.size() && !influence.exceeds_noise(static_cast<int>(i)))
       result.push_back(value + " is a guess: the motion does not tell it (moved alone it changes the energy by " +
-                       options::shown(influence.change[i], 3) + " pixels^2, noise by " + options::shown(influence.noise, 3) +
-                       ").");
+                       options::shown(influence.change[i], 3) + " pixels^2; " +
+                       options::shown(Influence::kBeyondNoise * influence.noise, 3) + " would be beyond noise).");
     if (i < spread.size() && spread[i] > kDisputed)
       result.push_back(value + " depends on the seed: the answers of the searches span " + options::shown(2 * spread[i], 3) +
                        " of its box.");

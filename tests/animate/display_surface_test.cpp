@@ -1,5 +1,6 @@
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
+#include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/texture_baker.h"
 #include "doublet/core/error.h"
@@ -236,30 +237,67 @@ TEST(DisplaySurface, ExactInTheScanPoseAndUnderRigidMotion) {
   EXPECT_LT((weights.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-6);
 }
 
-TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
-  const Wearer w = wearer(0, true);
-  Character c = character_of(w);
+namespace {
+
+const Eigen::Vector3d kLeg(60, 90, 180); // B G R
+
+/// A dark garment and trunk, and legs, of which the uppermost `shadow` m are darker.
+struct Photographs {
   CameraRig cameras;
   std::vector<Image> images;
-  for (int k = 0; k < 4; ++k) {
-    cameras.push_back(orbit_camera({0, 0.7, 0}, 1.0, k * 1.57, 0, 300, 300));
-    Image image(300, 300, 3, 30); // B G R: a dark garment and trunk, and a leg
-    const double hem = cameras.back().project({0, kHem, 0}).y();
-    for (int y = static_cast<int>(hem); y < 300; ++y)
-      for (int x = 0; x < 300; ++x) {
-        image.at(x, y, 0) = 60;
-        image.at(x, y, 1) = 90;
-        image.at(x, y, 2) = 180;
-      }
-    images.push_back(image);
+  explicit Photographs(double shadow) {
+    for (int k = 0; k < 4; ++k) {
+      cameras.push_back(orbit_camera({0, 0.7, 0}, 1.0, k * 1.57, 0, 300, 300));
+      Image image(300, 300, 3, 30);
+      const double hem = cameras.back().project({0, kHem, 0}).y(), lit = cameras.back().project({0, kHem - shadow, 0}).y();
+      for (int y = static_cast<int>(hem); y < 300; ++y)
+        for (int x = 0; x < 300; ++x)
+          for (int c = 0; c < 3; ++c)
+            image.at(x, y, c) = static_cast<std::uint8_t>((y < lit ? 0.6 : 1.0) * kLeg[c]);
+      images.push_back(image);
+    }
   }
+};
+
+} // namespace
+
+TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
+  Character c = character_of(wearer(0, true));
   const Eigen::Vector3d before = c.body_colour;
-  texture_character(c, c.actor.mesh.vertices, cameras, images);
-  const Eigen::Vector3d leg_colour = Eigen::Vector3d(180, 90, 60) / 255;
-  EXPECT_LT((c.body_colour - Eigen::Vector3d(leg_colour.array().pow(2.2))).norm(), 0.01) << c.body_colour.transpose();
-  Character legless = character_of(wearer());
-  texture_character(legless, legless.actor.mesh.vertices, cameras, images);
-  EXPECT_EQ(legless.body_colour, before);
+  const Eigen::Vector3d leg = (kLeg.reverse() / 255).array().pow(2.2);
+  for (double shadow : {0.0, 0.06}) {
+    const Photographs seen(shadow);
+    texture_character(c, c.actor.mesh.vertices, seen.cameras, seen.images);
+    EXPECT_LT((c.body_colour - leg).norm(), 0.02) << c.body_colour.transpose();
+    Character legless = character_of(wearer());
+    texture_character(legless, legless.actor.mesh.vertices, seen.cameras, seen.images);
+    EXPECT_EQ(legless.body_colour, before);
+  }
+}
+
+TEST(DisplaySurface, SkinInTheGarmentsShadowGoesOverIntoTheHidden) {
+  const Photographs seen(0.1);
+  Character c = character_of(wearer(0, true));
+  /// Mean red of the legs' texels between two depths (m) below the hem.
+  const auto red = [&](bool albedo, double from, double to) {
+    TextureOptions options;
+    options.albedo = albedo;
+    texture_character(c, c.actor.mesh.vertices, seen.cameras, seen.images, {}, options);
+    const Image texture = decode_image(c.texture);
+    double sum = 0, count = 0;
+    for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f) {
+      const double below = kHem - c.high.vertices(c.high.faces.row(f).transpose(), 1).mean();
+      if (!c.high_valid[f] || below < from || below > to)
+        continue;
+      const Eigen::RowVector2d uv = c.texcoords.middleRows(3 * f, 3).colwise().mean() * texture.width;
+      sum += texture.at(static_cast<int>(uv.x()), static_cast<int>(uv.y()), 2);
+      ++count;
+    }
+    return sum / count;
+  };
+  EXPECT_LT(red(false, 0.03, 0.06), 0.7 * kLeg[2]);
+  EXPECT_GT(red(true, 0.03, 0.06), 0.8 * kLeg[2]);
+  EXPECT_NEAR(red(true, 0.2, 0.3), kLeg[2], 12);
 }
 
 TEST(DisplaySurface, WithoutAGarmentOfItsOwnTheScanIsDrawnWhereMIsValid) {

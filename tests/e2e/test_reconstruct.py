@@ -197,6 +197,8 @@ def test_report_stands_alone(made):
     assert page.count("data:image/jpeg;base64,") >= 10 and "<svg" in page
     assert "<h2>Garment</h2>" in page and "boundary loops" in page and "rest shape" in page
     assert not re.search(r'(src|href)="(?!data:|#)', page)
+    assert page.index("<h2>Verdict</h2>") < page.index("<h2>Template</h2>") and "The reconstruction is complete; " in page
+    assert "<h2>Error over time</h2>" in page and 'name="viewport"' in page
 
 
 def test_changed_option_runs_that_stage_and_the_later_ones(made, shipped, tmp_path):

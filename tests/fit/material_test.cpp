@@ -841,7 +841,7 @@ TEST(RegionFit, RemarksNameWhatIsDoubtful) {
   EXPECT_EQ(
       fit.remarks(kThree),
       (std::vector<std::string>{"d_n = 16 is a guess: the motion does not tell it (moved alone it changes the energy by 0.25 "
-                                "pixels^2, noise by 0.5)."}));
+                                "pixels^2; 1.25 would be beyond noise)."}));
   fit.influence.change[0] = 7;
   fit.spread = Eigen::Vector3d(0.1, 0.2, 0);
   EXPECT_EQ(fit.remarks(kThree),

@@ -4298,6 +4298,14 @@ class TextureOptions:
         Name -> value of every option.
         """
     @property
+    def albedo(self) -> bool:
+        """
+        divide the light that the images were taken in out of the texture, so that whoever draws it can light it; off = as photographed
+        """
+    @albedo.setter
+    def albedo(self, arg0: bool) -> None:
+        ...
+    @property
     def depth_margin(self) -> float:
         """
         m, a point this far behind the z-buffer's surface is hidden: a number above 0
@@ -4328,6 +4336,14 @@ class TextureOptions:
         """
     @grazing.setter
     def grazing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def screen_reach(self) -> float:
+        """
+        pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side): gaps between fingers; 0 = they do: a number in [0, 0.5]
+        """
+    @screen_reach.setter
+    def screen_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def size(self) -> int:

@@ -60,7 +60,7 @@ def bake_first_frame(character: d.Character, job, performance: d.ReferencePerfor
         job.console.log(f"character: no camera has an image of frame {performance.frames[0]}: the character has no texture")
         return 0.0
     surface = performance.surface.frames[0]
-    return d.texture_character(character, surface, job.session.rig, images, masks, d.TextureOptions(), job.context)
+    return d.texture_character(character, surface, job.session.rig, images, masks, job.options["texture"], job.context)
 
 
 @dataclass

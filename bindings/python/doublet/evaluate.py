@@ -15,6 +15,7 @@ from . import _doublet as d
 from .character import animate_exactly
 from .console import Console
 from .files import arrays_of
+from .picture import overlap
 
 #: Name -> (unit, meaning); the order of the table.
 METRICS = {
@@ -280,7 +281,7 @@ def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, cont
         mask = np.asarray(Image.open(path).convert("L")) > 0
         camera = by_name[name].resized(mask.shape[1], mask.shape[0])
         face, _ = d.rasterize(frames[rows[frame]], made.faces, camera)
-        values.append(((face >= 0) & mask).sum() / max(((face >= 0) | mask).sum(), 1))
+        values.append(overlap(face >= 0, mask))
     if not values:
         raise Missing("no true mask belongs to a captured frame and camera")
     return float(np.mean(values))

@@ -9,6 +9,7 @@ import csv
 import html
 import io
 import json
+import re
 import time
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from . import _doublet as d
 from .files import write_text
-from .page import STYLE, table
+from .page import page, table
 
 UNITS = {"d_n": "1/m", "d_t": "1/s"}
 NAMES = {
@@ -51,7 +52,7 @@ def results(out: Path) -> str:
     for k, region in enumerate(fitted["regions"]):
         parts.append(f"<h3>Region {k}</h3>{parameters(region)}<p>{html.escape(energies(region))}</p>")
         parts += [f"<p>{html.escape(line)}</p>" for line in in_words(region)]
-        parts += [f"<p>Doubtful: {html.escape(line)}</p>" for line in region.get("remarks", [])]
+        parts += [f'<p class="doubt">Doubtful: {html.escape(line)}</p>' for line in region.get("remarks", [])]
         parts.append(parameter_plot([row for row in log if row["region"] == str(k)], fitted["estimated"]))
     return "".join(parts)
 
@@ -64,21 +65,29 @@ def parameters(region: dict) -> str:
         told = region.get("influence", {}).get(name)
         known = [f"{told['energy_change']:.3g}", told["rank"], told["confidence"]] if told else ["", "", ""]
         spread = "fixed" if deviation is None else f"± {deviation * (high - low):.3g}"
-        rows.append([name, float(value), spread, UNITS.get(name, "-"), f"[{low:g}, {high:g}]", *known])
-    header = ["parameter", "value", "spread of the search", "unit", "box", "changes E_fit by, px²", "rank", "confidence"]
-    return table(header, rows)
+        rows.append([name, float(value), UNITS.get(name, "-"), warning(region, name), spread, f"[{low:g}, {high:g}]", *known])
+    measured = ["changes E_fit by, px²", "rank", "confidence"]
+    return table(["parameter", "value", "unit", "warning", "spread of the search", "box", *measured], rows)
+
+
+def warning(region: dict, name: str) -> str:
+    """What is doubtful about a parameter, in short: the remarks up to their reasons."""
+    said = [re.match(rf"{name} = \S+ ([^:,]+)", remark) for remark in region.get("remarks", [])]
+    return "; ".join(f"⚠ {found[1]}" for found in said if found)
 
 
 def energies(region: dict) -> str:
     text = f"E_fit {region['energy']:.2f} px²"
     if centre := region.get("energy_at_centre"):
-        text += f", {100 * (1 - region['energy'] / centre):.0f} % below the centre of the box ({centre:.2f} px²)"
+        change = 100 * (1 - region["energy"] / centre)
+        text += f", {abs(change):.0f} % {'below' if change >= 0 else 'above'} the centre of the box ({centre:.2f} px²)"
     text += f"; {region['evaluations']} evaluations"
     return text + (f", stopped: {region['stop_reason']}." if region["stop_reason"] else ".")
 
 
 def in_words(region: dict) -> list[str]:
-    """Which parameters the motion tells; nothing if that was not measured. (Those that it does not are among the remarks.)"""
+    """Which parameters the motion tells; nothing if that was not measured. (Those that it does not, and those on which searches
+    disagree, are among the remarks.)"""
     told = region.get("influence", {})
     if not told:
         return []
@@ -88,9 +97,8 @@ def in_words(region: dict) -> list[str]:
         lines.append(f"The motion tells {listed(by_level['high'])}.")
     if by_level["medium"]:
         who = "It" if lines else "The motion"
-        lines.append(
-            f"{who} tells something about {listed(by_level['medium'])}, but the search was still wide: give it more evaluations."
-        )
+        why = "the search was still wide, or searches disagree: give it more evaluations"
+        lines.append(f"{who} tells something about {listed(by_level['medium'])}, but {why}.")
     return lines
 
 
@@ -99,7 +107,7 @@ def listed(names: list[str]) -> str:
 
 
 def drawing(rows: int, height: float):
-    """A figure with `rows` axes below each other, without a display."""
+    """A figure with `rows` axes below each other, without a display; svg() makes it part of a page."""
     from matplotlib.figure import Figure  # not pyplot: whoever calls us may draw with it, in a window or a notebook
 
     chart = Figure(figsize=(8, height))
@@ -114,7 +122,7 @@ def svg(chart) -> str:
     with rc_context({"svg.hashsalt": "doublet"}):  # the same chart makes the same bytes
         chart.savefig(buffer, format="svg", metadata={"Date": None})
     text = buffer.getvalue()
-    return text[text.index("<svg") :]
+    return f'<div class="wide">{text[text.index("<svg") :]}</div>'
 
 
 def energy_plot(log: list[dict]) -> str:
@@ -145,7 +153,7 @@ def parameter_plot(log: list[dict], names: list[str]) -> str:
         axis.fill_between(evaluations, mean - spread, mean + spread, alpha=0.25, linewidth=0)
         axis.plot(evaluations, mean)
         axis.set_ylim(low, high)
-        axis.set_ylabel(name, rotation=0, ha="right")
+        axis.set_ylabel(f"{name}, {UNITS[name]}" if name in UNITS else name, rotation=0, ha="right")
     axes[-1, 0].set_xlabel("evaluations")
     return svg(chart)
 
@@ -162,7 +170,6 @@ class FitPage:
         if not over and start < self.next:
             return
         again = "" if over else '<meta http-equiv="refresh" content="5">'
-        head = f'<!doctype html><html lang="en"><meta charset="utf-8">{again}<title>fit</title><style>{STYLE}</style>'
-        write_text(self.path, f"{head}<h1>Material search</h1>{sections(self.out)}</html>\n")
+        write_text(self.path, page("fit", f"<h1>Material search</h1>{sections(self.out)}", again))
         end = time.monotonic()
         self.next = end + max(SECONDS_BETWEEN, 20 * (end - start))

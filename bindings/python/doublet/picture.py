@@ -43,6 +43,11 @@ def mask_outline(mask: np.ndarray) -> np.ndarray:
     return np.any([other != inside[1:-1, 1:-1] for other in around_it], axis=0)
 
 
+def overlap(one: np.ndarray, other: np.ndarray) -> float:
+    """Intersection over union of two masks (H, W) bool; 0 if both are empty."""
+    return float((one & other).sum() / max((one | other).sum(), 1))
+
+
 def edges(vertices, faces, camera) -> np.ndarray:
     """(H, W) bool: where the visible triangles meet."""
     face = d.rasterize(vertices, faces, camera)[0]

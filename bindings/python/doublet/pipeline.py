@@ -40,6 +40,7 @@ OPTION_GROUPS = {
     "energy": d.EnergyOptions,
     "fit": d.FitOptions,
     "space": d.ParameterSpace,
+    "texture": d.TextureOptions,
 }
 #: Set by the session, by --seed or by the command itself, not by an option of their own.
 DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("train", "command")}
@@ -509,7 +510,7 @@ STAGES = (
         "character",
         ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "garment.npz",
          "material.json"),
-        ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy"), run_character,
+        ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy", "texture"), run_character,
         lambda s: image_files(s),
     ),
     Stage(

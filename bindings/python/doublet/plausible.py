@@ -36,13 +36,20 @@ class Limit:
     meaning: str
     advice: str
 
+    @property
+    def expected(self) -> str:
+        return f"expected {'at least' if self.impossible < self.doubtful else 'at most'} {self.doubtful:g}"
+
     def finding(self, value: float) -> Finding | None:
         low = self.impossible < self.doubtful
         beyond = (lambda limit: value < limit) if low else (lambda limit: value > limit)
         if not beyond(self.doubtful):
             return None
-        expected = f"expected {'at least' if low else 'at most'} {self.doubtful:g}"
-        return Finding(beyond(self.impossible), f"{self.meaning}: {expected}, found {value:.3g}; {self.advice}")
+        return Finding(beyond(self.impossible), f"{self.meaning}: {self.expected}, found {value:.3g}; {self.advice}")
+
+    def praise(self, value: float) -> str:
+        """That the number is as it should be; empty if it is not."""
+        return "" if self.finding(value) else f"{self.meaning}: {value:.3g} ({self.expected})"
 
 
 #: Stage -> limits of its numbers. Those of good sessions are far inside: an overlap of 0.97, 4 mm, 1 mm (docs/results.md).
@@ -58,7 +65,7 @@ LIMITS = {
     ),
     "segment": (
         Limit(
-            "thresholds_raised", 1.25, math.inf, "what is taken for skin moves, by how far it may elsewhere",
+            "thresholds_raised", 1.25, math.inf, "how far what is taken for skin moves, over how far it does elsewhere",
             "few cameras or a rough scan? look at what is cloth",
         ),
     ),

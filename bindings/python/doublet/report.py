@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import html
 import json
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from . import __version__, fit_page, picture
 from . import _doublet as d
 from .files import arrays_of, write_text
-from .page import STYLE, table
+from .page import page, table
 from .plausible import LIMITS, findings
+
+FRAMES_LOOKED_AT = 32  # for the overlap with the silhouettes: all cameras of each are keyed
 
 
 def figure(image: np.ndarray, caption: str) -> str:
@@ -42,6 +46,15 @@ class Shown:
         self.source = d.FrameSource.open(job.session)
         with arrays_of(job.path("observations.npz")) as observations:
             self.matches = len(observations["match_points"])
+
+    @cached_property
+    def track(self) -> Track:
+        return follow(self)
+
+    def masks(self, row: int) -> list[np.ndarray]:
+        """Silhouettes (H, W) of a captured frame; empty where a camera has none."""
+        frame, silhouettes = self.performance.frames[row], self.job.silhouettes
+        return [d.read_view(self.source, c, frame, silhouettes).mask for c in range(self.source.camera_count)]
 
     def photo(self, camera: int, frame: int) -> np.ndarray:
         """RGB; the mask in grey if the camera has no image there (a session of masks)."""
@@ -136,7 +149,13 @@ def body(shown: Shown) -> str:
     text += table(
         ["bone", "body surface, cm²", "seen as skin, %", "skin to body, mm", "expected error, mm"],
         [
-            [r.joint, round(1e4 * r.area), round(100 * r.exposed), round(1000 * r.residual, 1), round(1000 * r.deviation, 1)]
+            [
+                r.joint,
+                round(1e4 * r.area),
+                round(100 * r.exposed),
+                round(1000 * r.residual, 1) if r.exposed > 0 else "none seen",
+                round(1000 * r.deviation, 1),
+            ]
             for r in regions
         ],
     )
@@ -176,35 +195,145 @@ def side_by_side(shown: Shown) -> str:
     return row(figures)
 
 
+@dataclass
+class Track:
+    """How far tracked surface and simulated character are from the video and from each other, over time."""
+
+    frames: np.ndarray  # (N) of the video, those that were looked at and have silhouettes
+    tracked: np.ndarray  # (N) overlap with the silhouettes, mean over the cameras
+    simulated: np.ndarray  # (N) likewise
+    rms: np.ndarray  # (T) cm, simulated to captured vertices of the cloth; empty without cloth
+    most: np.ndarray  # (T) cm, 95 % of them are nearer
+
+
+def follow(shown: Shown) -> Track:
+    dressed, looked_at = shown.job.dressed, []
+    faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
+    for row in spread(len(shown.captured), FRAMES_LOOKED_AT):
+        masks = {c: mask > 0 for c, mask in enumerate(shown.masks(row)) if mask.size}
+        surfaces = ((shown.captured[row], shown.faces), (shown.simulated[row], faces))
+        if masks:
+            looked_at.append([shown.performance.frames[row], *(mean_overlap(shown, masks, *surface) for surface in surfaces)])
+    overlaps = np.array(looked_at, float).reshape(-1, 3).T
+    cloth = dressed.segmentation.clothness > 0.5
+    if not cloth.any():
+        return Track(*overlaps, np.zeros(0), np.zeros(0))
+    captured = shown.job.dressed_performance().surface.frames
+    error = 100 * np.linalg.norm(np.asarray(shown.simulated)[:, cloth] - captured[:, cloth], axis=-1)
+    return Track(*overlaps, np.sqrt(np.square(error).mean(axis=1)), np.percentile(error, 95, axis=1))
+
+
+def mean_overlap(shown: Shown, masks: dict[int, np.ndarray], vertices, faces) -> float:
+    """Of a surface with the masks (H, W) bool of the cameras that have one."""
+    cameras = shown.session.rig
+    return np.mean([picture.overlap(d.rasterize(vertices, faces, cameras[c])[0] >= 0, mask) for c, mask in masks.items()])
+
+
+def overlap_in_words(track: Track) -> str:
+    """Empty without silhouettes."""
+    named = (("The tracked surface", track.tracked), ("The simulated character", track.simulated))
+    return " ".join(
+        f"{name} overlaps the silhouettes by {values.mean():.3f} on average over {len(values)} frames (1 = exactly), "
+        f"least in frame {track.frames[np.argmin(values)]:.0f} ({values.min():.3f})."
+        for name, values in named
+        if len(values)
+    )
+
+
+def distance_in_words(track: Track, frames: list[int]) -> str:
+    """Empty without cloth. `frames` (T) of the video."""
+    if not len(track.rms):
+        return ""
+    at, whole = int(np.argmax(track.rms)), np.sqrt(np.square(track.rms).mean())
+    return (
+        f"From the captured cloth to the simulated: {whole:.1f} cm RMS over all frames, most in frame {frames[at]} "
+        f"({track.rms[at]:.1f} cm). "
+        "The material is fitted to outlines and features, not to this distance: folds may lie elsewhere."
+    )
+
+
+def over_time(shown: Shown) -> str:
+    """Plots of a Track, and in words where it is worst."""
+    track, frames = shown.track, shown.performance.frames
+    chart, axes = fit_page.drawing(1 + bool(len(track.rms)), 4.6 if len(track.rms) else 2.5)
+    axes[0, 0].plot(track.frames, track.tracked, ".-", label="tracked surface")
+    axes[0, 0].plot(track.frames, track.simulated, ".-", label="simulated character")
+    axes[0, 0].set_ylabel("overlap with the\nsilhouettes, of 1")
+    if len(track.rms):
+        axes[1, 0].plot(frames, track.rms, label="RMS")
+        axes[1, 0].plot(frames, track.most, label="95 % are nearer")
+        axes[1, 0].set_ylabel("simulated to\ncaptured cloth, cm")
+        axes[1, 0].set_ylim(bottom=0)
+    for (axis,) in axes:
+        axis.legend(frameon=False)
+    axes[-1, 0].set_xlabel(f"frame of the video, {shown.session.fps:g} a second")
+    text = f"{overlap_in_words(track)} {distance_in_words(track, frames)} The body that cloth hides in the scan is left out."
+    return f"<p>{html.escape(text)}</p>{fit_page.svg(chart)}"
+
+
 def timings(shown: Shown) -> str:
     stages = shown.job.record.data["stages"]
     done = {k: v for k, v in stages.items() if v["state"] == "done"}
     rows = [[k, float(v["seconds"]), float(v["peak_memory_mb"])] for k, v in done.items()]
     rows.append(["all", float(sum(v["seconds"] for v in done.values())), float(max(v["peak_memory_mb"] for v in done.values()))])
-    numbers = [[k, n, json.dumps(value)] for k, v in done.items() for n, value in v["summary"].items()]
+    numbers = [[k, n.replace("_", " "), value] for k, v in done.items() for n, value in v["summary"].items() if n != "findings"]
     return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
+
+
+#: What a doubt says -> what to do about it; those of plausible.LIMITS bring their own advice.
+ADVICE = (
+    ("bound of its box", "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are "
+     "right."),
+    ("is a guess", "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a "
+     "motion that tells it (fast turns tell drag, cloth pressed against the body friction)."),
+    ("depends on the seed", "Let the search go on: the same command with a larger --fit-max-evaluations."),
+    ("was lost", "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help."),
+    ("garment without sole", "Look at what is red under Cloth below; doublet edit-segmentation corrects it."),
+)  # fmt: skip
+
+
+def doubts_of(shown: Shown) -> list[tuple[str, str]]:
+    """(stage, sentence) of all that is doubtful."""
+    stages = shown.job.record.data["stages"]
+    doubts = [(name, finding.text) for name, entry in stages.items() for finding in findings(name, entry.get("summary", {}))]
+    lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
+    doubts += [("performance", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
+    fitted = shown.job.path("material.json")
+    material = json.loads(fitted.read_text(encoding="utf-8")) if fitted.exists() else {"regions": []}
+    if material.get("interrupted"):
+        doubts.append(("fit", "the search was stopped before its end; the same command goes on with it"))
+    return doubts + [("fit", remark) for region in material["regions"] for remark in region.get("remarks", [])]
+
+
+def good_of(shown: Shown) -> list[str]:
+    """What was measured and is as it should be, with what it should be."""
+    stages = shown.job.record.data["stages"]
+    good = []
+    for name, limits in LIMITS.items():
+        summary = stages.get(name, {}).get("summary", {})
+        good += [limit.praise(summary[limit.name]) for limit in limits if limit.name in summary]
+    return [text for text in good if text]
+
+
+def listing(items: list[str]) -> str:
+    return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
 
 
 def verdict(shown: Shown) -> str:
     """In words: what is good, what is doubtful, and what to do about it."""
-    stages = shown.job.record.data["stages"]
-    doubts = [(name, finding.text) for name, entry in stages.items() for finding in findings(name, entry.get("summary", {}))]
-    lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
-    doubts += [("performance", f"{joint} was lost in {count} frames; look at them in the video") for joint, count in lost.items()]
-    fitted = shown.job.path("material.json")
-    regions = json.loads(fitted.read_text(encoding="utf-8"))["regions"] if fitted.exists() else []
-    doubts += [("fit", remark) for region in regions for remark in region.get("remarks", [])]
-    good = [
-        f"{limit.meaning}: {stages[name]['summary'][limit.name]:.3g}"
-        for name, limits in LIMITS.items()
-        for limit in limits
-        if limit.name in stages.get(name, {}).get("summary", {}) and not limit.finding(stages[name]["summary"][limit.name])
-    ]
-    text = f"<p>As it should be: {html.escape('; '.join(good))}.</p>" if good else ""
-    if not doubts:
-        return text + "<p>Nothing doubtful was found.</p>"
-    listed = "".join(f"<li><b>{html.escape(name)}</b>: {html.escape(words)}</li>" for name, words in doubts)
-    return f"{text}<p>Doubtful:</p><ul>{listed}</ul>"
+    doubts, good = doubts_of(shown), good_of(shown)
+    todo = [advice for sign, advice in ADVICE if any(sign in words for _, words in doubts)]
+    count = f"{len(doubts)} thing{'s' if len(doubts) > 1 else ''} in it {'are' if len(doubts) > 1 else 'is'} doubtful"
+    parts = [f"<p><b>The reconstruction is complete; {count if doubts else 'nothing doubtful was found'}.</b></p>"]
+    parts.append(f"<p>{html.escape(overlap_in_words(shown.track))}</p>")
+    if good:
+        parts.append(f"<p>Good:</p>{listing([html.escape(text) for text in good])}")
+    if doubts:
+        items = [f"<b>{html.escape(name)}</b>: {html.escape(words)}" for name, words in doubts]
+        parts.append(f'<div class="doubt"><p>Doubtful:</p>{listing(items)}</div>')
+    if todo:
+        parts.append(f"<p>To do:</p>{listing([html.escape(text) for text in todo])}")
+    return "".join(parts)
 
 
 SECTIONS = (
@@ -216,6 +345,7 @@ SECTIONS = (
     ("Garment", garment),
     ("Material", fit),
     ("Simulated beside captured", side_by_side),
+    ("Error over time", over_time),
     ("Time and memory", timings),
 )
 
@@ -231,8 +361,5 @@ def write_report(job) -> None:
         f"{len(session.cameras)} cameras, {len(shown.performance.frames)} frames at {session.fps:g} fps; "
         f"seed {job.record.data.get('seed', job.seed)}; doublet {__version__}"
     )
-    page = (
-        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{html.escape(session.name)}</title><style>{STYLE}</style>'
-        f"<h1>{html.escape(session.name)}</h1><p>{html.escape(head)}</p>{''.join(parts)}</html>\n"
-    )
-    write_text(job.path("report.html"), page)
+    body = f"<h1>{html.escape(session.name)}</h1><p>{html.escape(head)}</p>{''.join(parts)}"
+    write_text(job.path("report.html"), page(session.name, body))

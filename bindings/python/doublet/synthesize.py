@@ -208,7 +208,7 @@ def synthesize(
     rig = rig or ring_of_cameras(character, motion, options.camera_count, options.image_size)
     surfaces, renderer = Surfaces(character), d.CharacterRenderer(character)
     truth = TruthWriter(out / "ground_truth", surfaces, character.actor.skeleton.joint_names)
-    # Little key light: a texture baked from video has the light of the studio in it already.
+    # Little key light: the shadows that a texture baked from video keeps are of the studio's light.
     render = d.RenderOptions(background=options.key_colour, floor=False, light=0.35)
     random = np.random.default_rng(options.seed)
     count = 0

@@ -5,23 +5,28 @@
 
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/image_file.h"
+#include "doublet/animate/parts/irradiance.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
-#include "garment_part.h"
+#include "hidden_skin.h"
+#include "silhouette_depth.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace doublet {
 namespace {
 
+using detail::kGamma;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr int kAround = 2; // pixels around a sample that must see the same surface
+constexpr int kRim = 3;    // pixels on a silhouette's rim that are mixed with what is behind
 
 struct Atlas {
   int size, cell, columns;
@@ -46,21 +51,23 @@ struct Atlas {
 
 struct View {
   const Camera *camera;
-  const Image *image, *mask;
+  const Image *image;
+  std::vector<int> depth; ///< inside the silhouette, px; empty = there is none
   FaceBuffer buffer;
 };
 
-/// Is the pixel in the silhouette, away from its rim? Without a mask everything is.
-bool inside_mask(const Image *mask, const Vector2d &pixel) {
-  if (!mask)
+/// Is the pixel in the silhouette, away from its rim? Without one everything is.
+bool inside_silhouette(const View &view, const Vector2d &pixel) {
+  if (view.depth.empty())
     return true;
-  const int x = static_cast<int>(std::lround(pixel.x())), y = static_cast<int>(std::lround(pixel.y()));
-  for (const auto &[dx, dy] : {std::pair{0, 0}, {3, 0}, {-3, 0}, {0, 3}, {0, -3}}) {
-    const int i = x + dx, k = y + dy;
-    if (i < 0 || k < 0 || i >= mask->width || k >= mask->height || mask->at(i, k) == 0)
-      return false;
-  }
-  return true;
+  const auto x = std::lround(pixel.x()), y = std::lround(pixel.y());
+  return view.depth[static_cast<std::size_t>(y * view.image->width + x)] > kRim;
+}
+
+/// The silhouette depth of a camera's image; empty without a mask.
+std::vector<int> depth_of(const Image &image, const Image *mask, double screen_reach) {
+  return !mask || mask->empty() ? std::vector<int>()
+                                : detail::silhouette_depth(detail::without_screen(image, *mask, screen_reach));
 }
 
 Vector3f sample(const Image &image, const Vector2d &pixel) {
@@ -84,9 +91,9 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
   return true;
 }
 
-/// Is something well in front of `depth` within `around` pixels? Its edge may have been there: surfaces are not exactly known.
-bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double around) {
-  constexpr double kWell = 0.05, kDiagonal = 0.70710678; // m
+/// Does something of such a depth lie `around` pixels away?
+template <class Test> bool surrounded_by(const FaceBuffer &buffer, const Vector2d &pixel, double around, const Test &test) {
+  constexpr double kDiagonal = 0.70710678;
   constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0},
                                                           {kDiagonal, kDiagonal},
                                                           {0, 1},
@@ -98,11 +105,18 @@ bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth,
   for (const auto &[dx, dy] : kCircle) {
     const int x = static_cast<int>(std::lround(pixel.x() + around * dx)),
               y = static_cast<int>(std::lround(pixel.y() + around * dy));
-    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
-        buffer.depth_at(x, y) < depth - kWell)
+    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 && test(buffer.depth_at(x, y)))
       return true;
   }
   return false;
+}
+
+/// Is something well in front of `depth` within `around` pixels, or well behind it within the rim? Its edge, or that of the
+/// surface itself, may have been there: surfaces are not exactly known.
+bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double margin, double around) {
+  constexpr double kWell = 0.05; // m
+  return surrounded_by(buffer, pixel, around, [&](double there) { return there < depth - kWell; }) ||
+         surrounded_by(buffer, pixel, kRim, [&](double there) { return there > depth + margin + kWell; });
 }
 
 class Baker {
@@ -112,11 +126,19 @@ public:
       : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (!images[c].empty())
-        views_.push_back({&cameras[c], &images[c], masks.empty() || masks[c].empty() ? nullptr : &masks[c],
+        views_.push_back({&cameras[c], &images[c], depth_of(images[c], masks.empty() ? nullptr : &masks[c], options.screen_reach),
                           rasterize(mesh.vertices, mesh.faces, cameras[c], valid)});
   }
 
   bool drawn(int f) const { return valid_.empty() || valid_[f]; }
+  const Vertices &normals() const { return normals_; }
+
+  /// From now on colours are divided by this light.
+  void divide_by(const Irradiance &light) {
+    gains_.resize(normals_.rows(), 3);
+    for (Eigen::Index v = 0; v < gains_.rows(); ++v)
+      gains_.row(v) = light.at(normals_.row(v)).array().pow(-1 / kGamma).transpose();
+  }
 
   /// B G R of the surface point, and its weight; 0 = seen by no camera.
   float colour_at(int f, const Vector3d &barycentric, Vector3f &colour) const {
@@ -137,40 +159,81 @@ public:
       // Within the pixels looked at, a slanted surface comes nearer by their size on it.
       const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
       const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
-      if (!visible(view.buffer, pixel, depth, margin) || !inside_mask(view.mask, pixel) ||
-          near_an_edge(view.buffer, pixel, depth, options_.edge_margin * view.camera->K(0, 0) / depth))
+      if (!visible(view.buffer, pixel, depth, margin) || !inside_silhouette(view, pixel) ||
+          near_an_edge(view.buffer, pixel, depth, margin, options_.edge_margin * view.camera->K(0, 0) / depth))
         continue;
       const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
       colour += weight * sample(*view.image, pixel);
       sum += weight;
     }
     if (sum > 0)
-      colour /= sum;
+      colour = colour.cwiseProduct(gain_at(f, barycentric)) / sum;
     return sum;
   }
 
 private:
+  Vector3f gain_at(int f, const Vector3d &barycentric) const {
+    if (gains_.rows() == 0)
+      return Vector3f::Ones();
+    Vector3d gain = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k)
+      gain += barycentric[k] * gains_.row(mesh_.faces(f, k)).transpose();
+    return gain.cast<float>();
+  }
+
   const Mesh &mesh_;
   const std::vector<std::uint8_t> &valid_;
   const TextureOptions &options_;
-  Vertices normals_;
+  Vertices normals_, gains_; ///< (V, 3); gains of the 8-bit B G R, none = 1
   std::vector<View> views_;
 };
 
-/// Colours of the vertices; those that no camera sees take the mean of their neighbours, ring by ring.
-Vertices vertex_colours(const Mesh &mesh, const Baker &baker) {
-  const int n = static_cast<int>(mesh.vertices.rows());
-  Vertices colours = Vertices::Constant(n, 3, 128);
-  std::vector<std::uint8_t> known(n, 0);
+struct VertexColours {
+  Vertices colours; ///< (V, 3) B G R
+  std::vector<std::uint8_t> known;
+};
+
+/// Of the vertices that a camera sees; grey elsewhere.
+VertexColours seen_colours(const Mesh &mesh, const Baker &baker) {
+  const auto n = static_cast<std::size_t>(mesh.vertices.rows());
+  VertexColours seen{Vertices::Constant(mesh.vertices.rows(), 3, 128), std::vector<std::uint8_t>(n, 0)};
   for (int f = 0; f < mesh.faces.rows(); ++f)
     for (int k = 0; k < 3 && baker.drawn(f); ++k) {
       const int v = mesh.faces(f, k);
       Vector3f colour;
-      if (!known[v] && baker.colour_at(f, Vector3d::Unit(k), colour) > 0) {
-        known[v] = 1;
-        colours.row(v) = colour.cast<double>();
+      if (!seen.known[v] && baker.colour_at(f, Vector3d::Unit(k), colour) > 0) {
+        seen.known[v] = 1;
+        seen.colours.row(v) = colour.cast<double>();
       }
     }
+  return seen;
+}
+
+/// The light that the images were taken in; albedo is taken to be the same within a hand's breadth, but for what stands out.
+Irradiance estimated_light(const Mesh &mesh, const Baker &baker) {
+  constexpr double kPatch = 0.12, kDarkest = 5; // m; of 255: darker is noise
+  const VertexColours seen = seen_colours(mesh, baker);
+  const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
+  std::vector<int> chosen;
+  for (int v = 0; v < mesh.vertices.rows(); ++v)
+    if (seen.known[v] && seen.colours.row(v).minCoeff() > kDarkest)
+      chosen.push_back(v);
+  ShadedPoints points;
+  points.normals = baker.normals()(chosen, Eigen::all);
+  points.colours = (seen.colours(chosen, Eigen::all).array() / 255).pow(kGamma);
+  points.weights = areas(chosen);
+  std::map<std::array<int, 3>, int> patches;
+  for (int v : chosen) {
+    const Eigen::RowVector3i cell = (mesh.vertices.row(v) / kPatch).array().floor().cast<int>();
+    points.patches.push_back(patches.try_emplace({cell.x(), cell.y(), cell.z()}, static_cast<int>(patches.size())).first->second);
+  }
+  return estimate_irradiance(points);
+}
+
+/// (V, 3); vertices that no camera sees take the mean of their neighbours, ring by ring.
+Vertices vertex_colours(const Mesh &mesh, const Baker &baker) {
+  const int n = static_cast<int>(mesh.vertices.rows());
+  auto [colours, known] = seen_colours(mesh, baker);
   const auto neighbours = vertex_neighbours(mesh.faces, n);
   std::vector<int> front;
   for (int v = 0; v < n; ++v)
@@ -245,55 +308,32 @@ void require_inputs(const std::string &who, const Mesh &mesh, const std::vector<
                                   std::to_string(masks[c].width) + " x " + std::to_string(masks[c].height));
 }
 
-/// Corners of the edges along which a garment ends free, or hangs.
-struct GarmentEdges {
-  std::vector<Vector3d> free, fixed;
-  GarmentEdges(const detail::Worn &garment, const Segmentation &segmentation) {
-    const auto is_fixed = [&](int v) { return segmentation.clothness[garment.vertices[v]] == 0; };
-    const EdgeTopology topology = edge_topology(garment.mesh.faces);
-    for (std::size_t e = 0; e < topology.edges.size(); ++e) {
-      const Eigen::Vector2i &edge = topology.edges[e];
-      if (topology.edge_faces[e][1] < 0)
-        (is_fixed(edge[0]) && is_fixed(edge[1]) ? fixed : free).push_back(garment.mesh.vertices.row(edge[0]));
-    }
-  }
-};
-double distance_to(const std::vector<Vector3d> &points, const Vector3d &from) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Vector3d &point : points)
-    nearest = std::min(nearest, (point - from).norm());
-  return nearest;
+/// How much a colour (B G R) looks like the hidden body's, in light or in shadow: 1 = very, 0 = a shoe, a sock.
+double likeness(const Vector3d &bgr, const Vector3d &skin) {
+  constexpr double kChroma = 0.08, kLight = 1.0; // of the channels' shares, summed; of the logarithm of the brightness
+  const double sum = bgr.sum() + 1, skin_sum = skin.sum() + 1;
+  const double chroma = (bgr / sum - skin / skin_sum).cwiseAbs().sum() / kChroma, light = std::log(sum / skin_sum) / kLight;
+  return std::exp(-chroma * chroma - light * light);
 }
 
-/// Linear R G B that the hidden part of the body has in all likelihood: the median of the skin beyond the garment's free edges,
-/// of legs below a hem. As it was where there is no such skin.
-Vector3d hidden_colour(const Character &c, const BakedTexture &baked) {
-  constexpr double kReach = 0.20; // m
-  constexpr std::size_t kFewest = 20;
-  if (c.garment_subdivisions < 0)
-    return c.body_colour;
-  const detail::GarmentPart part = detail::garment_part(c);
-  const GarmentEdges edges(part.garment, c.segmentation);
-  std::array<std::vector<int>, 3> found; // B G R
-  for (int f = 0; f < part.skin_faces; ++f) {
-    Vector3d centre = Vector3d::Zero();
-    for (int k = 0; k < 3; ++k)
-      centre += c.high.vertices.row(c.high.faces(f, k)).transpose() / 3;
-    const double away = distance_to(edges.free, centre);
-    if (!c.high_valid[f] || away > kReach || distance_to(edges.fixed, centre) < away)
+/// Skin goes over into the hidden body's colour towards the seam where the body goes on; what is darker there is in the
+/// garment's shadow. `away` (VH) as of detail::from_the_seam().
+void fade_into_hidden(const Character &c, const std::vector<double> &away, BakedTexture &baked) {
+  constexpr double kReach = 0.10, kWhole = 0.02; // m
+  const Vector3d skin = 255 * c.body_colour.reverse().array().pow(1 / kGamma).matrix();
+  const Atlas atlas(baked.image.width, c.high.faces.rows());
+  for (int f = 0; f < c.high.faces.rows(); ++f) {
+    const Vector3d corners(away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]);
+    if (!(corners.maxCoeff() < kReach) || !c.high_valid[f])
       continue;
-    const Vector2d at = baked.texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * baked.image.width;
-    for (int k = 0; k < 3; ++k)
-      found[k].push_back(baked.image.at(static_cast<int>(at.x()), static_cast<int>(at.y()), k));
+    for_texels(atlas, f, [&](int x, int y, const Vector3d &b) {
+      Vector3d colour(baked.image.at(x, y, 0), baked.image.at(x, y, 1), baked.image.at(x, y, 2));
+      const double near = std::clamp((kReach - b.dot(corners)) / (kReach - kWhole), 0.0, 1.0);
+      colour += near * near * (3 - 2 * near) * likeness(colour, skin) * (skin - colour);
+      for (int k = 0; k < 3; ++k)
+        baked.image.at(x, y, k) = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5, 0.0, 255.0));
+    });
   }
-  if (found[0].size() < kFewest)
-    return c.body_colour;
-  Vector3d colour;
-  for (int k = 0; k < 3; ++k) {
-    std::nth_element(found[k].begin(), found[k].begin() + found[k].size() / 2, found[k].end());
-    colour[2 - k] = std::pow(found[k][found[k].size() / 2] / 255.0, 2.2); // the image is sRGB
-  }
-  return colour;
 }
 
 } // namespace
@@ -304,7 +344,9 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
   options.validate();
   require_inputs("bake_texture", mesh, face_valid, cameras, images, masks);
   const Atlas atlas(options.size, mesh.faces.rows());
-  const Baker baker(mesh, face_valid, cameras, images, masks, options);
+  Baker baker(mesh, face_valid, cameras, images, masks, options);
+  if (options.albedo)
+    baker.divide_by(estimated_light(mesh, baker));
   const Vertices fallback = vertex_colours(mesh, baker);
   const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
   const int faces = static_cast<int>(mesh.faces.rows());
@@ -378,7 +420,9 @@ double texture_character(Character &character, const Vertices &surface, const Ca
                          const Context &context) {
   const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
   BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
-  character.body_colour = hidden_colour(character, baked);
+  const std::vector<double> away = detail::beyond_free_edges(character);
+  if (detail::find_hidden_colour(character, away, baked) && options.albedo)
+    fade_into_hidden(character, detail::from_the_seam(character, away), baked);
   character.texcoords = std::move(baked.texcoords);
   character.texture = encode_jpeg(baked.image);
   return baked.seen_fraction;

@@ -13,6 +13,8 @@ struct TextureOptions {
   double grazing = 0.2;
   double depth_margin = 0.01;
   double edge_margin = 0.02;
+  double screen_reach = 0.025;
+  bool albedo = true;
   static constexpr auto describe() {
     using namespace options;
     using O = TextureOptions;
@@ -26,6 +28,13 @@ struct TextureOptions {
         option(&O::depth_margin, "depth_margin", above(0), "m", "a point this far behind the z-buffer's surface is hidden"),
         option(&O::edge_margin, "edge_margin", Range{0, 1}, "m",
                "a point this close to the edge of something in front of it does not count: legs at a hem"),
+        option(&O::screen_reach, "screen_reach", Range{0, 0.5}, "",
+               "pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side): "
+               "gaps between fingers; 0 = they do"),
+        option(
+            &O::albedo, "albedo",
+            "divide the light that the images were taken in out of the texture, so that whoever draws it can light it; off = as "
+            "photographed"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
@@ -37,23 +46,23 @@ struct BakedTexture {
   double seen_fraction = 0; ///< share of the drawn surface's area that at least one camera saw
 };
 
-/// `masks`: one silhouette a camera (255 = actor), or none at all; what lies outside or on the rim (3 pixels) does not count, so
-/// that the backdrop does not get onto fingers. `mesh` stands as in the images; `face_valid` (F) or empty; one image (B G R) a
-/// camera, an empty image = camera without one. What no camera sees is filled from its neighbours on the surface. Throws Error,
-/// std::invalid_argument if sizes do not fit.
+/// `masks`: one silhouette a camera (255 = actor), or none at all; what lies outside, shows a screen through a gap, or is on
+/// the rim (3 pixels) of either does not count, so that the backdrop does not get onto fingers. `mesh` stands as in the images;
+/// `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one. What no camera sees is filled
+/// from its neighbours on the surface. Throws Error, std::invalid_argument if sizes do not fit.
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                           const std::vector<Image> &images, const std::vector<Image> &masks = {},
                           const TextureOptions &options = {}, const Context &context = {});
 
-/// Colours at 10 points of every face, for MeshSequence::colours: (10 F, 3) B G R, 0 to 255, NaN where no camera sees it.
-/// Arguments and errors as of bake_texture().
+/// Colours at 10 points of every face, for MeshSequence::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
+/// says, NaN where no camera sees it. Arguments and errors as of bake_texture().
 Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                         const std::vector<Image> &images, const std::vector<Image> &masks = {},
                         const TextureOptions &options = {}, const Context &context = {});
 
 /// Bakes the texture of a character's M_high from the frame whose captured surface is `surface` (V, 3), and puts it into the
-/// character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem. Returns
-/// the share of the surface that was seen. Throws Error if the character has no M_high.
+/// character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem, and
+/// the texture goes over into it. Returns the share of the surface that was seen. Throws Error if the character has no M_high.
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
                          const std::vector<Image> &images, const std::vector<Image> &masks = {},
                          const TextureOptions &options = {}, const Context &context = {});

@@ -22,7 +22,8 @@ struct Influence {
 
   /// Whether the change is beyond the noise: more than 2.5 times. Were it noise alone, the mean square of four would reach that
   /// in one of 20000 cases (chi-square with 4 degrees of freedom), in one of 60 if the noise is underestimated by 30 %.
-  bool exceeds_noise(int parameter) const { return change[parameter] > 2.5 * noise; }
+  static constexpr double kBeyondNoise = 2.5;
+  bool exceeds_noise(int parameter) const { return change[parameter] > kBeyondNoise * noise; }
 };
 
 /// answers (R, n) in [0, 1], one row a part -> R. Costs 4 n + 12 evaluations, in one call. Multiplying an energy by a number
