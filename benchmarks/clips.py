@@ -3,7 +3,7 @@
 python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 
 skin: pixels of the garment's outer side where the body is in front of it; stretch: the most that an edge of the drawn garment is
-longer than in the first frame, where the garment hangs at rest (2 mm if it is shorter there), and the frame; floor: the lowest
+longer than in the garment's rest shape (2 mm if it is shorter there), and the frame; floor: the lowest
 point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest point along the floor while
 it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose, held, 95 % of vertices;
 crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold ends.
@@ -28,6 +28,16 @@ def held(motion: d.Motion, seconds: float) -> d.Motion:
     return d.Motion(motion.fps, np.vstack([motion.dofs, last]))
 
 
+def rest_of(character: d.Character) -> np.ndarray:
+    """(VH, 3) m: M_high where the garment has its rest shape."""
+    segmentation, coarse = character.segmentation, np.array(character.actor.mesh.vertices)
+    rest = np.asarray(segmentation.rest)
+    if len(rest):
+        worn = np.asarray(segmentation.region) >= 0
+        coarse[worn] = rest[worn]
+    return d.DisplaySurface(character).apply(coarse)
+
+
 class Watcher:
     """Measures the frames of one animation as they come."""
 
@@ -39,7 +49,7 @@ class Watcher:
         self.worn = actor.mesh.faces[(region[actor.mesh.faces] >= 0).all(axis=1)]
         faces = drawn.faces[drawn.cloth]
         self.edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-        self.hanging = None
+        self.rest = self.length(rest_of(character))
         names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
         self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
         self.pixels, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = np.zeros(2), [], [], [], [], []
@@ -52,8 +62,7 @@ class Watcher:
         surface, moving = np.array(frame.surface), frame.index < self.motion_frames
         if moving:
             lengths = np.maximum(self.length(frame.high), SHORTEST)
-            self.hanging = lengths if self.hanging is None else self.hanging
-            self.stretch.append(float((lengths / self.hanging).max()))
+            self.stretch.append(float((lengths / self.rest).max()))
             self.watch_feet(surface)
             if frame.index % self.every == 0:
                 self.pixels += self.drawn.pixels(frame)

@@ -4,6 +4,7 @@
 #include "doublet/capture/heat_weights.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
+#include "doublet/capture/rest_pose.h"
 #include "doublet/capture/scan_from_views.h"
 #include "doublet/capture/start_frame.h"
 #include "doublet/capture/template_builder.h"
@@ -144,6 +145,11 @@ void bind_session(py::module_ &m) {
       py::arg("context") = interruptible_context(), Release(),
       "Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a "
       "camera, of one frame.");
+  OptionsClass<RestPoseOptions>(m, "Options of refine_rest_pose.");
+  m.def("refine_rest_pose", &refine_rest_pose, py::arg("actor"), py::arg("performance"), py::arg("rigid"),
+        py::arg("options") = RestPoseOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "(V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least "
+        "have them.");
 }
 
 void bind_template(py::module_ &m) {

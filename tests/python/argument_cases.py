@@ -101,6 +101,9 @@ def calls(world, folder) -> dict:
         "scan_from_views": (
             lambda rig, masks: d.scan_from_views(rig, [d.CameraView(mask=m) for m in masks], coarse), ring_of_discs(),
         ),
+        "refine_rest_pose": (
+            d.refine_rest_pose, {"actor": w.actor, "performance": w.performance, "rigid": np.ones(len(v), np.uint8)},
+        ),
         "find_start_frame": (
             lambda scan, rig: d.find_start_frame(scan, rig, Discs()), {"scan": w.mesh, "rig": ring_of_discs()["rig"]},
         ),

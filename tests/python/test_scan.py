@@ -234,3 +234,57 @@ def test_wrong_keypoints_are_named(model, tmp_path, content, words):
         ValueError, match="expected one file or folder of keypoints for each camera, by name, found none for cam0"
     ):
         keypoints.triangulated(session, tmp_path / "keypoints", 0)
+
+
+def tracked(session: d.Session, out, outwards: float) -> None:
+    """OUT as after `segment`: the template of the session's scan, and frames in which it stands as it is, only so much thicker."""
+    out.mkdir()
+    surface = d.build_template(d.read_mesh(session.scan), d.TemplateOptions(poisson_depth=7, triangles=1500))
+    actor = d.rig_template(surface, session.joints)
+    d.write_actor(out / "actor.npz", actor)
+    actor = d.read_actor(out / "actor.npz")
+    rest = actor.mesh.vertices
+    performance = d.ReferencePerformance()
+    thicker = rest + outwards * d.vertex_normals(rest, actor.mesh.faces)
+    performance.surface = d.MeshSequence(actor.mesh.faces, np.array([thicker] * 4))
+    performance.dofs = np.zeros((4, len(actor.skeleton.dof_names)))
+    performance.joints = [actor.skeleton.joint_positions(performance.dofs[0])] * 4
+    performance.frames = range(4)
+    d.write_performance(out / "performance.npz", performance)
+    nothing = np.zeros(len(rest))
+    d.write_segmentation(out / "segmentation.npz", d.Segmentation(nothing, nothing, np.full(len(rest), -1)))
+
+
+def test_a_scan_is_refined_by_what_was_tracked(model, tmp_path, capsys):
+    person = Person(model, 0.7, 3)
+    folder, out = write_session(tmp_path / "session", person), tmp_path / "out"
+    assert main(["scan", str(folder), *FAST]) in (0, 3)
+    first = d.read_mesh(folder / "scan.ply")
+    tracked(d.Session(folder), out, 0.008)
+    marks = (folder / "joints.json").read_text()
+    assert main(["scan", str(folder), *FAST, "--refine", str(out)]) in (0, 3)
+    refined = d.read_mesh(folder / "scan.ply")
+    moved = ((refined.vertices - first.vertices) * d.vertex_normals(first.vertices, first.faces)).sum(axis=1)
+    assert 0.006 < np.median(moved) < 0.009
+    assert (d.read_mesh(folder / "scan_before.ply").vertices == first.vertices).all()
+    assert (folder / "joints.json").read_text() != marks
+    # Joints that somebody has moved stay, and so does the first scan.
+    by_hand = json.loads(marks) | {"comment": "by hand"}
+    (folder / "joints.json").write_text(json.dumps(by_hand))
+    assert main(["scan", str(folder), *FAST, "--refine", str(out)]) in (0, 3)
+    assert json.loads((folder / "joints.json").read_text()) == by_hand
+    assert (d.read_mesh(folder / "scan_before.ply").vertices == first.vertices).all()
+
+
+def test_what_was_tracked_with_another_scan_refines_nothing(model, tmp_path, capsys):
+    folder, out = write_session(tmp_path / "session", Person(model, 0.7, 3)), tmp_path / "out"
+    assert main(["scan", str(folder), "--refine", str(out)]) == 1
+    assert "names no scan to refine; doublet scan makes one" in capsys.readouterr().err
+    assert main(["scan", str(folder), *FAST]) in (0, 3)
+    tracked(d.Session(folder), out, 0.0)
+    scan = d.read_mesh(folder / "scan.ply")
+    d.write_mesh(folder / "scan.ply", d.Mesh(scan.vertices + [0.1, 0, 0], scan.faces))
+    before = (folder / "scan.ply").read_bytes()
+    assert main(["scan", str(folder), *FAST, "--refine", str(out)]) == 1
+    assert "expected a template made from" in capsys.readouterr().err
+    assert (folder / "scan.ply").read_bytes() == before

@@ -184,12 +184,15 @@ def run_scan(arguments) -> int:
     from . import scan
 
     options = chosen_options(arguments, scan.GROUPS)
-    scan_options = options.pop("scan")
+    scan_options, rest_options = options.pop("scan"), options.pop("rest")
     console = make_console(arguments)
     job = pipeline.Job(
         arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
     )
-    made = scan.scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
+    if arguments.refine:
+        made = scan.refine_scan(job, arguments.refine, rest_options, arguments.keypoints)
+    else:
+        made = scan.scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
     console.finish()
     print("\n".join(map(str, made.files)))
     for finding in made.findings:
@@ -435,6 +438,12 @@ def add_scan(commands) -> None:
         type=Path,
         metavar="FILE",
         help="a scan in the pose of the frame, in any unit, on any axis, with its floor: brought to what the cameras see",
+    )
+    scan.add_argument(
+        "--refine",
+        type=Path,
+        metavar="OUT",
+        help="correct the scan by what was tracked with it: a folder of reconstruct, which is then to be run again",
     )
     scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
     common_flags(scan)

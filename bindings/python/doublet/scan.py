@@ -19,10 +19,16 @@ from .plausible import Finding
 GROUPS = {
     "scan": d.ViewScanOptions,
     "body": d.BodyFitOptions,
+    "rest": d.RestPoseOptions,
     **{name: pipeline.OPTION_GROUPS[name] for name in ("silhouette", "key", "background")},
 }
 BEST = "best"
 SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
+FIRST_SCAN = "scan_before.ply"
+#: What joints.json says of joints that this command has found; others are a person's, and stay.
+FOUND = "found by doublet scan"
+#: m; of the valid template from the scan on average, above which it was made from another.
+OF_ANOTHER_SCAN = 0.01
 #: Above this ratio it is hard to tell which way the person faces.
 LIKELY_RIVAL = 0.7
 #: m; a joint farther from where keypoints see it is put there.
@@ -82,15 +88,65 @@ def scan_session(
         save(job, description)
     rival = 0.0
     if "markers" in wanted:
-        seen = triangulated(job.session, keypoints, 0) if keypoints else {}
-        marks = marks_of(job, seen)
-        rival = marks.rival
-        write_json(claimed(folder / MARKS, force), corrected(joints_file(marks), seen, job))
+        rival = write_marks(job, keypoints, force)
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
+    return looked_at(job, made, rival)
+
+
+def write_marks(job: pipeline.Job, keypoints: Path | None, force: bool) -> float:
+    """Writes joints.json; how nearly as likely the other facing is."""
+    seen = triangulated(job.session, keypoints, 0) if keypoints else {}
+    marks = marks_of(job, seen)
+    write_json(claimed(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
+    return marks.rival
+
+
+def looked_at(job: pipeline.Job, made: list[Path], rival: float) -> Made:
+    picture = job.session_folder / PICTURE
     evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    return Made([*made, folder / PICTURE], [*facing(rival), *session_check.look(evidence, folder / PICTURE)])
+    return Made([*made, picture], [*facing(rival), *session_check.look(evidence, picture)])
+
+
+def refine_scan(
+    job: pipeline.Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None
+) -> Made:
+    """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
+    `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
+    kept as FIRST_SCAN, joints that this command had found are found anew."""
+    path = Path(job.session.scan)
+    if path == Path():
+        raise RuntimeError(f"{job.session_folder / 'session.json'}: names no scan to refine; doublet scan makes one")
+    scan, actor = d.read_mesh(path), d.read_actor(out / "actor.npz")
+    require_made_from(scan, actor, path, out)
+    performance = d.read_performance(out / "performance.npz", actor)
+    skin = np.asarray(d.read_segmentation(out / "segmentation.npz").clothness) == 0
+    refined = d.refine_rest_pose(actor, performance, skin.astype(np.uint8), options or d.RestPoseOptions(), job.context)
+    moved = 1000 * np.linalg.norm(refined - actor.mesh.vertices, axis=1)[skin]
+    job.console.say(f"scan: skin moved by {np.mean(moved):.1f} mm, 5 % of it by over {np.percentile(moved, 95):.0f} mm")
+    if not (job.session_folder / FIRST_SCAN).exists():
+        d.write_mesh(job.session_folder / FIRST_SCAN, scan)
+    fine = d.SurfaceTransfer(actor.mesh, [], scan, []).apply(refined)
+    d.write_mesh(path, d.Mesh(fine, scan.faces))
+    made, rival = [path], 0.0
+    if found_here(job.session_folder / MARKS):
+        rival = write_marks(job, keypoints, force=True)
+        made.append(job.session_folder / MARKS)
+    return looked_at(job, made, rival)
+
+
+def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) -> None:
+    on_valid = np.unique(actor.mesh.faces[np.asarray(actor.face_valid, bool)])
+    off = float(np.mean(d.RayScene(scan).closest(actor.mesh.vertices[on_valid])[1]))
+    if off > OF_ANOTHER_SCAN:
+        raise RuntimeError(
+            f"{out / 'actor.npz'}: expected a template made from {path}, found one that is {1000 * off:.0f} mm off on average"
+        )
+
+
+def found_here(marks: Path) -> bool:
+    return marks.exists() and json.loads(marks.read_text(encoding="utf-8")).get("comment", "").startswith(FOUND)
 
 
 def require_motion_after(job: pipeline.Job, frame: int) -> None:
@@ -191,7 +247,7 @@ def marks_of(job: pipeline.Job, seen: dict[str, np.ndarray]) -> d.BodyMarks:
 def joints_file(marks: d.BodyMarks) -> dict:
     """joints.json"""
     return {
-        "comment": f"found by doublet scan with {marks.fit.model}",
+        "comment": f"{FOUND} with {marks.fit.model}",
         "joints": {j.name: {"position": rounded(j.position), "parent": j.parent or None} for j in marks.joints},
         "landmarks": {name: rounded(point) for name, point in marks.landmarks.items()},
     }
