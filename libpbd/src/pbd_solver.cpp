@@ -287,9 +287,17 @@ template <class Work> void share_out(int count, int threads, const Work &work) {
     }
   };
   std::vector<std::thread> others;
-  for (int t = 1; t < std::min(threads, count); ++t)
-    others.emplace_back(run, t);
+  others.reserve(threads);
+  int next = 1;
+  try {
+    for (; next < std::min(threads, count); ++next)
+      others.emplace_back(run, next);
+  } catch (const std::exception &) {
+    // The machine gives no more threads: this one does their share, with the same result.
+  }
   run(0);
+  for (; next < std::min(threads, count); ++next)
+    run(next);
   for (std::thread &t : others)
     t.join();
   if (error)
