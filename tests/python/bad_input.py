@@ -470,6 +470,7 @@ spoilt_by(
     OpenCV_file_without_a_pose=text("calibrations/opencv/cam0.yml", ("\nR: ", "\nQ: ")),
     OpenCV_file_with_a_matrix_of_too_many_rows=text("calibrations/opencv/cam0.yml", ("rows: 3", "rows: 2000000000")),
     OpenCV_file_of_an_unknown_camera_model=text("calibrations/opencv/cam0.yml", ("\nR: ", '\ncamera_model: "mei"\nR: ')),
+    OpenCV_file_of_two_documents=text("calibrations/opencv/cam0.yml", ("\nR: ", "\n...\n- R: ")),
     a_file_of_no_known_format=content("calibrations/opencv/cam0.yml", "cameras: 2\n"),
 )
 spoilt_by(
