@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # The package under other Pythons than Debian 12's: tests/slow/other_pythons.sh [PYTHON...]
 # PYTHON: interpreters with their headers. By default 3.9, the oldest that pyproject.toml takes, from Debian 11's packages, with
-# the oldest dependencies that it takes, and the newest that is on the PATH. Each gets a wheel, an environment that has it, and the
-# tests that need nothing else. Exit status 1 if a test fails, or an interpreter is not to be had.
+# the oldest dependencies that it takes, and the newest that is on the PATH. Each gets a wheel, an environment that has it, and
+# the tests that need nothing else. Exit status 1 if a test fails, or an interpreter is not to be had.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
 work=$PWD/build/pythons
