@@ -1,15 +1,52 @@
 #include "opencv_storage.h"
 
+#include "doublet/files/files.h"
 #include "frame_reader.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <optional>
+#include <sstream>
+#include <string_view>
 
 namespace doublet::detail {
+namespace {
+
+/// Throws unless a file of YAML is one mapping or list, a line an entry. Of what follows the first one OpenCV's parser takes "-
+/// x" for the beginning of nothing, and looks at it for ever.
+void require_one_collection(const std::filesystem::path &path) {
+  constexpr std::string_view kEnds("\r\0", 2); // of a line, to that parser
+  std::istringstream lines(read_text(path));
+  std::optional<std::size_t> indent; // of the first entry
+  bool over = false;
+  int number = 1;
+  for (std::string line; std::getline(lines, line); ++number) {
+    line.resize(std::min(line.size(), line.find_first_of(kEnds)));
+    if (number == 1 && !line.starts_with("%YAML"))
+      return; // XML or JSON
+    const std::size_t column = line.find_first_not_of(" \t");
+    if (column == line.npos || line[column] == '#' || (!indent && (line[0] == '%' || line == "---")))
+      continue;
+    if (indent && !over && line == "...") {
+      over = true;
+      continue;
+    }
+    const bool marks = line.starts_with("---") || line.starts_with("...");
+    if (marks || (indent ? over || column < *indent : line.find_first_of("{[!&*|>", column) == column))
+      throw Error(path.string() + ":" + std::to_string(number) + ": expected one mapping in the file, a line an entry, found '" +
+                  line.substr(column, 20) + "'");
+    if (!indent)
+      indent = column;
+  }
+}
+
+} // namespace
 
 cv::FileStorage open_storage(const std::filesystem::path &path) {
   quiet_opencv();
   if (!std::filesystem::is_regular_file(path))
     throw FileNotFound(path.string() + ": the calibration does not exist");
+  require_one_collection(path);
   try {
     cv::FileStorage storage(path.string(), cv::FileStorage::READ);
     if (storage.isOpened())

@@ -286,10 +286,19 @@ template <class Work> void share_out(int count, int threads, const Work &work) {
       error = std::current_exception();
     }
   };
+  const int wanted = std::clamp(threads, 1, std::max(1, count));
   std::vector<std::thread> others;
-  for (int t = 1; t < std::min(threads, count); ++t)
-    others.emplace_back(run, t);
+  others.reserve(wanted - 1); // of one thread nothing is allocated
+  int next = 1;
+  try {
+    for (; next < wanted; ++next)
+      others.emplace_back(run, next);
+  } catch (const std::exception &) {
+    // The machine gives no more threads: this one does their share, with the same result.
+  }
   run(0);
+  for (; next < wanted; ++next)
+    run(next);
   for (std::thread &t : others)
     t.join();
   if (error)

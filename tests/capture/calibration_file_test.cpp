@@ -513,6 +513,19 @@ TEST_F(CalibrationFiles, DamagedOpenCV) {
   expect_refused(folder / "cam0.yml", {"cam0.yml"});
 }
 
+/// OpenCV's parser would never come back from them.
+TEST_F(CalibrationFiles, WhatFollowsTheFirstMapping) {
+  for (const std::string text : {"%YAML:1.0\n---\n   cols: 3\n s:\n   - \"cam0\"\n", "%YAML:1.0\n---\na: 1\n...\n- 1\n",
+                                 "%YAML:1.0\n---\na: 1\n---\n- 1\n-\n", "%YAML:1.0\n---\n{ a: 1 }\nabc\n- 1\n",
+                                 "%YAML:1.0\n--- a: 1\nabc\n- 1\n", "%YAML:1.0\n   a: 1\r\nabc\r\n- 1\n"}) {
+    write_text(folder / "cam0.yml", text);
+    expect_refused(folder / "cam0.yml", {"cam0.yml:", "expected one mapping in the file"});
+  }
+  const auto truth = ring(kOurs, kFive);
+  write_text(folder / "cam0.yml", opencv_yaml(truth[0]) + "# the end\r\n...\n");
+  EXPECT_EQ(read_calibration(folder / "cam0.yml", {}).size(), 1u);
+}
+
 TEST_F(CalibrationFiles, DamagedColmap) {
   const ColmapModel model{"OPENCV", 4, false, 4, false};
   const auto truth = ring(kOurs, kFour);

@@ -1,12 +1,15 @@
 #include "doublet/core/context.h"
 
 #include "doublet/core/error.h"
+#include "support/no_threads.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <numeric>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 namespace doublet {
@@ -37,6 +40,16 @@ TEST(Context, ParallelForRethrowsTheExceptionOfTheLowestIndex) {
       EXPECT_STREQ(error.what(), "37");
     }
   }
+}
+
+TEST(Context, ParallelForDoesWithTheThreadsThereAre) {
+  const NoThreads none;
+  EXPECT_THROW(std::thread([] {}).join(), std::system_error);
+  Context context;
+  context.threads = 7;
+  std::vector<int> visits(1000, 0);
+  parallel_for(context, static_cast<int>(visits.size()), [&](int i) { ++visits[i]; });
+  EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
 }
 
 TEST(Context, ReportsProgressAndStops) {

@@ -9,7 +9,11 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from calibrations import write_all
+from doublet import bone_map, config, keypoints, segmentation_paint, template_mask
+from doublet.evaluate import Truth
+from doublet.motions import read_clip, read_motion
 from doublet.run_record import RunRecord
+from doublet.video import read_image
 from PIL import Image
 
 FPS = 40.0
@@ -313,7 +317,68 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     for name, (_, files) in write_all(folder / "calibrations").items():
         kind = d.CalibrationOptions(format=name.partition("_")[0])
         formats[name] = (files, partial(lambda kind, path: d.read_calibration(path, kind), kind))
-    return formats, world
+    return {**formats, **read_in_python(folder / "in_python", world), **pictures(folder / "pictures", world)}, world
+
+
+def read_in_python(folder: Path, world: World) -> dict:
+    """What no C++ reads; as `make_seeds`."""
+    folder.mkdir()
+    count, faces = len(world.mesh.vertices), len(world.mesh.faces)
+    d.write_mesh(folder / "template.ply", world.mesh)
+    segmentation_paint.write(folder, np.resize([-1, 0, 1, 2], count), count)
+    np.savez(folder / "template_suggestion.npz", face_valid=np.ones(faces, bool))
+    template_mask.write(folder, np.arange(faces) > 3)
+    (folder / "keypoints.json").write_text(json.dumps(np.ones((2, 17, 3)).tolist()))
+    (folder / "options.toml").write_text("seed = 2\n[segment]\ndiffusion = 0.05\n[space.fixed]\nd_n = 9\n")
+    (folder / "walk.bvh").write_text(BVH)
+    clip = d.SourceMotion.read(folder / "walk.bvh")
+    bone_map.write(folder / "map.toml", clip, {})
+    np.savez(folder / "dofs.npz", dofs=world.dofs)
+    turns = np.zeros((3, 66)) + 0.01
+    np.savez_compressed(folder / "amass.npz", poses=turns, trans=np.zeros((3, 3)), mocap_framerate=np.array(40.0))
+    poses = {"dofs.npz": lambda path: read_motion(path, world.character, d.RetargetOptions()), "amass.npz": read_clip}
+    masks = [folder / "template_mask.npz", folder / "template_suggestion.npz"]
+    return {
+        "paint": ([folder / "segmentation_paint.npz"], lambda path: segmentation_paint.read(path.parent, count)),
+        "mask": (masks, lambda path: template_mask.read(path.parent)),
+        "keypoints": ([folder / "keypoints.json"], lambda path: keypoints.read_frame(path, 1)),
+        "options": ([folder / "options.toml"], config.read),
+        "bone_map": ([folder / "map.toml"], lambda path: bone_map.read(path, clip)),
+        "poses": ([folder / name for name in poses], lambda path: poses[path.name](path)),
+        "truth": (write_truth(folder / "truth", world), lambda path: read_truth(path.parent)),
+    }
+
+
+def write_truth(folder: Path, world: World) -> list[Path]:
+    folder.mkdir()
+    vertices, faces = np.array(world.mesh.vertices), world.mesh.faces
+    files = [folder / name for name in ("static.npz", "frames_0000.npz", "skeleton.npz")]
+    np.savez(files[0], body_tris=faces, cloth_tris=faces)
+    np.savez_compressed(files[1], start=0, body=[vertices] * 2, cloth=[vertices] * 2)
+    np.savez(files[2], joint_names=["pelvis", "spine"], joints=np.zeros((2, 2, 3)))
+    return files
+
+
+def read_truth(folder: Path) -> None:
+    truth = Truth(folder)
+    for frame in truth.chunks:
+        vertices, faces, _ = truth.surface(frame)
+        d.vertex_normals(vertices, faces)
+    truth.pelvis()
+
+
+def pictures(folder: Path, world: World) -> dict:
+    """Read by Python, and as the frames of a session; as `make_seeds`."""
+    write_session(folder / "session", world)
+    folder.joinpath("plain").mkdir()
+    files = [folder / "plain" / f"picture.{extension}" for extension in ("png", "jpg")]
+    for file in files:
+        Image.fromarray(world.picture).save(file)
+    session = folder / "session"
+    return {
+        "picture": (files, read_image),
+        "frame": ([session / "masks" / "cam0_0001.png"], lambda _: d.FrameSource.open(d.Session(session)).mask(0, 1)),
+    }
 
 
 def read_acclaim(folder: Path) -> d.SourceMotion:

@@ -1,6 +1,7 @@
 // The solver against closed forms and invariants.
 
 #include "scenes.h"
+#include "support/no_threads.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -388,6 +389,20 @@ TEST(Cloth, ReplaysToTheBit) {
     EXPECT_EQ(a.positions, state.positions);
     EXPECT_EQ(a.velocities, state.velocities);
   }
+}
+
+/// Those that the machine does not give are done without.
+TEST(Cloth, FewerThreadsChangeNoBit) {
+  const Sheet s = scenes::skirt(8, 6);
+  const auto solver = make(s);
+  const std::vector<Material> materials(19);
+  const scenes::DancerFrame frame(scenes::Dancer{1.5}, s.rest, 0);
+  std::vector<ClothState> with(materials.size(), initial_state(s.rest)), without = with;
+  solver->step_each(with, {&frame.inputs, 1}, materials, 4);
+  const NoThreads none;
+  solver->step_each(without, {&frame.inputs, 1}, materials, 4);
+  for (size_t i = 0; i < materials.size(); ++i)
+    EXPECT_EQ(without[i].positions, with[i].positions) << i;
 }
 
 /// Simulations side by side know nothing of each other: any order and any company gives the same bits as each alone.

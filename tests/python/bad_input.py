@@ -31,7 +31,7 @@ PAGE = ROOT / "docs" / "bad-input.md"
 sys.path.append(str(ROOT / "tests" / "fuzz"))
 from calibrations import write_all  # noqa: E402
 from children import outcomes  # noqa: E402
-from seeds import AMC, ASF, BVH, PLY, World, write_session  # noqa: E402
+from seeds import AMC, ASF, BVH, PLY, World, write_session, write_truth  # noqa: E402
 
 HEAD = """# What is said about bad input
 
@@ -69,7 +69,7 @@ CASES: list[Case] = []
 
 
 def spoilt_by(group: str, command: str, **cases):
-    """Each function spoils a folder that has session/, footage/, calibrations/, out/, c.glb, walk.bvh, person.asf and
+    """Each function spoils a folder that has session/, footage/, calibrations/, out/, truth/, c.glb, walk.bvh, person.asf and
     person_01.amc."""
     for what, spoil in cases.items():
         CASES.append(Case(group, what.replace("_", " "), command, spoil))
@@ -97,6 +97,9 @@ def make_folder(folder: Path) -> None:
     d.write_garment(out / "garment.npz", world.garment)
     write_json(out / "material.json", {"regions": [{"parameters": d.Material().to_dict()}]})
     write_json(out / "run.json", {"session": str(folder / "session"), "stages": {}})
+    write_truth(folder / "truth", world)
+    (folder / "truth" / "masks").mkdir()
+    Image.fromarray(world.mask).save(folder / "truth" / "masks" / "cam0_0000.png")
     world.character.write(folder / "c.glb")
     (folder / "walk.bvh").write_text(BVH)
     (folder / "person.asf").write_text(ASF)
@@ -174,6 +177,22 @@ def bomb(path: str):
             for name in ("faces", "face_valid", "weights", "joint_names", "joint_parents", "joint_positions"):
                 archive.filelist.append(copy.copy(one))
                 archive.filelist[-1].filename = f"{name}.npy"
+
+    return spoil
+
+
+def claimed_shape(path: str, name: str, shape: tuple):
+    """The header of an array says another shape than there are numbers."""
+
+    def spoil(folder: Path) -> None:
+        with np.load(folder / path) as file:
+            values = dict(file)
+        with zipfile.ZipFile(folder / path, "w") as archive:
+            for key, array in values.items():
+                with archive.open(f"{key}.npy", "w") as member:
+                    header = {"descr": array.dtype.str, "fortran_order": False, "shape": shape if key == name else array.shape}
+                    np.lib.format.write_array_header_1_0(member, header)
+                    member.write(array.tobytes())
 
     return spoil
 
@@ -364,7 +383,7 @@ spoilt_by(
     NEW_SESSION,
     no_videos=gone("footage/videos"),
     a_file_that_is_no_video=content(FOOTAGE + "cam1.mp4", "a letter"),
-    a_video_cut_in_half=cut(FOOTAGE + "cam1.mp4"),
+    a_video_cut_after_three_quarters=cut(FOOTAGE + "cam1.mp4", 0.75),  # how long it is depends on the cores that coded it
     two_files_for_one_camera=copied(FOOTAGE + "cam0.mp4", FOOTAGE + "cam0.mov"),
     a_camera_without_a_file=gone(FOOTAGE + "cam1.mp4"),
     a_file_without_a_camera=copied(FOOTAGE + "cam0.mp4", FOOTAGE + "garden.mp4"),
@@ -451,6 +470,7 @@ spoilt_by(
     OpenCV_file_without_a_pose=text("calibrations/opencv/cam0.yml", ("\nR: ", "\nQ: ")),
     OpenCV_file_with_a_matrix_of_too_many_rows=text("calibrations/opencv/cam0.yml", ("rows: 3", "rows: 2000000000")),
     OpenCV_file_of_an_unknown_camera_model=text("calibrations/opencv/cam0.yml", ("\nR: ", '\ncamera_model: "mei"\nR: ')),
+    OpenCV_file_of_two_documents=text("calibrations/opencv/cam0.yml", ("\nR: ", "\n...\n- R: ")),
     a_file_of_no_known_format=content("calibrations/opencv/cam0.yml", "cameras: 2\n"),
 )
 spoilt_by(
@@ -671,8 +691,45 @@ spoilt_by(
     a_seed_below_0=content("mine.toml", "seed = -1\n"),
     a_number_for_a_group=content("mine.toml", "segment = 3\n"),
 )
-spoilt_by("Options", "evaluate out --truth truth", a_ground_truth_that_is_missing=lambda folder: None)
+spoilt_by(
+    "Ground truth",
+    "evaluate out --truth truth",
+    a_ground_truth_that_is_missing=gone("truth"),
+    frames_cut_in_half=cut("truth/frames_0000.npz"),
+    faces_that_are_no_triangles=arrays("truth/static.npz", body_tris=np.zeros((4, 2), np.int32)),
+    a_face_beyond_the_vertices=arrays("truth/static.npz", cloth_tris=first(999)),
+    an_array_of_12_gigabytes_in_a_small_file=claimed_shape("truth/frames_0000.npz", "cloth", (2, 250000000, 3)),
+    a_NaN_vertex=arrays("truth/frames_0000.npz", body=first(np.nan)),
+    words_for_vertices=arrays("truth/frames_0000.npz", body=np.array(["a", "b"])),
+    joints_of_fewer_names=arrays("truth/skeleton.npz", joint_names=["pelvis"]),
+    a_mask_cut_in_half=cut("truth/masks/cam0_0000.png"),
+)
 spoilt_by("Options", "render out", a_command_that_is_not_there=lambda folder: None)
+
+
+def keypoints(value: str):
+    """Of both cameras, for a session whose joints are to be found."""
+
+    def spoil(folder: Path) -> None:
+        text("session/session.json", (',\n "markers": "joints.json"', ""))(folder)
+        for camera in ("cam0", "cam1"):
+            (folder / "keypoints").mkdir(exist_ok=True)
+            (folder / "keypoints" / f"{camera}.json").write_text(value)
+
+    return spoil
+
+
+spoilt_by(
+    "Keypoints",
+    "scan session --keypoints keypoints",
+    no_such_keypoints=lambda folder: (keypoints("")(folder), gone("keypoints")(folder)),
+    keypoints_with_a_syntax_error=keypoints("[[1, 2,"),
+    keypoints_of_100000_levels=keypoints("[" * 100000),
+    keypoints_of_another_program=keypoints('{"bodies": []}'),
+    keypoints_without_confidence=keypoints(json.dumps([np.ones((17, 2)).tolist()])),
+    a_word_for_a_coordinate=keypoints(json.dumps([[["left", 1, 1]] * 17])),
+    nobody_in_any_view=keypoints("[null]"),
+)
 
 
 # --- running them

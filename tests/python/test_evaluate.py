@@ -250,6 +250,7 @@ def test_outline_compares_where_both_have_cloth(scene):
     half = e.Animated(moving.surfaces, moving.faces, moving.clothness * (moving.surfaces[0][:, 0] > 0.02))
     assert outline(half, truth)[0] == pytest.approx(2, abs=1e-3)
     write_true_garment(scene, np.stack([skirt[skirt[:, 0] < -0.02]] * FRAMES), np.zeros((FRAMES, 3)))
+    np.savez(scene["truth"] / "static.npz", body_tris=scene["body"][1], cloth_tris=np.zeros((0, 3), np.int32))
     with pytest.raises(e.Missing, match="share no azimuth in frame 0"):
         outline(half, e.Truth(scene["truth"]))
 

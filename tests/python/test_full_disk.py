@@ -14,7 +14,9 @@ import pytest
 from doublet import cli
 from doublet.console import Console
 from doublet.files import write_json, written_atomically
+from doublet.usd import usd_modules, write_usdc
 from doublet.video import VideoWriter
+from doublet.view import FILES, write_view
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from children import outcomes  # noqa: E402
@@ -54,24 +56,44 @@ def video(path, frames=40):
 
 
 def writers(world):
+    usd_modules()  # loaded in a child it would count among what the child may have
     w, fine = world, np.linspace(0, 1, 99)
     vertices = np.stack(np.meshgrid(fine, fine, [0]), axis=-1).reshape(-1, 3) + 1e-3 * noise((99 * 99, 3))
     corner = np.arange(98 * 99)
     big = d.Mesh(vertices, np.stack([corner, corner + 1, corner + 99], axis=1).astype(np.int32))
     clothness = d.Segmentation(noise(9999), np.abs(np.sin(noise(9999))), np.zeros(9999, np.int32))
-    animation = d.animate(w.character, d.Motion(40, np.repeat(w.dofs, 40, axis=0)), d.AnimateOptions(high=False))
+    long = d.Motion(40, np.repeat(w.dofs, 40, axis=0))
+    animation = d.animate(w.character, long, d.AnimateOptions(high=False))
     w.character.high = big
     w.character.high_valid = [1] * len(big.faces)
     w.character.texcoords = np.zeros((3 * len(big.faces), 2))
+    plain = d.make_character(w.actor, w.segmentation, w.body, w.proxies, [w.material], d.SolverSettings(1 / 40))  # no texture
     body = d.BodyFit()
     body.body, body.coefficients, body.model = big, np.zeros(1), "grid"
     many = [w.proxies[0]] * 500
+    actor = d.RiggedMesh(big, [1] * len(big.faces), np.tile([0.5, 0.5], (len(vertices), 1)), w.skeleton)
+    performance = d.ReferencePerformance()
+    performance.surface = d.MeshSequence(big.faces, vertices[None])
+    performance.dofs, performance.joints = w.dofs[:1], w.performance.joints[:1]
+    performance.frames = [0]
+    seen = d.ViewObservation(noise((9999, 2)).astype(np.float32), np.zeros((0, 4), np.float32))
+    w.observations.views = [[seen for _ in w.cameras] for _ in range(3)]
+    cameras = [d.orbit_camera([0, 1, 0], 0.9, a, 0.1, 48, 48) for a in fine]
+    for c, camera in enumerate(cameras):
+        camera.name = f"cam{c}"
     return {
         "mesh.ply": lambda path: d.write_mesh(path, big),
         "mesh.obj": lambda path: d.write_mesh(path, big),
         "mesh.stl": lambda path: d.write_mesh(path, big),
         "mesh.off": lambda path: d.write_mesh(path, big),
         "character.glb": w.character.write,
+        "actor.npz": lambda path: d.write_actor(path, actor),
+        "performance.npz": lambda path: d.write_performance(path, performance),
+        "observations.npz": lambda path: d.write_observations(path, w.observations),
+        "simulated.npz": lambda path: d.write_simulated(path, vertices[None], len(vertices)),
+        "calibration.yml": lambda path: d.write_calibration(path, cameras),
+        "motion.bvh": lambda path: d.write_bvh(path, w.skeleton, d.Motion(40, noise((400, 9)))),
+        "motion.usdc": lambda path: write_usdc(path, plain, long, d.AnimateOptions(high=False)),
         "segmentation.npz": lambda path: d.write_segmentation(path, clothness),
         "body.npz": lambda path: d.write_body(path, body),
         "proxies.json": lambda path: d.write_proxies(path, many, w.skeleton),
@@ -127,6 +149,18 @@ def test_a_disk_that_is_really_full(tiny_disk):
         assert kind == "refused" and str(tiny_disk / name) in text, (name, kind, text)
         assert "No space left" in text or "exit status" in text or "Error" in text, text
         assert not list(tiny_disk.iterdir()), name
+
+
+def test_a_page_without_room(world, tmp_path, monkeypatch):
+    bundle, page = tmp_path / "bundle", tmp_path / "page"
+    bundle.mkdir()
+    for name in FILES.values():
+        (bundle / name).write_bytes(bytes(2 * ROOM))
+    monkeypatch.setenv("DOUBLET_VIEWER_DIR", str(bundle))
+    world.character.write(tmp_path / "c.glb")
+    with small_disk(), pytest.raises(OSError) as refused:
+        write_view(page, [tmp_path / "c.glb"], [], d.RetargetOptions())
+    assert (refused.value.filename, list(page.iterdir())) == (str(page / "index.html"), [])
 
 
 def test_a_command_says_so(world, tmp_path, capsys):

@@ -100,7 +100,10 @@ def option_of(path: Path, key: str, value, default, described: dict):
             if name not in known:
                 raise RuntimeError(f"{path}: {key}.{name}: expected one of {', '.join(known)}, found '{name}'")
             checked(path, f"{key}.{name}", x, known[name])
-        return type(default)(**{**known, **value})
+        try:
+            return type(default)(**{**known, **value})
+        except ValueError as error:
+            raise RuntimeError(f"{path}: {key}: {str(error).splitlines()[0]}") from error
     if isinstance(default, (list, np.ndarray)):
         for x in checked(path, key, value, []):
             checked(path, f"{key}, an element", x, 0.0 if "lower" in described else "")

@@ -9,13 +9,13 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
 
 from . import _doublet as d
 from .character import animate_exactly
 from .console import Console
-from .files import arrays_of
+from .files import array_of, arrays_of
 from .picture import overlap
+from .video import read_image
 
 #: Name -> (unit, meaning); the order of the table.
 METRICS = {
@@ -50,10 +50,12 @@ class Truth:
         if not (self.folder / "static.npz").exists() and not (self.folder.parent / "static.npz").exists():
             raise FileNotFoundError(f"{self.folder / 'static.npz'} does not exist, so {self.folder} is no ground truth")
         own = self.folder / "static.npz"
-        with arrays_of(own if own.exists() else self.folder.parent / "static.npz") as static:
-            self.body_faces = static["body_tris"].astype(np.int32)
-            self.cloth_faces = static["cloth_tris"].astype(np.int32)
-        self._file = (None, None)
+        self.static = own if own.exists() else self.folder.parent / "static.npz"
+        with arrays_of(self.static) as static:
+            self.body_faces, self.cloth_faces = (
+                array_of(static, self.static, name, "iu", (None, 3)).astype(np.int32) for name in ("body_tris", "cloth_tris")
+            )
+        self._path: Path | None = None  # of the file that is open
 
     @cached_property
     def chunks(self) -> dict[int, tuple[Path, int]]:
@@ -61,18 +63,35 @@ class Truth:
         found = {}
         for path in sorted(self.folder.glob("frames_*.npz")):
             with arrays_of(path) as chunk:
-                count = len(chunk["cloth"])
-                frames = chunk["frames"] if "frames" in chunk else int(chunk["start"]) + np.arange(count)
-            found.update({int(f): (path, row) for row, f in enumerate(frames)})
+                frames = self.frames_of(chunk, path, len(array_of(chunk, path, "cloth", "f", (None, None, 3))))
+            found.update({f: (path, row) for row, f in enumerate(frames)})
         return found
+
+    @staticmethod
+    def frames_of(chunk, path: Path, count: int) -> list[int]:
+        """The video frames of a file's rows: an array of them, or where they begin."""
+        if "frames" in chunk:
+            return array_of(chunk, path, "frames", "iu", (count,)).tolist()
+        start = int(array_of(chunk, path, "start", "iu", ())) if "start" in chunk else 0
+        return list(range(start, start + count))
 
     def frame(self, number: int) -> tuple[np.ndarray, np.ndarray]:
         """(body, garment) vertices, m."""
         path, row = self.chunks[number]
-        if self._file[0] != path:
+        if self._path != path:
             with arrays_of(path) as chunk:
-                self._file = (path, {key: chunk[key] for key in ("body", "cloth")})
-        return tuple(self._file[1][key][row].astype(float) for key in ("body", "cloth"))
+                cloth = array_of(chunk, path, "cloth", "f", (None, None, 3))
+                body = array_of(chunk, path, "body", "f", (len(cloth), None, 3))
+            self.require_vertices(path, body, cloth)
+            self._path, self._vertices = path, (body, cloth)
+        return tuple(vertices[row].astype(float) for vertices in self._vertices)
+
+    def require_vertices(self, path: Path, body: np.ndarray, cloth: np.ndarray) -> None:
+        """Those that the faces have."""
+        for name, faces, vertices in (("body", self.body_faces, body), ("cloth", self.cloth_faces, cloth)):
+            if faces.size and not 0 <= faces.min() <= faces.max() < vertices.shape[1]:
+                expected = f"'{name}_tris' of {vertices.shape[1]} vertices, as {path.name} has them"
+                raise RuntimeError(f"{self.static}: expected {expected}, found {faces.min()} to {faces.max()}")
 
     def surface(self, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(vertices, faces, is_garment per face) of body and garment together."""
@@ -86,8 +105,9 @@ class Truth:
         if not path.exists():
             raise Missing(f"{path} does not exist")
         with arrays_of(path) as file:
-            frames = file["frames"] if "frames" in file else np.arange(len(file["joints"]))
-            return [str(n) for n in file["joint_names"]], dict(zip((int(f) for f in frames), file["joints"].astype(float)))
+            names = [str(n) for n in array_of(file, path, "joint_names", "US", (None,))]
+            joints = array_of(file, path, "joints", "f", (None, len(names), 3)).astype(float)
+            return names, dict(zip(self.frames_of(file, path, len(joints)), joints))
 
     def pelvis(self) -> dict[int, np.ndarray]:
         """Frame -> (3) m."""
@@ -102,6 +122,8 @@ class Truth:
 
 def pelvis_index(joint_names: list[str]) -> int:
     """The joint of that name; the root, which comes first, if there is none."""
+    if not joint_names:
+        raise Missing("the skeleton has no joints")
     return joint_names.index("pelvis") if "pelvis" in joint_names else 0
 
 
@@ -278,7 +300,7 @@ def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, cont
     frames, values = made.performance.surface.frames, []
     for done, (name, frame, path) in enumerate(chosen):
         context.report("evaluate silhouettes", done / len(chosen))
-        mask = np.asarray(Image.open(path).convert("L")) > 0
+        mask = np.asarray(read_image(path).convert("L")) > 0
         camera = by_name[name].resized(mask.shape[1], mask.shape[0])
         face, _ = d.rasterize(frames[rows[frame]], made.faces, camera)
         values.append(overlap(face >= 0, mask))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import shutil
 import sys
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from zipfile import BadZipFile
-from zlib import error as DeflateError
+from zipfile import ZipFile
 
 import numpy as np
 
@@ -88,18 +88,65 @@ def read_toml(path: Path) -> dict:
         raise RuntimeError(f"{path}: expected TOML, found: {error}") from error
 
 
+def read_json(path: Path):
+    """What is wrong with the text is a RuntimeError that names the file."""
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8"))
+    except RecursionError:
+        raise RuntimeError(f"{path}: expected JSON, found brackets inside of brackets without end") from None
+    except ValueError as error:  # a syntax error, or bytes that are no text
+        raise RuntimeError(f"{path}: expected JSON, found a syntax error ({error})") from error
+
+
 @contextmanager
 def arrays_of(path: Path):
     """`np.load(path)`; what is wrong with the archive, or missing in it, is a RuntimeError that names it."""
     try:
+        require_room(path)
         with np.load(path) as arrays:
             yield arrays
-    except FileNotFoundError:
+    except (FileNotFoundError, MemoryError):
         raise
-    except (BadZipFile, DeflateError, AttributeError, EOFError, KeyError, OSError, TypeError, ValueError) as error:
+    except Exception as error:  # of zipfile, zlib, struct, tokenize, ast or NumPy
         if str(path) in str(error):
             raise
-        raise RuntimeError(f"{path}: expected an .npz archive with the arrays of docs/formats.md, found: {error}") from error
+        said = " ".join(str(error).split())[:200]  # some quote the file
+        raise RuntimeError(f"{path}: expected an .npz archive with the arrays of docs/formats.md, found: {said}") from error
+
+
+MOST_EXPANSION = 1032  # of deflate
+
+
+def require_room(path: Path) -> None:
+    """Raises ValueError for arrays that say they are larger than the file can hold: NumPy asks for the memory before it looks."""
+    readers = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    room = MOST_EXPANSION * Path(path).stat().st_size
+    with ZipFile(path) as archive:
+        for member in archive.infolist():
+            room -= member.file_size  # many can name the same packed bytes
+            with archive.open(member) as stream:
+                version = np.lib.format.read_magic(stream)
+                if version not in readers:
+                    raise ValueError(f"{member.filename} of version {version}")
+                shape, _, kind = readers[version](stream)
+                has = member.file_size - stream.tell()
+            if kind.itemsize * math.prod(shape) > has and not kind.hasobject:  # Python's objects are refused unread
+                raise ValueError(f"{member.filename} of shape {shape} in {has} bytes")
+    if room < 0:
+        raise ValueError("more than deflate can pack into a file of this size")
+
+
+def array_of(arrays, path: Path, name: str, kinds: str, shape: tuple) -> np.ndarray:
+    """An array of an archive that was opened with `arrays_of`, of one of these kinds (`dtype.kind`) and this shape (None: any
+    number), and finite. Raises RuntimeError naming file and array."""
+    found = arrays[name]
+    fits = found.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, found.shape))
+    if not fits or found.dtype.kind not in kinds:
+        expected = " x ".join("N" if n is None else str(n) for n in shape)
+        raise RuntimeError(f"{path}: array '{name}': expected {expected} numbers, found {found.dtype} of shape {found.shape}")
+    if found.dtype.kind == "f" and not np.isfinite(found).all():
+        raise RuntimeError(f"{path}: array '{name}': expected finite numbers, found others")
+    return found
 
 
 def sha256(path: Path) -> str:

@@ -32,10 +32,11 @@ SECONDS_BETWEEN = 10  # at least; and drawing takes a twentieth of the time at m
 
 
 def sections(out: Path) -> str:
-    """What material.json and fit_log.csv of OUT say. Raises RuntimeError if they are not what `doublet fit` writes."""
+    """What material.json and fit_log.csv of OUT say. Raises RuntimeError if they are not what `doublet fit` writes: anybody may
+    have written them."""
     try:
         return results(out)
-    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:  # anybody may have written them
+    except (AttributeError, IndexError, KeyError, RecursionError, TypeError, ValueError) as error:
         files = f"{out / 'material.json'} and {out / 'fit_log.csv'}"
         raise RuntimeError(f"{files}: expected what the stage 'fit' writes, found {type(error).__name__}: {error}") from error
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Sequence
 from itertools import combinations
@@ -12,6 +11,7 @@ import numpy as np
 
 from . import _doublet as d
 from .camera_files import CameraFile, match
+from .files import read_json
 
 JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
 #: Index of JOINTS in the lists that programs write, told apart by their length.
@@ -65,19 +65,12 @@ def read_frame(path: Path, frame: int) -> np.ndarray:
     if path.is_dir():
         files = sorted(path.glob("*.json"), key=lambda p: (int((re.findall(r"\d+", p.stem) or [0])[-1]), p.name))
         where = require_frame(files, frame, path)
-        return joints_of(people_of(load(where)), where)
-    content = load(path)
+        return joints_of(people_of(read_json(where)), where)
+    content = read_json(path)
     frames = content.get("instance_info") if isinstance(content, dict) else content
     if not isinstance(frames, list):
         raise ValueError(f"{path}: expected keypoints ({FORMATS}), found something else")
     return joints_of(people_of(require_frame(frames, frame, path)), path)
-
-
-def load(path: Path):
-    try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except ValueError as error:
-        raise ValueError(f"{path}: expected JSON, found a syntax error ({error})") from error
 
 
 def require_frame(frames: Sequence, frame: int, path: Path):

@@ -39,7 +39,7 @@ class Handler(BaseHTTPRequestHandler):
             return
         try:
             answer, status = self.server.save(self.rfile.read(length)), 200
-        except (ValueError, OSError) as error:
+        except (OSError, RuntimeError, ValueError) as error:
             answer, status = {"error": str(error)}, 400
         self.answer(status, "application/json", json.dumps(answer).encode())
 
@@ -64,7 +64,8 @@ class Handler(BaseHTTPRequestHandler):
 
 class LocalPage(ThreadingHTTPServer):
     """shown: path -> (content type, bytes). What the page posts to `saved_at` as JSON of at most `largest_body` bytes goes to
-    save(), which returns the answer, or raises ValueError or OSError saying what is wrong."""
+    save(), which returns the answer, or raises ValueError, OSError or RuntimeError saying what
+    is wrong."""
 
     daemon_threads = True
 

@@ -44,7 +44,7 @@ class RunRecord:
         if self.path.exists():
             try:
                 self.data = json.loads(self.path.read_text(encoding="utf-8"))
-            except ValueError as error:
+            except (RecursionError, ValueError) as error:
                 raise RuntimeError(f"{self.path} is not valid JSON ({error}); delete it to start afresh") from error
             if not isinstance(self.data, dict) or not isinstance(self.data.setdefault("stages", {}), dict):
                 raise RuntimeError(f"{self.path}: expected an object with 'stages', found another; delete it to start afresh")

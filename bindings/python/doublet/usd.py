@@ -17,6 +17,7 @@ def usd_modules():
     try:
         import pxr.Gf
         import pxr.Sdf
+        import pxr.Tf
         import pxr.Usd
         import pxr.UsdGeom
         import pxr.UsdShade
@@ -43,11 +44,12 @@ def texture_path(out: Path, character: d.Character) -> Path:
 class Stage:
     """A stage that frames are written to, one after the other."""
 
-    def __init__(self, character: d.Character, path: Path, texture: str):
+    def __init__(self, character: d.Character, texture: str):
         self.pxr = usd_modules()
         usd, geometry = self.pxr.Usd, self.pxr.UsdGeom
         self.character = character
-        self.stage = usd.Stage.CreateNew(str(path))
+        # In memory until it is whole: there is one place where writing can fail.
+        self.stage = usd.Stage.Open(self.pxr.Sdf.Layer.CreateAnonymous(".usdc"))
         fps = 1 / character.solver.dt
         geometry.SetStageUpAxis(self.stage, geometry.Tokens.y)
         geometry.SetStageMetersPerUnit(self.stage, 1.0)
@@ -174,10 +176,15 @@ class Stage:
         self.animation.GetTranslationsAttr().Set(self.pxr.Vt.Vec3fArray.FromNumpy(np.array(places, np.float32)), frame)
         self.animation.GetRotationsAttr().Set(self.pxr.Vt.QuatfArray(turned), frame)
 
-    def save(self) -> None:
+    def save(self, path: Path, out: Path) -> None:
+        """Writes `path`; a RuntimeError names `out`."""
         self.stage.SetStartTimeCode(0)
         self.stage.SetEndTimeCode(self.frames - 1)
-        self.stage.GetRootLayer().Save()
+        try:
+            self.stage.GetRootLayer().Export(str(path))
+        except self.pxr.Tf.ErrorException as error:
+            said = re.findall(r": '(.*)'$", str(error), re.MULTILINE) or ["USD does not say why"]
+            raise RuntimeError(f"{out}: cannot be written: {said[0]}") from error
 
 
 def write_usdc(
@@ -192,8 +199,7 @@ def write_usdc(
         with written_atomically(texture_path(out, character)) as beside:
             beside.write_bytes(character.texture)
     with written_atomically(out) as beside:
-        stage = Stage(character, beside, texture)
+        stage = Stage(character, texture)
         count = d.animate_each(character, motion, stage.write_frame, options or d.AnimateOptions(), context or d.Context())
-        stage.save()
-        del stage
+        stage.save(beside, out)
     return count

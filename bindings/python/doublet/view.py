@@ -7,12 +7,11 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from shutil import copyfile
 
 import numpy as np
 
 from . import _doublet as d
-from .files import write_text
+from .files import write_text, written_atomically
 from .motions import read_motion
 
 PACKAGED = Path(__file__).parent / "data" / "viewer"
@@ -61,7 +60,8 @@ def write_view(
     bundle = bundle_folder()
     out.mkdir(parents=True, exist_ok=True)
     for name, source in FILES.items():
-        copyfile(bundle / source, out / name)
+        with written_atomically(out / name) as beside:
+            beside.write_bytes((bundle / source).read_bytes())
     write_text(out / "data.js", f"window.DOUBLET_VIEW = {json.dumps(data)};\n")
 
 
