@@ -238,7 +238,7 @@ def test_wrong_keypoints_are_named(model, tmp_path, content, words):
 
 
 def tracked(session: d.Session, out, outwards: float) -> None:
-    """OUT as after `segment`: the template of the session's scan, and frames in which it stands as it is, only so much thicker."""
+    """OUT as after `segment`: a template of the scan, and frames in which it stands as it is, only so much thicker."""
     out.mkdir()
     surface = d.build_template(d.read_mesh(session.scan), d.TemplateOptions(poisson_depth=7, triangles=1500))
     actor = d.rig_template(surface, session.joints)

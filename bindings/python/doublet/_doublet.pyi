@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'corrected_segmentation', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'corrected_segmentation', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -1065,6 +1065,57 @@ class ViewScanOptions:
         """
     @smoothness.setter
     def smoothness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+class RestPoseOptions:
+    """
+    Options of refine_rest_pose.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def frames(self) -> int:
+        """
+        a vertex is where the median of so many frames has it, of those in which the joints around it are bent least: a number in [1, 1000]
+        """
+    @frames.setter
+    def frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def most_bend(self) -> float:
+        """
+        degrees, frames in which they are bent more than this, on average by skin weight, tell nothing of a vertex: a number in [0, 180]
+        """
+    @most_bend.setter
+    def most_bend(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def reach(self) -> float:
+        """
+        m, how far into cloth, which is not corrected, the correction of the skin beside it fades: a number in [0.001, 1]
+        """
+    @reach.setter
+    def reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smoothing(self) -> float:
+        """
+        m, detail of the correction smaller than this is noise: a number in [0.001, 0.1]
+        """
+    @smoothing.setter
+    def smoothing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
 class TemplateOptions:
     """
@@ -5538,6 +5589,10 @@ def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[nump
 def read_view(frames: FrameSource, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex, extractor: SilhouetteExtractor = None) -> CameraView:
     """
     The image, and the ready mask or, where there is none, the extractor's -> CameraView.
+    """
+def refine_rest_pose(actor: RiggedMesh, performance: ReferencePerformance, rigid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: RestPoseOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    """
+    (V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least have them.
     """
 def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
     """

@@ -109,9 +109,7 @@ def looked_at(job: pipeline.Job, made: list[Path], rival: float) -> Made:
     return Made([*made, picture], [*facing(rival), *session_check.look(evidence, picture)])
 
 
-def refine_scan(
-    job: pipeline.Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None
-) -> Made:
+def refine_scan(job: pipeline.Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> Made:
     """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
     `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
     kept as FIRST_SCAN, joints that this command had found are found anew."""
