@@ -47,6 +47,12 @@ Eigen::Vector3d away_along(const Skeleton &skeleton, int joint) {
   return way.y() > 0.5 ? Eigen::Vector3d(-Eigen::Vector3d::UnitY()) : way;
 }
 
+/// A bone of an arm, a leg or the head: the trunk's go up, or part.
+bool is_limb(const Skeleton &skeleton, int joint) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitY();
+  return skeleton.joints[joint].parent >= 0 && away_along(skeleton, joint) != Eigen::Vector3d(-up);
+}
+
 /// [F] the faces that share an edge with each.
 std::vector<std::vector<int>> faces_beside(const Faces &faces) {
   std::vector<std::vector<int>> beside(faces.rows());
@@ -274,6 +280,15 @@ Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece) {
     }
   }
   return sum.cwiseQuotient(count.cwiseMax(1));
+}
+
+Eigen::VectorXd on_limbs(const RiggedMesh &actor, const Piece &piece) {
+  const std::vector<int> joints = joint_of_faces(actor);
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(piece.mesh.vertices.rows());
+  for (Eigen::Index f = 0; f < piece.mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3 && is_limb(actor.skeleton, joints[piece.actor_face[f]]); ++k)
+      result[piece.mesh.faces(f, k)] = 1;
+  return result;
 }
 
 } // namespace doublet::detail

@@ -28,4 +28,7 @@ Eigen::VectorXd skin_around(const RiggedMesh &actor, const std::vector<char> &sh
 /// its waist. 0 inside.
 Eigen::VectorXd ends_along_limb(const RiggedMesh &actor, const Piece &piece);
 
+/// (N) 1 at the vertices of the piece whose faces a limb moves most, 0 on the trunk.
+Eigen::VectorXd on_limbs(const RiggedMesh &actor, const Piece &piece);
+
 } // namespace doublet::detail

@@ -50,10 +50,19 @@ std::vector<Run> runs_of(const Vertices &vertices, const std::vector<int> &loop,
   return runs; // none if all is of one kind
 }
 
+/// Of the values (N) of a run's vertices.
+double mean_over(const std::vector<int> &loop, const Run &run, const Eigen::VectorXd &values) {
+  double sum = 0;
+  for (std::size_t k = 0; k < run.count; ++k)
+    sum += values[loop[(run.first + k) % loop.size()]];
+  return sum / static_cast<double>(run.count);
+}
+
 /// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut; `ends` (N):
-/// of ends_along_limb(). Runs that are shorter than `smallest` become the other kind, the shortest first.
+/// of ends_along_limb(); `limbs` (N): of on_limbs(). Runs that are shorter than `smallest` become the other kind, the shortest
+/// first.
 std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin,
-                          const Eigen::VectorXd &ends, double smallest) {
+                          const Eigen::VectorXd &ends, const Eigen::VectorXd &limbs, double smallest) {
   std::vector<char> kinds;
   for (int v : loop)
     kinds.push_back(skin[v] > 0.5);
@@ -68,14 +77,14 @@ std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop
       break;
     turn(shortest);
   }
-  // A leg that touches the hem, or is one surface with it in a scan made of silhouettes, does not hold it.
-  for (const Run &run : runs_of(vertices, loop, kinds)) {
-    double sum = 0;
-    for (std::size_t k = 0; k < run.count; ++k)
-      sum += ends[loop[(run.first + k) % loop.size()]];
-    if (kinds[run.first] && sum > kEnds * static_cast<double>(run.count))
+  // A leg that touches the hem, or is one surface with it in a scan made of silhouettes, does not hold it; nor does one that a
+  // whole loop runs around: a cuff. Tucked in at the waist, a whole loop holds.
+  std::vector<Run> runs = runs_of(vertices, loop, kinds);
+  if (runs.empty() && mean_over(loop, {0, loop.size(), 0}, limbs) > 0.5)
+    runs.push_back({0, loop.size(), 0});
+  for (const Run &run : runs)
+    if (kinds[run.first] && mean_over(loop, run, ends) > kEnds)
       turn(run);
-  }
   return kinds;
 }
 
@@ -91,10 +100,10 @@ int wide_frame(const RiggedMesh &actor, const Piece &piece, const MeshSequence &
 
 /// (N) 1 for the vertices of the piece's boundary that the garment hangs from.
 std::vector<char> hanging_vertices(const Piece &piece, const Eigen::VectorXd &skin_at_cut, const Eigen::VectorXd &ends,
-                                   double smallest_edge) {
+                                   const Eigen::VectorXd &limbs, double smallest_edge) {
   std::vector<char> result(piece.mesh.vertices.rows(), 0);
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces)) {
-    const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, ends, smallest_edge);
+    const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, ends, limbs, smallest_edge);
     for (std::size_t i = 0; i < loop.size(); ++i)
       result[loop[i]] = kinds[i];
   }
@@ -365,7 +374,8 @@ public:
       fields.push_back(detail::garment_field(actor, excluded, segmentation, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
       const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing);
-      hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), options_.smallest_edge));
+      hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), detail::on_limbs(actor, whole),
+                                       options_.smallest_edge));
       pieces.push_back(hanging_part(whole, hangs.back()));
       say_what_falls(whole, pieces.back(), r, context);
       spread.push_back(spread_out(actor, pieces.back(), captured));

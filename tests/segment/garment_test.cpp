@@ -361,12 +361,33 @@ TEST(GarmentMesher, AGapInTheSkinAboveTheSeamIsNoHem) {
   EXPECT_GT(free_at_waist(0.02), 0);
 }
 
+TEST(GarmentMesher, ALegThatAWholeLoopRunsAroundDoesNotHoldTheSkirt) {
+  Person person;
+  for (int ring = 2; ring < 28; ++ring) { // the leg, and the sheet that joins it to the hem
+    person.set_cloth(ring, 0);
+    for (int k = 0; k < skirt_person::kAround; ++k)
+      for (int f : {0, 1})
+        person.actor.face_valid[skirt_person::face(ring, k) + f] = 1;
+  }
+  const Garment garment = garment_of(person);
+  EXPECT_LT(garment.mesh.vertices.col(1).minCoeff(), 0.2);
+  expect_loops(garment, 2, 1);
+  for (Eigen::Index v = 0; v < garment.clothness.size(); ++v)
+    EXPECT_TRUE(garment.clothness[v] > 0 || garment.mesh.vertices(v, 1) > 0.9) << v;
+}
+
 TEST(GarmentMesher, SkinBeyondTheHemThatCountsAsClothIsLeftOut) {
   Person person;
   for (int ring = 2; ring <= 20; ++ring) // the leg, up to the sheet
     person.set_cloth(ring, 0);
-  expect_loops(garment_of(person), 4, 2);
-  const Garment skirt = mesh_garment(person.actor, person.segmentation, person.body, {}, small_garment());
+  std::string said;
+  Context context;
+  context.log = [&](const std::string &line) { said += line; };
+  expect_loops(mesh_garment(person.actor, person.segmentation, {}, {}, small_garment(), context), 2, 1);
+  EXPECT_NE(said.find("region 0: 0.2"), std::string::npos) << said; // m^2 that hang on nothing
+  said.clear();
+  const Garment skirt = mesh_garment(person.actor, person.segmentation, person.body, {}, small_garment(), context);
+  EXPECT_EQ(said.find("region 0: 0.2"), std::string::npos) << said;
   expect_loops(skirt, 2, 1);
   EXPECT_GT(skirt.mesh.vertices.col(1).minCoeff(), 0.49);
   EXPECT_GT(skirt.mesh.vertices.col(1).maxCoeff(), 0.98); // the waistband lies on the body, too
