@@ -74,6 +74,8 @@ bool seen_at(int v, const std::vector<Vertices> &frames, const MatrixRM &bends, 
 Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &performance,
                           const std::vector<std::uint8_t> &rigid, const RestPoseOptions &options, const Context &context) {
   options.validate();
+  require_actor(actor, "refine_rest_pose");
+  require_performance(performance, actor, "refine_rest_pose");
   const Vertices &rest = actor.mesh.vertices;
   if (static_cast<Eigen::Index>(rigid.size()) != rest.rows())
     throw std::invalid_argument("refine_rest_pose: expected " + std::to_string(rest.rows()) + " entries in rigid, found " +

@@ -84,6 +84,9 @@ TEST(RestPose, SaysWhatDoesNotGoTogether) {
   EXPECT_THROW(refine_rest_pose(tracked.actor, tracked.performance, {1, 0}), std::invalid_argument);
   tracked.performance.surface.frames[3](0, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_ANY_THROW(refine_rest_pose(tracked.actor, tracked.performance, tracked.rigid));
+  Tracked broken;
+  broken.actor.mesh.faces(5, 1) = -1;
+  EXPECT_THROW(refine_rest_pose(broken.actor, broken.performance, broken.rigid), Error);
   RestPoseOptions options;
   options.frames = 0;
   EXPECT_THROW(refine_rest_pose(tracked.actor, tracked.performance, tracked.rigid, options), std::invalid_argument);
