@@ -47,7 +47,7 @@ Eigen::Vector3d away_along(const Skeleton &skeleton, int joint) {
   return way.y() > 0.5 ? Eigen::Vector3d(-Eigen::Vector3d::UnitY()) : way;
 }
 
-/// A bone of an arm, a leg or the head: the trunk's go up, or part.
+/// A bone of an arm or a leg: the trunk's, and the head's, go up, or part.
 bool is_limb(const Skeleton &skeleton, int joint) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitY();
   return skeleton.joints[joint].parent >= 0 && away_along(skeleton, joint) != Eigen::Vector3d(-up);
