@@ -93,9 +93,8 @@ public:
     DOUBLET_PBD_ISA::refit<T>(tree.nodes, tree.node_count, boxes_.data(), leaf);
   }
   /// Calls found(face, lanes) for every face whose box overlaps `query` in some of the lanes, in the order of the tree.
-  /// first: the node from whose leaf on.
-  template <class Found> void for_each_overlap(const BoxTree &tree, const Box<T> &query, Found &&found, int first = 0) const {
-    DOUBLET_PBD_ISA::for_each_overlap<T>(tree.nodes, tree.node_count, boxes_.data(), query, found, first);
+  template <class Found> void for_each_overlap(const BoxTree &tree, const Box<T> &query, Found &&found) const {
+    DOUBLET_PBD_ISA::for_each_overlap<T>(tree.nodes, tree.node_count, boxes_.data(), query, found);
   }
 
 private:
@@ -114,7 +113,7 @@ public:
       for (int k = 0; k < 4; ++k)
         quads_[i].set(k, tree.quads[i].node[k] >= 0 ? boxes_[tree.quads[i].node[k]] : nothing());
   }
-  template <class Found> void for_each_overlap(const BoxTree &tree, const Box<float> &query, Found &&found, int first = 0) const {
+  template <class Found> void for_each_overlap(const BoxTree &tree, const Box<float> &query, Found &&found) const {
     int waiting[64], count = 1; // four a level, and as many levels as quads of 2^31 faces have
     waiting[0] = 0;
     while (count > 0) {
@@ -124,8 +123,7 @@ public:
         continue;
       }
       const QuadNode &quad = tree.quads[at];
-      const int overlaps = quads_[at].overlap(query) & (static_cast<int>(quad.skip[0] > first) | (quad.skip[1] > first) << 1 |
-                                                        (quad.skip[2] > first) << 2 | (quad.skip[3] > first) << 3);
+      const int overlaps = quads_[at].overlap(query);
       for (int k = 3; k >= 0; --k) // the last goes below the first
         if (overlaps >> k & 1)
           waiting[count++] = quad.next[k];

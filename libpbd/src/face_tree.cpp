@@ -58,12 +58,11 @@ int add_quad(const std::vector<TreeNode> &nodes, int at, std::vector<QuadNode> &
       add_children_of(child);
   }
   const auto index = quads.size();
-  quads.push_back({{-1, -1, -1, -1}, {}, {}});
+  quads.push_back({{-1, -1, -1, -1}, {}});
   for (size_t k = 0; k < children.size(); ++k) {
     const int face = nodes[children[k]].face, next = face >= 0 ? ~face : add_quad(nodes, children[k], quads);
     quads[index].node[k] = children[k];
     quads[index].next[k] = next;
-    quads[index].skip[k] = nodes[children[k]].skip;
   }
   return static_cast<int>(index);
 }
@@ -117,6 +116,12 @@ OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vecto
       }
     }
   }
+  for (const Edge &edge : all.edges) {
+    all.ends[0].push_back(edge.a);
+    all.ends[1].push_back(edge.b);
+  }
+  for (std::vector<int> &list : all.ends)
+    list.insert(list.end(), kSpareInList, -1);
   return all;
 }
 
@@ -171,7 +176,11 @@ PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<
                           int vertex_count, int most) {
   PatchedTree out;
   PatchBuilder{nodes, most, out}.add(0);
-  out.quads = build_quads(out.nodes);
+  for (size_t k = 0; k < out.corners.size(); ++k) {
+    for (const int f : out.faces)
+      out.corners[k].push_back(faces[f].v[k]);
+    out.corners[k].insert(out.corners[k].end(), kSpareInList, -1);
+  }
   std::vector<std::vector<int>> patches_of(vertex_count); // ascending
   for (size_t i = 0; i < out.patches.size(); ++i) {
     Patch &patch = out.patches[i];

@@ -4,6 +4,7 @@
 #include "kernels.h"
 #include "lane_model.h"
 
+#include <array>
 #include <vector>
 
 namespace doublet::pbd {
@@ -16,6 +17,7 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes);
 /// Each once, as the tree comes to its faces: of face f those are counts[f] from first[f] on.
 struct OrderedEdges {
   std::vector<Edge> edges;
+  std::array<std::vector<int>, 2> ends; ///< see LaneModel::edge_ends
   std::vector<int> first, counts;
 };
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
@@ -23,9 +25,9 @@ OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vecto
 /// The tree cut off where a node has no more than `most` faces, see Patch.
 struct PatchedTree {
   std::vector<TreeNode> nodes; ///< of a leaf, `face` is the patch
-  std::vector<QuadNode> quads;
   std::vector<Patch> patches;
   std::vector<int> faces, vertices, next, near;
+  std::array<std::vector<int>, 3> corners; ///< see LaneModel::patch_corners
 };
 PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, const OrderedEdges &edges,
                           int vertex_count, int most);

@@ -10,34 +10,33 @@ constexpr int kUntangleSteps = 10;      ///< at the start of a frame, at most
 constexpr float kUntangleStep = 0.002f; ///< m, that an edge or a face moves in one
 constexpr float kStrained = 1.25f;      ///< cloth longer than this by its length at rest has no contacts, where edges collide
 
+/// The ends a and b of an edge and the plane of the face (c, d, e): do they lie on either side of it?
+template <class T, class M> struct Parted {
+  M lanes; ///< in which they do
+  T a, b;  ///< heights over the plane, times twice the face's area, m^3
+};
+template <class T>
+inline auto part_by_plane(const Vec3<T> &a, const Vec3<T> &b, const Vec3<T> &c, const Vec3<T> &d, const Vec3<T> &e) {
+  const Vec3<T> n = cross<T>(d - c, e - c);
+  const T ha = dot(n, a - c), hb = dot(n, b - c);
+  const auto lanes = ((ha < T(0)) & (T(0) < hb)) | ((hb < T(0)) & (T(0) < ha));
+  return Parted<T, decltype(lanes)>{lanes, ha, hb};
+}
+
 template <class T> class Knots {
 public:
   template <class Points> void find(const LaneModel &m, const Points &x) {
     in_knot_.resize(m.vertex_count);
-    for (T &vertex : in_knot_)
-      vertex = T(0);
+    for (int i = 0; i < m.vertex_count; ++i)
+      in_knot_[i] = T(0);
     crossings_.clear();
     near_.clear();
     if (m.edge_collision)
       find_strained(m, x);
-    const auto face_box = [&](int f) {
-      const Vec3<T> a = x[m.faces[f].v[0]], b = x[m.faces[f].v[1]], c = x[m.faces[f].v[2]];
-      return bounded(Box<T>{low(low(a, b), c), high(high(a, b), c)}, T(m.largest_extent));
-    };
-    const auto edge_box = [&](int i) {
-      const Vec3<T> a = x[m.edges[i].a], b = x[m.edges[i].b];
-      return Box<T>{low(a, b), high(a, b)};
-    };
-    if (m.edge_collision) {
-      find_near(m, x, face_box, edge_box);
-      return;
-    }
-    boxes_.refit(m.face_tree, face_box);
-    for (int i = 0; i < m.edge_count; ++i)
-      boxes_.for_each_overlap(m.face_tree, edge_box(i), [&](int f, auto lanes) {
-        if (!has_corner_of(m, f, i))
-          note_crossing(m, x, i, f, lanes);
-      });
+    if (m.edge_collision)
+      find_near(m, x);
+    else
+      find_by_tree(m, x);
   }
 
   /// Moves the cloth apart where find() has seen it cross itself: each edge and each face the way that shortens the line of
@@ -68,6 +67,7 @@ public:
   auto strained(int vertex) const { return strained_[vertex] > T(0); }
 
 private:
+  static constexpr bool kSingle = sizeof(T) == sizeof(float);
   struct Pair {
     int edge, face;
     T here; ///< 1 in the lanes in which it is so, else 0
@@ -78,33 +78,78 @@ private:
     return v[0] == a || v[1] == a || v[2] == a || v[0] == b || v[1] == b || v[2] == b;
   }
 
-  template <class Points, class FaceBox, class EdgeBox>
-  void find_near(const LaneModel &m, const Points &x, const FaceBox &face_box, const EdgeBox &edge_box) {
-    const T reach(kUntangleStep);
-    patches_.find(m, x, face_box, reach);
-    face_boxes_.resize(m.face_count);
-    for (int f = 0; f < m.face_count; ++f)
-      face_boxes_[f] = grown(face_box(f), reach);
-    patches_.for_each_pair([&](int i, int j, auto lanes) {
-      find_near(m, x, m.patches[i], m.patches[j], patches_.box(j), lanes, edge_box);
+  template <class Points> void find_by_tree(const LaneModel &m, const Points &x) {
+    boxes_.refit(m.face_tree, [&](int f) {
+      const Vec3<T> a = x[m.faces[f].v[0]], b = x[m.faces[f].v[1]], c = x[m.faces[f].v[2]];
+      return bounded(Box<T>{low(low(a, b), c), high(high(a, b), c)}, T(m.largest_extent));
+    });
+    for (int i = 0; i < m.edge_count; ++i) {
+      const Vec3<T> a = x[m.edges[i].a], b = x[m.edges[i].b];
+      boxes_.for_each_overlap(m.face_tree, Box<T>{low(a, b), high(a, b)}, [&](int f, auto lanes) {
+        if (!has_corner_of(m, f, i))
+          note_crossing(m, x, i, f, lanes);
+      });
+    }
+  }
+
+  template <class Points> void find_near(const LaneModel &m, const Points &x) {
+    const auto end_of_edge = [&](int e, int k) { return k == 0 ? m.edges[e].a : m.edges[e].b; };
+    const auto corner = [&](int n, int k) { return m.faces[m.patch_faces[n]].v[k]; };
+    set_boxes<2>(x, x, m.edge_count, end_of_edge, Margin{0, m.largest_extent}, edge_boxes_);
+    set_boxes<3>(x, x, m.face_count, corner, Margin{kUntangleStep, m.largest_extent}, face_boxes_);
+    patches_.find(m, x, face_boxes_, T(kUntangleStep));
+    near_pairs_.clear();
+    patches_.for_each_pair([&](int i, int j, auto may) {
+      find_near(m, m.patches[i], m.patches[j], patches_.box(j), may);
       if (i != j)
-        find_near(m, x, m.patches[j], m.patches[i], patches_.box(i), lanes, edge_box);
+        find_near(m, m.patches[j], m.patches[i], patches_.box(i), may);
+    });
+    if constexpr (kSingle)
+      note_crossings_in_rows(m, x);
+    else
+      for (const Pair &pair : near_)
+        note_crossing(m, x, pair.edge, pair.face, pair.here > T(0));
+  }
+  /// The edges of one patch and the faces of another, which lie within `around`.
+  template <class M> void find_near(const LaneModel &m, const Patch &edges, const Patch &faces, const Box<T> &around, M may) {
+    const int first = faces.first_face, last = first + faces.face_count;
+    edge_boxes_.for_each_overlap(edges.first_edge, edges.first_edge + edges.edge_count, around, may, [&](int i, auto) {
+      if constexpr (kSingle)
+        face_boxes_.for_each_row(first, last, edge_boxes_[i], [&](int n, int overlaps) {
+          int own = 0;
+          for (const int *list : m.patch_corners)
+            own |= equal_bits(list + n, m.edges[i].a) | equal_bits(list + n, m.edges[i].b);
+          add_pairs(i, n, overlaps & ~own, near_pairs_);
+        });
+      else
+        face_boxes_.for_each_overlap(first, last, edge_boxes_[i], may, [&](int n, auto lanes) {
+          const int f = m.patch_faces[n];
+          if (!has_corner_of(m, f, i))
+            near_.push_back({i, f, select(lanes, T(1), T(0))});
+        });
     });
   }
-  template <class Points, class M, class EdgeBox>
-  void find_near(const LaneModel &m, const Points &x, const Patch &edges, const Patch &faces, const Box<T> &around, M may,
-                 const EdgeBox &edge_box) {
-    for (int i = edges.first_edge; i < edges.first_edge + edges.edge_count; ++i) {
-      const Box<T> box = edge_box(i);
-      if (!any(may & overlap(box, around)))
-        continue;
-      for (int k = 0; k < faces.face_count; ++k) {
-        const int f = m.patch_faces[faces.first_face + k];
-        const auto lanes = may & overlap(box, face_boxes_[f]);
-        if (!any(lanes) || has_corner_of(m, f, i))
-          continue;
-        near_.push_back({i, f, select(lanes, T(1), T(0))});
-        note_crossing(m, x, i, f, lanes);
+  /// Of one simulation the ends of a row of edges are held to their faces' planes side by side.
+  void note_crossings_in_rows(const LaneModel &m, const Array<Point> &x) {
+    for (int first = 0; first < near_pairs_.size(); first += kRow) {
+      const int count = near_pairs_.size() - first < kRow ? near_pairs_.size() - first : kRow;
+      const auto vertices = [&](const int *list, bool of_face) {
+        int v[kRow];
+        for (int l = 0; l < kRow; ++l) {
+          const IndexPair &pair = near_pairs_[l < count ? first + l : first];
+          v[l] = list[of_face ? pair.j : pair.i];
+        }
+        return gather(x.data(), v);
+      };
+      const Vec3<Row> a = vertices(m.edge_ends[0], false), b = vertices(m.edge_ends[1], false);
+      const Vec3<Row> c = vertices(m.patch_corners[0], true), d = vertices(m.patch_corners[1], true),
+                      e = vertices(m.patch_corners[2], true);
+      const int parts = lane_bits(part_by_plane(a, b, c, d, e).lanes);
+      for (int l = 0; l < count; ++l) {
+        const IndexPair &pair = near_pairs_[first + l];
+        near_.push_back({pair.i, m.patch_faces[pair.j], 1});
+        if (parts >> l & 1)
+          note_crossing(m, x, pair.i, m.patch_faces[pair.j], true);
       }
     }
   }
@@ -128,12 +173,11 @@ private:
   template <class Points, class M> void note_crossing(const LaneModel &m, const Points &x, int edge, int face, M lanes) {
     const int corners[] = {m.edges[edge].a, m.edges[edge].b, m.faces[face].v[0], m.faces[face].v[1], m.faces[face].v[2]};
     const Vec3<T> a = x[corners[0]], b = x[corners[1]], c = x[corners[2]], d = x[corners[3]], e = x[corners[4]];
-    const Vec3<T> n = cross<T>(d - c, e - c);
-    const T ha = dot(n, a - c), hb = dot(n, b - c);
-    lanes = lanes & (((ha < T(0)) & (T(0) < hb)) | ((hb < T(0)) & (T(0) < ha)));
+    const auto parted = part_by_plane(a, b, c, d, e);
+    lanes = lanes & parted.lanes;
     if (!any(lanes))
       return;
-    const T share = ha / select(lanes, ha - hb, T(1));
+    const T share = parted.a / select(lanes, parted.a - parted.b, T(1));
     const Vec3<T> foot = barycentric(mul_add(share, b - a, a), c, d, e);
     lanes = lanes & (foot.x >= T(0)) & (foot.y >= T(0)) & (foot.z >= T(0));
     if (!any(lanes))
@@ -192,12 +236,13 @@ private:
 
   FaceBoxes<T> boxes_;
   Patches<T> patches_;
-  Array<Box<T>> face_boxes_;     ///< where edges collide
-  Array<T> in_knot_, strained_;  ///< of each vertex: 0, 1
-  Array<Pair> near_, crossings_; ///< edges and faces less than a step apart along every axis; that pass through each other
-  Array<Vec3<T>> ways_;          ///< of each vertex, from all of its crossings
-  Array<T> counts_;              ///< of these
-  Array<int> moved_;             ///< 1: in some lane
+  BoxList<T> edge_boxes_, face_boxes_; ///< in the order of the patches
+  Array<T> in_knot_, strained_;        ///< of each vertex: 0, 1
+  Array<Pair> near_, crossings_;       ///< edges and faces less than a step apart along every axis; that pass through each other
+  Array<IndexPair> near_pairs_;        ///< the same of one simulation, edge and patch_faces
+  Array<Vec3<T>> ways_;                ///< of each vertex, from all of its crossings
+  Array<T> counts_;                    ///< of these
+  Array<int> moved_;                   ///< 1: in some lane
 };
 
 } // namespace DOUBLET_PBD_ISA

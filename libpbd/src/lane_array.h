@@ -23,6 +23,12 @@ public:
       grow(2 * size_ + 64);
     data_[size_++] = element;
   }
+  /// Room for `count` more behind the last, which they become one by one with resize().
+  E *spare(int count) {
+    if (size_ + count > capacity_)
+      grow(2 * size_ + 64 + count);
+    return data_ + size_;
+  }
   void clear() { size_ = 0; }
   void swap(Array &other) {
     exchange(data_, other.data_);

@@ -31,6 +31,8 @@ struct BendBlock {
 };
 inline constexpr int kSpareVertices = 4; ///< after the model's own, in every array of positions: the corners of a flat square
 
+inline constexpr int kSpareInList = 8; ///< values of lists that are read a row at a time
+
 struct BlendConstraint {
   int vertex, follower; ///< the same vertex, as an index into `followers`
   float stiffness;      ///< in every iteration: 1 - delta^(1 / iterations)
@@ -50,7 +52,6 @@ struct TreeNode {
 struct QuadNode {
   int node[4]; ///< whose box it has, an index into the nodes; -1: no child
   int next[4]; ///< of an inner node its quad, of a leaf ~face
-  int skip[4]; ///< that of its node
 };
 
 /// One way through a tree, and the other.
@@ -82,12 +83,16 @@ struct LaneModel {
   const BendBlock *blocks;
   const BlendConstraint *blends;
   const int *followers; ///< vertices of clothness < 1
-  BoxTree face_tree, patch_tree;
+  BoxTree face_tree;
+  const TreeNode *patch_nodes; ///< the same tree, down to the patches alone
+  int patch_node_count;
   const Edge *edges;                  ///< in the order of the tree: neighbours ask the same boxes
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
   const Patch *patches; ///< where edges collide, else none; in the order of the tree
   const int *patch_faces, *patch_vertices, *patch_next, *patch_near;
+  const int *edge_ends[2];            ///< the ends of each edge once more, a list of the first and one of the second
+  const int *patch_corners[3];        ///< the same of the corners of patch_faces; all five with kSpareInList behind the last
   const std::uint64_t *resting_edges; ///< sorted (edge << 32 | later edge) that never collide
   int resting_edge_count;
   const int *resting_knots; ///< vertices where the rest shape passes through itself; where edges collide

@@ -34,7 +34,7 @@ public:
   }
 
   int lanes() const override { return kLanes; }
-  int vertex_stride() const override { return sizeof(Place) / sizeof(float); }
+  int vertex_stride() const override { return sizeof(Place<T>) / sizeof(float); }
   float *positions() override { return reinterpret_cast<float *>(x_.data()); }
   float *velocities() override { return reinterpret_cast<float *>(v_.data()); }
   float *targets_start() override { return reinterpret_cast<float *>(target_start_.data()); }
@@ -59,13 +59,13 @@ public:
     damp();
     predict();
     const T opening = T(kDepenetrationSpeed) * s_.h;
-    find_capsule_contacts(m_, capsules_, x_, p_, opening, contacts_);
+    find_capsule_contacts(m_, capsules_, x_, p_, opening, boxes_, contacts_);
     self_contacts_.clear();
     edge_contacts_.clear();
     if (m_.self_collision)
       self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_, edge_contacts_);
     iterate();
-    push_out_strays(m_, capsules_, contacts_, p_);
+    push_out_strays(m_, capsules_, contacts_, p_, boxes_);
     update_velocities();
     rub_self();
     rub_edges();
@@ -85,9 +85,6 @@ public:
 private:
   static constexpr bool kSingle = sizeof(T) == sizeof(float);
   static constexpr int kLanes = sizeof(T) / sizeof(float);
-  template <class A, class B, bool first> struct Choice { using Type = A; };
-  template <class A, class B> struct Choice<A, B, false> { using Type = B; };
-  using Place = typename Choice<Point, Vec3<T>, kSingle>::Type;
 
   void set_targets(float end) {
     for (int i = 0; i < m_.follower_count; ++i)
@@ -359,7 +356,7 @@ private:
 
   const LaneModel &m_;
   Substep<T> s_;
-  Array<Place> x_, p_;                                ///< start, end of the substep; with the spare vertices
+  Array<Place<T>> x_, p_;                             ///< start, end of the substep; with the spare vertices
   Array<Vec3<T>> v_, v_free_;                         ///< velocity; the same before contacts, where they reflect it
   Array<Vec3<T>> target_start_, target_end_, target_; ///< of the followers: in the frame; at the end of the substep
   Array<CapsuleMotion<T>> capsules_;
@@ -367,6 +364,7 @@ private:
   Array<SelfContact<T>> self_contacts_;
   Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;
+  BoxList<T> boxes_; ///< of the vertices, for a while
   SelfCollision<T> self_collision_;
   Array<T> stretch_multipliers_, bend_multipliers_;
   T zero_;

@@ -4,6 +4,7 @@
 // bits that the kernel gives for float: the arithmetic is IEEE in all of them and what is fused (mul_add) is fused in all.
 
 #include "lane.h"
+#include "lane_model.h"
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -106,6 +107,11 @@ inline int lane_bits(Mask<4> m) {
   return (m.bits[0] & 1) | (m.bits[1] & 2) | (m.bits[2] & 4) | (m.bits[3] & 8);
 #endif
 }
+#ifdef __AVX2__
+inline int lane_bits(Mask<8> m) {
+  return _mm256_movemask_ps(reinterpret_cast<__m256>(m.bits));
+}
+#endif
 template <int N> inline Pack<N> lane_abs(Pack<N> a) {
   return from_bits<N>(to_bits(a) & 0x7fffffff);
 }
@@ -258,6 +264,10 @@ struct alignas(16) Point : Vec3f {
   Point() = default;
   Point(Vec3f p) : Vec3f(p), pad(0) {}
 };
+/// How the solver keeps a position.
+template <class T> struct PlaceOf { using Type = Vec3<T>; };
+template <> struct PlaceOf<float> { using Type = Point; };
+template <class T> using Place = typename PlaceOf<T>::Type;
 
 using Lanes4 = Registers<4>::Floats;
 using Order4 = Registers<4>::Ints;
@@ -269,14 +279,47 @@ inline Lanes4 shuffle(Lanes4 a, Lanes4 b, Order4 order) {
   return __builtin_shuffle(a, b, order);
 #endif
 }
-inline Vec3<Pack<4>> gather(const Point *p, const int (&v)[4]) {
-  const Lanes4 a = Pack<4>::load(&p[v[0]].x).lanes, b = Pack<4>::load(&p[v[1]].x).lanes, c = Pack<4>::load(&p[v[2]].x).lanes,
-               d = Pack<4>::load(&p[v[3]].x).lanes;
-  const Lanes4 ab = shuffle(a, b, Order4{0, 4, 1, 5}), cd = shuffle(c, d, Order4{0, 4, 1, 5}); // x x y y
-  const Lanes4 ab_z = shuffle(a, b, Order4{2, 6, 3, 7}), cd_z = shuffle(c, d, Order4{2, 6, 3, 7});
-  return {Pack<4>(shuffle(ab, cd, Order4{0, 1, 4, 5})), Pack<4>(shuffle(ab, cd, Order4{2, 3, 6, 7})),
-          Pack<4>(shuffle(ab_z, cd_z, Order4{0, 1, 4, 5}))};
+/// Rows to columns.
+inline void transpose(const Pack<4> *row, Pack<4> (&column)[4]) {
+  const Lanes4 a = row[0].lanes, b = row[1].lanes, c = row[2].lanes, d = row[3].lanes;
+  const Lanes4 ab = shuffle(a, b, Order4{0, 4, 1, 5}), cd = shuffle(c, d, Order4{0, 4, 1, 5}); // a0 b0 a1 b1
+  const Lanes4 ab_high = shuffle(a, b, Order4{2, 6, 3, 7}), cd_high = shuffle(c, d, Order4{2, 6, 3, 7});
+  column[0] = Pack<4>(shuffle(ab, cd, Order4{0, 1, 4, 5}));
+  column[1] = Pack<4>(shuffle(ab, cd, Order4{2, 3, 6, 7}));
+  column[2] = Pack<4>(shuffle(ab_high, cd_high, Order4{0, 1, 4, 5}));
+  column[3] = Pack<4>(shuffle(ab_high, cd_high, Order4{2, 3, 6, 7}));
 }
+inline Vec3<Pack<4>> gather(const Point *p, const int (&v)[4]) {
+  const Pack<4> point[] = {Pack<4>::load(&p[v[0]].x), Pack<4>::load(&p[v[1]].x), Pack<4>::load(&p[v[2]].x),
+                           Pack<4>::load(&p[v[3]].x)};
+  Pack<4> axis[4];
+  transpose(point, axis);
+  return {axis[0], axis[1], axis[2]};
+}
+
+/// What a single simulation does side by side: the boxes or the pairs that it looks at.
+#ifdef __AVX2__
+constexpr int kRow = 8;
+inline Pack<8> joined(Pack<4> low, Pack<4> high) {
+  return Pack<8>(_mm256_insertf128_ps(_mm256_castps128_ps256(low.lanes), high.lanes, 1));
+}
+inline Vec3<Pack<8>> gather(const Point *p, const int (&v)[8]) {
+  const int low[] = {v[0], v[1], v[2], v[3]}, high[] = {v[4], v[5], v[6], v[7]};
+  const Vec3<Pack<4>> a = gather(p, low), b = gather(p, high);
+  return {joined(a.x, b.x), joined(a.y, b.y), joined(a.z, b.z)};
+}
+#else
+constexpr int kRow = 4;
+#endif
+using Row = Pack<kRow>;
+static_assert(kRow <= kSpareInList);
+/// Bit l: list[l] == value.
+inline int equal_bits(const int *list, int value) {
+  Registers<kRow>::Ints row;
+  __builtin_memcpy(&row, list, sizeof row);
+  return lane_bits(Mask<kRow>{row == value});
+}
+
 inline void scatter(Point *p, const int (&v)[4], const Vec3<Pack<4>> &x) {
   const Lanes4 zero{0, 0, 0, 0};
   const Lanes4 xy_lo = shuffle(x.x.lanes, x.y.lanes, Order4{0, 4, 1, 5}),

@@ -1,7 +1,7 @@
 #pragma once
 // Which pieces of the cloth can meet: a patch and its neighbours cannot as long as they look about the same way.
 
-#include "face_boxes.h"
+#include "box_list.h"
 
 namespace doublet::pbd {
 inline namespace DOUBLET_PBD_ISA {
@@ -9,67 +9,152 @@ inline namespace DOUBLET_PBD_ISA {
 constexpr int kLooks = 7;         ///< the directions that faces may look along, see looks_along
 constexpr float kSameSide = 0.3f; ///< least cosine of a face's normal with a direction that it looks along
 
-/// Cosines of a unit normal with three axes and four diagonals.
-template <class T> inline void looks_along(const Vec3<T> &n, T (&cosine)[kLooks]) {
-  const T diagonal(0.57735027f), plus = n.y + n.z, minus = n.y - n.z;
-  cosine[0] = n.x, cosine[1] = n.y, cosine[2] = n.z;
-  cosine[3] = diagonal * (n.x + plus), cosine[4] = diagonal * (n.x - plus);
-  cosine[5] = diagonal * (n.x + minus), cosine[6] = diagonal * (n.x - minus);
+/// Cosines of the normal n of a face with three axes and four diagonals.
+template <class T> inline void looks_along(const Vec3<T> &n, T *cosine) {
+  const Vec3<T> u = (T(1) / lane_max(lane_sqrt(dot(n, n)), T(1e-12f))) * n;
+  const T diagonal(0.57735027f), plus = u.y + u.z, minus = u.y - u.z;
+  cosine[0] = u.x, cosine[1] = u.y, cosine[2] = u.z;
+  cosine[3] = diagonal * (u.x + plus), cosine[4] = diagonal * (u.x - plus);
+  cosine[5] = diagonal * (u.x + minus), cosine[6] = diagonal * (u.x - minus);
 }
+
+/// The least and the most of each cosine over some faces.
+template <class T> struct Looks {
+  T least[kLooks], most[kLooks];
+
+  /// Of a patch's faces. points: positions of vertices
+  template <class Points> static Looks of_patch(const LaneModel &m, const Points &points, const Patch &patch) {
+    Looks all;
+    for (int k = 0; k < patch.face_count; ++k) {
+      const int *v = m.faces[m.patch_faces[patch.first_face + k]].v;
+      Looks one;
+      looks_along(cross<T>(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]), one.least);
+      for (int i = 0; i < kLooks; ++i)
+        one.most[i] = one.least[i];
+      all = k == 0 ? one : united(all, one);
+    }
+    return all;
+  }
+  static Looks every_way() {
+    Looks all;
+    for (int i = 0; i < kLooks; ++i)
+      all.least[i] = T(-1), all.most[i] = T(1);
+    return all;
+  }
+  friend Looks united(const Looks &a, const Looks &b) {
+    Looks out;
+    for (int i = 0; i < kLooks; ++i)
+      out.least[i] = lane_min(a.least[i], b.least[i]), out.most[i] = lane_max(a.most[i], b.most[i]);
+    return out;
+  }
+  /// Those of the lanes in which the two do not look one way.
+  template <class M> friend M may_meet(const Looks &a, const Looks &b, M lanes) {
+    for (int i = 0; i < kLooks && any(lanes); ++i)
+      lanes = lanes & (lane_min(a.least[i], b.least[i]) <= T(kSameSide)) & (lane_max(a.most[i], b.most[i]) >= T(-kSameSide));
+    return lanes;
+  }
+};
+
+/// For one simulation four faces of a patch are looked at side by side, and then the cosines, the first of them twice.
+template <> struct Looks<float> {
+  Pack<4> least[2], most[2];
+
+  static Looks of_patch(const LaneModel &m, const Array<Point> &points, const Patch &patch) {
+    Looks all;
+    for (int first = 0; first < patch.face_count; first += 4) {
+      int v[3][4];
+      for (int l = 0; l < 4; ++l) {
+        const int face = m.patch_faces[patch.first_face + (first + l < patch.face_count ? first + l : 0)];
+        for (int k = 0; k < 3; ++k)
+          v[k][l] = m.faces[face].v[k];
+      }
+      const Vec3<Pack<4>> corner = gather(points.data(), v[0]);
+      Pack<4> cosine[kLooks + 1];
+      looks_along(cross(gather(points.data(), v[1]) - corner, gather(points.data(), v[2]) - corner), cosine);
+      cosine[kLooks] = cosine[0];
+      Looks four;
+      for (int half = 0; half < 2; ++half) {
+        Pack<4> of_face[4];
+        transpose(cosine + 4 * half, of_face);
+        four.least[half] = lane_min(lane_min(of_face[0], of_face[1]), lane_min(of_face[2], of_face[3]));
+        four.most[half] = lane_max(lane_max(of_face[0], of_face[1]), lane_max(of_face[2], of_face[3]));
+      }
+      all = first == 0 ? four : united(all, four);
+    }
+    return all;
+  }
+  static Looks every_way() { return {{Pack<4>(-1), Pack<4>(-1)}, {Pack<4>(1), Pack<4>(1)}}; }
+  friend Looks united(const Looks &a, const Looks &b) {
+    return {{lane_min(a.least[0], b.least[0]), lane_min(a.least[1], b.least[1])},
+            {lane_max(a.most[0], b.most[0]), lane_max(a.most[1], b.most[1])}};
+  }
+  friend bool may_meet(const Looks &a, const Looks &b, bool may) {
+    const auto crossed = [&](int half) {
+      return (lane_min(a.least[half], b.least[half]) <= Pack<4>(kSameSide)) &
+             (lane_max(a.most[half], b.most[half]) >= Pack<4>(-kSameSide));
+    };
+    return may && lane_bits(crossed(0) & crossed(1)) == 15;
+  }
+};
+
+/// The boxes of patches.
+template <class T> class PatchBoxes {
+public:
+  void resize(int count) { boxes_.resize(count); }
+  void set(int i, const Box<T> &box) { boxes_[i] = box; }
+  const Box<T> &operator[](int i) const { return boxes_[i]; }
+  /// After the last box was set.
+  void refit(const LaneModel &m) {
+    nodes_.resize(m.patch_node_count);
+    DOUBLET_PBD_ISA::refit<T>(m.patch_nodes, m.patch_node_count, nodes_.data(), [&](int i) { return boxes_[i]; });
+  }
+  /// Calls found(j, lanes) for the patches j >= i whose box overlaps `query` in some of the lanes, in their order.
+  template <class Found> void for_each_overlap(const LaneModel &m, int i, const Box<T> &query, Found &&found) const {
+    DOUBLET_PBD_ISA::for_each_overlap<T>(m.patch_nodes, m.patch_node_count, nodes_.data(), query, found, m.patches[i].node);
+  }
+
+private:
+  Array<Box<T>> boxes_, nodes_; ///< of the patches, of their tree
+};
+
+/// For one simulation a row at a time: patches in a row lie together, and so one box around them is asked before.
+template <> class PatchBoxes<float> {
+public:
+  void resize(int count) { boxes_.resize(count); }
+  void set(int i, const Box<float> &box) { boxes_.set(i, box); }
+  Box<float> operator[](int i) const { return boxes_[i]; }
+  void refit(const LaneModel &m) {
+    const int rows = (m.patch_count + kRow - 1) / kRow;
+    rows_.resize(rows);
+    for (int r = 0; r < rows; ++r) {
+      Box<float> all = boxes_[kRow * r];
+      for (int i = kRow * r + 1; i < end_of(m, r); ++i)
+        all = united(all, boxes_[i]);
+      rows_.set(r, all);
+    }
+  }
+  template <class Found> void for_each_overlap(const LaneModel &m, int i, const Box<float> &query, Found &&found) const {
+    rows_.for_each_overlap(i / kRow, (m.patch_count + kRow - 1) / kRow, query, true, [&](int r, bool) {
+      boxes_.for_each_overlap(kRow * r < i ? i : kRow * r, end_of(m, r), query, true, found);
+    });
+  }
+
+private:
+  static int end_of(const LaneModel &m, int row) { return kRow * (row + 1) < m.patch_count ? kRow * (row + 1) : m.patch_count; }
+  BoxList<float> boxes_, rows_;
+};
 
 /// The faces in a few to a patch, as the tree has them side by side. Cloth that hangs together and looks one way all over lies
 /// above a plane like a map: no part of it is before another. (Volino, Magnenat-Thalmann 1994, with a few
 /// directions to choose from.) So most of what is near to a face, its own surroundings, need not be looked at.
 template <class T> class Patches {
 public:
-  /// Finds what may meet. The cloth at `at`; box(face): where the face is, or has been on its way there. Patches meet as far
-  /// apart as `reach`.
-  template <class Points, class BoxOf> void find(const LaneModel &m, const Points &at, const BoxOf &box, T reach) {
-    boxes_.resize(m.patch_count);
-    grown_.resize(m.patch_count);
-    looks_.resize(m.patch_count);
-    around_.resize(m.patch_count);
-    for (int i = 0; i < m.patch_count; ++i) {
-      const Patch &patch = m.patches[i];
-      const int *faces = m.patch_faces + patch.first_face;
-      Looks all = looks_of(m, at, faces[0]);
-      Box<T> around = box(faces[0]);
-      for (int k = 1; k < patch.face_count; ++k) {
-        all = united(all, looks_of(m, at, faces[k]));
-        around = DOUBLET_PBD_ISA::united(around, box(faces[k]));
-      }
-      if (!patch.connected)
-        for (int k = 0; k < kLooks; ++k)
-          all.least[k] = T(-1), all.most[k] = T(1);
-      looks_[i] = all;
-      boxes_[i] = around;
-      grown_[i] = grown(around, reach);
-    }
-    for (int i = 0; i < m.patch_count; ++i) {
-      const Patch &patch = m.patches[i];
-      around_[i] = looks_[i];
-      for (int k = 0; k < patch.next_count; ++k)
-        around_[i] = united(around_[i], looks_[m.patch_next[patch.first_next + k]]);
-    }
-    tree_.refit(m.patch_tree, [&](int i) { return grown_[i]; });
-    pairs_.clear();
-    for (int i = 0; i < m.patch_count; ++i) {
-      const Patch &patch = m.patches[i];
-      const int *near = m.patch_near + patch.first_near, *const last = near + patch.near_count;
-      tree_.for_each_overlap(
-          m.patch_tree, boxes_[i],
-          [&](int j, auto lanes) {
-            while (near < last && *near < j) // the tree finds them in this order, too
-              ++near;
-            if (j == i)
-              lanes = may_meet(looks_[i], looks_[i], lanes);
-            else if (near < last && *near == j)
-              lanes = may_meet(around_[i], looks_[j], lanes);
-            if (any(lanes))
-              pairs_.push_back({i, j, select(lanes, T(1), T(0))});
-          },
-          patch.node);
-    }
+  /// Finds what may meet. The cloth at `points`; faces: where each of the model's patch_faces is, or has been on its way there,
+  /// `reach` wider. Patches meet as far apart as that.
+  template <class Points> void find(const LaneModel &m, const Points &points, const BoxList<T> &faces, T reach) {
+    find_boxes(m, faces);
+    find_looks(m, points);
+    find_pairs(m, reach);
   }
 
   /// Calls use(i, j, lanes) for all patches i <= j that may meet, in the lanes in which they may; in the order of i, then j.
@@ -79,42 +164,60 @@ public:
   }
 
   /// Of patch i, with the reach.
-  const Box<T> &box(int i) const { return grown_[i]; }
+  Box<T> box(int i) const { return boxes_[i]; }
 
 private:
   struct Pair {
     int i, j;
     T may; ///< 1 in the lanes in which they may meet, else 0
   };
-  struct Looks {
-    T least[kLooks], most[kLooks];
-  };
-  static Looks united(const Looks &a, const Looks &b) {
-    Looks out;
-    for (int k = 0; k < kLooks; ++k)
-      out.least[k] = lane_min(a.least[k], b.least[k]), out.most[k] = lane_max(a.most[k], b.most[k]);
-    return out;
-  }
-  /// Those of the lanes in which the two do not look one way.
-  template <class M> static M may_meet(const Looks &a, const Looks &b, M lanes) {
-    for (int k = 0; k < kLooks && any(lanes); ++k)
-      lanes = lanes & (lane_min(a.least[k], b.least[k]) <= T(kSameSide)) & (lane_max(a.most[k], b.most[k]) >= T(-kSameSide));
-    return lanes;
-  }
-  template <class Points> static Looks looks_of(const LaneModel &m, const Points &at, int face) {
-    const int *v = m.faces[face].v;
-    const Vec3<T> n = cross<T>(at[v[1]] - at[v[0]], at[v[2]] - at[v[0]]);
-    Looks out;
-    looks_along((T(1) / lane_max(lane_sqrt(dot(n, n)), T(1e-12f))) * n, out.least);
-    for (int k = 0; k < kLooks; ++k)
-      out.most[k] = out.least[k];
-    return out;
+
+  void find_boxes(const LaneModel &m, const BoxList<T> &faces) {
+    boxes_.resize(m.patch_count);
+    for (int i = 0; i < m.patch_count; ++i) {
+      const Patch &patch = m.patches[i];
+      Box<T> box = faces[patch.first_face];
+      for (int k = 1; k < patch.face_count; ++k)
+        box = united(box, faces[patch.first_face + k]);
+      boxes_.set(i, box);
+    }
+    boxes_.refit(m);
   }
 
-  Array<Box<T>> boxes_, grown_;
-  Array<Looks> looks_, around_; ///< of a patch; of it and those that touch it
+  template <class Points> void find_looks(const LaneModel &m, const Points &points) {
+    looks_.resize(m.patch_count);
+    around_.resize(m.patch_count);
+    for (int i = 0; i < m.patch_count; ++i)
+      looks_[i] = m.patches[i].connected ? Looks<T>::of_patch(m, points, m.patches[i]) : Looks<T>::every_way();
+    for (int i = 0; i < m.patch_count; ++i) {
+      const Patch &patch = m.patches[i];
+      around_[i] = looks_[i];
+      for (int k = 0; k < patch.next_count; ++k)
+        around_[i] = united(around_[i], looks_[m.patch_next[patch.first_next + k]]);
+    }
+  }
+
+  void find_pairs(const LaneModel &m, T reach) {
+    pairs_.clear();
+    for (int i = 0; i < m.patch_count; ++i) {
+      const Patch &patch = m.patches[i];
+      const int *near = m.patch_near + patch.first_near, *const last = near + patch.near_count;
+      boxes_.for_each_overlap(m, i, grown(boxes_[i], -reach), [&](int j, auto lanes) {
+        while (near < last && *near < j)
+          ++near;
+        if (j == i)
+          lanes = may_meet(looks_[i], looks_[i], lanes);
+        else if (near < last && *near == j)
+          lanes = may_meet(around_[i], looks_[j], lanes);
+        if (any(lanes))
+          pairs_.push_back({i, j, select(lanes, T(1), T(0))});
+      });
+    }
+  }
+
+  PatchBoxes<T> boxes_;
+  Array<Looks<T>> looks_, around_; ///< of a patch; of it and those that touch it
   Array<Pair> pairs_;
-  FaceBoxes<T> tree_;
 };
 
 } // namespace DOUBLET_PBD_ISA

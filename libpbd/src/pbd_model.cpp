@@ -14,7 +14,7 @@
 namespace doublet::pbd {
 namespace {
 
-constexpr int kPatchFaces = 4;  ///< at most
+constexpr int kPatchFaces = 8;  ///< at most
 constexpr double kMaxSpan = 12; ///< mean edges, see LaneModel::largest_extent
 
 /// (N, 3) the direction in the surface across the axis, a unit vector; 0 where the surface lies (almost) flat, or there is none.
@@ -229,12 +229,12 @@ void PbdModel::set_tree(const Vertices &rest) {
 
 /// Of a captured garment; nothing would ever bring that apart.
 void PbdModel::set_resting_knots(const Vertices &rest) {
-  Array<Vec3f> points;
+  Array<Point> points;
   points.resize(vertex_count());
   const Eigen::RowVector3d origin = rest.colwise().mean();
   for (int i = 0; i < vertex_count(); ++i) {
     const Eigen::RowVector3f p = (rest.row(i) - origin).cast<float>();
-    points[i] = {p[0], p[1], p[2]};
+    points[i] = Vec3f{p[0], p[1], p[2]};
   }
   LaneModel by_face = arrays_;
   by_face.edge_collision = false;
@@ -262,9 +262,13 @@ void PbdModel::set_arrays() {
   a.blends = blends_.data(), a.blend_count = size(blends_);
   a.followers = followers_.data(), a.follower_count = size(followers_);
   a.face_tree = {nodes_.data(), size(nodes_), quads_.data(), size(quads_)};
-  a.patch_tree = {patches_.nodes.data(), size(patches_.nodes), patches_.quads.data(), size(patches_.quads)};
+  a.patch_nodes = patches_.nodes.data(), a.patch_node_count = size(patches_.nodes);
   a.patches = patches_.patches.data(), a.patch_count = size(patches_.patches);
   a.patch_faces = patches_.faces.data(), a.patch_vertices = patches_.vertices.data();
+  for (int k = 0; k < 2; ++k)
+    a.edge_ends[k] = edges_.ends[k].data();
+  for (int k = 0; k < 3; ++k)
+    a.patch_corners[k] = patches_.corners[k].data();
   a.patch_next = patches_.next.data(), a.patch_near = patches_.near.data();
   a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
   a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);

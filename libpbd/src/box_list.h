@@ -1,0 +1,122 @@
+#pragma once
+// Boxes in a row, and what they hold: ways of vertices, edges, faces.
+
+#include "face_boxes.h"
+
+namespace doublet::pbd {
+inline namespace DOUBLET_PBD_ISA {
+
+template <class T> class BoxList {
+public:
+  void resize(int size) { boxes_.resize(size); }
+  void set(int i, const Box<T> &box) { boxes_[i] = box; }
+  Box<T> operator[](int i) const { return boxes_[i]; }
+  /// Calls found(i, lanes) for the boxes i in [first, last) that overlap `query` in some of the lanes `may`, in their order.
+  template <class M, class Found> void for_each_overlap(int first, int last, const Box<T> &query, M may, Found &&found) const {
+    for (int i = first; i < last; ++i) {
+      const auto lanes = may & overlap(query, boxes_[i]);
+      if (any(lanes))
+        found(i, lanes);
+    }
+  }
+
+private:
+  Array<Box<T>> boxes_;
+};
+
+/// For one simulation a row of boxes is compared side by side.
+template <> class BoxList<float> {
+public:
+  void resize(int size) {
+    Array<float> *const all[] = {&lo_x_, &lo_y_, &lo_z_, &hi_x_, &hi_y_, &hi_z_};
+    for (Array<float> *bounds : all)
+      bounds->resize(size + kRow); // the last row may reach beyond the last box
+  }
+  void set(int i, const Box<float> &box) {
+    lo_x_[i] = box.lo.x, lo_y_[i] = box.lo.y, lo_z_[i] = box.lo.z;
+    hi_x_[i] = box.hi.x, hi_y_[i] = box.hi.y, hi_z_[i] = box.hi.z;
+  }
+  /// Those from i on.
+  void set_row(int i, const Box<Row> &box) {
+    const auto store = [i](Array<float> &to, Row from) { __builtin_memcpy(&to[i], &from.lanes, sizeof from.lanes); };
+    store(lo_x_, box.lo.x), store(lo_y_, box.lo.y), store(lo_z_, box.lo.z);
+    store(hi_x_, box.hi.x), store(hi_y_, box.hi.y), store(hi_z_, box.hi.z);
+  }
+  Box<float> operator[](int i) const { return {{lo_x_[i], lo_y_[i], lo_z_[i]}, {hi_x_[i], hi_y_[i], hi_z_[i]}}; }
+  template <class Found> void for_each_overlap(int first, int last, const Box<float> &query, bool may, Found &&found) const {
+    if (may)
+      for_each_row(first, last, query, [&](int i, int overlaps) {
+        for (; overlaps != 0; overlaps &= overlaps - 1)
+          found(i + __builtin_ctz(static_cast<unsigned>(overlaps)), true);
+      });
+  }
+  /// Calls use(i, overlaps) for the boxes in [first, last), a row at a time. Bit l: box i + l overlaps.
+  template <class Use> void for_each_row(int first, int last, const Box<float> &query, Use &&use) const {
+    const Box<Row> all{{Row(query.lo.x), Row(query.lo.y), Row(query.lo.z)}, {Row(query.hi.x), Row(query.hi.y), Row(query.hi.z)}};
+    for (int i = first; i < last; i += kRow) {
+      const int overlaps = lane_bits(overlap(all, row(i)));
+      use(i, last - i < kRow ? overlaps & ((1 << (last - i)) - 1) : overlaps);
+    }
+  }
+
+private:
+  Box<Row> row(int i) const {
+    return {{Row::load(&lo_x_[i]), Row::load(&lo_y_[i]), Row::load(&lo_z_[i])},
+            {Row::load(&hi_x_[i]), Row::load(&hi_y_[i]), Row::load(&hi_z_[i])}};
+  }
+  Array<float> lo_x_, lo_y_, lo_z_, hi_x_, hi_y_, hi_z_;
+};
+
+struct IndexPair {
+  int i, j;
+};
+/// Adds (i, j + l) for every bit l that is set. Without a jump that nobody can foretell.
+inline void add_pairs(int i, int j, int bits, Array<IndexPair> &to) {
+  IndexPair *const spare = to.spare(kRow);
+  int count = 0;
+  for (int l = 0; l < kRow; ++l) {
+    spare[count] = {i, j + l};
+    count += bits >> l & 1;
+  }
+  to.resize(to.size() + count);
+}
+
+/// What a box becomes in a list: `margin` wider on each side, and nothing where it is then wider than `largest`.
+struct Margin {
+  float margin, largest;
+  template <class T> Box<T> operator()(const Box<T> &box) const { return bounded(grown(box, T(margin)), T(largest)); }
+};
+
+/// boxes[i]: the box around both ends of the ways of the vertices corner(i, 0) to corner(i, n - 1), with its margin. lo, hi: of
+/// each vertex's way.
+template <int n, class T, class Points, class CornerOf>
+inline void set_boxes(const Points &lo, const Points &hi, int count, const CornerOf &corner, const Margin &margin,
+                      BoxList<T> &boxes) {
+  boxes.resize(count);
+  for (int i = 0; i < count; ++i) {
+    Box<T> box{lo[corner(i, 0)], hi[corner(i, 0)]};
+    for (int k = 1; k < n; ++k)
+      box = united(box, Box<T>{lo[corner(i, k)], hi[corner(i, k)]});
+    boxes.set(i, margin(box));
+  }
+}
+template <int n, class CornerOf>
+inline void set_boxes(const Array<Point> &lo, const Array<Point> &hi, int count, const CornerOf &corner, const Margin &margin,
+                      BoxList<float> &boxes) {
+  boxes.resize(count);
+  for (int first = 0; first < count; first += kRow) {
+    const auto box_of_corner = [&](int k) {
+      int v[kRow];
+      for (int l = 0; l < kRow; ++l)
+        v[l] = corner(first + l < count ? first + l : count - 1, k);
+      return Box<Row>{gather(lo.data(), v), gather(hi.data(), v)};
+    };
+    Box<Row> box = box_of_corner(0);
+    for (int k = 1; k < n; ++k)
+      box = united(box, box_of_corner(k));
+    boxes.set_row(first, margin(box));
+  }
+}
+
+} // namespace DOUBLET_PBD_ISA
+} // namespace doublet::pbd
