@@ -11,6 +11,8 @@ inline namespace DOUBLET_PBD_ISA {
 constexpr float kMaxSpeed =
     100; ///< m/s, safety clamp: four times what a person's hand can do, three times a falling skydiver's speed
 constexpr float kDepenetrationSpeed = 1; ///< m/s at which a penetration that the start brought along is opened
+constexpr float kLongest = 2;            ///< times its length at rest that cloth may be, where edges collide
+constexpr int kLimitSweeps = 20;         ///< at most, in a substep
 constexpr float kPulledOff = 5e-4f;      ///< m beyond the thickness at which a contact no longer rubs
 
 template <class T> class LaneSolver final : public LaneGroup {
@@ -66,6 +68,8 @@ public:
       self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_, edge_contacts_);
     iterate();
     push_out_strays(m_, capsules_, contacts_, p_, boxes_);
+    if (m_.edge_collision)
+      limit_stretch();
     update_velocities();
     rub_self();
     rub_edges();
@@ -208,6 +212,27 @@ private:
                                 stretch_multipliers_[i]);
       else
         project_stretch<T>(p_[c.a], p_[c.b], T(c.share_a), T(c.share_b), T(c.length), k);
+    }
+  }
+
+  /// Cloth that limbs hold from two sides goes through them rather than become longer than that (Provot 1995). Ordinary cloth
+  /// never is, and so keeps its bits.
+  void limit_stretch() {
+    bool again = true;
+    for (int sweep = 0; sweep < kLimitSweeps && again; ++sweep) {
+      again = false;
+      for (int i = 0; i < m_.stretch_count; ++i) {
+        const StretchConstraint &c = m_.stretches[i];
+        const Vec3<T> d = p(c.a) - p(c.b);
+        const T square = dot(d, d), most(kLongest * c.length);
+        const auto over = square > most * most;
+        if (!any(over))
+          continue;
+        const T shorter = T(1) - most / lane_sqrt(square);
+        p_[c.a] = select(over, p(c.a) - (T(c.share_a) * shorter) * d, p(c.a));
+        p_[c.b] = select(over, p(c.b) + (T(c.share_b) * shorter) * d, p(c.b));
+        again = true;
+      }
     }
   }
 
