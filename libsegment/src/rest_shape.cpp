@@ -2,6 +2,7 @@
 
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
+#include "doublet/rays/parts/self_intersection.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -144,6 +145,37 @@ std::vector<double> lengths_as_hung(const Faces &faces, const Vertices &shape, c
   return lengths;
 }
 
+/// `x` smoothed where it passes through itself, further around the longer that lasts. What is attached stays.
+Vertices untangled(Vertices x, const Faces &faces, const std::vector<std::vector<int>> &neighbours,
+                   const std::vector<int> &attached) {
+  constexpr int kRounds = 24, kSteps = 10, kRoundsToARing = 4;
+  const auto around = vertex_neighbours(faces, static_cast<int>(x.rows()));
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<char> moves(x.rows(), 0);
+    const std::vector<std::uint8_t> crossing = self_intersecting_faces({x, faces});
+    if (std::find(crossing.begin(), crossing.end(), 1) == crossing.end())
+      break;
+    for (Eigen::Index f = 0; f < faces.rows(); ++f)
+      for (int k = 0; k < 3 && crossing[f]; ++k)
+        moves[faces(f, k)] = 1;
+    for (int ring = 0; ring <= round / kRoundsToARing; ++ring) {
+      const std::vector<char> inner = moves;
+      for (std::size_t v = 0; v < inner.size(); ++v)
+        for (int w : around[v])
+          moves[w] |= inner[v];
+    }
+    for (int v : attached)
+      moves[v] = 0;
+    for (int step = 0; step < kSteps; ++step) {
+      const Vertices change = laplacian(x, neighbours);
+      for (Eigen::Index v = 0; v < x.rows(); ++v)
+        if (moves[v])
+          x.row(v) += 0.5 * change.row(v);
+    }
+  }
+  return x;
+}
+
 /// `shape` moved rigidly so that the seam it hangs from lies on the scan's.
 Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<int> &attached) {
   Eigen::Matrix3Xd from(3, attached.size()), to(3, attached.size());
@@ -159,11 +191,11 @@ Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<
 
 Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
                     const std::vector<int> &attached, double spread) {
+  const auto neighbours = smoothing_neighbours(faces, scan.rows());
   if (frames.empty())
-    return scan;
+    return untangled(scan, faces, neighbours, attached);
   constexpr double kStiff = 0.2, kMiddling = 0.05, kSoft = 0.02; // weights of the bending
   const std::vector<Eigen::Vector2i> edges = edge_topology(faces).edges;
-  const auto neighbours = smoothing_neighbours(faces, scan.rows());
   std::vector<Vertices> smooth;
   for (const Vertices &frame : frames)
     smooth.push_back(smoothed(frame, neighbours));
@@ -175,7 +207,8 @@ Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<
   }
   lengths = lengths_of(edges, shape);
   const Vertices open = blown_up(smoothed(scan, neighbours), faces, neighbours, edges, lengths, attached);
-  return on_seam(fair_shape(open, neighbours, edges, lengths, kMiddling, kSoft), scan, attached);
+  const Vertices fair = on_seam(fair_shape(open, neighbours, edges, lengths, kMiddling, kSoft), scan, attached);
+  return untangled(fair, faces, neighbours, attached);
 }
 
 } // namespace doublet::detail

@@ -3,12 +3,14 @@
 #include "../../libsegment/src/rest_shape.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/edge_distances.h"
+#include "doublet/rays/parts/self_intersection.h"
 #include "doublet/testing/garment_mesher_conformance.h"
 #include "skirt_person.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -445,6 +447,36 @@ TEST(GarmentMesher, AFewWideFramesDoNotCount) {
 TEST(GarmentMesher, WithoutFramesRestIsTheScan) {
   const Garment garment = garment_of(Person(folded));
   EXPECT_EQ(garment.rest, garment.mesh.vertices);
+}
+
+/// A strip that hangs from its upper edge, with a fold in its middle that has closed on itself and gone through.
+TEST(GarmentMesher, WhatPassesThroughItselfAtRestIsSmoothedUntilItDoesNot) {
+  constexpr int kColumns = 24, kRows = 10;
+  Vertices strip((kColumns + 1) * (kRows + 1), 3);
+  Faces faces(2 * kColumns * kRows, 3);
+  for (int r = 0; r <= kRows; ++r)
+    for (int c = 0; c <= kColumns; ++c) {
+      const double t = (c - kColumns / 2) / 3.0, deep = std::max(0, r - 4) / 6.0; // flat above, ever more of a loop below
+      const double loop = deep * 0.05 * std::exp(-t * t);
+      strip.row(r * (kColumns + 1) + c) << 0.02 * (c - kColumns / 2) - 1.9 * loop * t, -0.02 * r, 2 * loop;
+    }
+  for (int r = 0, f = 0; r < kRows; ++r)
+    for (int c = 0; c < kColumns; ++c) {
+      const int a = r * (kColumns + 1) + c, b = a + kColumns + 1;
+      faces.row(f++) << a, b, a + 1;
+      faces.row(f++) << a + 1, b, b + 1;
+    }
+  const auto crossing = [&](const Vertices &x) {
+    const std::vector<std::uint8_t> all = self_intersecting_faces({x, faces});
+    return std::count(all.begin(), all.end(), 1);
+  };
+  std::vector<int> attached(kColumns + 1);
+  std::iota(attached.begin(), attached.end(), 0);
+  EXPECT_GT(crossing(strip), 4);
+  const Vertices rest = detail::rest_shape(faces, strip, {}, -1, attached, 0.2);
+  EXPECT_EQ(crossing(rest), 0);
+  EXPECT_EQ(rest.topRows(kColumns + 1), strip.topRows(kColumns + 1));
+  EXPECT_LT((rest - strip).rowwise().norm().maxCoeff(), 0.2);
 }
 
 TEST(GarmentMesher, ABandRisesWithTheWayFromTheSeam) {
