@@ -9,8 +9,8 @@ namespace doublet::detail {
 
 /// (N, 3) m. A scan shows a garment hanging in folds, of which it bridges those that it cannot see into: made of it, a skirt is
 /// too narrow to fly. Cloth hardly stretches, so what the video shows it spanning, it has. `scan` (N, 3): the mesh in the scan
-/// pose; `frames`: in the captured frames (none: the answer is `scan`, untangled), of which it is spread out in number `wide`; `attached`:
-/// the vertices that the garment hangs from.
+/// pose; `frames`: in the captured frames (none: the answer is `scan`, untangled), of which it is spread out in number `wide`;
+/// `attached`: the vertices that the garment hangs from.
 ///  1. The frames are smoothed (Taubin 1995, which does not shrink): their roughness would count as length.
 ///  2. An edge gets the length that it exceeds in the share `spread` of the frames.
 ///  3. The smoothest surface with these lengths (bending against springs), from the wide frame: a metric that is not smooth
