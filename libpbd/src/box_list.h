@@ -45,10 +45,7 @@ public:
   Box<float> operator[](int i) const { return {{lo_x_[i], lo_y_[i], lo_z_[i]}, {hi_x_[i], hi_y_[i], hi_z_[i]}}; }
   template <class Found> void for_each_overlap(int first, int last, const Box<float> &query, bool may, Found &&found) const {
     if (may)
-      for_each_row(first, last, query, [&](int i, int overlaps) {
-        for (; overlaps != 0; overlaps &= overlaps - 1)
-          found(i + __builtin_ctz(static_cast<unsigned>(overlaps)), true);
-      });
+      for_each_row(first, last, query, [&](int i, int overlaps) { for_each_bit(overlaps, [&](int l) { found(i + l, true); }); });
   }
   /// Calls use(i, overlaps) for the boxes in [first, last), a row at a time. Bit l: box i + l overlaps.
   template <class Use> void for_each_row(int first, int last, const Box<float> &query, Use &&use) const {
@@ -87,29 +84,44 @@ struct Margin {
   template <class T> Box<T> operator()(const Box<T> &box) const { return bounded(grown(box, T(margin)), T(largest)); }
 };
 
-/// boxes[i]: the box around both ends of the ways of the vertices corner(i, 0) to corner(i, n - 1), with its margin. lo, hi: of
-/// each vertex's way.
-template <int n, class T, class Points, class CornerOf>
-inline void set_boxes(const Points &lo, const Points &hi, int count, const CornerOf &corner, const Margin &margin,
+/// Calls use(row, count, there) for the pairs, a row at a time: its first pair, how many there are, and their lanes.
+template <class Use> inline void for_each_row(const Array<IndexPair> &pairs, const Use &use) {
+  for (int first = 0; first < pairs.size(); first += kRow) {
+    const int left = pairs.size() - first, count = left < kRow ? left : kRow;
+    float there[kRow];
+    for (int l = 0; l < kRow; ++l)
+      there[l] = l < count ? 1 : 0;
+    use(pairs.data() + first, count, Row::load(there) > Row(0));
+  }
+}
+/// Where the vertices vertex(l) of a row are; from lane `count` on that of the first.
+template <class Vertex> inline Vec3<Row> gather_row(const Array<Point> &points, int count, const Vertex &vertex) {
+  int v[kRow];
+  for (int l = 0; l < kRow; ++l)
+    v[l] = vertex(l < count ? l : 0);
+  return gather(points.data(), v);
+}
+
+/// boxes[i]: the box around both ends of the ways of the vertices corners[k][i], with its margin. lo, hi: of each vertex's way.
+template <int n, class T, class Points>
+inline void set_boxes(const Points &lo, const Points &hi, int count, const int *const (&corners)[n], const Margin &margin,
                       BoxList<T> &boxes) {
   boxes.resize(count);
   for (int i = 0; i < count; ++i) {
-    Box<T> box{lo[corner(i, 0)], hi[corner(i, 0)]};
+    Box<T> box{lo[corners[0][i]], hi[corners[0][i]]};
     for (int k = 1; k < n; ++k)
-      box = united(box, Box<T>{lo[corner(i, k)], hi[corner(i, k)]});
+      box = united(box, Box<T>{lo[corners[k][i]], hi[corners[k][i]]});
     boxes.set(i, margin(box));
   }
 }
-template <int n, class CornerOf>
-inline void set_boxes(const Array<Point> &lo, const Array<Point> &hi, int count, const CornerOf &corner, const Margin &margin,
-                      BoxList<float> &boxes) {
+template <int n>
+inline void set_boxes(const Array<Point> &lo, const Array<Point> &hi, int count, const int *const (&corners)[n],
+                      const Margin &margin, BoxList<float> &boxes) {
   boxes.resize(count);
   for (int first = 0; first < count; first += kRow) {
     const auto box_of_corner = [&](int k) {
-      int v[kRow];
-      for (int l = 0; l < kRow; ++l)
-        v[l] = corner(first + l < count ? first + l : count - 1, k);
-      return Box<Row>{gather(lo.data(), v), gather(hi.data(), v)};
+      const auto vertex = [&](int l) { return corners[k][first + l]; };
+      return Box<Row>{gather_row(lo, count - first, vertex), gather_row(hi, count - first, vertex)};
     };
     Box<Row> box = box_of_corner(0);
     for (int k = 1; k < n; ++k)

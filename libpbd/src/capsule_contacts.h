@@ -78,7 +78,8 @@ inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMot
       contact.active = select(lanes, T(1), T(0));
       contacts.push_back(contact);
     };
-    ways.for_each_overlap(0, model.vertex_count, reach_of(m.start, m.end, margin), T(0) <= T(0), bring);
+    const auto every_lane = T(0) <= T(0);
+    ways.for_each_overlap(0, model.vertex_count, reach_of(m.start, m.end, margin), every_lane, bring);
   }
 }
 
@@ -105,7 +106,8 @@ inline void push_out_strays(const LaneModel &model, const Array<CapsuleMotion<T>
       pi = select(lanes & (d.value < thickness), pi + (thickness - d.value) * d.normal, pi);
       places.set(i, {pi, pi});
     };
-    places.for_each_overlap(0, model.vertex_count, reach_of(shape, shape, thickness), T(0) <= T(0), push_out);
+    const auto every_lane = T(0) <= T(0);
+    places.for_each_overlap(0, model.vertex_count, reach_of(shape, shape, thickness), every_lane, push_out);
   }
 }
 

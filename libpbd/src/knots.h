@@ -93,10 +93,8 @@ private:
   }
 
   template <class Points> void find_near(const LaneModel &m, const Points &x) {
-    const auto end_of_edge = [&](int e, int k) { return k == 0 ? m.edges[e].a : m.edges[e].b; };
-    const auto corner = [&](int n, int k) { return m.faces[m.patch_faces[n]].v[k]; };
-    set_boxes<2>(x, x, m.edge_count, end_of_edge, Margin{0, m.largest_extent}, edge_boxes_);
-    set_boxes<3>(x, x, m.face_count, corner, Margin{kUntangleStep, m.largest_extent}, face_boxes_);
+    set_boxes(x, x, m.edge_count, m.edge_ends, Margin{0, m.largest_extent}, edge_boxes_);
+    set_boxes(x, x, m.face_count, m.patch_corners, Margin{kUntangleStep, m.largest_extent}, face_boxes_);
     patches_.find(m, x, face_boxes_, T(kUntangleStep));
     near_pairs_.clear();
     patches_.for_each_pair([&](int i, int j, auto may) {
@@ -131,27 +129,14 @@ private:
   }
   /// Of one simulation the ends of a row of edges are held to their faces' planes side by side.
   void note_crossings_in_rows(const LaneModel &m, const Array<Point> &x) {
-    for (int first = 0; first < near_pairs_.size(); first += kRow) {
-      const int count = near_pairs_.size() - first < kRow ? near_pairs_.size() - first : kRow;
-      const auto vertices = [&](const int *list, bool of_face) {
-        int v[kRow];
-        for (int l = 0; l < kRow; ++l) {
-          const IndexPair &pair = near_pairs_[l < count ? first + l : first];
-          v[l] = list[of_face ? pair.j : pair.i];
-        }
-        return gather(x.data(), v);
-      };
-      const Vec3<Row> a = vertices(m.edge_ends[0], false), b = vertices(m.edge_ends[1], false);
-      const Vec3<Row> c = vertices(m.patch_corners[0], true), d = vertices(m.patch_corners[1], true),
-                      e = vertices(m.patch_corners[2], true);
-      const int parts = lane_bits(part_by_plane(a, b, c, d, e).lanes);
-      for (int l = 0; l < count; ++l) {
-        const IndexPair &pair = near_pairs_[first + l];
-        near_.push_back({pair.i, m.patch_faces[pair.j], 1});
-        if (parts >> l & 1)
-          note_crossing(m, x, pair.i, m.patch_faces[pair.j], true);
-      }
-    }
+    for_each_row(near_pairs_, [&](const IndexPair *row, int count, Mask<kRow> there) {
+      const auto end = [&](int k) { return gather_row(x, count, [&](int l) { return m.edge_ends[k][row[l].i]; }); };
+      const auto corner = [&](int k) { return gather_row(x, count, [&](int l) { return m.patch_corners[k][row[l].j]; }); };
+      for (int l = 0; l < count; ++l)
+        near_.push_back({row[l].i, m.patch_faces[row[l].j], 1});
+      const auto parted = part_by_plane(end(0), end(1), corner(0), corner(1), corner(2)).lanes & there;
+      for_each_bit(lane_bits(parted), [&](int l) { note_crossing(m, x, row[l].i, m.patch_faces[row[l].j], true); });
+    });
   }
 
   template <class Points> void find_strained(const LaneModel &m, const Points &x) {

@@ -23,7 +23,7 @@ public:
       grow(2 * size_ + 64);
     data_[size_++] = element;
   }
-  /// Room for `count` more behind the last, which they become one by one with resize().
+  /// Room for `count` more behind the last; resize() then takes in those that are kept.
   E *spare(int count) {
     if (size_ + count > capacity_)
       grow(2 * size_ + 64 + count);

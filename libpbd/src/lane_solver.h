@@ -215,8 +215,8 @@ private:
     }
   }
 
-  /// Cloth that limbs hold from two sides goes through them rather than become longer than that (Provot 1995). Ordinary cloth
-  /// never is, and so keeps its bits.
+  /// Cloth that the body drags off faster than it can follow goes through the body rather than become longer than that (Provot
+  /// 1995). What is left after the sweeps stays. Ordinary cloth never is so long, and keeps its bits.
   void limit_stretch() {
     bool again = true;
     for (int sweep = 0; sweep < kLimitSweeps && again; ++sweep) {

@@ -313,6 +313,11 @@ constexpr int kRow = 4;
 #endif
 using Row = Pack<kRow>;
 static_assert(kRow <= kSpareInList);
+/// Calls use(l) for every bit l that is set, in their order.
+template <class Use> inline void for_each_bit(int bits, const Use &use) {
+  for (; bits != 0; bits &= bits - 1)
+    use(__builtin_ctz(static_cast<unsigned>(bits)));
+}
 /// Bit l: list[l] == value.
 inline int equal_bits(const int *list, int value) {
   Registers<kRow>::Ints row;

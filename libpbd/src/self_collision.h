@@ -156,13 +156,10 @@ private:
   }
   void set_patch_boxes(const LaneModel &m) {
     const float reach = 2 * m.self_thickness, largest = m.largest_extent;
-    const auto vertex = [&](int k, int) { return m.patch_vertices[k]; };
-    const auto end_of_edge = [&](int e, int k) { return k == 0 ? m.edges[e].a : m.edges[e].b; };
-    const auto corner = [&](int n, int k) { return m.faces[m.patch_faces[n]].v[k]; };
     const Patch &last = m.patches[m.patch_count - 1];
-    set_boxes<1>(lo_, hi_, last.first_vertex + last.vertex_count, vertex, Margin{0, largest}, vertex_boxes_);
-    set_boxes<2>(lo_, hi_, m.edge_count, end_of_edge, Margin{0, largest}, edge_boxes_);
-    set_boxes<3>(lo_, hi_, m.face_count, corner, Margin{reach, largest}, face_boxes_);
+    set_boxes(lo_, hi_, last.first_vertex + last.vertex_count, {m.patch_vertices}, Margin{0, largest}, vertex_boxes_);
+    set_boxes(lo_, hi_, m.edge_count, m.edge_ends, Margin{0, largest}, edge_boxes_);
+    set_boxes(lo_, hi_, m.face_count, m.patch_corners, Margin{reach, largest}, face_boxes_);
   }
   void bring_all_vertices(const Search &s) {
     const Patch *patches = s.m.patches;
@@ -240,49 +237,33 @@ private:
   void meet_in_rows(const Search &s) {
     const LaneModel &m = s.m;
     const Row thickness(m.self_thickness);
-    const auto corner = [&](const IndexPair &pair, int k) { return k == 0 ? pair.i : m.patch_corners[k - 1][pair.j]; };
-    for_each_row(s, vertex_pairs_, corner, [&](const auto &x, const auto &p, int first, Mask<kRow> some) {
-      const auto met = meeting_of_vertex(x, p, thickness, some);
-      for_each_lane(met.lanes, [&](int l) {
-        const IndexPair &pair = vertex_pairs_[first + l];
+    for_each_row(vertex_pairs_, [&](const IndexPair *row, int count, Mask<kRow> there) {
+      Vec3<Row> x[4], p[4];
+      for (int k = 0; k < 4; ++k) {
+        const auto corner = [&](int l) { return k == 0 ? row[l].i : m.patch_corners[k - 1][row[l].j]; };
+        x[k] = gather_row(s.x, count, corner), p[k] = gather_row(s.p, count, corner);
+      }
+      const auto met = meeting_of_vertex(x, p, thickness, there);
+      for_each_bit(lane_bits(met.lanes), [&](int l) {
         const Vec3f at{met.at.x.lanes[l], met.at.y.lanes[l], met.at.z.lanes[l]};
-        add_vertex(s, pair.i, m.patch_faces[pair.j],
+        add_vertex(s, row[l].i, m.patch_faces[row[l].j],
                    VertexMeeting<float, bool>{true, at, met.side.lanes[l], met.distance.lanes[l]});
       });
     });
-    const auto end = [&](const IndexPair &pair, int k) { return m.edge_ends[k % 2][k < 2 ? pair.i : pair.j]; };
-    for_each_row(s, edge_pairs_, end, [&](const auto &x, const auto &p, int first, Mask<kRow> some) {
-      const auto met = meeting_of_edges(x, p, thickness, some);
-      for_each_lane(met.lanes, [&](int l) {
-        const IndexPair &pair = edge_pairs_[first + l];
-        add_edges(s, pair.i, pair.j,
+    for_each_row(edge_pairs_, [&](const IndexPair *row, int count, Mask<kRow> there) {
+      Vec3<Row> x[4], p[4];
+      for (int k = 0; k < 4; ++k) {
+        const auto end = [&](int l) { return m.edge_ends[k % 2][k < 2 ? row[l].i : row[l].j]; };
+        x[k] = gather_row(s.x, count, end), p[k] = gather_row(s.p, count, end);
+      }
+      const auto met = meeting_of_edges(x, p, thickness, there);
+      for_each_bit(lane_bits(met.lanes), [&](int l) {
+        add_edges(s, row[l].i, row[l].j,
                   EdgeMeeting<float, bool>{true, met.s.lanes[l], met.t.lanes[l], met.side.lanes[l], met.distance.lanes[l]});
       });
     });
     vertex_pairs_.clear();
     edge_pairs_.clear();
-  }
-  /// Calls use(x, p, first, lanes) for every row of the pairs: their four vertices, corner(pair, k), at both ends of their ways.
-  template <class Corner, class Use>
-  static void for_each_row(const Search &s, const Array<IndexPair> &pairs, const Corner &corner, const Use &use) {
-    for (int first = 0; first < pairs.size(); first += kRow) {
-      Vec3<Row> x[4], p[4];
-      float there[kRow];
-      for (int k = 0; k < 4; ++k) {
-        int v[kRow];
-        for (int l = 0; l < kRow; ++l)
-          v[l] = corner(pairs[first + l < pairs.size() ? first + l : first], k);
-        x[k] = gather(s.x.data(), v);
-        p[k] = gather(s.p.data(), v);
-      }
-      for (int l = 0; l < kRow; ++l)
-        there[l] = first + l < pairs.size() ? 1 : 0;
-      use(x, p, first, Row::load(there) > Row(0));
-    }
-  }
-  template <class Use> static void for_each_lane(Mask<kRow> lanes, const Use &use) {
-    for (int bits = lane_bits(lanes); bits != 0; bits &= bits - 1)
-      use(__builtin_ctz(static_cast<unsigned>(bits)));
   }
 
   template <class M> static void add_vertex(const Search &s, int q, int f, const VertexMeeting<T, M> &met) {

@@ -145,32 +145,42 @@ std::vector<double> lengths_as_hung(const Faces &faces, const Vertices &shape, c
   return lengths;
 }
 
+/// The vertices within so many edges of where `x` passes through itself; empty if it does not.
+std::vector<int> near_crossings(const Vertices &x, const Faces &faces, const std::vector<std::vector<int>> &around, int edges) {
+  const std::vector<std::uint8_t> crossing = self_intersecting_faces({x, faces});
+  std::vector<char> seen(x.rows(), 0);
+  std::vector<int> near;
+  const auto add = [&](int v) {
+    if (!seen[v])
+      near.push_back(v);
+    seen[v] = 1;
+  };
+  for (Eigen::Index f = 0; f < faces.rows(); ++f)
+    for (int k = 0; k < 3 && crossing[f]; ++k)
+      add(faces(f, k));
+  for (int ring = 0; ring < edges; ++ring)
+    for (int v : std::vector<int>(near))
+      for (int w : around[v])
+        add(w);
+  return near;
+}
+
 /// `x` smoothed where it passes through itself, further around the longer that lasts. What is attached stays.
 Vertices untangled(Vertices x, const Faces &faces, const std::vector<std::vector<int>> &neighbours,
                    const std::vector<int> &attached) {
   constexpr int kRounds = 24, kSteps = 10, kRoundsToARing = 4;
   const auto around = vertex_neighbours(faces, static_cast<int>(x.rows()));
+  const Vertices start = x;
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<char> moves(x.rows(), 0);
-    const std::vector<std::uint8_t> crossing = self_intersecting_faces({x, faces});
-    if (std::find(crossing.begin(), crossing.end(), 1) == crossing.end())
+    const std::vector<int> near = near_crossings(x, faces, around, 1 + round / kRoundsToARing);
+    if (near.empty())
       break;
-    for (Eigen::Index f = 0; f < faces.rows(); ++f)
-      for (int k = 0; k < 3 && crossing[f]; ++k)
-        moves[faces(f, k)] = 1;
-    for (int ring = 0; ring <= round / kRoundsToARing; ++ring) {
-      const std::vector<char> inner = moves;
-      for (std::size_t v = 0; v < inner.size(); ++v)
-        for (int w : around[v])
-          moves[w] |= inner[v];
-    }
-    for (int v : attached)
-      moves[v] = 0;
     for (int step = 0; step < kSteps; ++step) {
       const Vertices change = laplacian(x, neighbours);
-      for (Eigen::Index v = 0; v < x.rows(); ++v)
-        if (moves[v])
-          x.row(v) += 0.5 * change.row(v);
+      for (int v : near)
+        x.row(v) += 0.5 * change.row(v);
+      for (int v : attached)
+        x.row(v) = start.row(v);
     }
   }
   return x;
