@@ -1,5 +1,6 @@
 // Cloth against proxies and against itself.
 
+#include "../../libpbd/src/capsule_contacts.h"
 #include "../../libpbd/src/capsule_motion.h"
 #include "scenes.h"
 
@@ -229,6 +230,40 @@ TEST(Contact, DegenerateCapsulesAreSpheres) {
       EXPECT_GT(state.positions.col(1).maxCoeff(), 0.1); // it lies on the sphere
     }
   }
+}
+
+/// A vertex 2 cm deep in a ball, beside which stands another that it reaches only once the first has pushed it out.
+struct TwoBalls {
+  float weight = 1;
+  LaneModel model{};
+  Array<CapsuleMotion<float>> balls;
+  Array<Point> x, p;
+  BoxList<float> boxes;
+  Array<CapsuleContact<float>> contacts;
+  explicit TwoBalls(double second_from) {
+    model.vertex_count = 1;
+    model.weights = &weight;
+    model.thickness = 0.01f;
+    const Eigen::Vector3d second(second_from + 0.1, 0, 0);
+    for (const Capsule &ball : {Capsule{{0, 0, 0}, {0, 0, 0}, 0.1, 0.1}, Capsule{second, second, 0.1, 0.1}})
+      balls.push_back(capsule_motion(ball, ball, Eigen::Vector3d::Zero()));
+    x.push_back(Vec3f{0.08f, 0, 0});
+    p.push_back(Vec3f{0.08f, 0, 0});
+  }
+};
+
+TEST(Contact, WhatOneProxyMovesIsSeenByTheNext) {
+  TwoBalls scene(0.08 + 0.01 + kNear + 0.005); // 5 mm out of reach; the first opens 20 mm
+  find_capsule_contacts(scene.model, scene.balls, scene.x, scene.p, 0.02f, scene.boxes, scene.contacts);
+  EXPECT_FLOAT_EQ(scene.p[0].x, 0.1f);
+  ASSERT_EQ(scene.contacts.size(), 2);
+  EXPECT_EQ(scene.contacts[1].capsule, 1);
+}
+
+TEST(Contact, AStrayThatOneProxyPushesOutIsSeenByTheNext) {
+  TwoBalls scene(0.115); // from 0.105 on a vertex is too near; the first pushes it to 0.11
+  push_out_strays(scene.model, scene.balls, scene.contacts, scene.p, scene.boxes);
+  EXPECT_FLOAT_EQ(scene.p[0].x, 0.105f);
 }
 
 /// A small sheet thrown onto a large pinned one stays above it, at any speed, and lies still in the end.

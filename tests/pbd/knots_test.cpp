@@ -13,6 +13,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <set>
+#include <vector>
 
 namespace doublet::pbd {
 namespace knots_test {
@@ -314,6 +315,27 @@ TEST(Knots, TheTreeFindsEveryPairOfEdges) {
   search.find(plain.arrays(), x, p, 0.001f, knots, by_face, found);
   EXPECT_EQ(contacts_of(by_face), contacts_of(faces));
   EXPECT_GT(by_face.size(), 20);
+}
+
+/// Patches that lie far from the others of their row, too.
+TEST(Knots, RowsOfPatchesFindEveryLaterOneThatOverlaps) {
+  LaneModel m{};
+  m.patch_count = 2 * kRow + 3;
+  PatchBoxes<float> boxes;
+  boxes.resize(m.patch_count);
+  for (int i = 0; i < m.patch_count; ++i) {
+    const float at = static_cast<float>(i * 5 % 7);
+    boxes.set(i, {{at, at, -at}, {at + 0.6f, at + 0.6f, 0.6f - at}});
+  }
+  boxes.refit(m);
+  for (int i = 0; i < m.patch_count; ++i) {
+    std::vector<int> found, expected;
+    boxes.for_each_overlap(m, i, boxes[i], [&](int j, bool) { found.push_back(j); });
+    for (int j = i; j < m.patch_count; ++j)
+      if (overlap(boxes[i], boxes[j]))
+        expected.push_back(j);
+    EXPECT_EQ(found, expected) << i;
+  }
 }
 
 TEST(Knots, EveryFaceVertexAndEdgeIsInOnePatch) {
