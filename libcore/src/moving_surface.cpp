@@ -4,7 +4,7 @@
 #include "doublet/core/parts/closest_point.h"
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
 #include <stdexcept>
 
 namespace doublet {
@@ -12,89 +12,109 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeaf = 4;               // faces
-constexpr double kRounding = 1 + 1e-9; // of a distance to a box, so that no face is missed that is as near as the best
+constexpr double kFarthest = 1e15; // m, of a coordinate: squares of distances are floats
+// Boxes and the point are rounded to float: a box may seem to be so much further away than it is, by the largest coordinate.
+constexpr double kRounding = 8 * std::numeric_limits<float>::epsilon();
+constexpr int kDeepest = 16;                                     // levels: 4^16 faces
+constexpr float kNever = std::numeric_limits<float>::infinity(); // from which an empty box begins, to which it goes on
 
-/// Of a point to a box. Without max(), which is a jump in WebAssembly: x + |x| is 2 max(x, 0), exactly, and of the two ways out
-/// of the box along an axis one is 0.
-double squared_distance(const Vector3d &p, const Eigen::Array3d &low, const Eigen::Array3d &high) {
-  const Eigen::Array3d below = low - p.array(), above = p.array() - high;
-  return 0.25 * ((below + below.abs()) + (above + above.abs())).matrix().squaredNorm();
+/// The squared distance of a point to four boxes.
+Eigen::Array4f squared_distances(const Eigen::Array3f &p, const std::array<Eigen::Array4f, 3> &low,
+                                 const std::array<Eigen::Array4f, 3> &high) {
+  Eigen::Array4f sum = Eigen::Array4f::Zero();
+  for (int axis = 0; axis < 3; ++axis)
+    sum += (low[axis] - p[axis]).max(p[axis] - high[axis]).max(0.0f).square();
+  return sum;
+}
+
+/// Halves the faces order[first, last) at the median of their centres, across the longest side of the box of those; where the
+/// upper half begins.
+int halve(int first, int last, const Vertices &centres, std::vector<int> &order) {
+  Eigen::RowVector3d low = centres.row(order[first]), high = low;
+  for (int i = first; i < last; ++i) {
+    low = low.cwiseMin(centres.row(order[i]));
+    high = high.cwiseMax(centres.row(order[i]));
+  }
+  Eigen::Index axis;
+  (high - low).maxCoeff(&axis);
+  const int middle = (first + last + 1) / 2;
+  std::nth_element(order.begin() + first, order.begin() + middle, order.begin() + last, [&](int a, int b) {
+    return centres(a, axis) != centres(b, axis) ? centres(a, axis) < centres(b, axis) : a < b;
+  });
+  return middle;
 }
 
 } // namespace
 
 MovingSurface::MovingSurface(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid)
-    : vertices_(mesh.vertices), faces_(mesh.faces), valid_(face_valid) {
+    : vertices_(mesh.vertices.rows(), 3), faces_(mesh.faces), valid_(face_valid) {
   require_usable(mesh, "MovingSurface");
   if (valid_.empty())
     valid_.assign(mesh.faces.rows(), 1);
   if (static_cast<Eigen::Index>(valid_.size()) != mesh.faces.rows())
     throw std::invalid_argument("MovingSurface: expected " + std::to_string(mesh.faces.rows()) +
                                 " entries in face_valid, found " + std::to_string(valid_.size()));
+  std::vector<int> order;
   Vertices centres(mesh.faces.rows(), 3);
   for (int f = 0; f < mesh.faces.rows(); ++f) {
-    centres.row(f) = (vertices_.row(faces_(f, 0)) + vertices_.row(faces_(f, 1)) + vertices_.row(faces_(f, 2))) / 3;
+    centres.row(f) = (mesh.vertices.row(faces_(f, 0)) + mesh.vertices.row(faces_(f, 1)) + mesh.vertices.row(faces_(f, 2))) / 3;
     if (valid_[f])
-      order_.push_back(f);
+      order.push_back(f);
   }
-  if (order_.empty())
+  if (order.empty())
     throw Error("MovingSurface: all " + std::to_string(mesh.faces.rows()) + " faces are invalid");
-  add(0, static_cast<int>(order_.size()), centres);
-  fit();
+  add(0, static_cast<int>(order.size()), centres, order);
+  move_to(mesh.vertices);
 }
 
-/// Faces order_[first, last): halved at the median of their centres, across the longest side of the box of those.
-void MovingSurface::add(int first, int last, const Vertices &centres) {
-  const std::size_t node = nodes_.size();
+/// A node over the faces order[first, last), quartered.
+int MovingSurface::add(int first, int last, const Vertices &centres, std::vector<int> &order) {
+  const int node = static_cast<int>(nodes_.size());
   nodes_.emplace_back();
-  if (last - first <= kLeaf) {
-    nodes_[node].first = first;
-    nodes_[node].last = last;
-  } else {
-    Eigen::RowVector3d low = centres.row(order_[first]), high = low;
-    for (int i = first; i < last; ++i) {
-      low = low.cwiseMin(centres.row(order_[i]));
-      high = high.cwiseMax(centres.row(order_[i]));
-    }
-    Eigen::Index axis;
-    (high - low).maxCoeff(&axis);
-    const int middle = (first + last) / 2;
-    std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last, [&](int a, int b) {
-      return centres(a, axis) != centres(b, axis) ? centres(a, axis) < centres(b, axis) : a < b;
-    });
-    add(first, middle, centres);
-    add(middle, last, centres);
+  std::array<int, 5> cuts{first, first, last, last, last};
+  cuts[2] = halve(first, last, centres, order);
+  cuts[1] = halve(first, cuts[2], centres, order);
+  cuts[3] = cuts[2] < last ? halve(cuts[2], last, centres, order) : last;
+  for (int k = 0; k < 4; ++k) {
+    const int count = cuts[k + 1] - cuts[k];
+    const int child = count > 1 ? add(cuts[k], cuts[k + 1], centres, order) : count == 1 ? ~order[cuts[k]] : 0;
+    nodes_[node].child[k] = child;
   }
-  nodes_[node].skip = static_cast<int>(nodes_.size());
+  return node;
 }
 
 void MovingSurface::fit() {
-  for (int n = static_cast<int>(nodes_.size()) - 1; n >= 0; --n) {
-    Node &node = nodes_[n];
-    if (node.last == 0) {
-      const Node &left = nodes_[n + 1], &right = nodes_[left.skip];
-      node.low = left.low.min(right.low);
-      node.high = left.high.max(right.high);
-      continue;
-    }
-    node.low = node.high = vertices_.row(faces_(order_[node.first], 0)).transpose().array();
-    for (int i = node.first; i < node.last; ++i)
-      for (int k = 0; k < 3; ++k) {
-        const Eigen::Array3d corner = vertices_.row(faces_(order_[i], k)).transpose().array();
-        node.low = node.low.min(corner);
-        node.high = node.high.max(corner);
+  for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node)
+    for (int k = 0; k < 4; ++k) {
+      Eigen::Array3f low = Eigen::Array3f::Constant(kNever), high = -low;
+      if (const int child = node->child[k]; child > 0) {
+        for (int axis = 0; axis < 3; ++axis) {
+          low[axis] = nodes_[child].low[axis].minCoeff();
+          high[axis] = nodes_[child].high[axis].maxCoeff();
+        }
+      } else if (child < 0) {
+        for (int corner = 0; corner < 3; ++corner) {
+          const Eigen::Array3f at = vertices_.row(faces_(~child, corner)).transpose().array().cast<float>();
+          low = low.min(at);
+          high = high.max(at);
+        }
       }
-  }
+      for (int axis = 0; axis < 3; ++axis) {
+        node->low[axis][k] = low[axis];
+        node->high[axis][k] = high[axis];
+      }
+    }
 }
 
 void MovingSurface::move_to(const Vertices &vertices) {
   if (vertices.rows() != vertices_.rows())
     throw std::invalid_argument("MovingSurface: expected " + std::to_string(vertices_.rows()) + " vertices, found " +
                                 std::to_string(vertices.rows()));
-  if (!vertices.allFinite())
-    throw std::invalid_argument("MovingSurface: expected finite vertices, found NaN or infinity");
+  const double largest = vertices.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+  if (!(largest <= kFarthest))
+    throw std::invalid_argument("MovingSurface: expected finite vertices, found NaN, infinity or more than 1e15 m");
   vertices_ = vertices;
+  largest_ = largest;
   fit();
 }
 
@@ -109,22 +129,31 @@ void MovingSurface::try_face(int face, const Vector3d &p, Point &best) const {
 }
 
 std::optional<MovingSurface::Point> MovingSurface::closest(const Vector3d &point, double within, int hint) const {
-  if (!point.allFinite() || !(within > 0))
+  const double farthest = point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+  if (!(farthest <= kFarthest) || !(within > 0))
     throw std::invalid_argument("MovingSurface: expected a finite point and a distance above 0");
   if (hint >= static_cast<int>(valid_.size()) || (hint >= 0 && !valid_[hint]))
     throw std::invalid_argument("MovingSurface: expected the hint to be a valid face, found " + std::to_string(hint));
   Point best{-1, Vector3d::Zero(), Vector3d::Zero(), within};
   if (hint >= 0)
     try_face(hint, point, best);
-  for (int n = 0; n < static_cast<int>(nodes_.size());) {
-    const Node &node = nodes_[n];
-    if (squared_distance(point, node.low, node.high) > best.distance * best.distance * kRounding) {
-      n = node.skip;
-      continue;
+  const Eigen::Array3f p = point.array().cast<float>();
+  const double slack = kRounding * (1 + farthest + largest_);
+  std::array<int, 3 * kDeepest + 1> open; // nodes to look into
+  int count = 0;
+  open[count++] = 0;
+  while (count > 0) {
+    const Node &node = nodes_[open[--count]];
+    const Eigen::Array4f distances = squared_distances(p, node.low, node.high);
+    for (int k = 0; k < 4; ++k) {
+      const double reach = best.distance + slack;
+      if (!(distances[k] < reach * reach))
+        continue;
+      if (node.child[k] < 0)
+        try_face(~node.child[k], point, best);
+      else
+        open[count++] = node.child[k];
     }
-    for (int i = node.first; i < node.last; ++i)
-      try_face(order_[i], point, best);
-    ++n;
   }
   return best.face < 0 ? std::nullopt : std::optional<Point>(best);
 }

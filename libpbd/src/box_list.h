@@ -99,7 +99,7 @@ template <class Vertex> inline Vec3<Row> gather_row(const Array<Point> &points, 
   int v[kRow];
   for (int l = 0; l < kRow; ++l)
     v[l] = vertex(l < count ? l : 0);
-  return gather(points.data(), v);
+  return gather<kRow>(points.data(), v);
 }
 
 /// boxes[i]: the box around both ends of the ways of the vertices corners[k][i], with its margin. lo, hi: of each vertex's way.

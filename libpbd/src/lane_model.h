@@ -21,13 +21,14 @@ struct BendConstraint {
   float floor;    ///< see bend_response, 1/m^2
   float response; ///< sum of w_i |g_i|^2 at rest, 1/m^2
 };
-/// Four bends in a row of the order that share no vertex, so that they may be projected side by side. Where the
-/// order does not offer four, the rest are idle ones on the four spare vertices behind the last (see kSpareVertices), with no
-/// mass to move.
+inline constexpr int kBlock = 8; ///< bends
+/// Bends in a row of the order that share no vertex, so that they may be projected side by side. Where the order does not offer
+/// so many, the rest are idle ones on the four spare vertices behind the last (see kSpareVertices), with no mass to move.
 struct BendBlock {
-  int v[4][4];   ///< [corner][bend]
-  float w[4][4]; ///< [corner][bend]
-  float cos[4], sin[4], floor[4], response[4];
+  int count;          ///< of those that are not idle
+  int v[4][kBlock];   ///< [corner][bend]
+  float w[4][kBlock]; ///< [corner][bend]
+  float cos[kBlock], sin[kBlock], floor[kBlock], response[kBlock];
 };
 inline constexpr int kSpareVertices = 4; ///< after the model's own, in every array of positions: the corners of a flat square
 

@@ -31,7 +31,7 @@ public:
     target_.resize(m_.follower_count);
     if (m_.compliant) {
       stretch_multipliers_.resize(m_.stretch_count);
-      bend_multipliers_.resize(4 * m_.block_count);
+      bend_multipliers_.resize(kBlock * m_.block_count);
     }
   }
 
@@ -236,24 +236,25 @@ private:
     }
   }
 
-  /// The bends of a block share no vertex: four are projected side by side for one lane. For many lanes two go through each stage
+  /// The bends of a block share no vertex: a row is projected side by side for one lane. For many lanes two go through each stage
   /// in turn, so that the processor has one to work at while the other waits for its results; for four there is no room in the
   /// registers.
   template <bool compliant> void bend() {
     for (int i = 0; i < m_.block_count; ++i) {
       const BendBlock &block = m_.blocks[i];
-      if constexpr (kSingle) {
-        using Four = Pack<4>;
-        Vec3<Four> x[4];
-        for (int k = 0; k < 4; ++k)
-          x[k] = gather(p_.data(), block.v[k]);
-        const BendRest<Four> rest = rest_of<Four>(block, 0);
-        const BendTerms<Four> terms = bend_terms(x[0], x[1], x[2], x[3], rest);
-        move_bend(terms, rest, bend_multiplier_of<compliant>(terms, rest, i, 0), x[0], x[1], x[2], x[3]);
-        for (int k = 0; k < 4; ++k)
-          scatter(p_.data(), block.v[k], x[k]);
-      } else
-        for (int first = 0; first < 4; first += 2) {
+      if constexpr (kSingle)
+        for (int first = 0; first < block.count; first += kRow) {
+          Vec3<Row> x[4];
+          for (int k = 0; k < 4; ++k)
+            x[k] = gather<kRow>(p_.data(), block.v[k] + first);
+          const BendRest<Row> rest = rest_of<Row>(block, first);
+          const BendTerms<Row> terms = bend_terms(x[0], x[1], x[2], x[3], rest);
+          move_bend(terms, rest, bend_multiplier_of<compliant>(terms, rest, i, first), x[0], x[1], x[2], x[3]);
+          for (int k = 0; k < 4; ++k)
+            scatter<kRow>(p_.data(), block.v[k] + first, x[k]);
+        }
+      else
+        for (int first = 0; first < block.count; first += 2) {
           const auto corner = [&](int k, int j) -> Vec3<T> & { return p_[block.v[k][first + j]]; };
           const auto rest = [&](int j) { return rest_of<T>(block, first + j); };
           BendTerms<T> terms[2];
@@ -267,9 +268,9 @@ private:
         }
     }
   }
-  /// Of bend j for all lanes, or of four bends from j on for one.
+  /// Of bend j for all lanes, or of a row of bends from j on for one.
   template <class S> static BendRest<S> rest_of(const BendBlock &b, int j) {
-    const auto value = [j](const float(&values)[4]) {
+    const auto value = [j](const float(&values)[kBlock]) {
       if constexpr (kSingle)
         return S::load(values + j);
       else
@@ -280,7 +281,7 @@ private:
   }
   template <bool compliant, class S> S bend_multiplier_of(const BendTerms<S> &terms, const BendRest<S> &rest, int block, int j) {
     if constexpr (compliant) {
-      T *const from = &bend_multipliers_[4 * block + j];
+      T *const from = &bend_multipliers_[kBlock * block + j];
       S multiplier;
       __builtin_memcpy(&multiplier, from, sizeof multiplier);
       const S move = soft_bend_multiplier(terms, rest.response, S(s_.k_bend), multiplier);

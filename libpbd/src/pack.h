@@ -289,7 +289,9 @@ inline void transpose(const Pack<4> *row, Pack<4> (&column)[4]) {
   column[2] = Pack<4>(shuffle(ab_high, cd_high, Order4{0, 1, 4, 5}));
   column[3] = Pack<4>(shuffle(ab_high, cd_high, Order4{2, 3, 6, 7}));
 }
-inline Vec3<Pack<4>> gather(const Point *p, const int (&v)[4]) {
+template <int N> Vec3<Pack<N>> gather(const Point *p, const int *v); ///< points p[v[0]], ..., p[v[N - 1]]
+template <int N> void scatter(Point *p, const int *v, const Vec3<Pack<N>> &x);
+template <> inline Vec3<Pack<4>> gather<4>(const Point *p, const int *v) {
   const Pack<4> point[] = {Pack<4>::load(&p[v[0]].x), Pack<4>::load(&p[v[1]].x), Pack<4>::load(&p[v[2]].x),
                            Pack<4>::load(&p[v[3]].x)};
   Pack<4> axis[4];
@@ -300,13 +302,23 @@ inline Vec3<Pack<4>> gather(const Point *p, const int (&v)[4]) {
 /// What a single simulation does side by side: the boxes or the pairs that it looks at.
 #ifdef __AVX2__
 constexpr int kRow = 8;
-inline Pack<8> joined(Pack<4> low, Pack<4> high) {
-  return Pack<8>(_mm256_insertf128_ps(_mm256_castps128_ps256(low.lanes), high.lanes, 1));
+template <> inline Vec3<Pack<8>> gather<8>(const Point *p, const int *v) {
+  const auto points = [&](int l) { return _mm256_loadu2_m128(&p[v[l + 4]].x, &p[v[l]].x); };
+  const __m256 a = points(0), b = points(1), c = points(2), d = points(3);
+  const __m256 ab = _mm256_unpacklo_ps(a, b), cd = _mm256_unpacklo_ps(c, d); // ax bx ay by
+  const __m256 ab_z = _mm256_unpackhi_ps(a, b), cd_z = _mm256_unpackhi_ps(c, d);
+  return {Pack<8>(_mm256_shuffle_ps(ab, cd, 0x44)), Pack<8>(_mm256_shuffle_ps(ab, cd, 0xee)),
+          Pack<8>(_mm256_shuffle_ps(ab_z, cd_z, 0x44))};
 }
-inline Vec3<Pack<8>> gather(const Point *p, const int (&v)[8]) {
-  const int low[] = {v[0], v[1], v[2], v[3]}, high[] = {v[4], v[5], v[6], v[7]};
-  const Vec3<Pack<4>> a = gather(p, low), b = gather(p, high);
-  return {joined(a.x, b.x), joined(a.y, b.y), joined(a.z, b.z)};
+template <> inline void scatter<8>(Point *p, const int *v, const Vec3<Pack<8>> &x) {
+  const __m256 zero = _mm256_setzero_ps();
+  const __m256 xy_low = _mm256_unpacklo_ps(x.x.lanes, x.y.lanes), xy_high = _mm256_unpackhi_ps(x.x.lanes, x.y.lanes);
+  const __m256 z_low = _mm256_unpacklo_ps(x.z.lanes, zero), z_high = _mm256_unpackhi_ps(x.z.lanes, zero);
+  const auto store = [&](int l, __m256 points) { _mm256_storeu2_m128(&p[v[l + 4]].x, &p[v[l]].x, points); };
+  store(0, _mm256_shuffle_ps(xy_low, z_low, 0x44));
+  store(1, _mm256_shuffle_ps(xy_low, z_low, 0xee));
+  store(2, _mm256_shuffle_ps(xy_high, z_high, 0x44));
+  store(3, _mm256_shuffle_ps(xy_high, z_high, 0xee));
 }
 #else
 constexpr int kRow = 4;
@@ -325,7 +337,7 @@ inline int equal_bits(const int *list, int value) {
   return lane_bits(Mask<kRow>{row == value});
 }
 
-inline void scatter(Point *p, const int (&v)[4], const Vec3<Pack<4>> &x) {
+template <> inline void scatter<4>(Point *p, const int *v, const Vec3<Pack<4>> &x) {
   const Lanes4 zero{0, 0, 0, 0};
   const Lanes4 xy_lo = shuffle(x.x.lanes, x.y.lanes, Order4{0, 4, 1, 5}),
                xy_hi = shuffle(x.x.lanes, x.y.lanes, Order4{2, 6, 3, 7});

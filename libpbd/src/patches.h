@@ -68,9 +68,9 @@ template <> struct Looks<float> {
         for (int k = 0; k < 3; ++k)
           v[k][l] = m.faces[face].v[k];
       }
-      const Vec3<Pack<4>> corner = gather(points.data(), v[0]);
+      const Vec3<Pack<4>> corner = gather<4>(points.data(), v[0]);
       Pack<4> cosine[kLooks + 1];
-      looks_along(cross(gather(points.data(), v[1]) - corner, gather(points.data(), v[2]) - corner), cosine);
+      looks_along(cross(gather<4>(points.data(), v[1]) - corner, gather<4>(points.data(), v[2]) - corner), cosine);
       cosine[kLooks] = cosine[0];
       Looks four;
       for (int half = 0; half < 2; ++half) {

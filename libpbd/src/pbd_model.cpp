@@ -107,17 +107,15 @@ std::vector<BendBlock> in_blocks(const std::vector<BendConstraint> &bends, int v
   idle.cos = idle.floor = idle.response = 1;
   std::vector<BendBlock> blocks;
   std::vector<size_t> last_block(vertex_count, std::numeric_limits<size_t>::max()); // that holds the vertex
-  int filled = 4;
   for (const BendConstraint &bend : bends) {
     const bool shares =
         std::any_of(bend.v, bend.v + 4, [&](int v) { return !blocks.empty() && last_block[v] == blocks.size() - 1; });
-    if (filled == 4 || shares) {
+    if (blocks.empty() || blocks.back().count == kBlock || shares) {
       blocks.emplace_back();
-      for (filled = 0; filled < 4; ++filled)
-        set_bend(blocks.back(), filled, idle);
-      filled = 0;
+      for (int slot = 0; slot < kBlock; ++slot)
+        set_bend(blocks.back(), slot, idle);
     }
-    set_bend(blocks.back(), filled++, bend);
+    set_bend(blocks.back(), blocks.back().count++, bend);
     for (int v : bend.v)
       last_block[v] = blocks.size() - 1;
   }

@@ -3,6 +3,7 @@
 
 #include "doublet/core/mesh.h"
 
+#include <array>
 #include <optional>
 
 namespace doublet {
@@ -20,27 +21,27 @@ public:
 
   /// Faces with face_valid[f] == 0 are not there (empty = all are). Throws Error if the mesh is not usable(), or none is.
   explicit MovingSurface(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid = {});
-  /// vertices (V, 3) m; throws std::invalid_argument for another number of them, or one that is not finite.
+  /// vertices (V, 3) m; throws std::invalid_argument for another number of them, or one that is not within 1e15 m.
   void move_to(const Vertices &vertices);
   /// The nearest point, of the lowest face if there are several; nothing if it is `within` m or further away. `hint`: a face that
   /// may be near, such as the answer of the frame before; it saves time and changes nothing. -1 = none.
   std::optional<Point> closest(const Eigen::Vector3d &point, double within, int hint = -1) const;
 
 private:
+  /// Four boxes side by side, each around a node or a single face; the others are empty.
   struct Node {
-    Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();
-    int skip = 0;            ///< the first node behind this one's descendants
-    int first = 0, last = 0; ///< of a leaf, into order_; of others 0, 0
+    std::array<Eigen::Array4f, 3> low, high; ///< along x, y, z, m
+    std::array<int, 4> child;                ///< a node, or the complement (~) of a face
   };
-  void add(int first, int last, const Vertices &centres);
+  int add(int first, int last, const Vertices &centres, std::vector<int> &order);
   void fit();
   void try_face(int face, const Eigen::Vector3d &point, Point &best) const;
 
   Vertices vertices_;
   Faces faces_;
   std::vector<std::uint8_t> valid_; ///< [face]
-  std::vector<int> order_;          ///< valid faces as they lie in the leaves
-  std::vector<Node> nodes_;         ///< in the order of a walk from the root
+  std::vector<Node> nodes_;         ///< the root first, children behind their parents
+  double largest_ = 0;              ///< of all coordinates, m
 };
 
 } // namespace doublet
