@@ -62,6 +62,8 @@ public:
     predict();
     const T opening = T(kDepenetrationSpeed) * s_.h;
     find_capsule_contacts(m_, capsules_, x_, p_, opening, boxes_, contacts_);
+    if (m_.edge_collision) // so that the cloth meets itself on the way to where the proxies push it
+      project_capsules();
     self_contacts_.clear();
     edge_contacts_.clear();
     if (m_.self_collision)
@@ -176,12 +178,13 @@ private:
         p_[m_.followers[i]] = target_[i];
   }
 
+  /// Where edges collide, the cloth against itself has the last word: what a proxy pushes through other cloth stays there, but
+  /// what it does not push out is under that cloth and nobody sees it.
   void iterate() {
     for (T &multiplier : stretch_multipliers_)
       multiplier = T(0);
     for (T &multiplier : bend_multipliers_)
       multiplier = T(0);
-    const T thickness(m_.thickness);
     for (int iteration = 0; iteration < m_.iterations; ++iteration) {
       if (m_.compliant) {
         stretch<true>();
@@ -194,13 +197,21 @@ private:
         const BlendConstraint &c = m_.blends[i];
         project_blend<T>(p_[c.vertex], target_[c.follower], T(c.stiffness));
       }
-      for (SelfContact<T> &c : self_contacts_)
-        project_self<T>(p_[c.q], p_[c.a], p_[c.b], p_[c.c], c);
-      for (EdgeContact<T> &c : edge_contacts_)
-        project_edges<T>(p_[c.a], p_[c.b], p_[c.c], p_[c.d], c);
-      for (CapsuleContact<T> &c : contacts_)
-        project_capsule<T>(p_[c.vertex], c, capsules_[c.capsule].end, thickness);
+      project_own();
+      project_capsules();
     }
+    if (m_.edge_collision)
+      project_own();
+  }
+  void project_own() {
+    for (SelfContact<T> &c : self_contacts_)
+      project_self<T>(p_[c.q], p_[c.a], p_[c.b], p_[c.c], c);
+    for (EdgeContact<T> &c : edge_contacts_)
+      project_edges<T>(p_[c.a], p_[c.b], p_[c.c], p_[c.d], c);
+  }
+  void project_capsules() {
+    for (CapsuleContact<T> &c : contacts_)
+      project_capsule<T>(p_[c.vertex], c, capsules_[c.capsule].end, T(m_.thickness));
   }
 
   template <bool compliant> void stretch() {

@@ -213,12 +213,12 @@ TEST(Kernels, PacksGiveTheBitsOfFloats) {
     using Four = Pack<4>;
     Vec3<Four> x[4];
     for (int k = 0; k < 4; ++k)
-      x[k] = gather(p, v[k]);
+      x[k] = gather<4>(p, v[k]);
     const BendRest<Four> rest{Four::load(w[0]), Four::load(w[1]), Four::load(w[2]), Four::load(w[3]),
                               Four::load(c),    Four::load(s),    Four(100.0f),     Four(0.0f)};
     project_bend(x[0], x[1], x[2], x[3], rest, Four(0.3f));
     for (int k = 0; k < 4; ++k)
-      scatter(p, v[k], x[k]);
+      scatter<4>(p, v[k], x[k]);
     for (int l = 0; l < 4; ++l)
       project_bend<float>(q[v[0][l]], q[v[1][l]], q[v[2][l]], q[v[3][l]],
                           BendRest<float>{w[0][l], w[1][l], w[2][l], w[3][l], c[l], s[l], 100, 0}, 0.3f);
