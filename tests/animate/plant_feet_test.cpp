@@ -105,6 +105,114 @@ TEST(PlantFeet, AnglesWoundPastAHalfTurnDoNotJump) {
     EXPECT_LT((after.dofs.row(t) - after.dofs.row(t - 1)).cwiseAbs().maxCoeff(), 0.6) << t;
 }
 
+/// On bent knees, the lowest point of the soles at a height over the floor; flat at a pitch of 0, above it the heels are up.
+Eigen::VectorXd crouching(const Skeleton &skeleton, double height, double pitch) {
+  Eigen::VectorXd pose = Eigen::VectorXd::Zero(skeleton.dof_count());
+  for (const std::string side : {"l_", "r_"}) {
+    pose[dof(skeleton, side + "hip")] = -0.4;
+    pose[dof(skeleton, side + "knee")] = 0.8;
+    pose[dof(skeleton, side + "ankle")] = 0.4 + pitch;
+  }
+  pose[1] = height - lowest(skeleton, pose);
+  return pose;
+}
+
+/// Stands for 0.75 s, goes half a metre in 0.3 s with the soles 3 mm over the floor, and stands again.
+Motion skimming(const Skeleton &skeleton, int fps) {
+  const int frames = 9 * fps / 5;
+  Motion motion{static_cast<double>(fps), MatrixRM::Zero(frames, skeleton.dof_count())};
+  for (int t = 0; t < frames; ++t) {
+    const double x = std::clamp((t - 0.75 * fps) / (0.3 * fps), 0.0, 1.0);
+    motion.dofs.row(t) = crouching(skeleton, x > 0 && x < 1 ? 0.003 : 0, 0);
+    motion.dofs(t, 2) = 0.5 * x * x * (3 - 2 * x);
+  }
+  return motion;
+}
+
+bool stands(const FootContacts &foot, int t) {
+  return foot.heel[t] || foot.ball[t];
+}
+
+/// Metres a second of the ball of a sole, along the floor, from the frame before.
+double slide(const Skeleton &skeleton, const Motion &motion, const std::string &side, int t) {
+  Eigen::Vector3d step = sole(skeleton, side, motion.dofs.row(t))[1] - sole(skeleton, side, motion.dofs.row(t - 1))[1];
+  step.y() = 0;
+  return step.norm() * motion.fps;
+}
+
+TEST(PlantFeet, AFootThatSkimsTheFloorIsHighWhileItIsFast) {
+  const Skeleton skeleton = figure_skeleton();
+  for (const int fps : {40, 120}) {
+    const Motion before = skimming(skeleton, fps), after = plant_feet(skeleton, before);
+    int fast = 0;
+    for (const FootContacts &foot : find_contacts(skeleton, before))
+      for (int t = 1; t < before.dofs.rows(); ++t) {
+        const std::string side = foot.ankle.substr(0, 2);
+        const auto was = sole(skeleton, side, before.dofs.row(t)), is = sole(skeleton, side, after.dofs.row(t));
+        const auto before_it = sole(skeleton, side, after.dofs.row(t - 1));
+        const double height = 0.5 * (std::min(is[0].y(), is[2].y()) + std::min(before_it[0].y(), before_it[2].y()));
+        const double speed = slide(skeleton, after, side, t);
+        EXPECT_GT(height, -1e-3) << fps << side << t;
+        EXPECT_LT(height, 0.02) << fps << side << t;
+        EXPECT_LT(speed, 1.15 * 2.5) << fps << side << t << ": the clip's own is 0.5 m / 0.3 s * 1.5";
+        if (foot.heel[t] && foot.ball[t]) {
+          EXPECT_LT((is[1] - was[1]).norm(), 6e-3) << fps << side << t << ": it stands where it stood";
+        }
+        if (speed > 1.25) {
+          EXPECT_GT(height, 0.0055) << fps << side << t << " at " << speed;
+          ++fast;
+        }
+        if (speed > 1.75) {
+          EXPECT_GT(height, 0.009) << fps << side << t << " at " << speed;
+        }
+      }
+    EXPECT_GT(fast, 12);
+  }
+}
+
+TEST(PlantFeet, AFootIsSlowedDownBeforeItStands) {
+  const Skeleton skeleton = figure_skeleton();
+  for (const int fps : {40, 120}) {
+    const Motion before = skimming(skeleton, fps), after = plant_feet(skeleton, before);
+    int ends = 0;
+    for (const FootContacts &foot : find_contacts(skeleton, before))
+      for (int t = 1; t < before.dofs.rows(); ++t)
+        if (stands(foot, t - 1) != stands(foot, t)) {
+          const std::string side = foot.ankle.substr(0, 2);
+          EXPECT_GT(slide(skeleton, before, side, t), 0.2) << fps << side << t;
+          EXPECT_LT(slide(skeleton, after, side, t), 0.5 * slide(skeleton, before, side, t)) << fps << side << t;
+          ++ends;
+        }
+    EXPECT_EQ(ends, 4);
+  }
+}
+
+TEST(PlantFeet, AFootWhoseAnkleCannotTurnLandsWithoutAJump) {
+  Skeleton skeleton = figure_skeleton();
+  for (const std::string side : {"l_", "r_"}) {
+    skeleton.lower[dof(skeleton, side + "ankle")] = 0.78;
+    skeleton.upper[dof(skeleton, side + "ankle")] = 0.82;
+  }
+  Motion before{40, MatrixRM::Zero(80, skeleton.dof_count())}; // on its toes; slides, hops, and slides on
+  for (int t = 0; t < 80; ++t) {
+    before.dofs.row(t) = crouching(skeleton, 0.15 * std::max(0.0, 1 - std::pow((t - 40) / 10.0, 2)), 0.4);
+    before.dofs(t, 2) = 0.3 * t / 40;
+  }
+  const Motion after = plant_feet(skeleton, before);
+  int ends = 0;
+  for (const FootContacts &foot : find_contacts(skeleton, before))
+    for (int t = 1; t < 80; ++t)
+      if (stands(foot, t - 1) != stands(foot, t)) {
+        const std::string side = foot.ankle.substr(0, 2);
+        const auto moved = [&](const Motion &motion) {
+          return (sole(skeleton, side, motion.dofs.row(t))[2] - sole(skeleton, side, motion.dofs.row(t - 1))[2]).norm();
+        };
+        EXPECT_LT(moved(after), moved(before) + 2e-3) << side << t;
+        ++ends;
+      }
+  EXPECT_EQ(ends, 4);
+}
+
 TEST(PlantFeet, RefusesWhatIsNoMotion) {
   const Skeleton skeleton = figure_skeleton();
   EXPECT_THROW(plant_feet(skeleton, Motion{}), std::invalid_argument);

@@ -27,6 +27,9 @@ constexpr double kStraight = 0.99; // of the leg: further, millimetres are many 
 
 constexpr double kHalfWidth = 0.15; // of the sole, of its length
 constexpr double kClearance = 0.03; // m, of a foot that swings
+// Winter 1992, Foot trajectory in human gait: the toe of a walker's swinging foot is never lower than this, on average, and his
+// heel touches down at 0.87 m/s, so that this is how far it goes in the last 1/20 s.
+constexpr double kLeastSwing = 0.013, kNearStand = 0.043; // m
 
 enum class Stand : std::uint8_t { Air, Heel, Flat, Toe };
 
@@ -84,24 +87,33 @@ template <class Flag> std::vector<std::pair<int, int>> runs(int count, const Fla
   return result;
 }
 
-/// Values known in some runs of frames, blended to zero from there within `blend` frames: cubic, with the slope at the run's end.
-template <class Value> void ease(std::vector<Value> &values, const std::vector<std::pair<int, int>> &known, int blend) {
-  const int count = static_cast<int>(values.size());
-  const auto leave = [&](int from, int direction, int gap, double slope_sign, int inside) {
-    const int b = std::min(blend, gap);
-    const Value start = values[from];
-    const Value slope = inside == from ? Value(0 * start) : Value(slope_sign * (values[from] - values[inside]));
-    for (int k = 1; k < b; ++k) {
-      const double x = static_cast<double>(k) / b;
-      values[from + direction * k] += (1 - x) * (1 - x) * ((1 + 2 * x) * start + x * b * slope);
-    }
-  };
+/// Where a run of frames ends and the frames beside it begin, at either side.
+struct RunEnd {
+  int frame, inside; ///< the last of the run and the one before it, which is the same in a run of one
+  int direction;     ///< away from the run
+  int gap;           ///< frames to the next run, or to what would be the first beyond the motion
+};
+
+std::vector<RunEnd> ends_of(const std::vector<std::pair<int, int>> &known, int count) {
+  std::vector<RunEnd> result;
   for (std::size_t r = 0; r < known.size(); ++r) {
     const auto [first, last] = known[r];
-    const int before = r > 0 ? first - known[r - 1].second : first + 1;
-    const int after = r + 1 < known.size() ? known[r + 1].first - last : count - last;
-    leave(first, -1, before, 1, std::min(first + 1, last));
-    leave(last, 1, after, 1, std::max(last - 1, first));
+    result.push_back({first, std::min(first + 1, last), -1, r > 0 ? first - known[r - 1].second : first + 1});
+    result.push_back({last, std::max(last - 1, first), 1, r + 1 < known.size() ? known[r + 1].first - last : count - last});
+  }
+  return result;
+}
+
+/// Values known in some runs of frames, blended to zero from there within `blend` frames: cubic, with the slope at the run's end.
+template <class Value> void ease(std::vector<Value> &values, const std::vector<std::pair<int, int>> &known, int blend) {
+  for (const RunEnd &end : ends_of(known, static_cast<int>(values.size()))) {
+    const int b = std::min(blend, end.gap);
+    const Value start = values[end.frame];
+    const Value slope = values[end.frame] - values[end.inside];
+    for (int k = 1; k < b; ++k) {
+      const double x = static_cast<double>(k) / b;
+      values[end.frame + end.direction * k] += (1 - x) * (1 - x) * ((1 + 2 * x) * start + x * b * slope);
+    }
   }
 }
 
@@ -193,6 +205,7 @@ public:
     for (std::size_t f = 0; f < feet_.size(); ++f) {
       plan_offsets(feet_[f]);
       let_go(f);
+      plan_holds(feet_[f]);
       follow(feet_[f]);
     }
     return motion_;
@@ -328,17 +341,55 @@ private:
       if (foot.steps[t].stand != Stand::Air)
         offsets[t] = planned_ankle(foot, t) - foot.steps[t].ankle;
     ease(offsets, standing(foot), blend_frames());
-    const Series away = air(foot);
+    meet_at_rest(foot, offsets);
+    const Series away = air(foot), least = least_heights(foot, offsets);
     Series need(count_), lift(count_);
     for (int t = 0; t < count_; ++t) {
       const double lowest = std::min(foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.tip).y()) - edge(foot, t);
-      need[t] = std::max(0.0, options_.floor_height + kClearance * away[t] - lowest - offsets[t].y());
+      const double clear = std::max(kClearance * away[t], least[t]);
+      need[t] = std::max(0.0, options_.floor_height + clear - lowest - offsets[t].y());
       lift[t] = -need[t];
     }
     const int radius = frames(kLiftBlur, motion_.fps);
     lift = mean_around(lowest_around(lift, radius), radius);
     for (int t = 0; t < count_; ++t)
       foot.steps[t].offset = offsets[t] + std::max(need[t], -lift[t] * away[t]) * Vector3d::UnitY();
+  }
+
+  static Vector3d along_floor(const Vector3d &v) { return {v.x(), 0, v.z()}; }
+
+  /// A foot is slowed down in the air, not by the floor: the step between a stand and the frame beside it is taken out, fading
+  /// into the clip's own path like the blend. The height goes on as it did.
+  void meet_at_rest(const Foot &foot, std::vector<Vector3d> &offsets) const {
+    for (const RunEnd &end : ends_of(standing(foot), count_)) {
+      const int blend = std::min(blend_frames(), end.gap);
+      if (blend < 2)
+        continue;
+      const Vector3d &pivot = foot.steps[end.frame].pivot;
+      const auto at = [&](int t) -> Vector3d { return foot.point(t, pivot) + offsets[t]; };
+      const Vector3d step = along_floor(at(end.frame) - at(end.frame + end.direction));
+      for (int k = 1; k < blend; ++k) {
+        const double x = static_cast<double>(k) / blend;
+        offsets[end.frame + end.direction * k] += k * (1 - x) * (1 - x) * step;
+      }
+    }
+  }
+
+  /// How high a foot has to be: not at all where it stands, and the higher the farther along the floor it is from there, for it
+  /// does not skim the floor on its way.
+  Series least_heights(const Foot &foot, const std::vector<Vector3d> &offsets) const {
+    Series heights(count_);
+    for (int t = 0; t < count_; ++t)
+      heights[t] = foot.steps[t].stand == Stand::Air ? kLeastSwing : 0;
+    for (const RunEnd &end : ends_of(standing(foot), count_)) {
+      const Step &stand = foot.steps[end.frame];
+      for (int k = 1; k < end.gap; ++k) {
+        const int t = end.frame + end.direction * k;
+        const double far = along_floor(foot.point(t, stand.pivot) + offsets[t] - stand.pivot_at).norm();
+        heights[t] = std::min(heights[t], kLeastSwing * (1 - std::exp(-far / kNearStand)));
+      }
+    }
+    return heights;
   }
 
   /// How far the sole's edge is below its middle line, the foot being rolled.
@@ -378,13 +429,27 @@ private:
       steps[t].offset = up(t) + share[t] * (steps[t].offset - up(t));
   }
 
+  /// A swinging foot is held by its ball, near a stand by what it stands on: other poses where the ankle cannot turn so far.
+  void plan_holds(Foot &foot) const {
+    for (Step &step : foot.steps)
+      if (step.stand == Stand::Air)
+        step.pivot = foot.leg.ball;
+    for (const RunEnd &end : ends_of(standing(foot), count_)) {
+      const int blend = std::min(blend_frames(), end.gap);
+      for (int k = 1; k < blend; ++k) {
+        const double x = static_cast<double>(k) / blend;
+        foot.steps[end.frame + end.direction * k].pivot +=
+            (1 - x) * (1 - x) * (1 + 2 * x) * (foot.steps[end.frame].pivot - foot.leg.ball);
+      }
+    }
+  }
+
   void follow(const Foot &foot) {
     Eigen::VectorXd pose;
     for (int t = 0; t < count_; ++t) {
       const Step &step = foot.steps[t];
-      const Vector3d point = step.stand == Stand::Air ? foot.leg.ball : step.pivot;
       pose = motion_.dofs.row(t);
-      reach(skeleton_, foot.leg, {point, foot.point(t, point) + step.offset, step.rotation, step.slope}, pose);
+      reach(skeleton_, foot.leg, {step.pivot, foot.point(t, step.pivot) + step.offset, step.rotation, step.slope}, pose);
       motion_.dofs.row(t) = pose;
     }
   }
