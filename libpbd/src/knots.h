@@ -8,6 +8,7 @@ inline namespace DOUBLET_PBD_ISA {
 
 constexpr int kUntangleSteps = 10;      ///< at the start of a frame, at most
 constexpr float kUntangleStep = 0.002f; ///< m, that an edge or a face moves in one
+constexpr float kStrained = 1.5f;       ///< cloth longer than this by its length at rest has no contacts, where edges collide
 
 /// The ends a and b of an edge and the plane of the face (c, d, e): do they lie on either side of it?
 template <class T, class M> struct Parted {
@@ -30,6 +31,8 @@ public:
       in_knot_[i] = T(0);
     crossings_.clear();
     near_.clear();
+    if (m.edge_collision)
+      find_strained(m, x);
     if (m.edge_collision)
       find_near(m, x);
     else
@@ -59,6 +62,9 @@ public:
 
   /// The lanes in which a vertex belonged to an edge or a face of a crossing when they were last looked for.
   auto at(int vertex) const { return in_knot_[vertex] > T(0); }
+  /// The lanes in which an edge of a vertex was strained then, and all where the rest shape is in a knot. What holds layers apart
+  /// that something squeezes together can pull them out without end: cloth lets go before. Where edges collide alone.
+  auto strained(int vertex) const { return strained_[vertex] > T(0); }
 
 private:
   static constexpr bool kSingle = sizeof(T) == sizeof(float);
@@ -133,6 +139,22 @@ private:
     });
   }
 
+  template <class Points> void find_strained(const LaneModel &m, const Points &x) {
+    strained_.resize(m.vertex_count);
+    for (T &vertex : strained_)
+      vertex = T(0);
+    for (int i = 0; i < m.resting_knot_count; ++i)
+      strained_[m.resting_knots[i]] = T(1);
+    for (int i = 0; i < m.stretch_count; ++i) {
+      const StretchConstraint &c = m.stretches[i];
+      const Vec3<T> d = x[c.b] - x[c.a];
+      const float most = kStrained * c.length;
+      const auto over = dot(d, d) > T(most * most);
+      strained_[c.a] = select(over, T(1), strained_[c.a]);
+      strained_[c.b] = select(over, T(1), strained_[c.b]);
+    }
+  }
+
   template <class Points, class M> void note_crossing(const LaneModel &m, const Points &x, int edge, int face, M lanes) {
     const int corners[] = {m.edges[edge].a, m.edges[edge].b, m.faces[face].v[0], m.faces[face].v[1], m.faces[face].v[2]};
     const Vec3<T> a = x[corners[0]], b = x[corners[1]], c = x[corners[2]], d = x[corners[3]], e = x[corners[4]];
@@ -189,8 +211,8 @@ private:
         add(v[k], T(-1) * way);
     }
     for (int i = 0; i < m.vertex_count; ++i) {
-      const auto moves = counts_[i] > T(0);
-      if (m.weights[i] == 0 || m.rests_in_knot[i] || !any(moves))
+      const auto moves = (counts_[i] > T(0)) & !strained(i);
+      if (m.weights[i] == 0 || !any(moves))
         continue;
       moved_[i] = 1;
       x[i] = select(moves, Vec3<T>(x[i]) + (T(kUntangleStep) / lane_max(counts_[i], T(1))) * ways_[i], x[i]);
@@ -200,7 +222,7 @@ private:
   FaceBoxes<T> boxes_;
   Patches<T> patches_;
   BoxList<T> edge_boxes_, face_boxes_; ///< in the order of the patches
-  Array<T> in_knot_;                   ///< of each vertex: 0, 1
+  Array<T> in_knot_, strained_;        ///< of each vertex: 0, 1
   Array<Pair> near_, crossings_;       ///< edges and faces less than a step apart along every axis; that pass through each other
   Array<IndexPair> near_pairs_;        ///< the same of one simulation, edge and patch_faces
   Array<Vec3<T>> ways_;                ///< of each vertex, from all of its crossings

@@ -96,7 +96,8 @@ struct LaneModel {
   const int *patch_corners[3];        ///< the same of the corners of patch_faces; all five with kSpareInList behind the last
   const std::uint64_t *resting_edges; ///< sorted (edge << 32 | later edge) that never collide
   int resting_edge_count;
-  const std::uint8_t *rests_in_knot; ///< [vertex] 1 where the rest shape passes through itself; where edges collide, else none
+  const int *resting_knots; ///< vertices where the rest shape passes through itself; where edges collide
+  int resting_knot_count;
   int iterations;
   float over_relaxation, thickness, self_thickness, restitution;
   float largest_extent; ///< m, see SelfCollision

@@ -239,8 +239,10 @@ void PbdModel::set_resting_knots(const Vertices &rest) {
   Knots<float> knots;
   knots.find(by_face, points);
   for (int i = 0; i < vertex_count(); ++i)
-    rests_in_knot_.push_back(knots.at(i));
-  arrays_.rests_in_knot = rests_in_knot_.data();
+    if (knots.at(i))
+      resting_knots_.push_back(i);
+  arrays_.resting_knots = resting_knots_.data();
+  arrays_.resting_knot_count = static_cast<int>(resting_knots_.size());
 }
 
 void PbdModel::set_arrays() {

@@ -36,7 +36,7 @@ private:
   OrderedEdges edges_;
   PatchedTree patches_;
   std::vector<std::uint64_t> resting_pairs_, resting_edges_;
-  std::vector<std::uint8_t> rests_in_knot_;
+  std::vector<int> resting_knots_;
   LaneModel arrays_{};
 };
 

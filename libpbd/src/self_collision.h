@@ -90,8 +90,8 @@ inline VertexMeeting<T, M> meeting_of_vertex(const Vec3<T> (&x)[4], const Vec3<T
 /// likewise edges, if they collide. A pair that starts closer than the thickness is opened at most by `opening` in this step.
 /// Where the cloth has passed through itself the side says nothing, and a contact would hold the knot together: there are none.
 /// Where edges collide, too, Knots moves the cloth apart, and contacts keep what it has gained: in a knot they open nothing, and
-/// where the rest shape is in one there are none, for nothing could bring it apart. Work is bounded: a vertex that moves, or a
-/// face that spans, more than the model's largest_extent (cloth that has exploded) is left out.
+/// strained cloth has none. Work is bounded: a vertex that moves, or a face that spans, more than the model's largest_extent
+/// (cloth that has exploded) is left out.
 template <class T> class SelfCollision {
 public:
   using Places = Array<Place<T>>;
@@ -266,19 +266,17 @@ private:
     edge_pairs_.clear();
   }
 
-  static bool in_resting_knot(const LaneModel &m, const int (&vertices)[4]) {
-    const std::uint8_t *rests = m.rests_in_knot;
-    return rests[vertices[0]] | rests[vertices[1]] | rests[vertices[2]] | rests[vertices[3]];
-  }
-
   template <class M> static void add_vertex(const Search &s, int q, int f, const VertexMeeting<T, M> &met) {
     const int a = s.m.faces[f].v[0], b = s.m.faces[f].v[1], c = s.m.faces[f].v[2];
     const float *w = s.m.weights;
     const Knots<T> &knots = s.knots;
     const auto in_knot = knots.at(q) | knots.at(a) | knots.at(b) | knots.at(c);
-    const auto lanes = s.m.edge_collision ? met.lanes : met.lanes & !in_knot;
-    if (!any(lanes) || (s.m.edge_collision && in_resting_knot(s.m, {q, a, b, c})) || w[q] + w[a] + w[b] + w[c] == 0 ||
-        is_among(s.m.resting_pairs, s.m.resting_pair_count, q, f))
+    auto lanes = met.lanes;
+    if (s.m.edge_collision)
+      lanes = lanes & !(knots.strained(q) | knots.strained(a) | knots.strained(b) | knots.strained(c));
+    else
+      lanes = lanes & !in_knot;
+    if (!any(lanes) || w[q] + w[a] + w[b] + w[c] == 0 || is_among(s.m.resting_pairs, s.m.resting_pair_count, q, f))
       return;
     const T kept = lane_min(T(s.m.self_thickness), select(in_knot, met.distance, met.distance + s.opening));
     SelfContact<T> contact{q,        a,        b,        c,        w[q], w[a], w[b], w[c], select(lanes, T(1), T(0)),
@@ -290,12 +288,12 @@ private:
     const int a = s.m.edges[i].a, b = s.m.edges[i].b, c = s.m.edges[j].a, d = s.m.edges[j].b;
     const float *w = s.m.weights;
     const Knots<T> &knots = s.knots;
-    if (in_resting_knot(s.m, {a, b, c, d}) || w[a] + w[b] + w[c] + w[d] == 0 ||
-        is_among(s.m.resting_edges, s.m.resting_edge_count, i, j))
+    const auto lanes = met.lanes & !(knots.strained(a) | knots.strained(b) | knots.strained(c) | knots.strained(d));
+    if (!any(lanes) || w[a] + w[b] + w[c] + w[d] == 0 || is_among(s.m.resting_edges, s.m.resting_edge_count, i, j))
       return;
     const auto in_knot = knots.at(a) | knots.at(b) | knots.at(c) | knots.at(d);
     const T kept = lane_min(T(s.m.self_thickness), select(in_knot, met.distance, met.distance + s.opening));
-    EdgeContact<T> contact{a,     b,     c,        d,    w[a], w[b], w[c], w[d], select(met.lanes, T(1), T(0)),
+    EdgeContact<T> contact{a,     b,     c,        d,    w[a], w[b], w[c], w[d], select(lanes, T(1), T(0)),
                            met.s, met.t, met.side, kept, T(0), T(0)};
     contact.inverse_sum = contact_response(contact);
     s.edge_contacts.push_back(contact);
