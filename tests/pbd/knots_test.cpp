@@ -246,6 +246,62 @@ TEST(Knots, WhatIsDraggedOffIsNotLongerThanTwiceItsLength) {
   EXPECT_LT(dragged(true), 2.1);
 }
 
+/// Two sheets lie one over the other, the upper one held at its border; a ball comes from below, that pushes the lower one into
+/// the upper and stretches both.
+struct Covered {
+  scenes::Sheet both;
+  Covered() {
+    const scenes::Sheet one = scenes::grid(14, 14, 0.025);
+    const Eigen::Index n = one.rest.rows();
+    both.rest.resize(2 * n, 3);
+    both.faces.resize(2 * one.faces.rows(), 3);
+    both.faces << one.faces, (one.faces.array() + static_cast<int>(n)).matrix();
+    both.clothness = Eigen::VectorXd::Ones(2 * n);
+    both.rest << one.rest, one.rest;
+    both.rest.bottomRows(n).rowwise() += Eigen::RowVector3d(0.006, 0.02, 0.004);
+    const double border = one.rest.col(0).maxCoeff() - 1e-9;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      both.clothness[n + i] = one.rest.row(i).cwiseAbs().maxCoeff() < border;
+      both.clothness[i] = both.clothness[n + i];
+    }
+  }
+  /// Vertices in knots after the ball has come up at a speed (m/s), and half a second later.
+  std::pair<std::size_t, std::size_t> pushed(double speed, double height) const {
+    ClothOptions options;
+    options.edge_collision = true;
+    const auto solver = ClothSolver::create(ClothModel::create(both.rest, both.faces, both.clothness, options));
+    ClothState state = initial_state(both.rest);
+    std::vector<Capsule> before, now{{{0, -0.08, 0}, {0, -0.08, 0}, 0.05, 0.05}};
+    StepInputs in;
+    in.targets = &both.rest;
+    in.previous_capsules = &before;
+    in.capsules = &now;
+    const auto rise = [&](double by) {
+      before = now;
+      now[0].p0[1] += by;
+      now[0].p1[1] += by;
+      solver->step(state, in, Material{});
+    };
+    const int frames = static_cast<int>(std::ceil(height / (speed * in.dt)));
+    std::size_t most = 0;
+    for (int i = 0; i < frames; ++i) {
+      rise(height / frames);
+      most = std::max(most, knotted(state.positions, both.faces).size());
+    }
+    for (int i = 0; i < 20; ++i)
+      rise(0);
+    return {most, knotted(state.positions, both.faces).size()};
+  }
+};
+
+TEST(Knots, WhatAProxyPushesStaysUnderTheClothAboveIt) {
+  for (const double speed : {0.5, 2.0}) {
+    const auto [most, left] = Covered().pushed(speed, 0.06);
+    EXPECT_EQ(most, 0u) << speed << " m/s";
+    EXPECT_EQ(left, 0u) << speed << " m/s";
+  }
+}
+
 /// Vertices where the rest shape passes through itself have no contacts where edges collide, nor are they moved: it rests.
 TEST(Knots, WhatIsInAKnotAtRestIsLeftAlone) {
   Curtains scene(0.06);
