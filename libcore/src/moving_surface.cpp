@@ -131,7 +131,7 @@ void MovingSurface::try_face(int face, const Vector3d &p, Point &best) const {
 std::optional<MovingSurface::Point> MovingSurface::closest(const Vector3d &point, double within, int hint) const {
   const double farthest = point.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
   if (!(farthest <= kFarthest) || !(within > 0))
-    throw std::invalid_argument("MovingSurface: expected a finite point and a distance above 0");
+    throw std::invalid_argument("MovingSurface: expected a point within 1e15 m and a distance above 0");
   if (hint >= static_cast<int>(valid_.size()) || (hint >= 0 && !valid_[hint]))
     throw std::invalid_argument("MovingSurface: expected the hint to be a valid face, found " + std::to_string(hint));
   Point best{-1, Vector3d::Zero(), Vector3d::Zero(), within};

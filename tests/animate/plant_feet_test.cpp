@@ -129,8 +129,14 @@ Motion skimming(const Skeleton &skeleton, int fps) {
   return motion;
 }
 
-bool stands(const FootContacts &foot, int t) {
-  return foot.heel[t] || foot.ball[t];
+/// Calls use(side, t) for the first frame of every stand and the first after it.
+template <class Use> void at_ends_of_stands(const Skeleton &skeleton, const Motion &motion, const Use &use) {
+  for (const FootContacts &foot : find_contacts(skeleton, motion)) {
+    const auto stands = [&](int t) { return foot.heel[t] || foot.ball[t]; };
+    for (int t = 1; t < motion.dofs.rows(); ++t)
+      if (stands(t - 1) != stands(t))
+        use(foot.ankle.substr(0, 2), t);
+  }
 }
 
 /// Metres a second of the ball of a sole, along the floor, from the frame before.
@@ -175,14 +181,11 @@ TEST(PlantFeet, AFootIsSlowedDownBeforeItStands) {
   for (const int fps : {40, 120}) {
     const Motion before = skimming(skeleton, fps), after = plant_feet(skeleton, before);
     int ends = 0;
-    for (const FootContacts &foot : find_contacts(skeleton, before))
-      for (int t = 1; t < before.dofs.rows(); ++t)
-        if (stands(foot, t - 1) != stands(foot, t)) {
-          const std::string side = foot.ankle.substr(0, 2);
-          EXPECT_GT(slide(skeleton, before, side, t), 0.2) << fps << side << t;
-          EXPECT_LT(slide(skeleton, after, side, t), 0.5 * slide(skeleton, before, side, t)) << fps << side << t;
-          ++ends;
-        }
+    at_ends_of_stands(skeleton, before, [&](const std::string &side, int t) {
+      EXPECT_GT(slide(skeleton, before, side, t), 0.2) << fps << side << t;
+      EXPECT_LT(slide(skeleton, after, side, t), 0.5 * slide(skeleton, before, side, t)) << fps << side << t;
+      ++ends;
+    });
     EXPECT_EQ(ends, 4);
   }
 }
@@ -200,16 +203,13 @@ TEST(PlantFeet, AFootWhoseAnkleCannotTurnLandsWithoutAJump) {
   }
   const Motion after = plant_feet(skeleton, before);
   int ends = 0;
-  for (const FootContacts &foot : find_contacts(skeleton, before))
-    for (int t = 1; t < 80; ++t)
-      if (stands(foot, t - 1) != stands(foot, t)) {
-        const std::string side = foot.ankle.substr(0, 2);
-        const auto moved = [&](const Motion &motion) {
-          return (sole(skeleton, side, motion.dofs.row(t))[2] - sole(skeleton, side, motion.dofs.row(t - 1))[2]).norm();
-        };
-        EXPECT_LT(moved(after), moved(before) + 2e-3) << side << t;
-        ++ends;
-      }
+  at_ends_of_stands(skeleton, before, [&](const std::string &side, int t) {
+    const auto moved = [&](const Motion &motion) {
+      return (sole(skeleton, side, motion.dofs.row(t))[2] - sole(skeleton, side, motion.dofs.row(t - 1))[2]).norm();
+    };
+    EXPECT_LT(moved(after), moved(before) + 2e-3) << side << t;
+    ++ends;
+  });
   EXPECT_EQ(ends, 4);
 }
 

@@ -42,6 +42,16 @@ std::set<int> knotted(const Vertices &x, const Faces &faces) {
   return found;
 }
 
+/// Two sheets in one, the second `away` (m) from the first.
+scenes::Sheet doubled(const scenes::Sheet &one, const Eigen::RowVector3d &away) {
+  const Eigen::Index n = one.rest.rows(), f = one.faces.rows();
+  scenes::Sheet both{Vertices(2 * n, 3), Faces(2 * f, 3), Eigen::VectorXd(2 * n)};
+  both.rest << one.rest, one.rest.rowwise() + away;
+  both.faces << one.faces, (one.faces.array() + static_cast<int>(n)).matrix();
+  both.clothness << one.clothness, one.clothness;
+  return both;
+}
+
 /// Two sheets that hang from their upper edges, one before the other; towards its free lower corner the one behind has passed
 /// through the other by as much as `through` (m).
 struct Curtains {
@@ -49,11 +59,8 @@ struct Curtains {
   Vertices tangled;
   explicit Curtains(double through) {
     const scenes::Sheet one = scenes::grid(12, 12, 0.03);
-    const Eigen::Index n = one.rest.rows(), f = one.faces.rows();
-    both.rest.resize(2 * n, 3);
-    both.faces.resize(2 * f, 3);
-    both.faces << one.faces, (one.faces.array() + static_cast<int>(n)).matrix();
-    both.clothness = Eigen::VectorXd::Ones(2 * n);
+    const Eigen::Index n = one.rest.rows();
+    both = doubled(one, {0, 0, 0});
     tangled.resize(2 * n, 3);
     const double top = one.rest.col(2).maxCoeff(), centre = one.rest.col(0).mean(), right = one.rest.col(0).maxCoeff();
     const double length = top - one.rest.col(2).minCoeff();
@@ -246,26 +253,18 @@ TEST(Knots, WhatIsDraggedOffIsNotLongerThanTwiceItsLength) {
   EXPECT_LT(dragged(true), 2.1);
 }
 
-/// Two sheets lie one over the other, the upper one held at its border; a ball comes from below, that pushes the lower one into
-/// the upper and stretches both.
+/// Two sheets, held at their borders, lie one over the other; a ball from below pushes the lower one into the upper and
+/// stretches both.
 struct Covered {
   scenes::Sheet both;
   Covered() {
-    const scenes::Sheet one = scenes::grid(14, 14, 0.025);
-    const Eigen::Index n = one.rest.rows();
-    both.rest.resize(2 * n, 3);
-    both.faces.resize(2 * one.faces.rows(), 3);
-    both.faces << one.faces, (one.faces.array() + static_cast<int>(n)).matrix();
-    both.clothness = Eigen::VectorXd::Ones(2 * n);
-    both.rest << one.rest, one.rest;
-    both.rest.bottomRows(n).rowwise() += Eigen::RowVector3d(0.006, 0.02, 0.004);
+    scenes::Sheet one = scenes::grid(14, 14, 0.025);
     const double border = one.rest.col(0).maxCoeff() - 1e-9;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      both.clothness[n + i] = one.rest.row(i).cwiseAbs().maxCoeff() < border;
-      both.clothness[i] = both.clothness[n + i];
-    }
+    for (Eigen::Index i = 0; i < one.rest.rows(); ++i)
+      one.clothness[i] = one.rest.row(i).cwiseAbs().maxCoeff() < border;
+    both = doubled(one, {0.006, 0.02, 0.004});
   }
-  /// Vertices in knots after the ball has come up at a speed (m/s), and half a second later.
+  /// Vertices in knots while the ball comes up at a speed (m/s), at most, and half a second later.
   std::pair<std::size_t, std::size_t> pushed(double speed, double height) const {
     ClothOptions options;
     options.edge_collision = true;
