@@ -49,7 +49,7 @@ class Watcher:
         self.worn = actor.mesh.faces[(region[actor.mesh.faces] >= 0).all(axis=1)]
         faces = drawn.faces[drawn.cloth]
         self.edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
-        self.rest = self.length(rest_of(character))
+        self.rest = np.maximum(self.length(rest_of(character)), SHORTEST)
         names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
         self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
         self.pixels, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = np.zeros(2), [], [], [], [], []
@@ -61,8 +61,7 @@ class Watcher:
     def __call__(self, frame: d.AnimationFrame) -> None:
         surface, moving = np.array(frame.surface), frame.index < self.motion_frames
         if moving:
-            lengths = np.maximum(self.length(frame.high), SHORTEST)
-            self.stretch.append(float((lengths / self.rest).max()))
+            self.stretch.append(float((self.length(frame.high) / self.rest).max()))
             self.watch_feet(surface)
             if frame.index % self.every == 0:
                 self.pixels += self.drawn.pixels(frame)

@@ -145,13 +145,16 @@ private:
       vertex = T(0);
     for (int i = 0; i < m.resting_knot_count; ++i)
       strained_[m.resting_knots[i]] = T(1);
-    for (int i = 0; i < m.stretch_count; ++i) {
-      const StretchConstraint &c = m.stretches[i];
-      const Vec3<T> d = x[c.b] - x[c.a];
-      const float most = kStrained * c.length;
-      const auto over = dot(d, d) > T(most * most);
-      strained_[c.a] = select(over, T(1), strained_[c.a]);
-      strained_[c.b] = select(over, T(1), strained_[c.b]);
+    for (int i = 0; i < m.stretch_block_count; ++i) {
+      const StretchBlock &block = m.stretch_blocks[i];
+      for (int k = 0; k < block.count; ++k) {
+        const int a = block.v[0][k], b = block.v[1][k];
+        const Vec3<T> d = x[b] - x[a];
+        const float most = kStrained * block.length[k];
+        const auto over = dot(d, d) > T(most * most);
+        strained_[a] = select(over, T(1), strained_[a]);
+        strained_[b] = select(over, T(1), strained_[b]);
+      }
     }
   }
 

@@ -10,9 +10,9 @@ struct Triangle {
   int v[3];
 };
 struct StretchConstraint {
-  int a, b;
-  float share_a, share_b; ///< w_a / (w_a + w_b), w_b / (w_a + w_b)
-  float length;           ///< m
+  int v[2];
+  float share[2]; ///< w_0 / (w_0 + w_1), w_1 / (w_0 + w_1)
+  float length;   ///< m
 };
 struct BendConstraint {
   int v[4];       ///< edge 0-1, opposite vertices 2 and 3
@@ -21,11 +21,17 @@ struct BendConstraint {
   float floor;    ///< see bend_response, 1/m^2
   float response; ///< sum of w_i |g_i|^2 at rest, 1/m^2
 };
-inline constexpr int kBlock = 8; ///< bends
-/// Bends in a row of the order that share no vertex, so that they may be projected side by side. Where the order does not offer
-/// so many, the rest are idle ones on the four spare vertices behind the last (see kSpareVertices), with no mass to move.
+inline constexpr int kBlock = 8; ///< constraints
+/// Constraints in a row of the order that share no vertex, so that they may be projected side by side. Where the order does not
+/// offer so many, the rest are idle ones on the spare vertices behind the last (see kSpareVertices), with no mass to move.
+struct StretchBlock {
+  int count;              ///< of those that are not idle
+  int v[2][kBlock];       ///< [end][stretch]
+  float share[2][kBlock]; ///< [end][stretch]
+  float length[kBlock];
+};
 struct BendBlock {
-  int count;          ///< of those that are not idle
+  int count;
   int v[4][kBlock];   ///< [corner][bend]
   float w[4][kBlock]; ///< [corner][bend]
   float cos[kBlock], sin[kBlock], floor[kBlock], response[kBlock];
@@ -76,12 +82,12 @@ struct Patch {
 };
 
 struct LaneModel {
-  int vertex_count, face_count, stretch_count, block_count, blend_count, follower_count, edge_count, patch_count;
+  int vertex_count, face_count, stretch_block_count, bend_block_count, blend_count, follower_count, edge_count, patch_count;
   const Triangle *faces;
   const float *weights; ///< [vertex] inverse masses
   float mass;           ///< of all vertices that move
-  const StretchConstraint *stretches;
-  const BendBlock *blocks;
+  const StretchBlock *stretch_blocks;
+  const BendBlock *bend_blocks;
   const BlendConstraint *blends;
   const int *followers; ///< vertices of clothness < 1
   BoxTree face_tree;

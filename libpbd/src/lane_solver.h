@@ -30,8 +30,8 @@ public:
     target_end_.resize(m_.follower_count);
     target_.resize(m_.follower_count);
     if (m_.compliant) {
-      stretch_multipliers_.resize(m_.stretch_count);
-      bend_multipliers_.resize(kBlock * m_.block_count);
+      stretch_multipliers_.resize(kBlock * m_.stretch_block_count);
+      bend_multipliers_.resize(kBlock * m_.bend_block_count);
     }
   }
 
@@ -91,6 +91,8 @@ public:
 private:
   static constexpr bool kSingle = sizeof(T) == sizeof(float);
   static constexpr int kLanes = sizeof(T) / sizeof(float);
+  using Side = typename SideBySide<T>::Type;
+  static constexpr int kSide = sizeof(Side) / sizeof(T); ///< constraints that are projected side by side
 
   void set_targets(float end) {
     for (int i = 0; i < m_.follower_count; ++i)
@@ -215,15 +217,43 @@ private:
   }
 
   template <bool compliant> void stretch() {
-    const T k = s_.k_stretch, relaxation(m_.over_relaxation);
-    for (int i = 0; i < m_.stretch_count; ++i) {
-      const StretchConstraint &c = m_.stretches[i];
-      if constexpr (compliant)
-        project_soft_stretch<T>(p_[c.a], p_[c.b], T(c.share_a), T(c.share_b), T(c.length), k, relaxation,
-                                stretch_multipliers_[i]);
-      else
-        project_stretch<T>(p_[c.a], p_[c.b], T(c.share_a), T(c.share_b), T(c.length), k);
+    const Side k(s_.k_stretch), relaxation(m_.over_relaxation);
+    for (int i = 0; i < m_.stretch_block_count; ++i) {
+      const StretchBlock &block = m_.stretch_blocks[i];
+      for (int first = 0; first < block.count; first += kSide) {
+        Vec3<Side> a = points_at(block.v[0] + first), b = points_at(block.v[1] + first);
+        const Side share_a = value_of(block.share[0] + first), share_b = value_of(block.share[1] + first);
+        const Side length = value_of(block.length + first);
+        if constexpr (compliant) {
+          T *const from = &stretch_multipliers_[kBlock * i + first];
+          Side multiplier;
+          __builtin_memcpy(&multiplier, from, sizeof multiplier);
+          project_soft_stretch(a, b, share_a, share_b, length, k, relaxation, multiplier);
+          __builtin_memcpy(from, &multiplier, sizeof multiplier);
+        } else
+          project_stretch(a, b, share_a, share_b, length, k);
+        move_points(block.v[0] + first, a);
+        move_points(block.v[1] + first, b);
+      }
     }
+  }
+  Vec3<Side> points_at(const int *v) const {
+    if constexpr (kSingle)
+      return gather<kRow>(p_.data(), v);
+    else
+      return p_[*v];
+  }
+  void move_points(const int *v, const Vec3<Side> &to) {
+    if constexpr (kSingle)
+      scatter<kRow>(p_.data(), v, to);
+    else
+      p_[*v] = to;
+  }
+  static Side value_of(const float *values) {
+    if constexpr (kSingle)
+      return Side::load(values);
+    else
+      return Side(*values);
   }
 
   /// Cloth that the body drags off faster than it can follow goes through the body rather than become longer than that (Provot
@@ -232,42 +262,43 @@ private:
     bool again = true;
     for (int sweep = 0; sweep < kLimitSweeps && again; ++sweep) {
       again = false;
-      for (int i = 0; i < m_.stretch_count; ++i) {
-        const StretchConstraint &c = m_.stretches[i];
-        const Vec3<T> d = p(c.a) - p(c.b);
-        const T square = dot(d, d), most(kLongest * c.length);
-        const auto over = square > most * most;
-        if (!any(over))
-          continue;
-        const T shorter = T(1) - most / lane_sqrt(square);
-        p_[c.a] = select(over, p(c.a) - (T(c.share_a) * shorter) * d, p(c.a));
-        p_[c.b] = select(over, p(c.b) + (T(c.share_b) * shorter) * d, p(c.b));
-        again = true;
+      for (int i = 0; i < m_.stretch_block_count; ++i) {
+        const StretchBlock &block = m_.stretch_blocks[i];
+        for (int first = 0; first < block.count; first += kSide) {
+          const Vec3<Side> a = points_at(block.v[0] + first), b = points_at(block.v[1] + first), d = a - b;
+          const Side square = dot(d, d), most = Side(kLongest) * value_of(block.length + first);
+          const auto over = square > most * most;
+          if (!any(over))
+            continue;
+          const Side shorter = Side(1) - most / lane_sqrt(square);
+          move_points(block.v[0] + first, select(over, a - (value_of(block.share[0] + first) * shorter) * d, a));
+          move_points(block.v[1] + first, select(over, b + (value_of(block.share[1] + first) * shorter) * d, b));
+          again = true;
+        }
       }
     }
   }
 
-  /// The bends of a block share no vertex: a row is projected side by side for one lane. For many lanes two go through each stage
-  /// in turn, so that the processor has one to work at while the other waits for its results; for four there is no room in the
-  /// registers.
+  /// For many lanes two bends of a block go through each stage in turn, so that the processor has one to work at while the other
+  /// waits for its results; for four there is no room in the registers.
   template <bool compliant> void bend() {
-    for (int i = 0; i < m_.block_count; ++i) {
-      const BendBlock &block = m_.blocks[i];
+    for (int i = 0; i < m_.bend_block_count; ++i) {
+      const BendBlock &block = m_.bend_blocks[i];
       if constexpr (kSingle)
-        for (int first = 0; first < block.count; first += kRow) {
-          Vec3<Row> x[4];
+        for (int first = 0; first < block.count; first += kSide) {
+          Vec3<Side> x[4];
           for (int k = 0; k < 4; ++k)
-            x[k] = gather<kRow>(p_.data(), block.v[k] + first);
-          const BendRest<Row> rest = rest_of<Row>(block, first);
-          const BendTerms<Row> terms = bend_terms(x[0], x[1], x[2], x[3], rest);
+            x[k] = points_at(block.v[k] + first);
+          const BendRest<Side> rest = rest_of(block, first);
+          const BendTerms<Side> terms = bend_terms(x[0], x[1], x[2], x[3], rest);
           move_bend(terms, rest, bend_multiplier_of<compliant>(terms, rest, i, first), x[0], x[1], x[2], x[3]);
           for (int k = 0; k < 4; ++k)
-            scatter<kRow>(p_.data(), block.v[k] + first, x[k]);
+            move_points(block.v[k] + first, x[k]);
         }
       else
         for (int first = 0; first < block.count; first += 2) {
           const auto corner = [&](int k, int j) -> Vec3<T> & { return p_[block.v[k][first + j]]; };
-          const auto rest = [&](int j) { return rest_of<T>(block, first + j); };
+          const auto rest = [&](int j) { return rest_of(block, first + j); };
           BendTerms<T> terms[2];
           T multipliers[2];
           for (int j = 0; j < 2; ++j)
@@ -279,27 +310,21 @@ private:
         }
     }
   }
-  /// Of bend j for all lanes, or of a row of bends from j on for one.
-  template <class S> static BendRest<S> rest_of(const BendBlock &b, int j) {
-    const auto value = [j](const float(&values)[kBlock]) {
-      if constexpr (kSingle)
-        return S::load(values + j);
-      else
-        return S(values[j]);
-    };
+  static BendRest<Side> rest_of(const BendBlock &b, int j) {
+    const auto value = [j](const float(&values)[kBlock]) { return value_of(values + j); };
     return {value(b.w[0]), value(b.w[1]), value(b.w[2]),  value(b.w[3]),
             value(b.cos),  value(b.sin),  value(b.floor), value(b.response)};
   }
-  template <bool compliant, class S> S bend_multiplier_of(const BendTerms<S> &terms, const BendRest<S> &rest, int block, int j) {
+  template <bool compliant> Side bend_multiplier_of(const BendTerms<Side> &terms, const BendRest<Side> &rest, int block, int j) {
     if constexpr (compliant) {
       T *const from = &bend_multipliers_[kBlock * block + j];
-      S multiplier;
+      Side multiplier;
       __builtin_memcpy(&multiplier, from, sizeof multiplier);
-      const S move = soft_bend_multiplier(terms, rest.response, S(s_.k_bend), multiplier);
+      const Side move = soft_bend_multiplier(terms, rest.response, Side(s_.k_bend), multiplier);
       __builtin_memcpy(from, &multiplier, sizeof multiplier);
       return move;
     } else
-      return bend_multiplier(terms, S(s_.k_bend));
+      return bend_multiplier(terms, Side(s_.k_bend));
   }
 
   void update_velocities() {

@@ -324,6 +324,9 @@ template <> inline void scatter<8>(Point *p, const int *v, const Vec3<Pack<8>> &
 constexpr int kRow = 4;
 #endif
 using Row = Pack<kRow>;
+/// What constraints that share no vertex are projected as: of one simulation a row, of many one after the other.
+template <class T> struct SideBySide { using Type = T; };
+template <> struct SideBySide<float> { using Type = Row; };
 static_assert(kRow <= kSpareInList);
 /// Calls use(l) for every bit l that is set, in their order.
 template <class Use> inline void for_each_bit(int bits, const Use &use) {

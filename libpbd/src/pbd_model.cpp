@@ -89,7 +89,14 @@ std::vector<Constraint> in_spread_order(const std::vector<Constraint> &natural, 
   return ordered;
 }
 
-void set_bend(BendBlock &block, int slot, const BendConstraint &bend) {
+void set_slot(StretchBlock &block, int slot, const StretchConstraint &stretch) {
+  for (int k = 0; k < 2; ++k) {
+    block.v[k][slot] = stretch.v[k];
+    block.share[k][slot] = stretch.share[k];
+  }
+  block.length[slot] = stretch.length;
+}
+void set_slot(BendBlock &block, int slot, const BendConstraint &bend) {
   for (int k = 0; k < 4; ++k) {
     block.v[k][slot] = bend.v[k];
     block.w[k][slot] = bend.w[k];
@@ -100,23 +107,32 @@ void set_bend(BendBlock &block, int slot, const BendConstraint &bend) {
   block.response[slot] = bend.response;
 }
 
-std::vector<BendBlock> in_blocks(const std::vector<BendConstraint> &bends, int vertex_count) {
+/// Constraints on the spare vertices behind the last. They are a metre apart.
+StretchConstraint idle_stretch(int vertex_count) {
+  return {{vertex_count, vertex_count + 1}, {0, 0}, 1};
+}
+BendConstraint idle_bend(int vertex_count) {
   BendConstraint idle{};
   for (int k = 0; k < 4; ++k)
     idle.v[k] = vertex_count + k;
   idle.cos = idle.floor = idle.response = 1;
-  std::vector<BendBlock> blocks;
+  return idle;
+}
+
+template <class Block, class Constraint>
+std::vector<Block> in_blocks(const std::vector<Constraint> &constraints, const Constraint &idle, int vertex_count) {
+  std::vector<Block> blocks;
   std::vector<size_t> last_block(vertex_count, std::numeric_limits<size_t>::max()); // that holds the vertex
-  for (const BendConstraint &bend : bends) {
-    const bool shares =
-        std::any_of(bend.v, bend.v + 4, [&](int v) { return !blocks.empty() && last_block[v] == blocks.size() - 1; });
+  for (const Constraint &constraint : constraints) {
+    const bool shares = std::any_of(std::begin(constraint.v), std::end(constraint.v),
+                                    [&](int v) { return !blocks.empty() && last_block[v] == blocks.size() - 1; });
     if (blocks.empty() || blocks.back().count == kBlock || shares) {
       blocks.emplace_back();
       for (int slot = 0; slot < kBlock; ++slot)
-        set_bend(blocks.back(), slot, idle);
+        set_slot(blocks.back(), slot, idle);
     }
-    set_bend(blocks.back(), blocks.back().count++, bend);
-    for (int v : bend.v)
+    set_slot(blocks.back(), blocks.back().count++, constraint);
+    for (int v : constraint.v)
       last_block[v] = blocks.size() - 1;
   }
   return blocks;
@@ -150,14 +166,16 @@ void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
   const Eigen::VectorXd &w = cloth_->inverse_masses();
   const Vertices across = directions_across(rest, faces_, cloth_->fullness_axis());
+  std::vector<StretchConstraint> stretches;
   std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
   for (const auto &[edge, opposite] : edges) {
     const auto [a, b] = edge;
     const double sum = w[a] + w[b];
     if (sum > 0) {
-      stretches_.push_back({a, b, static_cast<float>(w[a] / sum), static_cast<float>(w[b] / sum),
-                            static_cast<float>(full_length(rest, across, a, b))});
+      stretches.push_back({{a, b},
+                           {static_cast<float>(w[a] / sum), static_cast<float>(w[b] / sum)},
+                           static_cast<float>(full_length(rest, across, a, b))});
       stretch_vertices.insert(stretch_vertices.end(), {a, b});
     }
     for (size_t k = 0; k + 1 < opposite.size(); ++k) { // a non-manifold edge bends between consecutive faces
@@ -183,8 +201,10 @@ void PbdModel::set_constraints(const Vertices &rest) {
     }
   }
   const std::vector<int> ring = rings_from_attachment(edges, weights_);
-  stretches_ = in_spread_order(stretches_, stretch_vertices, 2, ring, kStretchGap);
-  blocks_ = in_blocks(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), vertex_count());
+  const int n = vertex_count();
+  stretch_blocks_ =
+      in_blocks<StretchBlock>(in_spread_order(stretches, stretch_vertices, 2, ring, kStretchGap), idle_stretch(n), n);
+  bend_blocks_ = in_blocks<BendBlock>(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), idle_bend(n), n);
 }
 
 /// Of an edge: its part across the axis of fullness is wider than in `rest`.
@@ -255,8 +275,8 @@ void PbdModel::set_arrays() {
   for (float weight : weights_)
     if (weight > 0)
       a.mass += 1 / weight;
-  a.stretches = stretches_.data(), a.stretch_count = size(stretches_);
-  a.blocks = blocks_.data(), a.block_count = size(blocks_);
+  a.stretch_blocks = stretch_blocks_.data(), a.stretch_block_count = size(stretch_blocks_);
+  a.bend_blocks = bend_blocks_.data(), a.bend_block_count = size(bend_blocks_);
   a.blends = blends_.data(), a.blend_count = size(blends_);
   a.followers = followers_.data(), a.follower_count = size(followers_);
   a.face_tree = {nodes_.data(), size(nodes_), quads_.data(), size(quads_)};
@@ -277,11 +297,15 @@ void PbdModel::set_arrays() {
   a.self_thickness = static_cast<float>(options().self_thickness);
   a.restitution = static_cast<float>(options().restitution);
   double sum = 0, longest = 0;
-  for (const StretchConstraint &c : stretches_) {
-    sum += c.length;
-    longest = std::max(longest, static_cast<double>(c.length));
+  int count = 0;
+  for (const StretchBlock &block : stretch_blocks_) {
+    for (int k = 0; k < block.count; ++k) {
+      sum += block.length[k];
+      longest = std::max(longest, static_cast<double>(block.length[k]));
+    }
+    count += block.count;
   }
-  const double mean = sum / static_cast<double>(std::max<size_t>(1, stretches_.size()));
+  const double mean = sum / std::max(1, count);
   a.largest_extent = static_cast<float>(std::max(kMaxSpan * mean, 2 * longest) + 48 * options().self_thickness);
   a.self_collision = options().self_collision;
   a.edge_collision = options().edge_collision;

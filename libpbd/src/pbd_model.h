@@ -27,8 +27,8 @@ private:
   std::shared_ptr<const ClothModel> cloth_;
   std::vector<Triangle> faces_;
   std::vector<float> weights_; ///< inverse masses, for the loops
-  std::vector<StretchConstraint> stretches_;
-  std::vector<BendBlock> blocks_;
+  std::vector<StretchBlock> stretch_blocks_;
+  std::vector<BendBlock> bend_blocks_;
   std::vector<int> followers_;
   std::vector<BlendConstraint> blends_;
   std::vector<TreeNode> nodes_;
