@@ -3,8 +3,8 @@
 python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 
 skin: pixels of the garment's outer side where the body is in front of it; stretch: the most that an edge of the drawn garment is
-longer than in the garment's rest shape (2 mm if it is shorter there), and the frame; floor: the lowest
-point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest point along the floor while
+longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges ever are over 3 times as
+long; floor: the lowest point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest point along the floor while
 it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose, held, 95 % of vertices;
 crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold ends.
 """
@@ -20,6 +20,7 @@ from display_hem import Drawn
 from doublet.console import Console
 
 ON_FLOOR, SHORTEST = 0.01, 0.002  # m
+TOO_LONG = 3  # times
 
 
 def held(motion: d.Motion, seconds: float) -> d.Motion:
@@ -53,7 +54,7 @@ class Watcher:
         names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
         self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
         self.pixels, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = np.zeros(2), [], [], [], [], []
-        self.before = None
+        self.before, self.over = None, np.zeros(len(self.edges), bool)
 
     def length(self, vertices: np.ndarray) -> np.ndarray:
         return np.linalg.norm(vertices[self.edges[:, 0]] - vertices[self.edges[:, 1]], axis=1)
@@ -61,7 +62,9 @@ class Watcher:
     def __call__(self, frame: d.AnimationFrame) -> None:
         surface, moving = np.array(frame.surface), frame.index < self.motion_frames
         if moving:
-            self.stretch.append(float((self.length(frame.high) / self.rest).max()))
+            stretched = self.length(frame.high) / self.rest
+            self.over |= stretched > TOO_LONG
+            self.stretch.append(float(stretched.max()))
             self.watch_feet(surface)
             if frame.index % self.every == 0:
                 self.pixels += self.drawn.pixels(frame)
@@ -89,7 +92,7 @@ class Watcher:
         self.crossing.append(self.count_crossing(self.last))
         return [
             f"{self.pixels[1] / max(self.pixels[0], 1):.2%}",
-            f"{self.stretch[at]:.1f} ({at})",
+            f"{self.stretch[at]:.1f} ({at}), {self.over.sum()}",
             f"{100 * min(self.lowest):.1f}, {100 * max(self.lowest):.1f}",
             f"{100 * np.percentile(self.slides, 95):.0f}" if self.slides else "-",
             f"{1000 * rest:.1f}",
@@ -106,7 +109,7 @@ def main() -> None:
     chosen = parser.parse_args()
     character, console = d.Character.read(chosen.character), Console()
     drawn = Drawn(character)
-    print("| clip | frames | skin | stretch (frame) | floor, cm | slide, cm/s | rest, mm/s | crossing |")
+    print("| clip | frames | skin | stretch (frame), over 3 | floor, cm | slide, cm/s | rest, mm/s | crossing |")
     print("| --- " * 8 + "|")
     for clip in chosen.clips:
         retargeting = d.RetargetOptions(fps=1 / character.solver.dt)

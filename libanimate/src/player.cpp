@@ -5,6 +5,7 @@
 #include "doublet/animate/parts/body_tuck.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
+#include "doublet/rays/parts/self_intersection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,9 @@ constexpr double kMostGravity = 1000;
 constexpr double kStill = 0.02, kHeldAfter = 0.25, kRestGrows = 1; // m/s, s, s
 // Cloth that moves no faster than this then, on average over its vertices, stops within kStops.
 constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
+// A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
+constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
+constexpr double kFewCrossing = 0.005;              // a share of the cloth's faces that may stay
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -117,6 +121,9 @@ struct Player::Playing {
     posed = other.posed;
     held_seconds = other.held_seconds;
     slow_seconds = other.slow_seconds;
+    looked = other.looked;
+    caught = other.caught;
+    caught_seconds = other.caught_seconds;
     state = other.state;
     frame = other.frame;
   }
@@ -156,11 +163,16 @@ struct Player::Playing {
   }
   void arrive(const Shared &shared) {
     come_to_rest(shared);
+    carry_caught(shared);
     std::swap(posed, next);
+    if (shared.options.free_caught && !looked && held_seconds >= kCaughtAfter)
+      free_caught(shared);
   }
   /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
   void come_to_rest(const Shared &shared) {
-    held_seconds = fastest_joint(shared) < kStill && world.wind.isZero() ? held_seconds + world.dt : 0;
+    const bool held = fastest_joint(shared) < kStill && world.wind.isZero();
+    held_seconds = held ? held_seconds + world.dt : 0;
+    looked = looked && held;
     const double share = std::clamp((held_seconds - kHeldAfter) / kRestGrows, 0.0, 1.0);
     if (share > 0)
       for (pbd::ClothState &cloth : state.regions)
@@ -187,8 +199,61 @@ struct Player::Playing {
       cloth.velocities *= kept;
     }
   }
+  /// Once in a pose that is held: cloth that passes through itself, or has a limb through it, is put on anew if that is better.
+  void free_caught(const Shared &shared) {
+    looked = true;
+    const double faults = faults_of(shared, state);
+    if (faults == 0)
+      return;
+    CharacterState anew = shared.simulator.start(posed);
+    if (faults_of(shared, anew) >= faults)
+      return;
+    std::swap(caught, state);
+    state = std::move(anew);
+    caught_seconds = kFreed;
+    wake();
+  }
+  /// The share of the faces that pass through others, unless that is small, and the number of proxies whose axis passes through
+  /// the cloth.
+  double faults_of(const Shared &shared, const CharacterState &cloth) const {
+    Context context;
+    context.threads = 1;
+    double faults = 0;
+    for (std::size_t r = 0; r < cloth.regions.size(); ++r) {
+      const Mesh mesh{cloth.regions[r].positions, shared.simulator.regions()[r].model->faces()};
+      const std::vector<std::uint8_t> crossing = self_intersecting_faces(mesh, context);
+      const double share = std::accumulate(crossing.begin(), crossing.end(), 0.0) / static_cast<double>(crossing.size());
+      faults += share > kFewCrossing ? share : 0;
+      faults += static_cast<double>(std::count_if(posed.capsules.begin(), posed.capsules.end(),
+                                                  [&](const pbd::Capsule &c) { return crosses_surface(c.p0, c.p1, mesh); }));
+    }
+    return faults;
+  }
+  /// What was caught goes along until it is no longer seen.
+  void carry_caught(const Shared &shared) {
+    if (caught_seconds > 0)
+      shared.simulator.carry(caught, posed, next);
+    caught_seconds = std::max(0.0, caught_seconds - world.dt);
+  }
+  void draw_surface(const Shared &shared) {
+    shared.simulator.surface(state, posed, frame.surface);
+    const double left = caught_seconds / kFreed, share = left * left * (3 - 2 * left);
+    for (std::size_t r = 0; share > 0 && r < caught.regions.size(); ++r) {
+      const std::vector<int> &vertices = shared.simulator.regions()[r].vertex_from_cloth;
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        auto drawn = frame.surface.row(vertices[i]);
+        drawn += share * (caught.regions[r].positions.row(static_cast<Eigen::Index>(i)) - drawn);
+      }
+    }
+  }
   /// Something has changed for the cloth: it moves again.
   void wake() { held_seconds = slow_seconds = 0; }
+  /// The cloth is another.
+  void start_over() {
+    wake();
+    looked = false;
+    caught_seconds = 0;
+  }
   double fastest_joint(const Shared &shared) const { // m/s
     double far = 0;
     const std::vector<Joint> &joints = shared.character.actor.skeleton.joints;
@@ -200,7 +265,7 @@ struct Player::Playing {
   /// What is seen of the state.
   void show(const Shared &shared, const Eigen::VectorXd &dofs, int index) {
     const Character &character = shared.character;
-    shared.simulator.surface(state, posed, frame.surface);
+    draw_surface(shared);
     if (!frame.surface.allFinite())
       throw Error("Player: the surface is not finite; expected a stable simulation");
     frame.index = index;
@@ -219,9 +284,12 @@ struct Player::Playing {
   std::vector<TaperedCapsule> proxies;
   World world;
   CharacterState state;
-  PosedFrame posed, next;       ///< where it stands, and where it goes
-  double held_seconds = 0;      ///< since the pose moved last
-  double slow_seconds = 0;      ///< since the cloth is almost still in a held pose
+  PosedFrame posed, next;  ///< where it stands, and where it goes
+  double held_seconds = 0; ///< since the pose moved last
+  double slow_seconds = 0; ///< since the cloth is almost still in a held pose
+  bool looked = false;     ///< whether the cloth is caught, since the pose moved last
+  CharacterState caught;   ///< the cloth that was, and how long it will still be seen
+  double caught_seconds = 0;
   std::vector<Vertices> before; ///< of each region, at the start of the step
   Eigen::VectorXd between;
   StepBuffers buffers;
@@ -252,7 +320,7 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.posed);
   p.state = shared_->simulator.start(p.posed);
-  p.wake();
+  p.start_over();
   p.world.dt = character().solver.dt;
   const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
   for (long i = 0; i < frames; ++i)
@@ -286,6 +354,8 @@ const AnimationFrame &Player::teleport(const Eigen::VectorXd &dofs) {
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.next);
   shared_->simulator.carry(p.state, p.posed, p.next);
+  if (p.caught_seconds > 0)
+    shared_->simulator.carry(p.caught, p.posed, p.next);
   std::swap(p.posed, p.next);
   p.wake();
   p.show(*shared_, dofs, p.frame.index + 1);
@@ -349,7 +419,7 @@ void Player::set_state(const CharacterState &state) {
     if (!cloth.positions.allFinite() || !cloth.velocities.allFinite())
       throw std::invalid_argument("Player::set_state: expected finite positions and velocities, found NaN or infinity");
   playing_->state = state;
-  playing_->wake();
+  playing_->start_over();
   playing_->show(*shared_, playing_->frame.dofs, playing_->frame.index);
 }
 

@@ -102,4 +102,12 @@ std::vector<std::uint8_t> self_intersecting_faces(const Mesh &mesh, const Contex
   return out;
 }
 
+bool crosses_surface(const Vector3d &p, const Vector3d &q, const Mesh &mesh) {
+  const auto corner = [&](Eigen::Index f, int k) -> Vector3d { return mesh.vertices.row(mesh.faces(f, k)); };
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if (crosses(p, q, corner(f, 0), corner(f, 1), corner(f, 2)))
+      return true;
+  return false;
+}
+
 } // namespace doublet

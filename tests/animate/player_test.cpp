@@ -3,6 +3,7 @@
 #include "doublet/animate/animator.h"
 #include "doublet/animate/player.h"
 #include "doublet/core/error.h"
+#include "doublet/rays/parts/self_intersection.h"
 #include "figure_character.h"
 
 #include <algorithm>
@@ -304,6 +305,106 @@ TEST(Player, WrongInputIsRefusedAndChangesNothing) {
   EXPECT_THROW(step_players(strangers, poses, 0.025), std::invalid_argument);
   EXPECT_THROW(step_players(twice, poses, 0.025), std::invalid_argument);
   EXPECT_EQ(player.step(dofs.row(1)).surface, untouched.step(dofs.row(1)).surface);
+}
+
+Mesh cloth_of(const Player &player) {
+  const CharacterSimulator simulator(player.character().actor, player.character().segmentation, {});
+  return {player.state().regions[0].positions, simulator.regions()[0].model->faces()};
+}
+/// Faces of the cloth that pass through others.
+int crossing(const Player &player) {
+  const auto found = self_intersecting_faces(cloth_of(player));
+  return static_cast<int>(std::count(found.begin(), found.end(), 1));
+}
+/// Proxies whose axis passes through the cloth.
+int piercing(const Player &player) {
+  const Mesh cloth = cloth_of(player);
+  int count = 0;
+  for (const TaperedCapsule &proxy : player.proxies()) {
+    const PosedCapsule c = pose_capsule(proxy, player.character().actor.skeleton, player.frame().world_from_rest);
+    count += crosses_surface(c.p0, c.p1, cloth);
+  }
+  return count;
+}
+Player ready_to_be_caught(bool free_caught) {
+  AnimateOptions options = cloth_alone();
+  options.free_caught = free_caught;
+  return ready(options);
+}
+/// The lower skirt turned over: its front hangs behind the legs, its back before them.
+Player turned_over(bool free_caught) {
+  Player player = ready_to_be_caught(free_caught);
+  CharacterState state = player.state();
+  Vertices &cloth = state.regions[0].positions;
+  for (Eigen::Index v = 0; v < cloth.rows(); ++v)
+    if (cloth(v, 1) < 0.85)
+      cloth(v, 2) = 2 * player.frame().joints(0, 2) - cloth(v, 2);
+  player.set_state(state);
+  return player;
+}
+void hold(Player &player, double seconds) {
+  for (int t = 0; t < std::lround(40 * seconds); ++t)
+    player.step(march().row(0));
+}
+
+TEST(Player, CaughtClothIsFreedWhileThePoseIsHeld) {
+  Player freed = turned_over(true), left = turned_over(false);
+  EXPECT_GT(crossing(freed), 20);
+  hold(freed, 2);
+  hold(left, 2);
+  EXPECT_EQ(crossing(freed), 0);
+  EXPECT_GT(crossing(left), 20);
+}
+
+/// What is drawn does not jump, and ends where the cloth is; copies and those in lanes go the same way.
+TEST(Player, CaughtClothIsDrawnOnItsWay) {
+  Player player = turned_over(true);
+  hold(player, 0.7);
+  Player copy = player, other = player;
+  double fastest = 0, way = 0;
+  const Vertices from = player.frame().surface;
+  Vertices before = from;
+  for (int t = 0; t < 24; ++t) {
+    const Vertices now = player.step(march().row(0)).surface;
+    fastest = std::max(fastest, (now - before).rowwise().norm().maxCoeff());
+    way = std::max(way, (now - from).rowwise().norm().maxCoeff());
+    before = now;
+    EXPECT_EQ(copy.step(march().row(0)).surface, now) << t;
+    std::vector<Player *> one{&other};
+    step_players(one, std::vector<Eigen::VectorXd>{march().row(0)}, 0.025);
+    EXPECT_EQ(other.frame().surface, now) << t;
+  }
+  EXPECT_GT(way, 0.1);
+  EXPECT_LT(fastest, 0.15 * way);
+  player.set_state(player.state()); // shows the cloth itself
+  EXPECT_EQ(player.frame().surface, before);
+}
+
+/// Slanted, so that the legs come out at its side; it does not cross itself.
+Player slanted(bool free_caught) {
+  Player player = ready_to_be_caught(free_caught);
+  CharacterState state = player.state();
+  Vertices &cloth = state.regions[0].positions;
+  for (Eigen::Index v = 0; v < cloth.rows(); ++v)
+    cloth(v, 0) += 2 * std::max(0.0, 0.95 - cloth(v, 1));
+  player.set_state(state);
+  return player;
+}
+TEST(Player, ClothWithALimbThroughItIsFreed) {
+  Player freed = slanted(true), left = slanted(false);
+  EXPECT_EQ(crossing(freed), 0);
+  EXPECT_GE(piercing(freed), 1);
+  hold(freed, 2);
+  hold(left, 2);
+  EXPECT_EQ(piercing(freed), 0);
+  EXPECT_GE(piercing(left), 1);
+}
+
+TEST(Player, ClothThatIsNotCaughtIsLeftAlone) {
+  Player with = ready_to_be_caught(true), without = ready_to_be_caught(false);
+  hold(with, 1.5);
+  hold(without, 1.5);
+  EXPECT_EQ(with.frame().surface, without.frame().surface);
 }
 
 #ifndef DOUBLET_OWN_MALLOC

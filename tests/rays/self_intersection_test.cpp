@@ -79,5 +79,20 @@ TEST(SelfIntersection, RepeatedAndDegenerateFacesAreNoCrossing) {
   EXPECT_THROW(self_intersecting_faces(Mesh{}), Error);
 }
 
+TEST(SelfIntersection, SegmentsCrossASurfaceWhereRaysDo) {
+  const Mesh ball = testing::sphere(1, {0, 0, 0}, 12, 24);
+  const RayScene scene(ball);
+  int crossed = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p = 1.2 * Eigen::Vector3d(std::sin(3.1 * i), std::cos(1.7 * i), std::sin(0.9 * i)),
+                          q = 1.2 * Eigen::Vector3d(std::cos(2.3 * i), std::sin(0.7 * i), std::cos(4.1 * i));
+    const bool hit = scene.cast(p, (q - p).normalized(), 0, (q - p).norm()).has_value();
+    EXPECT_EQ(crosses_surface(p, q, ball), hit) << i;
+    crossed += hit;
+  }
+  EXPECT_GT(crossed, 20);
+  EXPECT_LT(crossed, 180);
+}
+
 } // namespace
 } // namespace doublet

@@ -4022,6 +4022,14 @@ class AnimateOptions:
     def edge_collision(self, arg0: bool) -> None:
         ...
     @property
+    def free_caught(self) -> bool:
+        """
+        when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s
+        """
+    @free_caught.setter
+    def free_caught(self, arg0: bool) -> None:
+        ...
+    @property
     def high(self) -> bool:
         """
         also M_high

@@ -1,5 +1,5 @@
 #pragma once
-// Where a surface passes through itself.
+// Where a surface passes through itself, and where something passes through it.
 
 #include "doublet/core/context.h"
 #include "doublet/core/mesh.h"
@@ -13,5 +13,8 @@ namespace doublet {
 /// no corner of that edge. Faces that merely touch, or lie in one plane, do not count. In parallel; the result does not depend on
 /// the number of threads. Throws Error if the mesh is not usable.
 std::vector<std::uint8_t> self_intersecting_faces(const Mesh &mesh, const Context &context = {});
+
+/// Does the segment from p to q (m) pass through the inside of a face? Looks at every face.
+bool crosses_surface(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Mesh &mesh);
 
 } // namespace doublet
