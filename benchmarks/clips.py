@@ -4,9 +4,10 @@ python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 
 skin: pixels of the garment's outer side where the body is in front of it; stretch: the most that an edge of the drawn garment is
 longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges ever are over 3 times as
-long; floor: the lowest point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest point along the floor while
-it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose, held, 95 % of vertices;
-crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold ends.
+long; floor: the lowest point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest
+point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose,
+held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold
+ends.
 """
 
 from __future__ import annotations
