@@ -7,8 +7,7 @@ namespace doublet::detail {
 
 /// (V) in [-1, 1]: how much more the colours around each vertex are like those of `skin` (1) or of `cloth` (-1), both (V); 0
 /// where they tell nothing. What no camera sees takes what its surroundings say. `colours` as MeshSequence::colours, of `faces`.
-/// Likelihood ratios of smoothed histograms of both (Jones and Rehg, Statistical color models with application to skin detection,
-/// IJCV 2002), over colour alone and, coarsely, brightness, which shading changes.
+/// The likelihood ratio of the histograms of both (doublet/core/parts/colour_histogram.h).
 Eigen::VectorXd colour_evidence(const Surface &surface, const Faces &faces, const std::vector<std::uint8_t> &face_valid,
                                 const Vertices &colours, const std::vector<char> &skin, const std::vector<char> &cloth);
 
