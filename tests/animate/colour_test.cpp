@@ -96,8 +96,73 @@ struct BeforeScreen {
     options.size = 1024;
     options.albedo = false;
     options.screen_reach = screen_reach;
-    return face_colours(bake_texture(ball, {}, cameras, images, masks, options));
+    return face_colours(bake_texture(ball, {}, cameras, images, masks, {}, options));
   }
+};
+
+const Colour kCloth(40, 30, 150); // B G R
+
+/// A ball of skin before a wall of cloth, of which every part is seen by one camera in front; another sees the ball beside the
+/// wall. In the pictures the ball is `off` (m) to the right of where it is believed to be. Half a metre above it, the body wears
+/// the same cloth.
+struct HandBeforeSkirt {
+  Mesh hand, shirt = sphere(0.1, {0, 1.5, 0.1}), believed;
+  CameraRig cameras{look_at({0, 1, 2}, {0, 1, 0}, 1200, 800, 800), look_at({2, 1, 0.1}, {0, 1, 0.1}, 1200, 800, 800)};
+  std::vector<Image> images;
+  TextureOptions options;
+
+  explicit HandBeforeSkirt(double off, double flatness = 1) : hand(sphere(0.06)) {
+    hand.vertices.col(2) *= flatness;
+    hand.vertices.rowwise() += Eigen::RowVector3d(0, 1, flatness < 1 ? 0.01 : 0.1);
+    Mesh skirt = grid(0.6, 0.6, 60, 60), there = hand;
+    skirt.vertices =
+        Vertices(skirt.vertices * Eigen::AngleAxisd(pi / 2, Eigen::Vector3d::UnitX()).toRotationMatrix().transpose());
+    skirt.vertices.col(1).array() += 1;
+    believed = join({hand, shirt, skirt});
+    there.vertices.col(0).array() += off;
+    paint(join({there, shirt, skirt}), [](const Colour &) { return kSkin; });
+    options.albedo = false;
+    options.edge_margin = 0;
+    options.size = 1024;
+  }
+  /// What the cameras see of `mesh`; a hand has the colours `skin` of its points in space.
+  void paint(const Mesh &mesh, const std::function<Colour(const Eigen::Vector3d &)> &skin) {
+    images.clear();
+    for (const Camera &camera : cameras) {
+      const FaceBuffer seen = rasterize(mesh.vertices, mesh.faces, camera);
+      Image image(camera.width, camera.height, 3);
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+          if (const int f = seen.face_at(x, y); f >= 0) {
+            const Eigen::Vector3d centre = mesh.vertices(mesh.faces.row(f).transpose(), Eigen::all).colwise().mean();
+            for (int c = 0; c < 3; ++c)
+              image.at(x, y, c) = static_cast<std::uint8_t>((is_hand(f) ? skin(centre) : kCloth)[c]);
+          }
+      images.push_back(image);
+    }
+  }
+  bool is_hand(Eigen::Index f) const { return f < hand.faces.rows(); }
+  bool is_body(Eigen::Index f) const { return f < hand.faces.rows() + shirt.faces.rows(); }
+  std::vector<SurfaceLabel> labels() const {
+    std::vector<SurfaceLabel> of_faces;
+    for (Eigen::Index f = 0; f < believed.faces.rows(); ++f)
+      of_faces.push_back(is_body(f) ? SurfaceLabel::Body : SurfaceLabel::Garment);
+    return of_faces;
+  }
+  BakedTexture baked(const std::vector<SurfaceLabel> &of_faces, const Context &context = {}) const {
+    return bake_texture(believed, {}, cameras, images, {}, of_faces, options, context);
+  }
+  /// How far off the worst of the hand's faces is, and of what is of cloth.
+  std::pair<double, double> worst(const BakedTexture &texture) const {
+    const Vertices colours = face_colours(texture);
+    double of_hand = 0, of_skirt = 0;
+    for (Eigen::Index f = 0; f < colours.rows(); ++f) {
+      double &most = is_hand(f) ? of_hand : of_skirt;
+      most = std::max(most, (colours.row(f).transpose() - (is_hand(f) ? kSkin : kCloth)).cwiseAbs().maxCoeff());
+    }
+    return {of_hand, of_skirt};
+  }
+  bool labels_change_nothing() const { return baked(labels()).image.data == baked({}).image.data; }
 };
 
 } // namespace
@@ -167,9 +232,9 @@ TEST(TextureColours, AlbedoIsTheTruthOfALitPerson) {
     truth.row(f) = 255 * person.colours(mesh.faces.row(f).transpose(), Eigen::all).colwise().mean().reverse();
   TextureOptions options;
   options.size = 1024;
-  const Vertices albedo = face_colours(bake_texture(mesh, {}, cameras, images, masks, options));
+  const Vertices albedo = face_colours(bake_texture(mesh, {}, cameras, images, masks, {}, options));
   options.albedo = false;
-  const Vertices photographed = face_colours(bake_texture(mesh, {}, cameras, images, masks, options));
+  const Vertices photographed = face_colours(bake_texture(mesh, {}, cameras, images, masks, {}, options));
   for (int c = 0; c < 3; ++c) {
     const auto [dark, middle, bright] = ratios(photographed, truth, c);
     EXPECT_GT(bright / dark, 1.9);
@@ -208,6 +273,62 @@ TEST(TextureColours, WhatIsBehindAnEdgeDoesNotCount) {
       image.at(x, y, seen.face_at(x, y) >= smaller.faces.rows() ? 2 : 0) = 200; // a blue ball before a red wall
   TextureOptions options;
   options.albedo = false;
-  const Vertices colours = face_colours(bake_texture(believed, {}, {camera}, {image}, {}, options));
+  const Vertices colours = face_colours(bake_texture(believed, {}, {camera}, {image}, {}, {}, options));
   EXPECT_LT(colours.topRows(ball.faces.rows()).col(2).maxCoeff(), 5);
+}
+
+TEST(TextureLabels, HandAndSkirtKeepTheirOwnColours) {
+  for (double off : {0.01, 0.02}) { // of the latter, one in ten looks at a hand sees the skirt
+    const HandBeforeSkirt scene(off);
+    const auto [hand, skirt] = scene.worst(scene.baked({}));
+    EXPECT_GT(hand, 80);
+    EXPECT_GT(skirt, 80);
+    const auto [own_hand, own_skirt] = scene.worst(scene.baked(scene.labels()));
+    EXPECT_LT(own_hand, 5) << off;
+    EXPECT_LT(own_skirt, 5) << off;
+  }
+}
+
+TEST(TextureLabels, ChangeNothingUnlessBothAreThereWithinReach) {
+  HandBeforeSkirt scene(0.01);
+  const std::vector<std::uint8_t> without = scene.baked({}).image.data;
+  for (SurfaceLabel one : {SurfaceLabel::Body, SurfaceLabel::Garment})
+    EXPECT_TRUE(scene.baked(std::vector(scene.labels().size(), one)).image.data == without);
+  for (double reach : {0.0, 0.001}) {
+    scene.options.label_reach = reach;
+    EXPECT_TRUE(scene.labels_change_nothing()) << reach;
+  }
+}
+
+TEST(TextureLabels, WhatTouchesIsLeftAsItIs) {
+  HandBeforeSkirt scene(0.01, 0.15); // within 2 cm of the skirt
+  scene.cameras.pop_back();          // which sees all of the skirt edge-on
+  scene.images.pop_back();
+  EXPECT_GT(scene.worst(scene.baked({})).first, 80);
+  EXPECT_TRUE(scene.labels_change_nothing());
+}
+
+TEST(TextureLabels, ColoursThatAreUsualOnTheirOwnOrOnNeitherStay) {
+  HandBeforeSkirt scene(0);
+  scene.paint(scene.believed, [](const Eigen::Vector3d &at) { return std::abs(at.y() - 1) < 0.012 ? kCloth : kSkin; });
+  EXPECT_TRUE(scene.labels_change_nothing());
+  const Colour ring(200, 40, 30);
+  const Eigen::Vector3d finger(-0.03, 1, 0.152);
+  scene.paint(scene.believed, [&](const Eigen::Vector3d &at) { return (at - finger).norm() < 0.012 ? ring : kSkin; });
+  EXPECT_TRUE(scene.labels_change_nothing());
+  scene.paint(scene.believed, [&](const Eigen::Vector3d &at) { return at.x() < -0.04 ? kCloth : kSkin; });
+  EXPECT_FALSE(scene.labels_change_nothing()); // as if the skirt were seen there
+}
+
+TEST(TextureLabels, SameBitsForAnyNumberOfThreads) {
+  const HandBeforeSkirt scene(0.01);
+  Context one, two;
+  one.threads = 1;
+  two.threads = 2;
+  EXPECT_TRUE(scene.baked(scene.labels(), one).image.data == scene.baked(scene.labels(), two).image.data);
+}
+
+TEST(TextureLabels, RefusesLabelsThatDoNotFit) {
+  const HandBeforeSkirt scene(0);
+  EXPECT_THROW(scene.baked({SurfaceLabel::Body, SurfaceLabel::Garment}), std::invalid_argument);
 }

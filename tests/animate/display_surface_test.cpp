@@ -241,15 +241,15 @@ namespace {
 
 const Eigen::Vector3d kLeg(60, 90, 180); // B G R
 
-/// A dark garment and trunk, and legs, of which the uppermost `shadow` m are darker.
+/// A dark garment and trunk, down to its hem, and legs, of which the uppermost `shadow` m are darker.
 struct Photographs {
   CameraRig cameras;
   std::vector<Image> images;
-  explicit Photographs(double shadow) {
+  explicit Photographs(double shadow, double at_hem = kHem) {
     for (int k = 0; k < 4; ++k) {
       cameras.push_back(orbit_camera({0, 0.7, 0}, 1.0, k * 1.57, 0, 300, 300));
       Image image(300, 300, 3, 30);
-      const double hem = cameras.back().project({0, kHem, 0}).y(), lit = cameras.back().project({0, kHem - shadow, 0}).y();
+      const double hem = cameras.back().project({0, at_hem, 0}).y(), lit = cameras.back().project({0, at_hem - shadow, 0}).y();
       for (int y = static_cast<int>(hem); y < 300; ++y)
         for (int x = 0; x < 300; ++x)
           for (int c = 0; c < 3; ++c)
@@ -259,7 +259,33 @@ struct Photographs {
   }
 };
 
+/// Mean red of the legs' texels between two depths (m) below the hem.
+double red_of_legs(Character &c, const Photographs &seen, const TextureOptions &options, double from, double to) {
+  texture_character(c, c.actor.mesh.vertices, seen.cameras, seen.images, {}, options);
+  const Image texture = decode_image(c.texture);
+  double sum = 0, count = 0;
+  for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f) {
+    const double below = kHem - c.high.vertices(c.high.faces.row(f).transpose(), 1).mean();
+    if (!c.high_valid[f] || below < from || below > to)
+      continue;
+    const Eigen::RowVector2d uv = c.texcoords.middleRows(3 * f, 3).colwise().mean() * texture.width;
+    sum += texture.at(static_cast<int>(uv.x()), static_cast<int>(uv.y()), 2);
+    ++count;
+  }
+  return sum / count;
+}
+
 } // namespace
+
+TEST(DisplaySurface, LegsDoNotTakeTheColourOfAHemThatHungLower) {
+  const Photographs seen(0, kHem - 0.06);
+  Character c = character_of(wearer(0, true));
+  TextureOptions options;
+  options.albedo = false;
+  EXPECT_GT(red_of_legs(c, seen, options, 0.03, 0.05), 0.85 * kLeg[2]);
+  options.label_reach = 0;
+  EXPECT_LT(red_of_legs(c, seen, options, 0.03, 0.05), 0.7 * kLeg[2]);
+}
 
 TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
   Character c = character_of(wearer(0, true));
@@ -278,22 +304,10 @@ TEST(DisplaySurface, HiddenBodyTakesTheColourOfTheSkinBelowTheHem) {
 TEST(DisplaySurface, SkinInTheGarmentsShadowGoesOverIntoTheHidden) {
   const Photographs seen(0.1);
   Character c = character_of(wearer(0, true));
-  /// Mean red of the legs' texels between two depths (m) below the hem.
   const auto red = [&](bool albedo, double from, double to) {
     TextureOptions options;
     options.albedo = albedo;
-    texture_character(c, c.actor.mesh.vertices, seen.cameras, seen.images, {}, options);
-    const Image texture = decode_image(c.texture);
-    double sum = 0, count = 0;
-    for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f) {
-      const double below = kHem - c.high.vertices(c.high.faces.row(f).transpose(), 1).mean();
-      if (!c.high_valid[f] || below < from || below > to)
-        continue;
-      const Eigen::RowVector2d uv = c.texcoords.middleRows(3 * f, 3).colwise().mean() * texture.width;
-      sum += texture.at(static_cast<int>(uv.x()), static_cast<int>(uv.y()), 2);
-      ++count;
-    }
-    return sum / count;
+    return red_of_legs(c, seen, options, from, to);
   };
   EXPECT_LT(red(false, 0.03, 0.06), 0.7 * kLeg[2]);
   EXPECT_GT(red(true, 0.03, 0.06), 0.8 * kLeg[2]);

@@ -161,7 +161,7 @@ TEST(TextureBaker, AtlasShowsWhatTheCamerasSaw) {
   TextureOptions options;
   options.size = 1024;
   options.albedo = false; // the pattern has no light
-  const BakedTexture baked = bake_texture(mesh, {}, cameras, images, {}, options);
+  const BakedTexture baked = bake_texture(mesh, {}, cameras, images, {}, {}, options);
   ASSERT_EQ(baked.texcoords.rows(), 3 * mesh.faces.rows());
   EXPECT_GT(baked.texcoords.minCoeff(), 0);
   EXPECT_LT(baked.texcoords.maxCoeff(), 1);
@@ -237,8 +237,8 @@ TEST(TextureBaker, BackdropOutsideTheMaskDoesNotCount) {
   TextureOptions options;
   options.size = 512;
   options.grazing = 0.01;
-  EXPECT_GT(greenest(bake_texture(larger, {}, cameras, images, {}, options)), 100);
-  EXPECT_LT(greenest(bake_texture(larger, {}, cameras, images, masks, options)), 5);
+  EXPECT_GT(greenest(bake_texture(larger, {}, cameras, images, {}, {}, options)), 100);
+  EXPECT_LT(greenest(bake_texture(larger, {}, cameras, images, masks, {}, options)), 5);
 }
 
 TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
@@ -257,7 +257,7 @@ TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
     TextureOptions options;
     options.size = 2048;
     options.edge_margin = edge_margin;
-    const BakedTexture baked = bake_texture(believed, {}, {camera}, {image}, {}, options);
+    const BakedTexture baked = bake_texture(believed, {}, {camera}, {image}, {}, {}, options);
     int most = 0;
     for (Eigen::Index i = 0; i < 3 * wall.faces.rows(); ++i)
       most = std::max<int>(most, baked.image.at(static_cast<int>(baked.texcoords(i, 0) * 2048),
@@ -266,6 +266,40 @@ TEST(TextureBaker, WhatIsJustBehindAnEdgeDoesNotCount) {
   };
   EXPECT_GT(reddest(0), 200);
   EXPECT_LT(reddest(0.02), 20);
+}
+
+TEST(TextureBaker, HandsOfACharacterDoNotTakeItsSkirtsColour) {
+  Character c = figure_character();
+  const auto on_hand = [&](Eigen::Index v) { return std::abs(c.high.vertices(v, 0)) > 0.48; };
+  Vertices there = c.high.vertices; // the hands were held 3 cm higher
+  for (Eigen::Index v = 0; v < there.rows(); ++v)
+    there(v, 1) += on_hand(v) ? 0.03 : 0;
+  const Eigen::Index skin_faces = figure_surface(0.025).faces.rows();
+  const CameraRig cameras = camera_ring(8, 480);
+  std::vector<Image> images, masks;
+  for (const Camera &camera : cameras) {
+    const FaceBuffer seen = rasterize(there, c.high.faces, camera, c.high_valid);
+    masks.push_back(silhouette(seen));
+    images.emplace_back(camera.width, camera.height, 3, 200);
+    for (std::size_t i = 0; i < seen.face.size(); ++i)
+      if (seen.face[i] >= skin_faces)
+        images.back().data[3 * i] = images.back().data[3 * i + 1] = 20; // a red skirt, white skin
+  }
+  const auto red_faces = [&](double label_reach) {
+    TextureOptions options;
+    options.albedo = false;
+    options.label_reach = label_reach;
+    texture_character(c, c.actor.mesh.vertices, cameras, images, masks, options);
+    const Image texture = decode_image(c.texture);
+    int red = 0;
+    for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f) {
+      const Eigen::RowVector2d at = c.texcoords.middleRows(3 * f, 3).colwise().mean() * texture.width;
+      red += on_hand(c.high.faces(f, 0)) && texture.at(static_cast<int>(at.x()), static_cast<int>(at.y()), 1) < 150;
+    }
+    return red;
+  };
+  EXPECT_GT(red_faces(0), 30);
+  EXPECT_EQ(red_faces(0.05), 0);
 }
 
 TEST(TextureBaker, SameBitsForAnyNumberOfThreads) {
@@ -277,8 +311,8 @@ TEST(TextureBaker, SameBitsForAnyNumberOfThreads) {
   Context one, two;
   one.threads = 1;
   two.threads = 2;
-  EXPECT_TRUE(bake_texture(mesh, {}, cameras, images, {}, options, one).image.data ==
-              bake_texture(mesh, {}, cameras, images, {}, options, two).image.data);
+  EXPECT_TRUE(bake_texture(mesh, {}, cameras, images, {}, {}, options, one).image.data ==
+              bake_texture(mesh, {}, cameras, images, {}, {}, options, two).image.data);
 }
 
 TEST(TextureBaker, RefusesWhatDoesNotFit) {
@@ -287,14 +321,14 @@ TEST(TextureBaker, RefusesWhatDoesNotFit) {
   const std::vector<Image> images(2, Image(64, 64, 3));
   TextureOptions options;
   options.size = 64;
-  EXPECT_THROW(bake_texture(mesh, {}, cameras, images, {}, options), std::invalid_argument); // cells too small
+  EXPECT_THROW(bake_texture(mesh, {}, cameras, images, {}, {}, options), std::invalid_argument); // cells too small
   options.size = 512;
-  EXPECT_NO_THROW(bake_texture(mesh, {}, cameras, images, {}, options));
-  EXPECT_NO_THROW(bake_texture(mesh, {}, cameras, std::vector<Image>(2), {}, options)); // no image at all: grey
-  EXPECT_THROW(bake_texture(mesh, {}, cameras, {images[0]}, {}, options), std::invalid_argument);
-  EXPECT_THROW(bake_texture(mesh, {}, cameras, {images[0], Image(32, 64, 3)}, {}, options), std::invalid_argument);
-  EXPECT_THROW(bake_texture(mesh, {}, cameras, images, {Image(64, 64, 1)}, options), std::invalid_argument);
-  EXPECT_THROW(bake_texture(Mesh{}, {}, cameras, images, {}, options), Error);
+  EXPECT_NO_THROW(bake_texture(mesh, {}, cameras, images, {}, {}, options));
+  EXPECT_NO_THROW(bake_texture(mesh, {}, cameras, std::vector<Image>(2), {}, {}, options)); // no image at all: grey
+  EXPECT_THROW(bake_texture(mesh, {}, cameras, {images[0]}, {}, {}, options), std::invalid_argument);
+  EXPECT_THROW(bake_texture(mesh, {}, cameras, {images[0], Image(32, 64, 3)}, {}, {}, options), std::invalid_argument);
+  EXPECT_THROW(bake_texture(mesh, {}, cameras, images, {Image(64, 64, 1)}, {}, options), std::invalid_argument);
+  EXPECT_THROW(bake_texture(Mesh{}, {}, cameras, images, {}, {}, options), Error);
   Character bare;
   EXPECT_THROW(texture_character(bare, {}, cameras, images), Error);
 }

@@ -4397,6 +4397,14 @@ class TextureOptions:
     def grazing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
+    def label_reach(self) -> float:
+        """
+        m, where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands before a skirt; 0 = they may: a number in [0, 0.5]
+        """
+    @label_reach.setter
+    def label_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
     def screen_reach(self) -> float:
         """
         pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side): gaps between fingers; 0 = they do: a number in [0, 0.5]

@@ -7,8 +7,11 @@
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/parts/irradiance.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/colour_histogram.h"
 #include "doublet/core/rasterizer.h"
+#include "garment_part.h"
 #include "hidden_skin.h"
+#include "label_colours.h"
 #include "silhouette_depth.h"
 
 #include <algorithm>
@@ -16,6 +19,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 namespace doublet {
 namespace {
@@ -27,6 +31,7 @@ using Eigen::Vector3f;
 
 constexpr int kAround = 2; // pixels around a sample that must see the same surface
 constexpr int kRim = 3;    // pixels on a silhouette's rim that are mixed with what is behind
+constexpr int kAlong = 4, kPoints = kAlong * (kAlong + 1) / 2;
 
 struct Atlas {
   int size, cell, columns;
@@ -54,6 +59,7 @@ struct View {
   const Image *image;
   std::vector<int> depth; ///< inside the silhouette, px; empty = there is none
   FaceBuffer buffer;
+  std::vector<std::uint16_t> colours = {}; ///< colour_bin() of every pixel; empty = labels do not matter
 };
 
 /// Is the pixel in the silhouette, away from its rim? Without one everything is.
@@ -91,7 +97,7 @@ bool visible(const FaceBuffer &buffer, const Vector2d &pixel, double depth, doub
   return true;
 }
 
-/// Does something of such a depth lie `around` pixels away?
+/// Does a surface lie `around` pixels away, at such a pixel (index into the buffer)?
 template <class Test> bool surrounded_by(const FaceBuffer &buffer, const Vector2d &pixel, double around, const Test &test) {
   constexpr double kDiagonal = 0.70710678;
   constexpr std::array<std::array<double, 2>, 8> kCircle{{{1, 0},
@@ -105,7 +111,8 @@ template <class Test> bool surrounded_by(const FaceBuffer &buffer, const Vector2
   for (const auto &[dx, dy] : kCircle) {
     const int x = static_cast<int>(std::lround(pixel.x() + around * dx)),
               y = static_cast<int>(std::lround(pixel.y() + around * dy));
-    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 && test(buffer.depth_at(x, y)))
+    if (x >= 0 && y >= 0 && x < buffer.width && y < buffer.height && buffer.face_at(x, y) >= 0 &&
+        test(static_cast<std::size_t>(y) * buffer.width + x))
       return true;
   }
   return false;
@@ -115,8 +122,55 @@ template <class Test> bool surrounded_by(const FaceBuffer &buffer, const Vector2
 /// surface itself, may have been there: surfaces are not exactly known.
 bool near_an_edge(const FaceBuffer &buffer, const Vector2d &pixel, double depth, double margin, double around) {
   constexpr double kWell = 0.05; // m
-  return surrounded_by(buffer, pixel, around, [&](double there) { return there < depth - kWell; }) ||
-         surrounded_by(buffer, pixel, kRim, [&](double there) { return there > depth + margin + kWell; });
+  return surrounded_by(buffer, pixel, around, [&](std::size_t at) { return buffer.depth[at] < depth - kWell; }) ||
+         surrounded_by(buffer, pixel, kRim, [&](std::size_t at) { return buffer.depth[at] > depth + margin + kWell; });
+}
+
+/// Barycentric coordinates of a triangular grid, half a step away from the edges.
+std::array<Vector3d, kPoints> points_of_a_face() {
+  std::array<Vector3d, kPoints> points;
+  for (int i = 0, n = 0; i < kAlong; ++i)
+    for (int k = 0; i + k < kAlong; ++k)
+      points[n++] = (Vector3d(i, k, kAlong - 1 - i - k).array() + 1.0 / 3) / kAlong;
+  return points;
+}
+
+/// A surface point as a camera sees it.
+struct Sight {
+  const View &view;
+  Vector2d pixel;
+  double depth, facing; ///< m; cosine between normal and ray
+
+  std::size_t nearest_pixel() const { return std::lround(pixel.y()) * view.image->width + std::lround(pixel.x()); }
+};
+
+/// The nearest face seen around the sight of face f, within `reach` (m), that has the other label and is so far (m) in front or
+/// behind; -1 = there is none.
+int other_label_near(const Sight &sight, const std::vector<SurfaceLabel> &face_labels, int f, double reach, double apart) {
+  constexpr int kRings = 5;
+  const FaceBuffer &buffer = sight.view.buffer;
+  int found = -1;
+  const auto is_other = [&](std::size_t at) {
+    const bool other = face_labels[buffer.face[at]] != face_labels[f] && std::abs(buffer.depth[at] - sight.depth) >= apart;
+    found = other ? buffer.face[at] : -1;
+    return other;
+  };
+  const double pixels = reach * sight.view.camera->K(0, 0) / sight.depth;
+  for (int ring = 1; ring <= kRings; ++ring)
+    if (surrounded_by(buffer, sight.pixel, pixels * ring / kRings, is_other))
+      break;
+  return found;
+}
+
+/// (height * width) colour_bin() of every pixel.
+std::vector<std::uint16_t> colour_bins(const Image &image, const Context &context) {
+  std::vector<std::uint16_t> bins(static_cast<std::size_t>(image.width) * image.height);
+  parallel_for(context, image.height, [&](int y) {
+    for (int x = 0; x < image.width; ++x)
+      bins[static_cast<std::size_t>(y) * image.width + x] = static_cast<std::uint16_t>(
+          colour_bin({double(image.at(x, y, 0)), double(image.at(x, y, 1)), double(image.at(x, y, 2))}));
+  });
+  return bins;
 }
 
 class Baker {
@@ -140,16 +194,44 @@ public:
       gains_.row(v) = light.at(normals_.row(v)).array().pow(-1 / kGamma).transpose();
   }
 
+  /// From now on cameras do not count where they see the colour of what has the other label beside it.
+  void keep_apart(const std::vector<SurfaceLabel> &face_labels, const Context &context) {
+    const bool both = std::adjacent_find(face_labels.begin(), face_labels.end(), std::not_equal_to<>()) != face_labels.end();
+    if (!both || options_.label_reach <= 0)
+      return;
+    for (View &view : views_)
+      view.colours = colour_bins(*view.image, context);
+    std::vector<std::vector<int>> seen(face_labels.size());
+    parallel_for(context, static_cast<int>(seen.size()), [&](int f) { seen[f] = certain_colours(f, face_labels); });
+    face_labels_ = &face_labels;
+    label_colours_.emplace(mesh_, face_labels, seen, context);
+  }
+
   /// B G R of the surface point, and its weight; 0 = seen by no camera.
   float colour_at(int f, const Vector3d &barycentric, Vector3f &colour) const {
+    float sum = 0;
+    colour.setZero();
+    for_sights(f, barycentric, [&](const Sight &sight) {
+      if (shows_the_other_label(f, sight))
+        return;
+      const auto weight = static_cast<float>(std::pow(sight.facing, options_.facing_power));
+      colour += weight * sample(*sight.view.image, sight.pixel);
+      sum += weight;
+    });
+    if (sum > 0)
+      colour = colour.cwiseProduct(gain_at(f, barycentric)) / sum;
+    return sum;
+  }
+
+private:
+  /// Visits the sights of the surface point that count.
+  template <class Visit> void for_sights(int f, const Vector3d &barycentric, const Visit &visit) const {
     Vector3d point = Vector3d::Zero(), normal = Vector3d::Zero();
     for (int k = 0; k < 3; ++k) {
       point += barycentric[k] * mesh_.vertices.row(mesh_.faces(f, k)).transpose();
       normal += barycentric[k] * normals_.row(mesh_.faces(f, k)).transpose();
     }
     normal.normalize();
-    float sum = 0;
-    colour.setZero();
     for (const View &view : views_) {
       const double facing = normal.dot((view.camera->centre() - point).normalized());
       const double depth = view.camera->depth(point);
@@ -159,19 +241,41 @@ public:
       // Within the pixels looked at, a slanted surface comes nearer by their size on it.
       const double slope = std::sqrt(std::max(0.0, 1 - facing * facing)) / facing;
       const double margin = options_.depth_margin + kAround * slope * depth / view.camera->K(0, 0);
-      if (!visible(view.buffer, pixel, depth, margin) || !inside_silhouette(view, pixel) ||
-          near_an_edge(view.buffer, pixel, depth, margin, options_.edge_margin * view.camera->K(0, 0) / depth))
-        continue;
-      const auto weight = static_cast<float>(std::pow(facing, options_.facing_power));
-      colour += weight * sample(*view.image, pixel);
-      sum += weight;
+      if (visible(view.buffer, pixel, depth, margin) && inside_silhouette(view, pixel) &&
+          !near_an_edge(view.buffer, pixel, depth, margin, options_.edge_margin * view.camera->K(0, 0) / depth))
+        visit(Sight{view, pixel, depth, facing});
     }
-    if (sum > 0)
-      colour = colour.cwiseProduct(gain_at(f, barycentric)) / sum;
-    return sum;
   }
 
-private:
+  /// Bins of what cameras see of the face where the other label is nowhere near.
+  std::vector<int> certain_colours(int f, const std::vector<SurfaceLabel> &face_labels) const {
+    std::vector<int> bins;
+    for (const Vector3d &at : points_of_a_face())
+      if (drawn(f))
+        for_sights(f, at, [&](const Sight &sight) {
+          if (other_label_near(sight, face_labels, f, options_.label_reach, 0) < 0)
+            bins.push_back(sight.view.colours[sight.nearest_pixel()]);
+        });
+    return bins;
+  }
+
+  /// Is there, or within the rim, a colour that is rare on the face's own label and usual on the other's surface beside it?
+  bool shows_the_other_label(int f, const Sight &sight) const {
+    constexpr double kApart = 0.03; // m: closer, they touch, and a label may end elsewhere
+    if (!label_colours_)
+      return false;
+    std::optional<int> other;
+    const auto is_the_others = [&](std::size_t at) {
+      const int bin = sight.view.colours[at];
+      if (!label_colours_->rare(f, bin))
+        return false;
+      if (!other)
+        other = other_label_near(sight, *face_labels_, f, options_.label_reach, kApart);
+      return *other >= 0 && label_colours_->likelier(bin, *other, f);
+    };
+    return is_the_others(sight.nearest_pixel()) || surrounded_by(sight.view.buffer, sight.pixel, kRim, is_the_others);
+  }
+
   Vector3f gain_at(int f, const Vector3d &barycentric) const {
     if (gains_.rows() == 0)
       return Vector3f::Ones();
@@ -186,6 +290,8 @@ private:
   const TextureOptions &options_;
   Vertices normals_, gains_; ///< (V, 3); gains of the 8-bit B G R, none = 1
   std::vector<View> views_;
+  const std::vector<SurfaceLabel> *face_labels_ = nullptr;
+  std::optional<detail::LabelColours> label_colours_; ///< none = labels do not matter
 };
 
 struct VertexColours {
@@ -282,12 +388,17 @@ template <class Visit> void for_texels(const Atlas &atlas, int f, const Visit &v
     }
 }
 
+void require_length(const std::string &who, const std::string &what, std::size_t found, Eigen::Index expected) {
+  if (static_cast<Eigen::Index>(found) != expected)
+    throw std::invalid_argument(who + ": " + what + " has " + std::to_string(found) + " entries, expected " +
+                                std::to_string(expected));
+}
+
 void require_inputs(const std::string &who, const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras,
                     const std::vector<Image> &images, const std::vector<Image> &masks) {
   require_usable(mesh, who + ": mesh");
-  if (!valid.empty() && static_cast<Eigen::Index>(valid.size()) != mesh.faces.rows())
-    throw std::invalid_argument(who + ": face_valid has " + std::to_string(valid.size()) + " entries, expected " +
-                                std::to_string(mesh.faces.rows()));
+  if (!valid.empty())
+    require_length(who, "face_valid", valid.size(), mesh.faces.rows());
   for (const Camera &camera : cameras)
     validate_camera(camera, who);
   if (images.size() != cameras.size())
@@ -336,15 +447,32 @@ void fade_into_hidden(const Character &c, const std::vector<double> &away, Baked
   }
 }
 
+/// (FH) the garment's own faces, or those of cloth.
+std::vector<SurfaceLabel> labels_of(const Character &c, const DisplaySurface &display) {
+  std::vector<SurfaceLabel> labels(static_cast<std::size_t>(c.high.faces.rows()), SurfaceLabel::Body);
+  if (c.garment_subdivisions >= 0) {
+    std::fill(labels.begin() + detail::garment_part(c).skin_faces, labels.end(), SurfaceLabel::Garment);
+    return labels;
+  }
+  const MatrixRM clothness = display.sample(c.segmentation.clothness);
+  for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f)
+    if (clothness(c.high.faces.row(f), 0).mean() > 0.5)
+      labels[f] = SurfaceLabel::Garment;
+  return labels;
+}
+
 } // namespace
 
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
-                          const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
-                          const Context &context) {
+                          const std::vector<Image> &images, const std::vector<Image> &masks,
+                          const std::vector<SurfaceLabel> &face_labels, const TextureOptions &options, const Context &context) {
   options.validate();
   require_inputs("bake_texture", mesh, face_valid, cameras, images, masks);
+  if (!face_labels.empty())
+    require_length("bake_texture", "face_labels", face_labels.size(), mesh.faces.rows());
   const Atlas atlas(options.size, mesh.faces.rows());
   Baker baker(mesh, face_valid, cameras, images, masks, options);
+  baker.keep_apart(face_labels, context);
   if (options.albedo)
     baker.divide_by(estimated_light(mesh, baker));
   const Vertices fallback = vertex_colours(mesh, baker);
@@ -399,18 +527,16 @@ Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_
   options.validate();
   require_inputs("sample_colours", mesh, face_valid, cameras, images, masks);
   const Baker baker(mesh, face_valid, cameras, images, masks, options);
-  constexpr int kAlong = 4, kPoints = kAlong * (kAlong + 1) / 2; // a triangular grid, half a step away from the edges
   const int faces = static_cast<int>(mesh.faces.rows());
   Vertices colours = Vertices::Constant(kPoints * faces, 3, std::numeric_limits<double>::quiet_NaN());
   parallel_for(context, faces, [&](int f) {
     int row = kPoints * f;
-    for (int i = 0; i < kAlong; ++i)
-      for (int k = 0; i + k < kAlong; ++k, ++row) {
-        const Vector3d at = (Vector3d(i, k, kAlong - 1 - i - k).array() + 1.0 / 3) / kAlong;
-        Vector3f colour;
-        if (baker.drawn(f) && baker.colour_at(f, at, colour) > 0)
-          colours.row(row) = colour.cast<double>().transpose();
-      }
+    for (const Vector3d &at : points_of_a_face()) {
+      Vector3f colour;
+      if (baker.drawn(f) && baker.colour_at(f, at, colour) > 0)
+        colours.row(row) = colour.cast<double>().transpose();
+      ++row;
+    }
   });
   return colours;
 }
@@ -418,8 +544,10 @@ Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
                          const std::vector<Image> &images, const std::vector<Image> &masks, const TextureOptions &options,
                          const Context &context) {
-  const Mesh posed{DisplaySurface(character).apply(surface), character.high.faces};
-  BakedTexture baked = bake_texture(posed, character.high_valid, cameras, images, masks, options, context);
+  const DisplaySurface display(character);
+  const Mesh posed{display.apply(surface), character.high.faces};
+  BakedTexture baked =
+      bake_texture(posed, character.high_valid, cameras, images, masks, labels_of(character, display), options, context);
   const std::vector<double> away = detail::beyond_free_edges(character);
   if (detail::find_hidden_colour(character, away, baked) && options.albedo)
     fade_into_hidden(character, detail::from_the_seam(character, away), baked);

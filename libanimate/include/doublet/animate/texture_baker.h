@@ -5,6 +5,9 @@
 #include "doublet/core/camera.h"
 #include "doublet/options/options.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace doublet {
 
 struct TextureOptions {
@@ -14,6 +17,7 @@ struct TextureOptions {
   double depth_margin = 0.01;
   double edge_margin = 0.02;
   double screen_reach = 0.025;
+  double label_reach = 0.05;
   bool albedo = true;
   static constexpr auto describe() {
     using namespace options;
@@ -32,6 +36,10 @@ struct TextureOptions {
                "pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side): "
                "gaps between fingers; 0 = they do"),
         option(
+            &O::label_reach, "label_reach", Range{0, 0.5}, "m",
+            "where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands "
+            "before a skirt; 0 = they may"),
+        option(
             &O::albedo, "albedo",
             "divide the light that the images were taken in out of the texture, so that whoever draws it can light it; off = as "
             "photographed"),
@@ -39,6 +47,9 @@ struct TextureOptions {
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
+
+/// What a face is of.
+enum class SurfaceLabel : std::uint8_t { Body, Garment };
 
 struct BakedTexture {
   TexCoords texcoords;      ///< (3 F, 2) per corner
@@ -49,13 +60,15 @@ struct BakedTexture {
 /// `masks`: one silhouette a camera (255 = actor), or none at all; what lies outside, shows a screen through a gap, or is on
 /// the rim (3 pixels) of either does not count, so that the backdrop does not get onto fingers. `mesh` stands as in the images;
 /// `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one. What no camera sees is filled
-/// from its neighbours on the surface. Throws Error, std::invalid_argument if sizes do not fit.
+/// from its neighbours on the surface. `face_labels` (F) or empty: what keeps the colours of body and garment apart
+/// (label_reach). Throws Error, std::invalid_argument if sizes do not fit.
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                           const std::vector<Image> &images, const std::vector<Image> &masks = {},
-                          const TextureOptions &options = {}, const Context &context = {});
+                          const std::vector<SurfaceLabel> &face_labels = {}, const TextureOptions &options = {},
+                          const Context &context = {});
 
 /// Colours at 10 points of every face, for MeshSequence::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
-/// says, NaN where no camera sees it. Arguments and errors as of bake_texture().
+/// says, NaN where no camera sees it. Arguments and errors as of bake_texture(), without labels.
 Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                         const std::vector<Image> &images, const std::vector<Image> &masks = {},
                         const TextureOptions &options = {}, const Context &context = {});
