@@ -331,16 +331,20 @@ Player ready_to_be_caught(bool free_caught) {
   options.free_caught = free_caught;
   return ready(options);
 }
-/// The lower skirt turned over: its front hangs behind the legs, its back before them.
-Player turned_over(bool free_caught) {
+/// The same with every vertex of the cloth moved.
+template <class Move> Player with_cloth_moved(bool free_caught, const Move &move) {
   Player player = ready_to_be_caught(free_caught);
   CharacterState state = player.state();
   Vertices &cloth = state.regions[0].positions;
   for (Eigen::Index v = 0; v < cloth.rows(); ++v)
-    if (cloth(v, 1) < 0.85)
-      cloth(v, 2) = 2 * player.frame().joints(0, 2) - cloth(v, 2);
+    move(cloth.row(v));
   player.set_state(state);
   return player;
+}
+/// The lower skirt turned over: its front hangs behind the legs, its back before them.
+Player turned_over(bool free_caught) {
+  const double middle = ready().frame().joints(0, 2);
+  return with_cloth_moved(free_caught, [&](auto x) { x[2] = x[1] < 0.85 ? 2 * middle - x[2] : x[2]; });
 }
 void hold(Player &player, double seconds) {
   for (int t = 0; t < std::lround(40 * seconds); ++t)
@@ -382,13 +386,7 @@ TEST(Player, CaughtClothIsDrawnOnItsWay) {
 
 /// Slanted, so that the legs come out at its side; it does not cross itself.
 Player slanted(bool free_caught) {
-  Player player = ready_to_be_caught(free_caught);
-  CharacterState state = player.state();
-  Vertices &cloth = state.regions[0].positions;
-  for (Eigen::Index v = 0; v < cloth.rows(); ++v)
-    cloth(v, 0) += 2 * std::max(0.0, 0.95 - cloth(v, 1));
-  player.set_state(state);
-  return player;
+  return with_cloth_moved(free_caught, [](auto x) { x[0] += 2 * std::max(0.0, 0.95 - x[1]); });
 }
 TEST(Player, ClothWithALimbThroughItIsFreed) {
   Player freed = slanted(true), left = slanted(false);
