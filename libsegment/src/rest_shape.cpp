@@ -145,10 +145,21 @@ std::vector<double> lengths_as_hung(const Faces &faces, const Vertices &shape, c
   return lengths;
 }
 
-/// The vertices within so many edges of where `x` passes through itself; empty if it does not.
-std::vector<int> near_crossings(const Vertices &x, const Faces &faces, const std::vector<std::vector<int>> &around, int edges) {
-  const std::vector<std::uint8_t> crossing = self_intersecting_faces({x, faces});
-  std::vector<char> seen(x.rows(), 0);
+/// (F) 1 for the faces that pass through others or are folded flat onto a neighbour.
+std::vector<std::uint8_t> tangled_faces(const Vertices &x, const Faces &faces, const EdgeTopology &edges) {
+  constexpr double kFolded = -0.866; // cosine between normals: 150 degrees
+  const Vertices normals = face_normals(x, faces);
+  std::vector<std::uint8_t> tangled = self_intersecting_faces({x, faces});
+  for (const Eigen::Vector2i &pair : edges.edge_faces)
+    if (pair.minCoeff() >= 0 && normals.row(pair[0]).dot(normals.row(pair[1])) < kFolded)
+      tangled[pair[0]] = tangled[pair[1]] = 1;
+  return tangled;
+}
+
+/// The vertices within so many edges of these faces.
+std::vector<int> vertices_near(const Faces &faces, const std::vector<std::uint8_t> &chosen,
+                               const std::vector<std::vector<int>> &around, int edges) {
+  std::vector<char> seen(around.size(), 0);
   std::vector<int> near;
   const auto add = [&](int v) {
     if (!seen[v])
@@ -156,7 +167,7 @@ std::vector<int> near_crossings(const Vertices &x, const Faces &faces, const std
     seen[v] = 1;
   };
   for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3 && crossing[f]; ++k)
+    for (int k = 0; k < 3 && chosen[f]; ++k)
       add(faces(f, k));
   for (int ring = 0; ring < edges; ++ring)
     for (int v : std::vector<int>(near))
@@ -165,14 +176,15 @@ std::vector<int> near_crossings(const Vertices &x, const Faces &faces, const std
   return near;
 }
 
-/// `x` smoothed where it passes through itself, further around the longer that lasts. What is attached stays.
+/// `x` smoothed where it passes through itself or is folded flat, further around the longer that lasts. What is attached stays.
 Vertices untangled(Vertices x, const Faces &faces, const std::vector<std::vector<int>> &neighbours,
                    const std::vector<int> &attached) {
   constexpr int kRounds = 24, kSteps = 10, kRoundsToARing = 4;
   const auto around = vertex_neighbours(faces, static_cast<int>(x.rows()));
+  const EdgeTopology edges = edge_topology(faces);
   const Vertices start = x;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<int> near = near_crossings(x, faces, around, 1 + round / kRoundsToARing);
+    const std::vector<int> near = vertices_near(faces, tangled_faces(x, faces, edges), around, round / kRoundsToARing);
     if (near.empty())
       break;
     for (int step = 0; step < kSteps; ++step) {

@@ -17,8 +17,8 @@ namespace doublet::detail {
 ///  crumples.
 ///  4. The way from the attachment is known from the scan, where cloth hangs straight: edges lead away from it as far as there.
 ///  5. Blown up around the body in the scan pose: cloth that begins there folds by itself, without knots, and holds what it held.
-///  Where it passes through itself even so it is smoothed, until it does not or 24 times: cloth in a knot at rest never leaves
-///  it.
+///  Where it passes through itself even so, or a triangle lies folded on the next one, it is smoothed until it does not, or 24
+///  times: cloth in a knot at rest never leaves it, and what is drawn of a folded triangle is stretched when that opens.
 Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
                     const std::vector<int> &attached, double spread);
 
