@@ -145,15 +145,13 @@ std::vector<double> lengths_as_hung(const Faces &faces, const Vertices &shape, c
   return lengths;
 }
 
-/// (F) 1 for the faces that pass through others or are folded flat onto a neighbour.
-std::vector<std::uint8_t> tangled_faces(const Vertices &x, const Faces &faces, const EdgeTopology &edges) {
+/// Sets the faces that are folded flat onto a neighbour.
+void add_folded(std::vector<std::uint8_t> &chosen, const Vertices &x, const Faces &faces, const EdgeTopology &edges) {
   constexpr double kFolded = -0.866; // cosine between normals: 150 degrees
   const Vertices normals = face_normals(x, faces);
-  std::vector<std::uint8_t> tangled = self_intersecting_faces({x, faces});
   for (const Eigen::Vector2i &pair : edges.edge_faces)
     if (pair.minCoeff() >= 0 && normals.row(pair[0]).dot(normals.row(pair[1])) < kFolded)
-      tangled[pair[0]] = tangled[pair[1]] = 1;
-  return tangled;
+      chosen[pair[0]] = chosen[pair[1]] = 1;
 }
 
 /// The vertices within so many edges of these faces.
@@ -184,7 +182,10 @@ Vertices untangled(Vertices x, const Faces &faces, const std::vector<std::vector
   const EdgeTopology edges = edge_topology(faces);
   const Vertices start = x;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<int> near = vertices_near(faces, tangled_faces(x, faces, edges), around, round / kRoundsToARing);
+    std::vector<std::uint8_t> tangled = self_intersecting_faces({x, faces});
+    const int first = std::count(tangled.begin(), tangled.end(), 1) > 0 ? 1 : 0; // a fold alone: its own corners
+    add_folded(tangled, x, faces, edges);
+    const std::vector<int> near = vertices_near(faces, tangled, around, first + round / kRoundsToARing);
     if (near.empty())
       break;
     for (int step = 0; step < kSteps; ++step) {
