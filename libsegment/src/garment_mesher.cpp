@@ -216,19 +216,20 @@ Garment placed_garment(const RiggedMesh &actor, const Piece &piece, const Faces 
   return garment;
 }
 
-/// What its lengths come from, and what hangs. `there` (N, 3): its vertices where the piece is spread out.
-void give_rest_shape(Garment &garment, const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece,
-                     const SpreadOut &spread, const Vertices &there, const std::vector<char> &hangs,
-                     const GarmentOptions &options) {
-  const std::vector<int> attached = attached_vertices({there, garment.mesh.faces}, piece, spread.mesh.vertices, hangs);
+/// (N, 3) m, from what the frames show; `wide`: the one in which it is spread out.
+Vertices rest_shape_of(const Garment &garment, const RiggedMesh &actor, const MeshSequence &captured, int wide,
+                       const std::vector<int> &attached, double spread) {
   std::vector<Vertices> frames;
   for (const Vertices &frame : captured.frames)
     frames.push_back(at_garment(garment, actor.mesh.faces, frame));
-  garment.rest = detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, spread.frame, attached, options.spread);
+  return detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, wide, attached, spread);
+}
+
+/// (N) by the way from where it hangs, in the rest shape.
+Eigen::VectorXd clothness_of(const Garment &garment, const std::vector<int> &attached, double band) {
   const Eigen::VectorXd way =
       edge_distances(garment.rest, vertex_neighbours(garment.mesh.faces, static_cast<int>(garment.rest.rows())), attached);
-  garment.clothness =
-      options.band > 0 ? Eigen::VectorXd((way / options.band).cwiseMin(1.0)) : Eigen::VectorXd((way.array() > 0).cast<double>());
+  return band > 0 ? Eigen::VectorXd((way / band).cwiseMin(1.0)) : Eigen::VectorXd((way.array() > 0).cast<double>());
 }
 
 /// (N, 3 K) of N vertices in K shapes.
@@ -282,21 +283,24 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 
 /// One region's part of a garment, before it is one of several. Its triangles are regular in the rest shape: what is folded even
 /// in the frame in which the piece is spread out would be left with a few long ones. So the piece is meshed there first, which
-/// gives a rest shape, and that is meshed again.
+/// gives a rest shape, and the answer is that, meshed again.
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const SpreadOut &spread,
                     const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
   const Mesh first = remeshed(spread.mesh, vertices);
+  const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, spread.mesh.vertices, hangs); };
   Garment garment = placed_garment(actor, piece, first.faces, places_on(spread.mesh, first.vertices));
-  give_rest_shape(garment, actor, captured, piece, spread, first.vertices, hangs, options);
+  std::vector<int> seam = attached(first);
+  garment.rest = rest_shape_of(garment, actor, captured, spread.frame, seam, options.spread);
   if (spread.frame >= 0) {
     const Mesh rest{garment.rest, garment.mesh.faces};
     const Mesh second = remeshed(rest, vertices);
     const std::vector<Place> on_first = places_on(rest, second.vertices);
     const std::vector<int> rows = spread_rows(captured.frames.size(), spread.frame);
     garment = placed_garment(actor, piece, second.faces, carried_places(actor, captured, rows, piece, garment, on_first));
-    const Vertices there = at_garment(garment, actor.mesh.faces, captured.frames[spread.frame]);
-    give_rest_shape(garment, actor, captured, piece, spread, there, hangs, options);
+    seam = attached({at_garment(garment, actor.mesh.faces, captured.frames[spread.frame]), second.faces});
+    garment.rest = second.vertices;
   }
+  garment.clothness = clothness_of(garment, seam, options.band);
   garment.region = Eigen::VectorXi::Constant(garment.mesh.vertices.rows(), region);
   return garment;
 }

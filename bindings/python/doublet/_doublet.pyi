@@ -5132,7 +5132,7 @@ class TrialOptions:
     @property
     def materials(self) -> int:
         """
-        that each is tried with; 16 are two groups side by side, and the mean of the lowest quarter counts: a number in [4, 4096]
+        that each is tried with, in groups of eight side by side; the mean of the lowest quarter counts: a number in [4, 4096]
         """
     @materials.setter
     def materials(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -5694,7 +5694,7 @@ def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | s
     """
     Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
     """
-def trial_energy(objective: MaterialObjective, materials: typing.SupportsInt | typing.SupportsIndex = 16, context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+def trial_energy(objective: MaterialObjective, materials: typing.SupportsInt | typing.SupportsIndex = 64, context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (regions) pixels^2: what a garment costs before its material is known, the mean of the lowest quarter of E_fit over trial_samples().
     """
