@@ -212,6 +212,7 @@ struct Player::Playing {
     state = std::move(anew);
     caught_seconds = kFreed;
     wake();
+    looked = true;
   }
   /// The share of the faces that pass through others, unless that is small, and the number of proxies whose axis passes through
   /// the cloth.
@@ -247,11 +248,13 @@ struct Player::Playing {
     }
   }
   /// Something has changed for the cloth: it moves again.
-  void wake() { held_seconds = slow_seconds = 0; }
+  void wake() {
+    held_seconds = slow_seconds = 0;
+    looked = false;
+  }
   /// The cloth is another.
   void start_over() {
     wake();
-    looked = false;
     caught_seconds = 0;
   }
   double fastest_joint(const Shared &shared) const { // m/s
@@ -287,7 +290,7 @@ struct Player::Playing {
   PosedFrame posed, next;  ///< where it stands, and where it goes
   double held_seconds = 0; ///< since the pose moved last
   double slow_seconds = 0; ///< since the cloth is almost still in a held pose
-  bool looked = false;     ///< whether the cloth is caught, since the pose moved last
+  bool looked = false;     ///< whether the cloth is caught, since the pose or what pulls at the cloth changed last
   CharacterState caught;   ///< the cloth that was, and how long it will still be seen
   double caught_seconds = 0;
   std::vector<Vertices> before; ///< of each region, at the start of the step
