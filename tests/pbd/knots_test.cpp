@@ -253,6 +253,36 @@ TEST(Knots, WhatIsDraggedOffIsNotLongerThanTwiceItsLength) {
   EXPECT_LT(dragged(true), 2.1);
 }
 
+/// A corner of free cloth that has been pulled out comes back within a frame, and the cloth as a whole goes nowhere.
+TEST(Knots, WhatIsLongerThanTwiceItsLengthIsBroughtBackFromBothEnds) {
+  const scenes::Sheet sheet = scenes::grid(12, 12, 0.025);
+  ClothOptions options;
+  options.edge_collision = true;
+  options.gravity.setZero();
+  const Eigen::VectorXd free = Eigen::VectorXd::Ones(sheet.rest.rows());
+  const auto solver = ClothSolver::create(ClothModel::create(sheet.rest, sheet.faces, free, options));
+  ClothState state = initial_state(sheet.rest);
+  const Eigen::RowVector3d direction = Eigen::RowVector3d(1, 0, 1).normalized();
+  for (Eigen::Index v = 0; v < state.positions.rows(); ++v)
+    state.positions.row(v) +=
+        6 * std::max(0.0, (sheet.rest.row(v) - sheet.rest.colwise().mean()).dot(direction) - 0.1) * direction;
+  EXPECT_GT(longest_edge(sheet, state.positions), 6);
+  Material soft;
+  soft.k_stretch = 0.01;
+  soft.d_n = soft.d_t = 0;
+  Eigen::RowVectorXd mass = Eigen::RowVectorXd::Zero(sheet.rest.rows()); // all triangles are equal
+  for (Eigen::Index f = 0; f < sheet.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      mass[sheet.faces(f, k)] += 1;
+  mass /= mass.sum();
+  const Eigen::RowVector3d middle = mass * state.positions;
+  StepInputs in;
+  in.targets = &sheet.rest;
+  solver->step(state, in, soft);
+  EXPECT_LT(longest_edge(sheet, state.positions), 2.1);
+  EXPECT_LT((mass * state.positions - middle).norm(), 1e-5);
+}
+
 /// Two sheets, held at their borders, lie one over the other; a ball from below pushes the lower one into the upper and
 /// stretches both.
 struct Covered {
