@@ -503,7 +503,6 @@ TEST(GarmentMesher, WhatPassesThroughItselfAtRestIsSmoothedUntilItDoesNot) {
 TEST(GarmentMesher, WhatIsFoldedFlatAtRestIsUnfolded) {
   Strip strip;
   const int turned_up = Strip::kRows * (Strip::kColumns + 1) + Strip::kColumns / 2;
-  const Vertices flat = strip.vertices;
   strip.vertices.row(turned_up) += Eigen::RowVector3d(0.015, 0.038, 0.002);
   EXPECT_EQ(strip.crossing(strip.vertices), 0);
   EXPECT_LT(strip.most_folded(strip.vertices), -0.95);
