@@ -67,15 +67,39 @@ private:
 struct IndexPair {
   int i, j;
 };
+#ifdef __AVX2__
+/// For every set of lanes which of them come first, in the order in which unpacking brings them back.
+struct FirstLanes {
+  unsigned char lane[256][8];
+  constexpr FirstLanes() : lane{} {
+    constexpr int unpacked[8] = {0, 1, 4, 5, 2, 3, 6, 7};
+    for (int bits = 0; bits < 256; ++bits) {
+      int count = 0;
+      for (int l = 0; l < 8; ++l)
+        if (bits >> l & 1)
+          lane[bits][unpacked[count++]] = static_cast<unsigned char>(l);
+    }
+  }
+};
+inline constexpr FirstLanes kFirstLanes;
+inline void store_pairs(int i, int j, int bits, IndexPair *to) {
+  const __m256i lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i *>(kFirstLanes.lane[bits])));
+  const __m256i first = _mm256_set1_epi32(i), second = _mm256_add_epi32(_mm256_set1_epi32(j), lanes);
+  _mm256_storeu_si256(reinterpret_cast<__m256i *>(to), _mm256_unpacklo_epi32(first, second));
+  _mm256_storeu_si256(reinterpret_cast<__m256i *>(to + 4), _mm256_unpackhi_epi32(first, second));
+}
+#else
+inline void store_pairs(int i, int j, int bits, IndexPair *to) {
+  for (int l = 0; l < kRow; ++l) {
+    *to = {i, j + l};
+    to += bits >> l & 1;
+  }
+}
+#endif
 /// Adds (i, j + l) for every bit l that is set. Without a jump that nobody can foretell.
 inline void add_pairs(int i, int j, int bits, Array<IndexPair> &to) {
-  IndexPair *const spare = to.spare(kRow);
-  int count = 0;
-  for (int l = 0; l < kRow; ++l) {
-    spare[count] = {i, j + l};
-    count += bits >> l & 1;
-  }
-  to.resize(to.size() + count);
+  store_pairs(i, j, bits, to.spare(kRow));
+  to.resize(to.size() + __builtin_popcount(static_cast<unsigned>(bits)));
 }
 
 /// What a box becomes in a list: `margin` wider on each side, and nothing where it is then wider than `largest`.

@@ -114,10 +114,7 @@ private:
     edge_boxes_.for_each_overlap(edges.first_edge, edges.first_edge + edges.edge_count, around, may, [&](int i, auto) {
       if constexpr (kSingle)
         face_boxes_.for_each_row(first, last, edge_boxes_[i], [&](int n, int overlaps) {
-          int own = 0;
-          for (const int *list : m.patch_corners)
-            own |= equal_bits(list + n, m.edges[i].a) | equal_bits(list + n, m.edges[i].b);
-          add_pairs(i, n, overlaps & ~own, near_pairs_);
+          add_pairs(i, n, overlaps & ~equal_bits(m.patch_corners, n, {m.edges[i].a, m.edges[i].b}), near_pairs_);
         });
       else
         face_boxes_.for_each_overlap(first, last, edge_boxes_[i], may, [&](int n, auto lanes) {

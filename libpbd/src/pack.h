@@ -333,11 +333,16 @@ template <class Use> inline void for_each_bit(int bits, const Use &use) {
   for (; bits != 0; bits &= bits - 1)
     use(__builtin_ctz(static_cast<unsigned>(bits)));
 }
-/// Bit l: list[l] == value.
-inline int equal_bits(const int *list, int value) {
-  Registers<kRow>::Ints row;
-  __builtin_memcpy(&row, list, sizeof row);
-  return lane_bits(Mask<kRow>{row == value});
+/// Bit l: one of the lists has one of the values at l.
+template <int lists, int values> inline int equal_bits(const int *const (&list)[lists], int at, const int (&value)[values]) {
+  typename Registers<kRow>::Ints equal{};
+  for (int k = 0; k < lists; ++k) {
+    Registers<kRow>::Ints row;
+    __builtin_memcpy(&row, list[k] + at, sizeof row);
+    for (int n = 0; n < values; ++n)
+      equal |= row == value[n];
+  }
+  return lane_bits(Mask<kRow>{equal});
 }
 
 template <> inline void scatter<4>(Point *p, const int *v, const Vec3<Pack<4>> &x) {

@@ -190,10 +190,7 @@ private:
     const int q = s.m.patch_vertices[k];
     if constexpr (kSingle)
       face_boxes_.for_each_row(first, last, vertex_boxes_[k], [&](int n, int overlaps) {
-        int own = 0;
-        for (const int *list : s.m.patch_corners)
-          own |= equal_bits(list + n, q);
-        add_pairs(q, n, overlaps & ~own, vertex_pairs_);
+        add_pairs(q, n, overlaps & ~equal_bits(s.m.patch_corners, n, {q}), vertex_pairs_);
       });
     else
       face_boxes_.for_each_overlap(first, last, vertex_boxes_[k], may,
@@ -204,10 +201,7 @@ private:
     const Edge &edge = s.m.edges[e];
     if constexpr (kSingle)
       edge_boxes_.for_each_row(first, last, box, [&](int o, int overlaps) {
-        int joined = 0;
-        for (const int *list : s.m.edge_ends)
-          joined |= equal_bits(list + o, edge.a) | equal_bits(list + o, edge.b);
-        add_pairs(e, o, overlaps & ~joined, edge_pairs_);
+        add_pairs(e, o, overlaps & ~equal_bits(s.m.edge_ends, o, {edge.a, edge.b}), edge_pairs_);
       });
     else
       edge_boxes_.for_each_overlap(first, last, box, may, [&](int o, auto lanes) { bring_edge(s, e, o, lanes); });
