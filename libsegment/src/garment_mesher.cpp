@@ -6,6 +6,7 @@
 #include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
 #include "garment_field.h"
+#include "handles.h"
 #include "isotropic.h"
 #include "rest_shape.h"
 
@@ -27,6 +28,8 @@ namespace {
 
 constexpr double kTooWide = 0.03; // share of the frames
 constexpr double kOffCount = 0.1; // of the wanted number of vertices
+
+constexpr double kHandle = 0.25; // m around: longer than what joins folds, shorter than a sleeve
 
 constexpr double kEnds = 0.2; // mean cosine along an edge: there the garment ends, whatever is behind it
 
@@ -286,7 +289,7 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 /// gives a rest shape, and the answer is that, meshed again.
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const SpreadOut &spread,
                     const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
-  const Mesh first = remeshed(spread.mesh, vertices);
+  const Mesh first = remeshed(detail::without_handles(spread.mesh, kHandle), vertices);
   const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, spread.mesh.vertices, hangs); };
   Garment garment = placed_garment(actor, piece, first.faces, places_on(spread.mesh, first.vertices));
   std::vector<int> seam = attached(first);

@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/rays/surface_distance.h"
+#include "support/manifold.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <vector>
 
 using namespace doublet;
+using doublet::testing::expect_manifold;
 
 namespace {
 
@@ -46,12 +48,6 @@ double share_of_regular_vertices(const Mesh &mesh) {
       regular += valence[v] >= 5 && valence[v] <= 7;
     }
   return static_cast<double>(regular) / inside;
-}
-
-void expect_manifold(const Mesh &mesh) {
-  const MeshReport report = report_mesh(mesh);
-  EXPECT_EQ(report.non_manifold_edges + report.degenerate_faces + report.unused_vertices, 0) << report.to_string();
-  EXPECT_EQ(report.components, 1);
 }
 
 /// V - E + F.
