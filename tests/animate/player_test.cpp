@@ -351,6 +351,41 @@ void hold(Player &player, double seconds) {
     player.step(march().row(0));
 }
 
+/// The most that an edge of the cloth is longer than at rest.
+double longest(const Player &player, const Vertices &cloth) {
+  const CharacterSimulator simulator(player.character().actor, player.character().segmentation, {});
+  const pbd::ClothModel &model = *simulator.regions()[0].model;
+  double most = 0;
+  for (const Eigen::Vector2i &e : edge_topology(model.faces()).edges)
+    most = std::max(most, (cloth.row(e[0]) - cloth.row(e[1])).norm() / (model.rest().row(e[0]) - model.rest().row(e[1])).norm());
+  return most;
+}
+/// A wide lunge, turned about and elsewhere.
+Eigen::VectorXd lunge() {
+  const Skeleton &skeleton = figure().actor.skeleton;
+  Eigen::VectorXd dofs = Eigen::VectorXd::Zero(skeleton.dof_count());
+  const auto set = [&](const std::string &joint, int component, double value) {
+    dofs[skeleton.joints[skeleton.find(joint)].first_dof + component] = value;
+  };
+  set("l_hip", 0, -1.5);
+  set("r_hip", 0, 0.9);
+  set("l_knee", 0, 1.2);
+  return elsewhere(dofs, 1, {2, 0, 1});
+}
+
+/// In a pose that is bent the rest shape would be stretched: cloth that began there would spring back through itself.
+TEST(Player, ClothIsPutOnInTheRestPose) {
+  AnimateOptions options = cloth_alone();
+  options.settle_seconds = 0.025;
+  Player player(figure(), options);
+  player.reset(lunge());
+  const CharacterSimulator simulator(figure().actor, figure().segmentation, figure().proxies);
+  const Vertices carried = simulator.start(simulator.pose(lunge())).regions[0].positions;
+  EXPECT_GT(longest(player, carried), 1.6);
+  EXPECT_LT(longest(player, player.state().regions[0].positions), 1.2);
+  EXPECT_EQ(crossing(player), 0);
+}
+
 TEST(Player, CaughtClothIsFreedWhileThePoseIsHeld) {
   Player freed = turned_over(true), left = turned_over(false);
   EXPECT_GT(crossing(freed), 20);

@@ -75,7 +75,8 @@ public:
   // frame(). Error if the cloth comes out not finite: it then stays as it was, and reset() helps. Once warm, nothing is
   // allocated.
 
-  /// Begins anew in this pose: the cloth starts at its rest shape and falls into place for AnimateOptions::settle_seconds.
+  /// Begins anew in this pose: the cloth, put on in the rest pose, falls into place for AnimateOptions::settle_seconds. If that
+  /// is 0, it is its rest shape carried to this pose.
   const AnimationFrame &reset(const Eigen::VectorXd &dofs);
   /// Goes on to this pose in the character's own time step, Character::solver.dt.
   const AnimationFrame &step(const Eigen::VectorXd &dofs);
