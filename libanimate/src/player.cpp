@@ -24,7 +24,6 @@ constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
 constexpr double kFewCrossing = 0.005;              // a share of the cloth's faces that may stay
-constexpr double kPutOn = 0.6;                      // s, from the rest pose to the one in which cloth begins
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -141,28 +140,17 @@ struct Player::Playing {
     }
   }
 
-  /// Cloth for the pose `there`, of these dofs, that was put on in the rest pose and went along from there: its rest shape
-  /// carried to a pose that is bent would be stretched, and spring back through itself.
-  CharacterState put_on(const Shared &shared, const Eigen::VectorXd &dofs, const PosedFrame &there) {
-    const Skeleton &skeleton = shared.character.actor.skeleton;
-    Eigen::VectorXd rest = Eigen::VectorXd::Zero(dofs.size()), on_the_way;
-    for (const Joint &joint : skeleton.joints)
-      if (joint.kind == JointKind::Root)
-        rest.segment(joint.first_dof, joint.dof_count) = dofs.segment(joint.first_dof, joint.dof_count);
-    PosedFrame from, to;
-    pose(shared, rest, from);
-    CharacterState cloth = shared.simulator.start(from);
-    if (rest == dofs)
-      return cloth;
+  /// Cloth that is put on in the rest pose and goes along from there to the pose of these dofs.
+  CharacterState put_on(const Shared &shared, const Eigen::VectorXd &dofs) {
     World meanwhile = world;
     meanwhile.dt = shared.character.solver.dt;
-    const auto steps = std::lround(std::ceil(kPutOn / meanwhile.dt));
-    for (long i = 1; i <= steps; ++i) {
-      const double x = static_cast<double>(i) / static_cast<double>(steps);
-      interpolate_pose(skeleton, rest, dofs, x * x * (3 - 2 * x), on_the_way);
-      if (i < steps)
-        pose(shared, on_the_way, to);
-      shared.simulator.step(cloth, from, i < steps ? to : there, materials, meanwhile, buffers);
+    const std::vector<Eigen::VectorXd> poses = way_in(shared.character.actor.skeleton, dofs, meanwhile.dt);
+    PosedFrame from, to;
+    pose(shared, poses[0], from);
+    CharacterState cloth = shared.simulator.start(from);
+    for (std::size_t i = 1; i < poses.size(); ++i) {
+      pose(shared, poses[i], to);
+      shared.simulator.step(cloth, from, to, materials, meanwhile, buffers);
       std::swap(from, to);
     }
     for (pbd::ClothState &region : cloth.regions)
@@ -234,7 +222,7 @@ struct Player::Playing {
     const double faults = faults_of(shared, state);
     if (faults == 0)
       return;
-    CharacterState anew = put_on(shared, frame.dofs, posed);
+    CharacterState anew = put_on(shared, frame.dofs);
     if (faults_of(shared, anew) >= faults)
       return;
     std::swap(caught, state);
@@ -353,7 +341,7 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
   p.pose(*shared_, dofs, p.posed);
   p.start_over();
   p.world.dt = character().solver.dt;
-  p.state = shared_->options.settle_seconds > 0 ? p.put_on(*shared_, dofs, p.posed) : shared_->simulator.start(p.posed);
+  p.state = shared_->options.settle_seconds > 0 ? p.put_on(*shared_, dofs) : shared_->simulator.start(p.posed);
   const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
   for (long i = 0; i < frames; ++i)
     shared_->simulator.step(p.state, p.posed, p.posed, p.materials, p.world, p.buffers);

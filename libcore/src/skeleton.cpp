@@ -139,6 +139,10 @@ Vector3d yaw_pitch_roll(const Matrix3d &R) {
   return {std::atan2(R(0, 2), R(2, 2)), x, std::atan2(R(1, 0), R(1, 1))};
 }
 
+double short_way(double from, double to) {
+  return from + std::remainder(to - from, 2 * M_PI);
+}
+
 } // namespace
 
 void forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs, Transforms &world_from_rest) {
@@ -252,6 +256,27 @@ Matrix3d left_jacobian(const Vector3d &rotation_vector) {
       rotation_vector.z(), 0, -rotation_vector.x(),  //
       -rotation_vector.y(), rotation_vector.x(), 0;
   return Matrix3d::Identity() + a * X + b * X * X;
+}
+
+Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s) {
+  Eigen::VectorXd pose;
+  interpolate_pose(skeleton, a, b, s, pose);
+  return pose;
+}
+
+void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s,
+                      Eigen::VectorXd &result) {
+  result = (1 - s) * a + s * b;
+  for (const Joint &joint : skeleton.joints) {
+    const int d = joint.first_dof;
+    if (joint.kind == JointKind::Root) {
+      for (int k = 3; k < 6; ++k)
+        result[d + k] = (1 - s) * a[d + k] + s * short_way(a[d + k], b[d + k]);
+    } else if (joint.kind == JointKind::Ball) {
+      const Eigen::Quaterniond from(rotation_from_vector(a.segment<3>(d))), to(rotation_from_vector(b.segment<3>(d)));
+      result.segment<3>(d) = vector_from_rotation(from.slerp(s, to).normalized().toRotationMatrix());
+    }
+  }
 }
 
 } // namespace doublet

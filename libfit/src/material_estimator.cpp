@@ -313,6 +313,25 @@ const pbd::MaterialParameter &parameter_named(const std::string &name) {
   throw std::invalid_argument("remarks: names: expected parameters of a material, found '" + name + "'");
 }
 
+/// Put on in the rest pose, where cloth has a rest shape, else as captured. first: the first pose
+CharacterState cloth_at_first_pose(const CharacterSimulator &simulator, const ReferencePerformance &performance,
+                                   const std::vector<pbd::Material> &materials, double dt, PosedFrame &first) {
+  const Eigen::VectorXd dofs = performance.dofs.row(0).transpose();
+  if (!simulator.has_rest_shape()) {
+    first = simulator.pose(dofs);
+    return simulator.start(first, &performance.surface.frames[0]);
+  }
+  const std::vector<Eigen::VectorXd> poses = way_in(simulator.actor().skeleton, dofs, dt);
+  first = simulator.pose(poses[0]);
+  CharacterState state = simulator.start(first);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    PosedFrame next = simulator.pose(poses[i]);
+    simulator.step(state, first, next, materials, dt);
+    first = std::move(next);
+  }
+  return state;
+}
+
 } // namespace
 
 const char *confidence_name(Confidence confidence) {
@@ -428,8 +447,8 @@ std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, co
     throw Error("simulate_reference: performance: expected at least one frame, found none");
   require_frames(performance.surface.frames, simulator.actor().mesh.vertices.rows(), "simulate_reference: a frame");
   std::vector<Vertices> result;
-  PosedFrame previous = simulator.pose(performance.dofs.row(0).transpose());
-  CharacterState state = simulator.start(previous, simulator.has_rest_shape() ? nullptr : &performance.surface.frames[0]);
+  PosedFrame previous;
+  CharacterState state = cloth_at_first_pose(simulator, performance, materials, dt, previous);
   simulator.settle(state, previous, materials, dt, settle_frames);
   result.push_back(simulator.surface(state, previous));
   for (int t = 1; t < count; ++t) {

@@ -57,6 +57,9 @@ ObservedFrames::ObservedFrames(const CharacterSimulator &model, const ReferenceP
   frames.resize(count);
   views.assign(count, std::vector<FrameView>(observations.cameras.size()));
   captured.assign(count, std::vector<CapturedView>(observations.cameras.size()));
+  if (count > 0 && model.has_rest_shape())
+    for (const Eigen::VectorXd &dofs : doublet::way_in(model.actor().skeleton, performance.dofs.row(0).transpose(), options.dt))
+      way_in.push_back(model.pose(dofs));
   prepare(0, times, context, [&](int t) {
     frames[t] = model.pose(performance.dofs.row(t).transpose());
     for (std::size_t c = 0; c < cameras.size(); ++c)

@@ -46,17 +46,16 @@ void Rollouts::check_explosion(Rollout &rollout, const PosedFrame &frame) const 
   put_back(rollout, frame);
 }
 
-/// From frame `from` to frame `to`. Cloth that stops being finite stays where it was, and has exploded; while it is still
+/// Cloth that stops being finite stays where it was, and has exploded; while it is still
 /// settling the sample's other regions, too, never came to rest.
-void Rollouts::step(std::span<Rollout> group, int from, int to, bool settling) const {
+void Rollouts::step(std::span<Rollout> group, const PosedFrame &from, const PosedFrame &to, bool settling) const {
   std::vector<CharacterState *> states;
   std::vector<const std::vector<pbd::Material> *> materials;
   for (Rollout &rollout : group) {
     states.push_back(&rollout.state);
     materials.push_back(&rollout.materials);
   }
-  for (const auto &[sample, region] :
-       observed_.simulator->step_each(states, observed_.frames[from], observed_.frames[to], materials, observed_.options.dt))
+  for (const auto &[sample, region] : observed_.simulator->step_each(states, from, to, materials, observed_.options.dt))
     if (settling)
       group[sample].exploded.assign(observed_.regions(), 1);
     else
@@ -65,8 +64,9 @@ void Rollouts::step(std::span<Rollout> group, int from, int to, bool settling) c
 
 CharacterState Rollouts::state_at(int start, const MeshSequence &surface) const {
   const CharacterSimulator &simulator = *observed_.simulator;
-  const bool at_rest = start == 0 && simulator.has_rest_shape();
-  CharacterState state = simulator.start(observed_.frames[start], at_rest ? nullptr : &surface.frames[start]);
+  if (start == 0 && simulator.has_rest_shape())
+    return simulator.start(observed_.way_in.front());
+  CharacterState state = simulator.start(observed_.frames[start], &surface.frames[start]);
   if (start == 0)
     return state;
   const int after = std::min(start + 1, observed_.frame_count() - 1);
@@ -86,8 +86,10 @@ void Rollouts::start(Group &group) const {
     rollout.exploded.assign(observed_.regions(), 0);
   }
   if (group.window->start == 0) {
+    for (std::size_t i = 1; i < observed_.way_in.size(); ++i)
+      step(group.rollouts, observed_.way_in[i - 1], observed_.way_in[i], true);
     for (int i = 0; i < observed_.options.settle_frames; ++i)
-      step(group.rollouts, 0, 0, true);
+      step(group.rollouts, observed_.frames[0], observed_.frames[0], true);
     for (Rollout &rollout : group.rollouts)
       for (pbd::ClothState &region : rollout.state.regions)
         region.velocities.setZero();
@@ -105,7 +107,7 @@ void Rollouts::advance(Group &group, int from, int to) const {
     energy_.find(rollouts, from - 1, tools);
   for (int t = from; t < to; ++t) {
     if (t > group.window->start)
-      step(rollouts, t - 1, t, false);
+      step(rollouts, observed_.frames[t - 1], observed_.frames[t], false);
     for (Rollout &rollout : rollouts)
       check_explosion(rollout, observed_.frames[t]);
     tools.watch.lap(&EnergyTimes::simulate);

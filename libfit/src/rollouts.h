@@ -36,7 +36,7 @@ public:
 private:
   void put_back(Rollout &rollout, const PosedFrame &frame) const;
   void check_explosion(Rollout &rollout, const PosedFrame &frame) const;
-  void step(std::span<Rollout> group, int from, int to, bool settling) const;
+  void step(std::span<Rollout> group, const PosedFrame &from, const PosedFrame &to, bool settling) const;
 
   const ObservedFrames &observed_;
   const FrameEnergy &energy_;

@@ -4,6 +4,7 @@
 #include "doublet/core/skinning.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace doublet {
 namespace {
@@ -267,6 +268,27 @@ void CharacterSimulator::require_state(const CharacterState &state, const char *
                                     std::to_string(values->rows()) + " vertices, that of the character " +
                                     std::to_string(expected));
   }
+}
+
+std::vector<Eigen::VectorXd> way_in(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt) {
+  constexpr double kSeconds = 0.6, kNear = 0.35; // rad
+  if (dofs.size() != skeleton.dof_count() || !dofs.allFinite() || !(dt > 0) || !std::isfinite(dt))
+    throw std::invalid_argument("way_in: expected a pose of " + std::to_string(skeleton.dof_count()) +
+                                " finite numbers and a time step above 0");
+  Eigen::VectorXd rest = Eigen::VectorXd::Zero(dofs.size());
+  for (const Joint &joint : skeleton.joints)
+    if (joint.kind == JointKind::Root)
+      rest.segment(joint.first_dof, joint.dof_count) = dofs.segment(joint.first_dof, joint.dof_count);
+  if ((dofs - rest).cwiseAbs().maxCoeff() < kNear)
+    return {dofs};
+  const auto steps = static_cast<int>(std::ceil(kSeconds / dt));
+  std::vector<Eigen::VectorXd> poses{rest};
+  for (int i = 1; i < steps; ++i) {
+    const double x = static_cast<double>(i) / steps;
+    poses.push_back(interpolate_pose(skeleton, rest, dofs, x * x * (3 - 2 * x)));
+  }
+  poses.push_back(dofs);
+  return poses;
 }
 
 } // namespace doublet

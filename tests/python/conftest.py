@@ -36,7 +36,7 @@ def look_at_origin(azimuth, distance=3.0, size=200, name="cam", height=0.5):
 
 @pytest.fixture(scope="session")
 def shapes():
-    return {"tube": tube, "camera": look_at_origin}
+    return {"tube": tube, "camera": look_at_origin, "views": views_of}
 
 
 MOVED, FRAMES = 40.0, 24  # frames a second of the bell, and how many
@@ -47,6 +47,14 @@ def contour_of(mask):
     inside = np.pad(mask, 1)
     all_around = inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:]
     return np.argwhere(mask & ~all_around)[:, ::-1].astype(np.float32)
+
+
+def views_of(frames, faces, cameras):
+    """[frames][cameras] what an observer without error sees of the surfaces."""
+    import doublet as d
+
+    nothing = np.zeros((0, 4), np.float32)
+    return [[d.ViewObservation(contour_of(d.rasterize(v, faces, camera)[0] >= 0), nothing) for camera in cameras] for v in frames]
 
 
 @pytest.fixture(scope="session")
@@ -73,11 +81,7 @@ def bell(tmp_path_factory):
     observations = d.Observations()
     observations.cameras = [look_at_origin(a, name=f"cam{i}", height=1.0, size=320) for i, a in enumerate((0, 2.1, 4.2))]
     observations.frames = performance.frames
-    nothing = np.zeros((0, 4), np.float32)
-    observations.views = [
-        [d.ViewObservation(contour_of(d.rasterize(v, faces, camera)[0] >= 0), nothing) for camera in observations.cameras]
-        for v in frames
-    ]
+    observations.views = views_of(frames, faces, observations.cameras)
     out = tmp_path_factory.mktemp("bell")
     d.write_actor(out / "actor.npz", actor)
     d.write_performance(out / "performance.npz", performance)

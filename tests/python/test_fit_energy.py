@@ -42,3 +42,43 @@ def test_the_captured_surface_costs_little_and_none_the_most(objective, captured
     assert objective.surface_energy(away)[0] == pytest.approx(objective.worst_energy, rel=1e-4)
     with pytest.raises(ValueError, match="surfaces: expected"):
         objective.surface_energy(surfaces[1:])
+
+
+def test_cloth_is_put_on_before_a_first_pose_that_is_bent(shapes):
+    """Whoever is filmed from a lunge on: at its rest shape the skirt would be several times as long between the legs."""
+    vertices, faces = shapes["tube"](lambda h: 0.4 - 0.25 * h, 0.4, 1.0, around=32, rows=17)
+    marks = [("pelvis", "", [0, 1, 0]), ("l_hip", "pelvis", [0.1, 0.9, 0]), ("r_hip", "pelvis", [-0.1, 0.9, 0])]
+    skeleton = d.Skeleton([d.JointMark(name, parent, at) for name, parent, at in marks])
+    left, legs = np.clip(0.5 + 4 * vertices[:, 0], 0, 1), np.clip((0.95 - vertices[:, 1]) / 0.2, 0, 1)
+    weights = np.stack([1 - legs, legs * left, legs * (1 - left)], axis=1)
+    actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, skeleton)
+    cloth = (vertices[:, 1] < 0.95).astype(float)
+    segmentation = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    segmentation.rest = vertices
+    simulator = d.CharacterSimulator(actor, segmentation, [])
+    edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+
+    def longest(surface):
+        a, b = surface[edges[:, 0]] - surface[edges[:, 1]], vertices[edges[:, 0]] - vertices[edges[:, 1]]
+        return (np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1)).max()
+
+    performance = d.ReferencePerformance()
+    dofs = np.zeros((8, len(skeleton.dof_names)))
+    dofs[:, skeleton.dof_names.index("l_hip.x")] = -1.2
+    dofs[:, skeleton.dof_names.index("r_hip.x")] = 0.9
+    performance.dofs = dofs
+    performance.frames, performance.joints = list(range(8)), np.zeros((8, 3, 3))
+    performance.surface = d.MeshSequence(faces, np.repeat(vertices[None], 8, axis=0))
+    material = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=1)
+    posed = simulator.pose(performance.dofs[0])
+    frames = d.simulate_reference(simulator, performance, [material], 1 / 40)
+    assert longest(np.asarray(simulator.surface(simulator.start(posed), posed))) > 4
+    assert longest(np.asarray(frames[0])) < 1.2
+    # The energy begins as the re-animation does.
+    performance.surface = d.MeshSequence(faces, np.asarray(frames))
+    observations = d.Observations()
+    observations.cameras = [shapes["camera"](a, name=f"cam{i}", height=0.8, size=320) for i, a in enumerate((0, 2.1, 4.2))]
+    observations.frames = performance.frames
+    observations.views = shapes["views"](frames, faces, observations.cameras)
+    (energy,) = d.material_energy(simulator, performance, observations, [material], d.EnergyOptions(dt=1 / 40))
+    assert energy < 1.5  # pixels^2

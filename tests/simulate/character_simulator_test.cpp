@@ -33,6 +33,22 @@ TEST(CharacterSimulator, WithoutClothIsSkinning) {
   }
 }
 
+TEST(CharacterSimulator, TheWayInLeadsFromTheRestPoseToThePose) {
+  const Skeleton skeleton = figure_actor(0.05).skeleton;
+  Eigen::VectorXd dofs = Eigen::VectorXd::Constant(skeleton.dof_count(), 0.3);
+  EXPECT_EQ(way_in(skeleton, dofs, 0.025), std::vector<Eigen::VectorXd>{dofs}); // near the rest pose
+  dofs[dofs.size() - 1] = -0.9;
+  const std::vector<Eigen::VectorXd> poses = way_in(skeleton, dofs, 0.025);
+  ASSERT_EQ(poses.size(), 25u);
+  EXPECT_EQ(poses.back(), dofs);
+  EXPECT_EQ(poses.front().head(6), dofs.head(6)); // the root is there from the beginning
+  EXPECT_TRUE(poses.front().tail(dofs.size() - 6).isZero());
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    EXPECT_LT((poses[i] - poses[i - 1]).cwiseAbs().maxCoeff(), 0.06); // half as fast again as evenly
+  EXPECT_THROW(way_in(skeleton, dofs.head(3), 0.025), std::invalid_argument);
+  EXPECT_THROW(way_in(skeleton, dofs, 0), std::invalid_argument);
+}
+
 TEST(SolverSettings, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<SolverSettings>();
 }

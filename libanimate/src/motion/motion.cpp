@@ -12,10 +12,6 @@ namespace {
 
 constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
 
-double short_way(double from, double to) {
-  return from + std::remainder(to - from, 2 * M_PI);
-}
-
 } // namespace
 
 void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
@@ -25,27 +21,6 @@ void require_motion(const Skeleton &skeleton, const Motion &motion, const std::s
     throw std::invalid_argument(who + ": motion.dofs must be finite, (T > 0, " + std::to_string(skeleton.dof_count()) +
                                 "), found (" + std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) +
                                 ")");
-}
-
-Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s) {
-  Eigen::VectorXd pose;
-  interpolate_pose(skeleton, a, b, s, pose);
-  return pose;
-}
-
-void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s,
-                      Eigen::VectorXd &result) {
-  result = (1 - s) * a + s * b;
-  for (const Joint &joint : skeleton.joints) {
-    const int d = joint.first_dof;
-    if (joint.kind == JointKind::Root) {
-      for (int k = 3; k < 6; ++k)
-        result[d + k] = (1 - s) * a[d + k] + s * short_way(a[d + k], b[d + k]);
-    } else if (joint.kind == JointKind::Ball) {
-      const Eigen::Quaterniond from(rotation_from_vector(a.segment<3>(d))), to(rotation_from_vector(b.segment<3>(d)));
-      result.segment<3>(d) = vector_from_rotation(from.slerp(s, to).normalized().toRotationMatrix());
-    }
-  }
 }
 
 Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {

@@ -11,12 +11,6 @@ struct Motion {
   MatrixRM dofs;  ///< (T, D) rad and m
 };
 
-/// The pose between `a` (s = 0) and `b` (s = 1): balls along the great arc, the root's yaw the short way round, the rest linear.
-Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s);
-/// The same into `pose`, which is neither of them.
-void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s,
-                      Eigen::VectorXd &pose);
-
 /// The same motion at another rate; first and last pose stay (the last as far as the new rate reaches it).
 /// Throws std::invalid_argument unless both rates are positive and the motion has the skeleton's degrees of freedom.
 Motion resample(const Skeleton &skeleton, const Motion &motion, double fps);

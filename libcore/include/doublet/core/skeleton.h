@@ -79,6 +79,12 @@ Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> dof_moves_joint(const Skelet
 Eigen::VectorXd pose_from_rotations(const Skeleton &skeleton, const std::vector<Eigen::Quaterniond> &world_rotations,
                                     const Eigen::Vector3d &root_position, bool apply_limits);
 
+/// The pose between `a` (s = 0) and `b` (s = 1): balls along the great arc, the root's yaw the short way round, the rest linear.
+Eigen::VectorXd interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s);
+/// The same into `pose`, which is neither of them.
+void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const Eigen::VectorXd &b, double s,
+                      Eigen::VectorXd &pose);
+
 /// Rotation vector <-> rotation, and the left Jacobian of SO(3) (Sola et al. 2018, eq. 145).
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d &rotation_vector);
 Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d &rotation);

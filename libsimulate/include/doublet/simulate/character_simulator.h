@@ -104,4 +104,9 @@ private:
   Vertices rest_; ///< (V, 3) of the clothness; may be empty
 };
 
+/// The poses (D) in which cloth is put on, `dt` s apart: from the rest pose, with its root where `dofs` has it, to `dofs`, in 0.6
+/// s. `dofs` alone where all joints are within 20 degrees of the rest pose. A rest shape that the skin weights carry to a lunge
+/// or a crouch is several times as long as at rest, and would spring back through itself.
+std::vector<Eigen::VectorXd> way_in(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt);
+
 } // namespace doublet
