@@ -11,6 +11,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <utility>
 
 namespace doublet {
 namespace {
@@ -24,6 +25,9 @@ constexpr double kAlmostStill = 0.03, kStops = 0.5; // m/s, s
 // A pose that is held for so long shows whether the cloth is caught; what is drawn then goes over to cloth that is not.
 constexpr double kCaughtAfter = 0.75, kFreed = 0.5; // s
 constexpr double kFewCrossing = 0.005;              // a share of the cloth's faces that may stay
+// In motion a few edges are looked at now and then: cloth that is all in a knot, twice in a row, does not come loose by itself.
+constexpr double kWatchEvery = 0.5, kAllKnotted = 0.15; // s, share of the edges
+constexpr std::size_t kWatched = 64;                    // edges of a region
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -91,6 +95,7 @@ struct Player::Shared {
   CharacterSimulator simulator, substeps; ///< a whole frame of the character's at once; one substep
   std::optional<DisplaySurface> display;
   std::optional<Skin> body;
+  std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
       : character(std::move(c)), options(o), simulator(checked(character).actor, character.segmentation, character.proxies,
@@ -102,6 +107,12 @@ struct Player::Shared {
       display.emplace(character);
     if (options.body && character.body.faces.rows() > 0)
       body.emplace(character.body.vertices, character.body_weights);
+    for (const ClothRegion &region : simulator.regions()) {
+      const std::vector<Eigen::Vector2i> edges = edge_topology(region.model->faces()).edges;
+      watched.emplace_back();
+      for (std::size_t i = 0; i < kWatched; ++i)
+        watched.back().push_back(edges[i * edges.size() / kWatched]);
+    }
   }
   Shared(const Shared &) = delete; // BodyTuck keeps the character's address
 };
@@ -122,6 +133,8 @@ struct Player::Playing {
     held_seconds = other.held_seconds;
     slow_seconds = other.slow_seconds;
     looked = other.looked;
+    watched_seconds = other.watched_seconds;
+    knotted = other.knotted;
     caught = other.caught;
     caught_seconds = other.caught_seconds;
     state = other.state;
@@ -184,6 +197,31 @@ struct Player::Playing {
     std::swap(posed, next);
     if (shared.options.free_caught && !looked && held_seconds >= kCaughtAfter)
       free_caught(shared);
+    if (shared.options.free_caught)
+      watch_for_knots(shared);
+  }
+  void watch_for_knots(const Shared &shared) {
+    watched_seconds += world.dt;
+    if (watched_seconds < kWatchEvery)
+      return;
+    watched_seconds = 0;
+    const bool was = std::exchange(knotted, share_of_knots(shared) > kAllKnotted);
+    if (was && knotted)
+      free_caught(shared);
+  }
+  /// Of the watched edges those that pass through a face. Allocates nothing once warm.
+  double share_of_knots(const Shared &shared) {
+    int count = 0, all = 0;
+    surfaces.resize(state.regions.size());
+    for (std::size_t r = 0; r < surfaces.size(); ++r) {
+      Mesh &cloth = surfaces[r];
+      cloth.vertices = state.regions[r].positions;
+      if (cloth.faces.rows() == 0)
+        cloth.faces = shared.simulator.regions()[r].model->faces();
+      count += crossing_edges(cloth, shared.watched[r]);
+      all += static_cast<int>(shared.watched[r].size());
+    }
+    return static_cast<double>(count) / std::max(all, 1);
   }
   /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
   void come_to_rest(const Shared &shared) {
@@ -272,6 +310,8 @@ struct Player::Playing {
   /// The cloth is another.
   void start_over() {
     wake();
+    watched_seconds = 0;
+    knotted = false;
     caught_seconds = 0;
   }
   double fastest_joint(const Shared &shared) const { // m/s
@@ -304,11 +344,14 @@ struct Player::Playing {
   std::vector<TaperedCapsule> proxies;
   World world;
   CharacterState state;
-  PosedFrame posed, next;  ///< where it stands, and where it goes
-  double held_seconds = 0; ///< since the pose moved last
-  double slow_seconds = 0; ///< since the cloth is almost still in a held pose
-  bool looked = false;     ///< whether the cloth is caught, since the pose or what pulls at the cloth changed last
-  CharacterState caught;   ///< the cloth that was, and how long it will still be seen
+  PosedFrame posed, next;     ///< where it stands, and where it goes
+  double held_seconds = 0;    ///< since the pose moved last
+  double slow_seconds = 0;    ///< since the cloth is almost still in a held pose
+  bool looked = false;        ///< whether the cloth is caught, since the pose or what pulls at the cloth changed last
+  double watched_seconds = 0; ///< since some of the edges were looked at last
+  bool knotted = false;       ///< whether most of the cloth was in knots then
+  std::vector<Mesh> surfaces; ///< of each region, for a while
+  CharacterState caught;      ///< the cloth that was, and how long it will still be seen
   double caught_seconds = 0;
   std::vector<Vertices> before; ///< of each region, at the start of the step
   Eigen::VectorXd between;

@@ -110,4 +110,20 @@ bool crosses_surface(const Vector3d &p, const Vector3d &q, const Mesh &mesh) {
   return false;
 }
 
+int crossing_edges(const Mesh &mesh, const std::vector<Eigen::Vector2i> &edges) {
+  int count = 0;
+  for (const Eigen::Vector2i &edge : edges)
+    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+      const Eigen::RowVector3i v = mesh.faces.row(f);
+      if ((v.array() == edge[0]).any() || (v.array() == edge[1]).any())
+        continue;
+      if (crosses(mesh.vertices.row(edge[0]), mesh.vertices.row(edge[1]), mesh.vertices.row(v[0]), mesh.vertices.row(v[1]),
+                  mesh.vertices.row(v[2]))) {
+        ++count;
+        break;
+      }
+    }
+  return count;
+}
+
 } // namespace doublet

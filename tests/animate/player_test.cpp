@@ -449,6 +449,29 @@ TEST(Player, CaughtClothIsLookedForAgainAfterATeleport) {
   EXPECT_EQ(piercing(left), 1);
 }
 
+/// In a heap, where every vertex has another's place.
+TEST(Player, ClothThatIsAllInAKnotIsPutOnAnewInMotion) {
+  const auto in_a_heap = [](bool free_caught) {
+    AnimateOptions options = cloth_alone();
+    options.free_caught = free_caught;
+    options.edge_collision = false; // which would move it apart in a second or two
+    Player player = ready(options);
+    CharacterState state = player.state();
+    Vertices &cloth = state.regions[0].positions;
+    for (Eigen::Index v = 0, n = cloth.rows(); v < n; ++v)
+      cloth.row(v) = player.state().regions[0].positions.row(v * 101 % n);
+    player.set_state(state);
+    return player;
+  };
+  Player freed = in_a_heap(true), left = in_a_heap(false);
+  const MatrixRM dofs = march(101);
+  for (Player *player : {&freed, &left})
+    for (int t = 0; t < 100; ++t)
+      player->step(dofs.row(t + 1));
+  EXPECT_LT(crossing(freed), 20);
+  EXPECT_GT(crossing(left), 100);
+}
+
 TEST(Player, ClothThatIsNotCaughtIsLeftAlone) {
   Player with = ready_to_be_caught(true), without = ready_to_be_caught(false);
   hold(with, 1.5);

@@ -17,4 +17,7 @@ std::vector<std::uint8_t> self_intersecting_faces(const Mesh &mesh, const Contex
 /// Does the segment from p to q (m) pass through the inside of a face? Looks at every face.
 bool crosses_surface(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Mesh &mesh);
 
+/// How many of these edges of the mesh pass through the inside of a face that has none of their ends. Looks at every face.
+int crossing_edges(const Mesh &mesh, const std::vector<Eigen::Vector2i> &edges);
+
 } // namespace doublet
