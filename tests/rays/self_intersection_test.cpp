@@ -79,6 +79,23 @@ TEST(SelfIntersection, RepeatedAndDegenerateFacesAreNoCrossing) {
   EXPECT_THROW(self_intersecting_faces(Mesh{}), Error);
 }
 
+/// Each edge against the other sphere by rays; those of one sphere lie in its own faces, and cross none.
+TEST(SelfIntersection, EdgesCrossFacesThatAreNotTheirOwn) {
+  const Mesh one = testing::sphere(1);
+  const std::vector<Eigen::Vector2i> edges = edge_topology(one.faces).edges;
+  EXPECT_EQ(crossing_edges(one, edges), 0);
+  Mesh other = one;
+  other.vertices.rowwise() += Eigen::RowVector3d(0.7, 0.31, 0.17);
+  const RayScene scene(other);
+  int crossing = 0;
+  for (const Eigen::Vector2i &e : edges) {
+    const Eigen::Vector3d p = one.vertices.row(e[0]), q = one.vertices.row(e[1]);
+    crossing += scene.cast(p, (q - p).normalized(), 0, (q - p).norm()).has_value();
+  }
+  EXPECT_GT(crossing, 5);
+  EXPECT_EQ(crossing_edges(testing::join({one, other}), edges), crossing);
+}
+
 TEST(SelfIntersection, SegmentsCrossASurfaceWhereRaysDo) {
   const Mesh ball = testing::sphere(1, {0, 0, 0}, 12, 24);
   const RayScene scene(ball);
