@@ -4024,7 +4024,7 @@ class AnimateOptions:
     @property
     def free_caught(self) -> bool:
         """
-        when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s
+        when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s; in motion, cloth that is all in a knot for 0.5 s
         """
     @free_caught.setter
     def free_caught(self, arg0: bool) -> None:

@@ -36,9 +36,11 @@ struct AnimateOptions {
             &O::edge_collision, "edge_collision",
             "edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the "
             "character's solver says"),
-        option(&O::free_caught, "free_caught",
-               "when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a "
-               "limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s"),
+        option(
+            &O::free_caught, "free_caught",
+            "when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a "
+            "limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s; in motion, cloth that is "
+            "all in a knot for 0.5 s"),
         option(&O::high, "high", "also M_high"),
         option(&O::body, "body", "also the body under the clothes"),
         option(&O::tuck_body, "tuck_body",
