@@ -153,19 +153,14 @@ struct Player::Playing {
     }
   }
 
-  /// Cloth that is put on in the rest pose and goes along from there to the pose of these dofs.
-  CharacterState put_on(const Shared &shared, const Eigen::VectorXd &dofs) {
+  /// Cloth that is put on in the rest pose and goes along from there to the pose of these dofs, and rests there.
+  CharacterState put_on(const Shared &shared, const Eigen::VectorXd &dofs) const {
     World meanwhile = world;
     meanwhile.dt = shared.character.solver.dt;
-    const std::vector<Eigen::VectorXd> poses = way_in(shared.character.actor.skeleton, dofs, meanwhile.dt);
-    PosedFrame from, to;
-    pose(shared, poses[0], from);
-    CharacterState cloth = shared.simulator.start(from);
-    for (std::size_t i = 1; i < poses.size(); ++i) {
-      pose(shared, poses[i], to);
-      shared.simulator.step(cloth, from, to, materials, meanwhile, buffers);
-      std::swap(from, to);
-    }
+    std::vector<PosedFrame> way;
+    for (const Eigen::VectorXd &on_the_way : way_in(shared.character.actor.skeleton, dofs, meanwhile.dt))
+      pose(shared, on_the_way, way.emplace_back());
+    CharacterState cloth = shared.simulator.put_on(way, materials, meanwhile);
     for (pbd::ClothState &region : cloth.regions)
       region.velocities.setZero();
     return cloth;

@@ -1,6 +1,7 @@
 #include "closed_surface.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/disjoint_sets.h"
 
 #include <algorithm>
 #include <array>
@@ -52,13 +53,8 @@ void split_fans(FaceList &faces, std::vector<int> &source) {
     for (int k = 0; k < 3; ++k)
       face_of_edge[directed(faces[f][k], faces[f][(k + 1) % 3])] = f;
   // Corners are the nodes, corners of one vertex across a shared edge are joined: one set is one fan.
-  std::vector<int> parent(3 * faces.size());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](int c) {
-    while (parent[c] != c)
-      c = parent[c] = parent[parent[c]];
-    return c;
-  };
+  const int corners = 3 * static_cast<int>(faces.size());
+  DisjointSets fans(corners);
   for (int f = 0; f < static_cast<int>(faces.size()); ++f)
     for (int k = 0; k < 3; ++k) {
       const int a = faces[f][k], b = faces[f][(k + 1) % 3];
@@ -68,12 +64,12 @@ void split_fans(FaceList &faces, std::vector<int> &source) {
       const Face &g = faces[other->second];
       const int ka = static_cast<int>(std::find(g.begin(), g.end(), a) - g.begin());
       const int kb = static_cast<int>(std::find(g.begin(), g.end(), b) - g.begin());
-      parent[root(3 * f + k)] = root(3 * other->second + ka);
-      parent[root(3 * f + (k + 1) % 3)] = root(3 * other->second + kb);
+      fans.unite(3 * f + k, 3 * other->second + ka);
+      fans.unite(3 * f + (k + 1) % 3, 3 * other->second + kb);
     }
-  std::vector<int> fan_of_vertex(source.size(), -1), vertex_of_fan(parent.size(), -1);
-  for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
-    const int fan = root(c);
+  std::vector<int> fan_of_vertex(source.size(), -1), vertex_of_fan(corners, -1);
+  for (int c = 0; c < corners; ++c) {
+    const int fan = fans.root(c);
     int &corner = faces[c / 3][c % 3];
     if (vertex_of_fan[fan] < 0) {
       if (fan_of_vertex[corner] < 0) {

@@ -1,10 +1,10 @@
 #include "doublet/core/mesh.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/disjoint_sets.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 
 namespace doublet {
@@ -68,31 +68,15 @@ Eigen::Vector3d face_normal(const Vertices &vertices, const Faces &faces, int f)
   return length >= kDegenerateArea ? Eigen::Vector3d(a / length) : Eigen::Vector3d::Zero();
 }
 
-struct UnionFind {
-  std::vector<int> parent;
-  explicit UnionFind(int n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-  int root(int i) {
-    while (parent[i] != i)
-      i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  /// The lower index becomes the root, so that components are numbered by their lowest vertex.
-  void join(int a, int b) {
-    a = root(a);
-    b = root(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-};
-
 /// Components over the faces whose corners are all in range.
 int count_components(const Faces &faces, int vertex_count, Eigen::VectorXi &component) {
-  UnionFind sets(vertex_count);
+  DisjointSets sets(vertex_count);
   std::vector<bool> used(vertex_count, false);
   for (int f = 0; f < faces.rows(); ++f) {
     if (!in_range(faces, f, vertex_count))
       continue;
-    sets.join(faces(f, 0), faces(f, 1));
-    sets.join(faces(f, 0), faces(f, 2));
+    sets.unite(faces(f, 0), faces(f, 1));
+    sets.unite(faces(f, 0), faces(f, 2));
     for (int k = 0; k < 3; ++k)
       used[faces(f, k)] = true;
   }

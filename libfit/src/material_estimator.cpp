@@ -321,15 +321,13 @@ CharacterState cloth_at_first_pose(const CharacterSimulator &simulator, const Re
     first = simulator.pose(dofs);
     return simulator.start(first, &performance.surface.frames[0]);
   }
-  const std::vector<Eigen::VectorXd> poses = way_in(simulator.actor().skeleton, dofs, dt);
-  first = simulator.pose(poses[0]);
-  CharacterState state = simulator.start(first);
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    PosedFrame next = simulator.pose(poses[i]);
-    simulator.step(state, first, next, materials, dt);
-    first = std::move(next);
-  }
-  return state;
+  std::vector<PosedFrame> way;
+  for (const Eigen::VectorXd &pose : way_in(simulator.actor().skeleton, dofs, dt))
+    way.push_back(simulator.pose(pose));
+  first = way.back();
+  World world;
+  world.dt = dt;
+  return simulator.put_on(way, materials, world);
 }
 
 } // namespace

@@ -1,12 +1,12 @@
 #include "handles.h"
 
+#include "doublet/core/parts/disjoint_sets.h"
 #include "surface_piece.h"
 
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <queue>
 
 namespace doublet::detail {
@@ -15,26 +15,6 @@ namespace {
 constexpr double kNoWay = std::numeric_limits<double>::infinity();
 
 using Loop = std::vector<int>; // of vertices, the last beside the first
-
-/// Sets that are united one by one.
-class Sets {
-public:
-  explicit Sets(int count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int of(int i) {
-    while (parent_[i] != i)
-      i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  /// False if they were one before.
-  bool unite(int a, int b) {
-    a = of(a), b = of(b);
-    parent_[a] = b;
-    return a != b;
-  }
-
-private:
-  std::vector<int> parent_;
-};
 
 struct Neighbour {
   int vertex, edge;
@@ -77,7 +57,7 @@ public:
       loops.emplace_back(-length, static_cast<int>(e));
     }
     std::sort(loops.begin(), loops.end());
-    Sets faces(face_count_); // across edges that the ways do not use; what would join them once more closes a loop
+    DisjointSets faces(face_count_); // across edges that the ways do not use; what would join them once more closes a loop
     Loop best;
     for (const auto &[minus_length, e] : loops) {
       if (faces.unite(topology_.edge_faces[e][0], topology_.edge_faces[e][1]) || -minus_length >= limit)

@@ -132,6 +132,17 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   return state;
 }
 
+CharacterState CharacterSimulator::put_on(std::span<const PosedFrame> way, const std::vector<pbd::Material> &materials,
+                                          const World &world) const {
+  if (way.empty())
+    throw std::invalid_argument("CharacterSimulator::put_on: expected at least one pose, found none");
+  CharacterState state = start(way[0]);
+  StepBuffers buffers;
+  for (std::size_t i = 1; i < way.size(); ++i)
+    step(state, way[i - 1], way[i], materials, world, buffers);
+  return state;
+}
+
 /// The ring the cloth hangs from follows the skeleton.
 void CharacterSimulator::pin(CharacterState &state, const PosedFrame &frame) const {
   for (std::size_t r = 0; r < regions_.size(); ++r)

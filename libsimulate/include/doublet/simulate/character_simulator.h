@@ -66,6 +66,9 @@ public:
   /// Cloth at rest: at `surface` (V, 3), e.g. a captured frame, if given; else spread out, at its skinned rest shape if the
   /// clothness has one; else at its skinned position.
   CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
+  /// Cloth that is put on at way[0], as start(), and goes along to the last pose of the way (see way_in), world.dt s from each to
+  /// the next. Throws std::invalid_argument if there is no pose, and as step().
+  CharacterState put_on(std::span<const PosedFrame> way, const std::vector<pbd::Material> &materials, const World &world) const;
   /// Takes the cloth along from one pose to another as one rigid body, with the root.
   void carry(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const;
   /// Lets the cloth fall into place in a still pose for `frames` frames.
