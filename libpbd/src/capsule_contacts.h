@@ -26,88 +26,192 @@ template <class T> inline Box<T> reach_of(const CapsuleShape<T> &start, const Ca
   add(end, end.length);
   return r;
 }
-template <class T, class Points> inline Box<T> way_of(const Points &x, const Points &p, int i) {
-  return {low<T>(x[i], p[i]), high<T>(x[i], p[i])};
+/// One vertex against a proxy, or of one simulation a row of them.
+template <class T> using ContactOf = CapsuleContact<Side<T>, kSide<T>>;
+
+template <class T> inline Box<T> box_around(const Vec3<T> &a, const Vec3<T> &b) {
+  return {low(a, b), high(a, b)};
+}
+/// boxes[i]: around from[i] and to[i].
+template <class T, class Points> inline void set_ways(const Points &from, const Points &to, int count, BoxList<T> &boxes) {
+  boxes.resize(count);
+  if constexpr (kSide<T> == 1)
+    for (int i = 0; i < count; ++i)
+      boxes.set(i, box_around<T>(from[i], to[i]));
+  else
+    for (int first = 0; first < count; first += kRow) {
+      const auto vertex = [first](int l) { return first + l; };
+      boxes.set_row(first, box_around(gather_row(from, count - first, vertex), gather_row(to, count - first, vertex)));
+    }
+}
+
+/// Calls use(vertices, lanes) for the vertices that move, whose boxes overlap `query` and which keep(i, lanes) leaves: of many
+/// simulations one after the other, with the lanes in which it is so; of one a row of them, filled up with spare vertices that
+/// have no lane.
+template <class T, class Keep, class Use>
+inline void for_each_near(const LaneModel &m, const BoxList<T> &boxes, const Box<T> &query, const Keep &keep, const Use &use) {
+  const auto every_lane = T(0) <= T(0);
+  if constexpr (kSide<T> == 1)
+    boxes.for_each_overlap(0, m.vertex_count, query, every_lane, [&](int i, auto lanes) {
+      if (m.weights[i] != 0 && any(lanes = keep(i, lanes)))
+        use(&i, lanes);
+    });
+  else {
+    int row[kRow], count = 0;
+    const auto use_row = [&] {
+      float taken[kRow];
+      for (int l = 0; l < kRow; ++l)
+        taken[l] = l < count ? 1 : 0;
+      for (int l = count; l < kRow; ++l)
+        row[l] = m.vertex_count + l % kSpareVertices;
+      use(row, Row::load(taken) > Row(0));
+      count = 0;
+    };
+    boxes.for_each_overlap(0, m.vertex_count, query, every_lane, [&](int i, bool) {
+      if (m.weights[i] == 0 || !keep(i, true))
+        return;
+      row[count++] = i;
+      if (count == kRow)
+        use_row();
+    });
+    if (count > 0)
+      use_row();
+  }
+}
+
+/// A capsule's motion, the same in all lanes.
+template <class To> inline CapsuleMotion<To> in_all_lanes(const CapsuleMotion<float> &one) {
+  constexpr int count = sizeof one / sizeof(float);
+  float values[count];
+  __builtin_memcpy(values, &one, sizeof one);
+  To spread[count];
+  for (int j = 0; j < count; ++j)
+    spread[j] = To(values[j]);
+  CapsuleMotion<To> all;
+  __builtin_memcpy(static_cast<void *>(&all), spread, sizeof all);
+  return all;
+}
+template <class To> inline const CapsuleMotion<To> &in_all_lanes(const CapsuleMotion<To> &each) {
+  return each;
+}
+
+/// Adds what was found in `lanes`, for one simulation to the rows of one proxy without gaps; the rest of the last is idle.
+/// taken: places of the last row, kRow before the first.
+template <class T, class M>
+inline void add_contact(const LaneModel &m, const ContactOf<T> &found, M lanes, int &taken, Array<ContactOf<T>> &contacts) {
+  if constexpr (kSide<T> == 1) {
+    contacts.push_back(found);
+  } else {
+    for_each_bit(lane_bits(lanes), [&](int l) {
+      if (taken == kRow) {
+        ContactOf<T> idle{found.capsule, {}, Row(0), Row(0), {Row(0), Row(0), Row(0)}, Row(0), Row(0), Row(0)};
+        for (int k = 0; k < kRow; ++k)
+          idle.vertex[k] = m.vertex_count + k % kSpareVertices;
+        contacts.push_back(idle);
+        taken = 0;
+      }
+      ContactOf<T> &last = contacts[contacts.size() - 1];
+      const auto put = [&](const Row &from, Row &to) { to.lanes[taken] = from.lanes[l]; };
+      last.vertex[taken] = found.vertex[l];
+      put(found.active, last.active), put(found.slack, last.slack);
+      put(found.reference.x, last.reference.x), put(found.reference.y, last.reference.y);
+      put(found.reference.z, last.reference.z), put(found.plane, last.plane);
+      put(found.min_agreement, last.min_agreement);
+      ++taken;
+    });
+  }
 }
 
 /// Vertices that enter a proxy during the step from x to p, or are near one at either end. Everything is seen from the moving
 /// proxy: a leg that jumps a quarter of a metre between frames sweeps the cloth that stood before it along. A vertex that starts
-/// inside is moved out by at most `opening`. ways: room for the boxes of the vertices' ways.
+/// inside is moved out by at most `opening`. ways: room for the boxes of the vertices' ways. x, p: with the spare vertices.
 template <class T, class Points>
 inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMotion<T>> &capsules, Points &x, Points &p,
-                                  T opening, BoxList<T> &ways, Array<CapsuleContact<T>> &contacts) {
+                                  T opening, BoxList<T> &ways, Array<ContactOf<T>> &contacts) {
+  using S = Side<T>;
   contacts.clear();
-  ways.resize(model.vertex_count);
-  for (int i = 0; i < model.vertex_count; ++i)
-    ways.set(i, way_of<T>(x, p, i));
-  const T thickness(model.thickness), margin(model.thickness + kNear);
+  set_ways(x, p, model.vertex_count, ways);
+  const S thickness(model.thickness), margin(model.thickness + kNear), most(opening);
   for (int k = 0; k < capsules.size(); ++k) {
-    const CapsuleMotion<T> &m = capsules[k];
-    const auto bring = [&](int i, auto lanes) {
-      if (model.weights[i] == 0)
-        return;
-      Vec3<T> &xi = x[i], &pi = p[i];
-      const Distance<T> start = capsule_distance(m.start, xi);
-      const T depth = thickness - start.value;
-      const auto inside = lanes & (depth > T(0)), outside = lanes & (depth <= T(0));
-      CapsuleContact<T> contact{i, k, T(0), T(0), m.rotate(start.normal), T(0), T(kMinAgreement), T(0)};
+    const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
+    int taken = kRow;
+    const auto bring = [&](const int *vertices, auto lanes) {
+      Vec3<S> xi = points_at<T>(x.data(), vertices), pi = points_at<T>(p.data(), vertices);
+      const Distance<S> start = capsule_distance(m.start, xi);
+      const S depth = thickness - start.value;
+      const auto inside = lanes & (depth > S(0)), outside = lanes & (depth <= S(0));
+      ContactOf<T> contact{k, {}, S(0), S(0), m.rotate(start.normal), S(0), S(kMinAgreement), S(0)};
+      lanes = inside;
       if (any(inside)) { // open it gently by moving start and end alike, which gives no speed
-        const T moved = lane_min(depth, opening);
+        const S moved = lane_min(depth, most);
         xi = select(inside, xi + moved * start.normal, xi);
         pi = select(inside, pi + moved * start.normal, pi);
-        contact.slack = select(inside, depth - moved, T(0));
+        contact.slack = select(inside, depth - moved, S(0));
         contact.plane = dot(contact.reference, m.carry(xi));
-        ways.set(i, way_of<T>(x, p, i));
-        lanes = inside;
+        move_points<T>(x.data(), vertices, xi);
+        move_points<T>(p.data(), vertices, pi);
+        for (int l = 0; l < kSide<T>; ++l)
+          ways.set(vertices[l], box_around<T>(x[vertices[l]], p[vertices[l]]));
       }
       if (any(outside)) {
-        const Vec3<T> q0 = m.carry(xi), way = pi - q0;
-        const auto moves = depth + lane_sqrt(dot(way, way)) > T(0);
-        const T t = entry_time(m.end, q0, pi, thickness, outside & moves);
-        const auto enters = t <= T(1);
-        const Vec3<T> q = select(enters, q0 + t * way, pi);
-        const Distance<T> d = capsule_distance(m.end, q);
+        const Vec3<S> q0 = m.carry(xi), way = pi - q0;
+        const auto moves = depth + lane_sqrt(dot(way, way)) > S(0);
+        const S t = entry_time(m.end, q0, pi, thickness, outside & moves);
+        const auto enters = t <= S(1);
+        const Vec3<S> q = select(enters, q0 + t * way, pi);
+        const Distance<S> d = capsule_distance(m.end, q);
         contact.reference = select(outside, d.normal, contact.reference);
         contact.plane = select(outside, dot(d.normal, q) - (d.value - thickness), contact.plane);
         // One that has not met the proxy may yet slide a quarter round it.
-        contact.min_agreement = select(outside & !enters, T(0), contact.min_agreement);
+        contact.min_agreement = select(outside & !enters, S(0), contact.min_agreement);
         lanes = inside | (outside & (enters | (start.value <= margin) | (d.value <= margin)));
-        if (!any(lanes))
-          return;
       }
-      contact.active = select(lanes, T(1), T(0));
-      contacts.push_back(contact);
+      if (!any(lanes))
+        return;
+      for (int l = 0; l < kSide<T>; ++l)
+        contact.vertex[l] = vertices[l];
+      contact.active = select(lanes, S(1), S(0));
+      add_contact<T>(model, contact, lanes, taken, contacts);
     };
-    const auto every_lane = T(0) <= T(0);
-    ways.for_each_overlap(0, model.vertex_count, reach_of(m.start, m.end, margin), every_lane, bring);
+    const Box<T> reach = reach_of(capsules[k].start, capsules[k].end, T(model.thickness + kNear));
+    for_each_near(
+        model, ways, reach, [](int, auto lanes) { return lanes; }, bring);
   }
 }
 
-/// Vertices that the iterations dragged into a proxy they were not near before. places: room for the boxes of the vertices.
+/// Vertices that the iterations dragged into a proxy they were not near before. places: room for the boxes of the vertices. p:
+/// with the spare vertices.
 template <class T, class Points>
-inline void push_out_strays(const LaneModel &model, const Array<CapsuleMotion<T>> &capsules,
-                            const Array<CapsuleContact<T>> &contacts, Points &p, BoxList<T> &places) {
-  const T thickness(model.thickness);
-  places.resize(model.vertex_count);
-  for (int i = 0; i < model.vertex_count; ++i)
-    places.set(i, {p[i], p[i]});
-  int next = 0; // of the contacts, which are in the same order
+inline void push_out_strays(const LaneModel &model, const Array<CapsuleMotion<T>> &capsules, const Array<ContactOf<T>> &contacts,
+                            Points &p, BoxList<T> &places) {
+  using S = Side<T>;
+  const S thickness(model.thickness);
+  set_ways(p, p, model.vertex_count, places);
+  int next = 0; // of the contacts, which are in the same order, and of the vertices of each
   for (int k = 0; k < capsules.size(); ++k) {
-    const CapsuleShape<T> &shape = capsules[k].end;
-    const auto push_out = [&](int i, auto near) {
-      while (next < contacts.size() && (contacts[next].capsule < k || (contacts[next].capsule == k && contacts[next].vertex < i)))
-        ++next;
-      const bool watched = next < contacts.size() && contacts[next].capsule == k && contacts[next].vertex == i;
-      const auto lanes = near & ((watched ? contacts[next].active : T(0)) <= T(0));
-      if (model.weights[i] == 0 || !any(lanes))
-        return;
-      Vec3<T> &pi = p[i];
-      const Distance<T> d = capsule_distance(shape, pi);
-      pi = select(lanes & (d.value < thickness), pi + (thickness - d.value) * d.normal, pi);
-      places.set(i, {pi, pi});
+    const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
+    const auto is_stray = [&](int i, auto near) {
+      for (; next < kSide<T> * contacts.size(); ++next) {
+        const ContactOf<T> &c = contacts[next / kSide<T>];
+        const int l = next % kSide<T>;
+        if (c.capsule == k && c.vertex[l] == i)
+          near = near & (lane_of<T>(c.active, l) <= T(0));
+        if (c.capsule > k || (c.capsule == k && c.vertex[l] >= i))
+          break;
+      }
+      return near;
     };
-    const auto every_lane = T(0) <= T(0);
-    places.for_each_overlap(0, model.vertex_count, reach_of(shape, shape, thickness), every_lane, push_out);
+    const auto push_out = [&](const int *vertices, auto lanes) {
+      const Vec3<S> from = points_at<T>(p.data(), vertices);
+      const Distance<S> d = capsule_distance(m.end, from);
+      lanes = lanes & (d.value < thickness);
+      if (!any(lanes))
+        return;
+      move_points<T>(p.data(), vertices, select(lanes, from + (thickness - d.value) * d.normal, from));
+      for (int l = 0; l < kSide<T>; ++l)
+        places.set(vertices[l], {p[vertices[l]], p[vertices[l]]});
+    };
+    for_each_near(model, places, reach_of(capsules[k].end, capsules[k].end, T(model.thickness)), is_stray, push_out);
   }
 }
 

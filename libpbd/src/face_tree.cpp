@@ -3,9 +3,11 @@
 #include "face_boxes.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
 
 namespace doublet::pbd {
 namespace {
@@ -170,6 +172,50 @@ struct PatchBuilder {
   }
 };
 
+/// [patch] those that share an edge with it.
+std::vector<std::set<int>> patches_beside(const PatchedTree &tree, const std::vector<Triangle> &faces) {
+  std::map<std::pair<int, int>, std::set<int>> patches_of;
+  for (size_t i = 0; i < tree.patches.size(); ++i)
+    for (int k = 0; k < tree.patches[i].face_count; ++k) {
+      const int *v = faces[tree.faces[tree.patches[i].first_face + k]].v;
+      for (int e = 0; e < 3; ++e)
+        patches_of[std::minmax(v[e], v[(e + 1) % 3])].insert(static_cast<int>(i));
+    }
+  std::vector<std::set<int>> beside(tree.patches.size());
+  for (const auto &[edge, meet] : patches_of)
+    for (const int i : meet)
+      for (const int j : meet)
+        if (i != j)
+          beside[i].insert(j);
+  return beside;
+}
+
+/// patches_of: [vertex] the patches that have it
+void add_near_patches(const std::vector<std::vector<int>> &patches_of, const std::vector<Triangle> &faces, PatchedTree &tree) {
+  std::vector<std::set<int>> next(tree.patches.size());
+  for (const std::vector<int> &meet : patches_of)
+    for (const int i : meet)
+      next[i].insert(meet.begin(), meet.end());
+  const std::vector<std::set<int>> beside = patches_beside(tree, faces);
+  for (size_t i = 0; i < tree.patches.size(); ++i) {
+    const int self = static_cast<int>(i);
+    std::set<int> near;
+    for (const int j : next[i])
+      near.insert(next[j].upper_bound(self), next[j].end());
+    tree.patches[i].first_near = static_cast<int>(tree.near.size());
+    tree.patches[i].near_count = static_cast<int>(near.size());
+    for (const int j : near) {
+      const auto first = static_cast<int>(tree.bridges.size());
+      if (beside[i].count(j))
+        tree.bridges.push_back(self);
+      else
+        std::set_intersection(beside[i].begin(), beside[i].end(), beside[j].begin(), beside[j].end(),
+                              std::back_inserter(tree.bridges));
+      tree.near.push_back({j, first, static_cast<int>(tree.bridges.size()) - first});
+    }
+  }
+}
+
 } // namespace
 
 PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, const OrderedEdges &edges,
@@ -199,25 +245,7 @@ PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<
     }
     patch.vertex_count = static_cast<int>(out.vertices.size()) - patch.first_vertex;
   }
-  std::vector<std::set<int>> next(out.patches.size());
-  for (const std::vector<int> &meet : patches_of)
-    for (const int i : meet)
-      next[i].insert(meet.begin(), meet.end());
-  for (size_t i = 0; i < out.patches.size(); ++i) {
-    const int self = static_cast<int>(i);
-    Patch &patch = out.patches[i];
-    std::set<int> near;
-    patch.first_next = static_cast<int>(out.next.size());
-    for (const int j : next[i]) {
-      if (j != self)
-        out.next.push_back(j);
-      near.insert(next[j].upper_bound(self), next[j].end());
-    }
-    patch.next_count = static_cast<int>(out.next.size()) - patch.first_next;
-    patch.first_near = static_cast<int>(out.near.size());
-    out.near.insert(out.near.end(), near.begin(), near.end());
-    patch.near_count = static_cast<int>(near.size());
-  }
+  add_near_patches(patches_of, faces, out);
   return out;
 }
 

@@ -26,7 +26,8 @@ OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vecto
 struct PatchedTree {
   std::vector<TreeNode> nodes; ///< of a leaf, `face` is the patch
   std::vector<Patch> patches;
-  std::vector<int> faces, vertices, next, near;
+  std::vector<int> faces, vertices, bridges;
+  std::vector<NearPatch> near;
   std::array<std::vector<int>, 3> corners; ///< see LaneModel::patch_corners
 };
 PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, const OrderedEdges &edges,

@@ -179,11 +179,11 @@ inline T entry_time(const CapsuleShape<T> &shape, const Vec3<T> &q0, const Vec3<
   return select(where, t, entry); // still creeping towards a grazing contact: take it as one
 }
 
-/// Vertex against proxy during one step. `reference`: normal where the vertex entered during the step; while the closest normal
-/// still agrees with it the vertex is pushed to the closest surface, else (it is past the axis) back to the plane through its
-/// entry.
-template <class T> struct CapsuleContact {
-  int vertex, capsule;
+/// A vertex against a proxy during one step, or n vertices against one. `reference`: normal where the vertex entered during the
+/// step; while the closest normal still agrees with it the vertex is pushed to the closest surface, else (it is past the axis)
+/// back to the plane through its entry.
+template <class T, int n = 1> struct CapsuleContact {
+  int capsule, vertex[n];
   T active;
   T slack;           ///< m, how much of a penetration at the start of the step may stay (below the thickness)
   Vec3<T> reference; ///< unit normal
@@ -191,8 +191,9 @@ template <class T> struct CapsuleContact {
   T min_agreement;   ///< least cosine between closest normal and reference
   T touched;         ///< 1 once the contact has pushed
 };
-template <class T>
-inline void project_capsule(Vec3<T> &p, CapsuleContact<T> &contact, const CapsuleShape<T> &shape, T thickness) {
+/// shape: one for all lanes (S = float) or one a lane (S = T).
+template <class S, class T, int n>
+inline void project_capsule(Vec3<T> &p, CapsuleContact<T, n> &contact, const CapsuleShape<S> &shape, T thickness) {
   const Distance<T> d = capsule_distance(shape, p);
   const auto past = dot(d.normal, contact.reference) < contact.min_agreement;
   const T gap = select(past, dot(p, contact.reference) - contact.plane, d.value - (thickness - contact.slack));

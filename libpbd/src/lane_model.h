@@ -69,6 +69,12 @@ struct BoxTree {
   int quad_count;
 };
 
+/// A later patch that shares a vertex with a patch, or with one that shares a vertex with it. Its bridges: the patches that share
+/// an edge with each of the two; the first of the two alone where these share an edge.
+struct NearPatch {
+  int patch;
+  int first_bridge, bridge_count; ///< in patch_bridges
+};
 /// A few faces that lie together (see patches.h): all of a node of the tree. A vertex or an edge belongs to the first patch that
 /// has it.
 struct Patch {
@@ -76,8 +82,7 @@ struct Patch {
   int first_face, face_count;     ///< in patch_faces
   int first_vertex, vertex_count; ///< in patch_vertices
   int first_edge, edge_count;     ///< in edges
-  int first_next, next_count;     ///< in patch_next: the patches that it shares a vertex with
-  int first_near, near_count;     ///< in patch_near: later patches that share a vertex with it or one of those, ascending
+  int first_near, near_count;     ///< in patch_near, ascending
   bool connected;                 ///< by common vertices
 };
 
@@ -97,7 +102,8 @@ struct LaneModel {
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
   const Patch *patches; ///< where edges collide, else none; in the order of the tree
-  const int *patch_faces, *patch_vertices, *patch_next, *patch_near;
+  const int *patch_faces, *patch_vertices, *patch_bridges;
+  const NearPatch *patch_near;
   const int *edge_ends[2];            ///< the ends of each edge once more, a list of the first and one of the second
   const int *patch_corners[3];        ///< the same of the corners of patch_faces; all five with kSpareInList behind the last
   const std::uint64_t *resting_edges; ///< sorted (edge << 32 | later edge) that never collide

@@ -91,8 +91,8 @@ public:
 private:
   static constexpr bool kSingle = sizeof(T) == sizeof(float);
   static constexpr int kLanes = sizeof(T) / sizeof(float);
-  using Side = typename SideBySide<T>::Type;
-  static constexpr int kSide = sizeof(Side) / sizeof(T); ///< constraints that are projected side by side
+  using Side = pbd::Side<T>;                  ///< of constraints that are projected side by side
+  static constexpr int kSide = pbd::kSide<T>; ///< so many
 
   void set_targets(float end) {
     for (int i = 0; i < m_.follower_count; ++i)
@@ -212,8 +212,11 @@ private:
       project_edges<T>(p_[c.a], p_[c.b], p_[c.c], p_[c.d], c);
   }
   void project_capsules() {
-    for (CapsuleContact<T> &c : contacts_)
-      project_capsule<T>(p_[c.vertex], c, capsules_[c.capsule].end, T(m_.thickness));
+    for (ContactOf<T> &c : contacts_) {
+      Vec3<Side> at = points_at(c.vertex);
+      project_capsule(at, c, capsules_[c.capsule].end, Side(m_.thickness));
+      move_points(c.vertex, at);
+    }
   }
 
   template <bool compliant> void stretch() {
@@ -237,18 +240,8 @@ private:
       }
     }
   }
-  Vec3<Side> points_at(const int *v) const {
-    if constexpr (kSingle)
-      return gather<kRow>(p_.data(), v);
-    else
-      return p_[*v];
-  }
-  void move_points(const int *v, const Vec3<Side> &to) {
-    if constexpr (kSingle)
-      scatter<kRow>(p_.data(), v, to);
-    else
-      p_[*v] = to;
-  }
+  Vec3<Side> points_at(const int *v) const { return pbd::points_at<T>(p_.data(), v); }
+  void move_points(const int *v, const Vec3<Side> &to) { pbd::move_points<T>(p_.data(), v, to); }
   static Side value_of(const float *values) {
     if constexpr (kSingle)
       return Side::load(values);
@@ -356,20 +349,21 @@ private:
 
   /// Friction and restitution against the proxies, relative to the moving surface.
   void rub_capsules() {
-    for (const CapsuleContact<T> &c : contacts_) {
-      if (!any(c.touched > T(0)))
-        continue;
-      const CapsuleMotion<T> &m = capsules_[c.capsule];
-      const Distance<T> d = capsule_distance<T, T>(m.end, p_[c.vertex]);
-      const auto rubs = (c.touched > T(0)) & (d.value <= T(m_.thickness + kPulledOff));
-      const Vec3<T> surface = p(c.vertex) - d.value * d.normal;
-      const Vec3<T> surface_velocity = (T(1) / s_.h) * (surface - m.carry_back(surface));
-      const Vec3<T> u = v_[c.vertex] - surface_velocity;
-      const T un = dot(u, d.normal), keep = T(1) - s_.k_friction;
-      const T after_n = bounce(un, [&] { return dot(v_free_[c.vertex] - surface_velocity, d.normal); });
-      const Vec3<T> after = surface_velocity + keep * u + (after_n - keep * un) * d.normal;
-      v_[c.vertex] = select(rubs, after, v_[c.vertex]);
-    }
+    for (const ContactOf<T> &c : contacts_)
+      for (int l = 0; l < kSide; ++l)
+        if (const T touched = lane_of<T>(c.touched, l); any(touched > T(0)))
+          rub(c.vertex[l], capsules_[c.capsule], touched > T(0));
+  }
+  template <class M> void rub(int vertex, const CapsuleMotion<T> &m, M touched) {
+    const Distance<T> d = capsule_distance<T, T>(m.end, p_[vertex]);
+    const auto rubs = touched & (d.value <= T(m_.thickness + kPulledOff));
+    const Vec3<T> surface = p(vertex) - d.value * d.normal;
+    const Vec3<T> surface_velocity = (T(1) / s_.h) * (surface - m.carry_back(surface));
+    const Vec3<T> u = v_[vertex] - surface_velocity;
+    const T un = dot(u, d.normal), keep = T(1) - s_.k_friction;
+    const T after_n = bounce(un, [&] { return dot(v_free_[vertex] - surface_velocity, d.normal); });
+    const Vec3<T> after = surface_velocity + keep * u + (after_n - keep * un) * d.normal;
+    v_[vertex] = select(rubs, after, v_[vertex]);
   }
 
   /// The same between cloth and cloth, as impulses that keep the momentum.
@@ -422,7 +416,7 @@ private:
   Array<Vec3<T>> v_, v_free_;                         ///< velocity; the same before contacts, where they reflect it
   Array<Vec3<T>> target_start_, target_end_, target_; ///< of the followers: in the frame; at the end of the substep
   Array<CapsuleMotion<T>> capsules_;
-  Array<CapsuleContact<T>> contacts_; ///< ordered by capsule, then vertex
+  Array<ContactOf<T>> contacts_; ///< ordered by capsule, then vertex
   Array<SelfContact<T>> self_contacts_;
   Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;

@@ -299,6 +299,18 @@ template <> inline Vec3<Pack<4>> gather<4>(const Point *p, const int *v) {
   return {axis[0], axis[1], axis[2]};
 }
 
+template <> inline void scatter<4>(Point *p, const int *v, const Vec3<Pack<4>> &x) {
+  const Lanes4 zero{0, 0, 0, 0};
+  const Lanes4 xy_lo = shuffle(x.x.lanes, x.y.lanes, Order4{0, 4, 1, 5}),
+               xy_hi = shuffle(x.x.lanes, x.y.lanes, Order4{2, 6, 3, 7});
+  const Lanes4 z_lo = shuffle(x.z.lanes, zero, Order4{0, 4, 1, 5}), z_hi = shuffle(x.z.lanes, zero, Order4{2, 6, 3, 7});
+  const auto store = [](Point &to, Lanes4 from) { __builtin_memcpy(&to.x, &from, sizeof from); };
+  store(p[v[0]], shuffle(xy_lo, z_lo, Order4{0, 1, 4, 5}));
+  store(p[v[1]], shuffle(xy_lo, z_lo, Order4{2, 3, 6, 7}));
+  store(p[v[2]], shuffle(xy_hi, z_hi, Order4{0, 1, 4, 5}));
+  store(p[v[3]], shuffle(xy_hi, z_hi, Order4{2, 3, 6, 7}));
+}
+
 /// What a single simulation does side by side: the boxes or the pairs that it looks at.
 #ifdef __AVX2__
 constexpr int kRow = 8;
@@ -327,7 +339,29 @@ using Row = Pack<kRow>;
 /// What constraints that share no vertex are projected as: of one simulation a row, of many one after the other.
 template <class T> struct SideBySide { using Type = T; };
 template <> struct SideBySide<float> { using Type = Row; };
+template <class T> using Side = typename SideBySide<T>::Type;
+template <class T> inline constexpr int kSide = sizeof(Side<T>) / sizeof(T);
 static_assert(kRow <= kSpareInList);
+/// The points p[v[0]], ... p[v[kSide - 1]], and back.
+template <class T> inline Vec3<Side<T>> points_at(const Place<T> *p, const int *v) {
+  if constexpr (kSide<T> == 1)
+    return p[*v];
+  else
+    return gather<kRow>(p, v);
+}
+template <class T> inline void move_points(Place<T> *p, const int *v, const Vec3<Side<T>> &to) {
+  if constexpr (kSide<T> == 1)
+    p[*v] = to;
+  else
+    scatter<kRow>(p, v, to);
+}
+/// What the l-th of them has.
+template <class T> inline T lane_of(const Side<T> &values, int l) {
+  if constexpr (kSide<T> == 1)
+    return values;
+  else
+    return values.lanes[l];
+}
 /// Calls use(l) for every bit l that is set, in their order.
 template <class Use> inline void for_each_bit(int bits, const Use &use) {
   for (; bits != 0; bits &= bits - 1)
@@ -343,18 +377,6 @@ template <int lists, int values> inline int equal_bits(const int *const (&list)[
       equal |= row == value[n];
   }
   return lane_bits(Mask<kRow>{equal});
-}
-
-template <> inline void scatter<4>(Point *p, const int *v, const Vec3<Pack<4>> &x) {
-  const Lanes4 zero{0, 0, 0, 0};
-  const Lanes4 xy_lo = shuffle(x.x.lanes, x.y.lanes, Order4{0, 4, 1, 5}),
-               xy_hi = shuffle(x.x.lanes, x.y.lanes, Order4{2, 6, 3, 7});
-  const Lanes4 z_lo = shuffle(x.z.lanes, zero, Order4{0, 4, 1, 5}), z_hi = shuffle(x.z.lanes, zero, Order4{2, 6, 3, 7});
-  const auto store = [](Point &to, Lanes4 from) { __builtin_memcpy(&to.x, &from, sizeof from); };
-  store(p[v[0]], shuffle(xy_lo, z_lo, Order4{0, 1, 4, 5}));
-  store(p[v[1]], shuffle(xy_lo, z_lo, Order4{2, 3, 6, 7}));
-  store(p[v[2]], shuffle(xy_hi, z_hi, Order4{0, 1, 4, 5}));
-  store(p[v[3]], shuffle(xy_hi, z_hi, Order4{2, 3, 6, 7}));
 }
 
 } // namespace DOUBLET_PBD_ISA

@@ -146,7 +146,8 @@ private:
 
 /// The faces in a few to a patch, as the tree has them side by side. Cloth that hangs together and looks one way all over lies
 /// above a plane like a map: no part of it is before another. (Volino, Magnenat-Thalmann 1994, with a few
-/// directions to choose from.) So most of what is near to a face, its own surroundings, need not be looked at.
+/// directions to choose from.) So most of what is near to a face, its own surroundings, need not be looked at: of two patches
+/// that lie side by side these two are to look one way, of two with a third between them all three.
 template <class T> class Patches {
 public:
   /// Finds what may meet. The cloth at `points`; faces: where each of the model's patch_faces is, or has been on its way there,
@@ -186,37 +187,36 @@ private:
 
   template <class Points> void find_looks(const LaneModel &m, const Points &points) {
     looks_.resize(m.patch_count);
-    around_.resize(m.patch_count);
     for (int i = 0; i < m.patch_count; ++i)
       looks_[i] = m.patches[i].connected ? Looks<T>::of_patch(m, points, m.patches[i]) : Looks<T>::every_way();
-    for (int i = 0; i < m.patch_count; ++i) {
-      const Patch &patch = m.patches[i];
-      around_[i] = looks_[i];
-      for (int k = 0; k < patch.next_count; ++k)
-        around_[i] = united(around_[i], looks_[m.patch_next[patch.first_next + k]]);
-    }
   }
 
   void find_pairs(const LaneModel &m, T reach) {
     pairs_.clear();
     for (int i = 0; i < m.patch_count; ++i) {
       const Patch &patch = m.patches[i];
-      const int *near = m.patch_near + patch.first_near, *const last = near + patch.near_count;
+      const NearPatch *near = m.patch_near + patch.first_near, *const last = near + patch.near_count;
       boxes_.for_each_overlap(m, i, grown(boxes_[i], -reach), [&](int j, auto lanes) {
-        while (near < last && *near < j)
+        while (near < last && near->patch < j)
           ++near;
         if (j == i)
           lanes = may_meet(looks_[i], looks_[i], lanes);
-        else if (near < last && *near == j)
-          lanes = may_meet(around_[i], looks_[j], lanes);
+        else if (near < last && near->patch == j)
+          lanes = may_meet_near(m, i, *near, lanes);
         if (any(lanes))
           pairs_.push_back({i, j, select(lanes, T(1), T(0))});
       });
     }
   }
 
+  template <class M> M may_meet_near(const LaneModel &m, int i, const NearPatch &near, M lanes) const {
+    for (int k = near.first_bridge; k < near.first_bridge + near.bridge_count && any(lanes); ++k)
+      lanes = may_meet(united(looks_[i], looks_[m.patch_bridges[k]]), looks_[near.patch], lanes);
+    return lanes;
+  }
+
   PatchBoxes<T> boxes_;
-  Array<Looks<T>> looks_, around_; ///< of a patch; of it and those that touch it
+  Array<Looks<T>> looks_; ///< of a patch
   Array<Pair> pairs_;
 };
 

@@ -287,7 +287,7 @@ void PbdModel::set_arrays() {
     a.edge_ends[k] = edges_.ends[k].data();
   for (int k = 0; k < 3; ++k)
     a.patch_corners[k] = patches_.corners[k].data();
-  a.patch_next = patches_.next.data(), a.patch_near = patches_.near.data();
+  a.patch_near = patches_.near.data(), a.patch_bridges = patches_.bridges.data();
   a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
   a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);

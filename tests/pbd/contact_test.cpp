@@ -239,7 +239,7 @@ struct TwoBalls {
   Array<CapsuleMotion<float>> balls;
   Array<Point> x, p;
   BoxList<float> boxes;
-  Array<CapsuleContact<float>> contacts;
+  Array<ContactOf<float>> contacts;
   explicit TwoBalls(double second_from) {
     model.vertex_count = 1;
     model.weights = &weight;
@@ -247,8 +247,10 @@ struct TwoBalls {
     const Eigen::Vector3d second(second_from + 0.1, 0, 0);
     for (const Capsule &ball : {Capsule{{0, 0, 0}, {0, 0, 0}, 0.1, 0.1}, Capsule{second, second, 0.1, 0.1}})
       balls.push_back(capsule_motion(ball, ball, Eigen::Vector3d::Zero()));
-    x.push_back(Vec3f{0.08f, 0, 0});
-    p.push_back(Vec3f{0.08f, 0, 0});
+    for (int i = 0; i < 1 + kSpareVertices; ++i) {
+      x.push_back(Vec3f{0.08f, 0, 0});
+      p.push_back(Vec3f{0.08f, 0, 0});
+    }
   }
 };
 

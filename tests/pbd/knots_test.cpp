@@ -458,22 +458,33 @@ TEST(Knots, EveryFaceVertexAndEdgeIsInOnePatch) {
   EXPECT_TRUE(each_once(faces, m.face_count));
   EXPECT_TRUE(each_once(vertices, m.vertex_count));
   EXPECT_EQ(edges, m.edge_count);
-  const auto touch = [&](int i, int j) {
-    return std::any_of(corners[i].begin(), corners[i].end(), [&](int v) { return corners[j].count(v) > 0; });
+  const auto common = [&](int i, int j) { // of a vertex 1, of an edge 2
+    return std::count_if(corners[i].begin(), corners[i].end(), [&](int v) { return corners[j].count(v) > 0; });
   };
+  int bridges = 0;
   for (int i = 0; i < m.patch_count; i += 7) {
     std::set<int> next, near;
     for (int j = 0; j < m.patch_count; ++j)
-      if (j != i && touch(i, j))
+      if (j != i && common(i, j) > 0)
         next.insert(j);
     for (int j = i + 1; j < m.patch_count; ++j)
-      if (next.count(j) || std::any_of(next.begin(), next.end(), [&](int k) { return touch(k, j); }))
+      if (next.count(j) || std::any_of(next.begin(), next.end(), [&](int k) { return common(k, j) > 0; }))
         near.insert(j);
     const Patch &patch = m.patches[i];
-    const int *const first_next = m.patch_next + patch.first_next, *const first_near = m.patch_near + patch.first_near;
-    EXPECT_EQ(std::set<int>(first_next, first_next + patch.next_count), next);
-    EXPECT_EQ(std::vector<int>(first_near, first_near + patch.near_count), std::vector<int>(near.begin(), near.end()));
+    std::vector<int> found;
+    for (int n = patch.first_near; n < patch.first_near + patch.near_count; ++n) {
+      const NearPatch &other = m.patch_near[n];
+      found.push_back(other.patch);
+      for (int k = other.first_bridge; k < other.first_bridge + other.bridge_count; ++k) {
+        const int bridge = m.patch_bridges[k];
+        EXPECT_TRUE(bridge == i || common(bridge, i) >= 2);
+        EXPECT_GE(common(bridge, other.patch), 2);
+        bridges += bridge == i ? 1 : 2;
+      }
+    }
+    EXPECT_EQ(found, std::vector<int>(near.begin(), near.end()));
   }
+  EXPECT_GT(bridges, m.patch_count / 7);
 }
 
 } // namespace knots_test
