@@ -49,6 +49,30 @@ TEST(CharacterSimulator, TheWayInLeadsFromTheRestPoseToThePose) {
   EXPECT_THROW(way_in(skeleton, dofs, 0), std::invalid_argument);
 }
 
+TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
+  const RiggedMesh actor = figure_actor(0.05);
+  const Eigen::Index count = actor.mesh.vertices.rows();
+  Segmentation shins;
+  shins.region_count = 1;
+  shins.clothness = (actor.mesh.vertices.col(1).array() < 0.4).cast<double>();
+  shins.region = (actor.mesh.vertices.col(1).array() < 0.4).select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
+  const CharacterSimulator simulator(actor, shins, {});
+  const std::vector<pbd::Material> materials(simulator.regions().size());
+  ASSERT_FALSE(materials.empty());
+  std::vector<PosedFrame> way;
+  for (const Eigen::VectorXd &dofs : way_in(actor.skeleton, Eigen::VectorXd::Constant(actor.skeleton.dof_count(), 0.6), 0.025))
+    way.push_back(simulator.pose(dofs));
+  CharacterState expected = simulator.start(way[0]);
+  for (std::size_t i = 1; i < way.size(); ++i)
+    simulator.step(expected, way[i - 1], way[i], materials, 0.025);
+  World world;
+  world.dt = 0.025;
+  const CharacterState state = simulator.put_on(way, materials, world);
+  EXPECT_EQ(state.regions[0].positions, expected.regions[0].positions);
+  EXPECT_GT((state.regions[0].positions - simulator.start(way[0]).regions[0].positions).norm(), 0.1);
+  EXPECT_THROW(simulator.put_on({}, materials, world), std::invalid_argument);
+}
+
 TEST(SolverSettings, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<SolverSettings>();
 }
