@@ -64,6 +64,45 @@ private:
   Array<float> lo_x_, lo_y_, lo_z_, hi_x_, hi_y_, hi_z_;
 };
 
+/// Boxes of one simulation those of which in a row lie together: one box around the row is asked before.
+class RowsOfBoxes {
+public:
+  void resize(int count) {
+    count_ = count;
+    boxes_.resize(count);
+    rows_.resize(row_of(count + kRow - 1));
+  }
+  void set(int i, const Box<float> &box) { boxes_.set(i, box); }
+  void set_row(int i, const Box<Row> &box) { boxes_.set_row(i, box); }
+  Box<float> operator[](int i) const { return boxes_[i]; }
+  /// After the last box was set.
+  void refit() {
+    for (int first = 0; first < count_; first += kRow) {
+      Box<float> all = boxes_[first];
+      for (int i = first + 1; i < end_of(row_of(first)); ++i)
+        all = united(all, boxes_[i]);
+      rows_.set(row_of(first), all);
+    }
+  }
+  /// Of one alone, after refit().
+  void replace(int i, const Box<float> &box) {
+    boxes_.set(i, box);
+    rows_.set(row_of(i), united(rows_[row_of(i)], box));
+  }
+  /// As in BoxList.
+  template <class Found> void for_each_overlap(int first, int last, const Box<float> &query, bool may, Found &&found) const {
+    rows_.for_each_overlap(row_of(first), row_of(last + kRow - 1), query, may, [&](int r, bool) {
+      boxes_.for_each_overlap(kRow * r < first ? first : kRow * r, end_of(r) < last ? end_of(r) : last, query, true, found);
+    });
+  }
+
+private:
+  static int row_of(int i) { return i / kRow; }
+  int end_of(int row) const { return kRow * (row + 1) < count_ ? kRow * (row + 1) : count_; }
+  int count_ = 0;
+  BoxList<float> boxes_, rows_;
+};
+
 struct IndexPair {
   int i, j;
 };

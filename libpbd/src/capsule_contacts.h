@@ -32,52 +32,72 @@ template <class T> using ContactOf = CapsuleContact<Side<T>, kSide<T>>;
 template <class T> inline Box<T> box_around(const Vec3<T> &a, const Vec3<T> &b) {
   return {low(a, b), high(a, b)};
 }
-/// boxes[i]: around from[i] and to[i].
-template <class T, class Points> inline void set_ways(const Points &from, const Points &to, int count, BoxList<T> &boxes) {
-  boxes.resize(count);
-  if constexpr (kSide<T> == 1)
-    for (int i = 0; i < count; ++i)
-      boxes.set(i, box_around<T>(from[i], to[i]));
-  else
-    for (int first = 0; first < count; first += kRow) {
-      const auto vertex = [first](int l) { return first + l; };
-      boxes.set_row(first, box_around(gather_row(from, count - first, vertex), gather_row(to, count - first, vertex)));
-    }
-}
-
-/// Calls use(vertices, lanes) for the vertices that move, whose boxes overlap `query` and which keep(i, lanes) leaves: of many
-/// simulations one after the other, with the lanes in which it is so; of one a row of them, filled up with spare vertices that
-/// have no lane.
-template <class T, class Keep, class Use>
-inline void for_each_near(const LaneModel &m, const BoxList<T> &boxes, const Box<T> &query, const Keep &keep, const Use &use) {
-  const auto every_lane = T(0) <= T(0);
-  if constexpr (kSide<T> == 1)
-    boxes.for_each_overlap(0, m.vertex_count, query, every_lane, [&](int i, auto lanes) {
+/// The boxes of the vertices, in the order of LaneModel::vertex_order.
+template <class T> class VertexBoxes {
+public:
+  /// Around from[i] and to[i].
+  template <class Points> void set(const LaneModel &m, const Points &from, const Points &to) {
+    boxes_.resize(m.vertex_count);
+    for (int n = 0; n < m.vertex_count; ++n)
+      boxes_.set(n, box_around<T>(from[m.vertex_order[n]], to[m.vertex_order[n]]));
+  }
+  void replace(int n, const Box<T> &box) { boxes_.set(n, box); }
+  /// Calls use(places, vertices, lanes) for the vertices that move, whose boxes overlap `query` and which keep(i, lanes) leaves:
+  /// places in the order, kSide of them, and the lanes in which it is so. Of one simulation the last are filled up with spare
+  /// vertices that have no lane.
+  template <class Keep, class Use>
+  void for_each_near(const LaneModel &m, const Box<T> &query, const Keep &keep, const Use &use) const {
+    boxes_.for_each_overlap(0, m.vertex_count, query, T(0) <= T(0), [&](int n, auto lanes) {
+      const int i = m.vertex_order[n];
       if (m.weights[i] != 0 && any(lanes = keep(i, lanes)))
-        use(&i, lanes);
+        use(&n, &i, lanes);
     });
-  else {
-    int row[kRow], count = 0;
+  }
+
+private:
+  BoxList<T> boxes_;
+};
+template <> class VertexBoxes<float> {
+public:
+  void set(const LaneModel &m, const Array<Point> &from, const Array<Point> &to) {
+    boxes_.resize(m.vertex_count);
+    for (int first = 0; first < m.vertex_count; first += kRow) {
+      const auto vertex = [&](int l) { return m.vertex_order[first + l]; };
+      const int left = m.vertex_count - first;
+      boxes_.set_row(first, box_around(gather_row(from, left, vertex), gather_row(to, left, vertex)));
+    }
+    boxes_.refit();
+  }
+  void replace(int n, const Box<float> &box) { boxes_.replace(n, box); }
+  template <class Keep, class Use>
+  void for_each_near(const LaneModel &m, const Box<float> &query, const Keep &keep, const Use &use) const {
+    int places[kRow], vertices[kRow], count = 0;
     const auto use_row = [&] {
       float taken[kRow];
-      for (int l = 0; l < kRow; ++l)
+      for (int l = 0; l < kRow; ++l) {
         taken[l] = l < count ? 1 : 0;
-      for (int l = count; l < kRow; ++l)
-        row[l] = m.vertex_count + l % kSpareVertices;
-      use(row, Row::load(taken) > Row(0));
+        if (l >= count)
+          places[l] = 0, vertices[l] = m.vertex_count + l % kSpareVertices;
+      }
+      use(places, vertices, Row::load(taken) > Row(0));
       count = 0;
     };
-    boxes.for_each_overlap(0, m.vertex_count, query, every_lane, [&](int i, bool) {
+    boxes_.for_each_overlap(0, m.vertex_count, query, true, [&](int n, bool) {
+      const int i = m.vertex_order[n];
       if (m.weights[i] == 0 || !keep(i, true))
         return;
-      row[count++] = i;
+      places[count] = n;
+      vertices[count++] = i;
       if (count == kRow)
         use_row();
     });
     if (count > 0)
       use_row();
   }
-}
+
+private:
+  RowsOfBoxes boxes_;
+};
 
 /// A capsule's motion, the same in all lanes.
 template <class To> inline CapsuleMotion<To> in_all_lanes(const CapsuleMotion<float> &one) {
@@ -93,6 +113,14 @@ template <class To> inline CapsuleMotion<To> in_all_lanes(const CapsuleMotion<fl
 }
 template <class To> inline const CapsuleMotion<To> &in_all_lanes(const CapsuleMotion<To> &each) {
   return each;
+}
+
+/// Calls use(l) for those of the kSide that are in `lanes`; for many simulations there is one.
+template <class T, class M, class Use> inline void for_each_side(M lanes, const Use &use) {
+  if constexpr (kSide<T> == 1)
+    use(0);
+  else
+    for_each_bit(lane_bits(lanes), use);
 }
 
 /// Adds what was found in `lanes`, for one simulation to the rows of one proxy without gaps; the rest of the last is idle.
@@ -127,15 +155,15 @@ inline void add_contact(const LaneModel &m, const ContactOf<T> &found, M lanes, 
 /// inside is moved out by at most `opening`. ways: room for the boxes of the vertices' ways. x, p: with the spare vertices.
 template <class T, class Points>
 inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMotion<T>> &capsules, Points &x, Points &p,
-                                  T opening, BoxList<T> &ways, Array<ContactOf<T>> &contacts) {
+                                  T opening, VertexBoxes<T> &ways, Array<ContactOf<T>> &contacts) {
   using S = Side<T>;
   contacts.clear();
-  set_ways(x, p, model.vertex_count, ways);
+  ways.set(model, x, p);
   const S thickness(model.thickness), margin(model.thickness + kNear), most(opening);
   for (int k = 0; k < capsules.size(); ++k) {
     const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
     int taken = kRow;
-    const auto bring = [&](const int *vertices, auto lanes) {
+    const auto bring = [&](const int *places, const int *vertices, auto lanes) {
       Vec3<S> xi = points_at<T>(x.data(), vertices), pi = points_at<T>(p.data(), vertices);
       const Distance<S> start = capsule_distance(m.start, xi);
       const S depth = thickness - start.value;
@@ -150,8 +178,7 @@ inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMot
         contact.plane = dot(contact.reference, m.carry(xi));
         move_points<T>(x.data(), vertices, xi);
         move_points<T>(p.data(), vertices, pi);
-        for (int l = 0; l < kSide<T>; ++l)
-          ways.set(vertices[l], box_around<T>(x[vertices[l]], p[vertices[l]]));
+        for_each_side<T>(inside, [&](int l) { ways.replace(places[l], box_around<T>(x[vertices[l]], p[vertices[l]])); });
       }
       if (any(outside)) {
         const Vec3<S> q0 = m.carry(xi), way = pi - q0;
@@ -174,44 +201,43 @@ inline void find_capsule_contacts(const LaneModel &model, const Array<CapsuleMot
       add_contact<T>(model, contact, lanes, taken, contacts);
     };
     const Box<T> reach = reach_of(capsules[k].start, capsules[k].end, T(model.thickness + kNear));
-    for_each_near(
-        model, ways, reach, [](int, auto lanes) { return lanes; }, bring);
+    ways.for_each_near(
+        model, reach, [](int, auto lanes) { return lanes; }, bring);
   }
 }
 
-/// Vertices that the iterations dragged into a proxy they were not near before. places: room for the boxes of the vertices. p:
-/// with the spare vertices.
+/// Vertices that the iterations dragged into a proxy they were not near before. boxes, watched: room for the boxes of the
+/// vertices, and for 1 in the lanes in which the proxy at hand has a contact with a vertex. p: with the spare vertices.
 template <class T, class Points>
 inline void push_out_strays(const LaneModel &model, const Array<CapsuleMotion<T>> &capsules, const Array<ContactOf<T>> &contacts,
-                            Points &p, BoxList<T> &places) {
+                            Points &p, VertexBoxes<T> &boxes, Array<T> &watched) {
   using S = Side<T>;
   const S thickness(model.thickness);
-  set_ways(p, p, model.vertex_count, places);
-  int next = 0; // of the contacts, which are in the same order, and of the vertices of each
+  boxes.set(model, p, p);
+  watched.resize(model.vertex_count + kSpareVertices);
+  for (T &vertex : watched)
+    vertex = T(0);
+  int next = 0; // of the contacts, which are in the order of the capsules
   for (int k = 0; k < capsules.size(); ++k) {
+    const int first = next;
+    for (; next < contacts.size() && contacts[next].capsule == k; ++next)
+      for (int l = 0; l < kSide<T>; ++l)
+        watched[contacts[next].vertex[l]] = lane_of<T>(contacts[next].active, l);
     const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
-    const auto is_stray = [&](int i, auto near) {
-      for (; next < kSide<T> * contacts.size(); ++next) {
-        const ContactOf<T> &c = contacts[next / kSide<T>];
-        const int l = next % kSide<T>;
-        if (c.capsule == k && c.vertex[l] == i)
-          near = near & (lane_of<T>(c.active, l) <= T(0));
-        if (c.capsule > k || (c.capsule == k && c.vertex[l] >= i))
-          break;
-      }
-      return near;
-    };
-    const auto push_out = [&](const int *vertices, auto lanes) {
+    const auto is_stray = [&](int i, auto near) { return near & (watched[i] <= T(0)); };
+    const auto push_out = [&](const int *places, const int *vertices, auto lanes) {
       const Vec3<S> from = points_at<T>(p.data(), vertices);
       const Distance<S> d = capsule_distance(m.end, from);
       lanes = lanes & (d.value < thickness);
       if (!any(lanes))
         return;
       move_points<T>(p.data(), vertices, select(lanes, from + (thickness - d.value) * d.normal, from));
-      for (int l = 0; l < kSide<T>; ++l)
-        places.set(vertices[l], {p[vertices[l]], p[vertices[l]]});
+      for_each_side<T>(lanes, [&](int l) { boxes.replace(places[l], {p[vertices[l]], p[vertices[l]]}); });
     };
-    for_each_near(model, places, reach_of(capsules[k].end, capsules[k].end, T(model.thickness)), is_stray, push_out);
+    boxes.for_each_near(model, reach_of(capsules[k].end, capsules[k].end, T(model.thickness)), is_stray, push_out);
+    for (int c = first; c < next; ++c)
+      for (const int vertex : contacts[c].vertex)
+        watched[vertex] = T(0);
   }
 }
 

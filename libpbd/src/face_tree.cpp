@@ -97,6 +97,18 @@ std::vector<QuadNode> build_quads(const std::vector<TreeNode> &nodes) {
   return quads;
 }
 
+std::vector<int> vertices_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, int vertex_count) {
+  std::vector<int> order;
+  std::vector<char> known(vertex_count, 0);
+  for (const TreeNode &node : nodes)
+    for (int k = 0; k < 3 && node.face >= 0; ++k)
+      if (const int v = faces[node.face].v[k]; !known[v]) {
+        known[v] = 1;
+        order.push_back(v);
+      }
+  return order;
+}
+
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces) {
   std::map<std::pair<int, int>, int> known;
   OrderedEdges all;
@@ -228,22 +240,23 @@ PatchedTree build_patches(const std::vector<TreeNode> &nodes, const std::vector<
     out.corners[k].insert(out.corners[k].end(), kSpareInList, -1);
   }
   std::vector<std::vector<int>> patches_of(vertex_count); // ascending
+  int vertices = 0;
   for (size_t i = 0; i < out.patches.size(); ++i) {
     Patch &patch = out.patches[i];
     const std::vector<int> own(out.faces.begin() + patch.first_face, out.faces.begin() + patch.first_face + patch.face_count);
     patch.connected = are_connected(faces, own);
-    patch.first_vertex = static_cast<int>(out.vertices.size());
+    patch.first_vertex = vertices;
     patch.first_edge = edges.first[own.front()];
     for (const int f : own) {
       patch.edge_count += edges.counts[f];
       for (const int v : faces[f].v) {
         if (patches_of[v].empty())
-          out.vertices.push_back(v);
+          ++vertices;
         if (patches_of[v].empty() || patches_of[v].back() != static_cast<int>(i))
           patches_of[v].push_back(static_cast<int>(i));
       }
     }
-    patch.vertex_count = static_cast<int>(out.vertices.size()) - patch.first_vertex;
+    patch.vertex_count = vertices - patch.first_vertex;
   }
   add_near_patches(patches_of, faces, out);
   return out;

@@ -20,13 +20,16 @@ struct OrderedEdges {
   std::array<std::vector<int>, 2> ends; ///< see LaneModel::edge_ends
   std::vector<int> first, counts;
 };
+/// All vertices, in the order in which the leaves of the tree have them first.
+std::vector<int> vertices_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces, int vertex_count);
+
 OrderedEdges edges_in_order(const std::vector<TreeNode> &nodes, const std::vector<Triangle> &faces);
 
 /// The tree cut off where a node has no more than `most` faces, see Patch.
 struct PatchedTree {
   std::vector<TreeNode> nodes; ///< of a leaf, `face` is the patch
   std::vector<Patch> patches;
-  std::vector<int> faces, vertices, bridges;
+  std::vector<int> faces, bridges;
   std::vector<NearPatch> near;
   std::array<std::vector<int>, 3> corners; ///< see LaneModel::patch_corners
 };

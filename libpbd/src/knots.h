@@ -95,6 +95,7 @@ private:
   template <class Points> void find_near(const LaneModel &m, const Points &x) {
     set_boxes(x, x, m.edge_count, m.edge_ends, Margin{0, m.largest_extent}, edge_boxes_);
     set_boxes(x, x, m.face_count, m.patch_corners, Margin{kUntangleStep, m.largest_extent}, face_boxes_);
+    patches_.look_anew();
     patches_.find(m, x, face_boxes_, T(kUntangleStep));
     near_pairs_.clear();
     patches_.for_each_pair([&](int i, int j, auto may) {

@@ -80,7 +80,7 @@ struct NearPatch {
 struct Patch {
   int node;                       ///< of the tree of patches
   int first_face, face_count;     ///< in patch_faces
-  int first_vertex, vertex_count; ///< in patch_vertices
+  int first_vertex, vertex_count; ///< in vertex_order
   int first_edge, edge_count;     ///< in edges
   int first_near, near_count;     ///< in patch_near, ascending
   bool connected;                 ///< by common vertices
@@ -89,8 +89,9 @@ struct Patch {
 struct LaneModel {
   int vertex_count, face_count, stretch_block_count, bend_block_count, blend_count, follower_count, edge_count, patch_count;
   const Triangle *faces;
-  const float *weights; ///< [vertex] inverse masses
-  float mass;           ///< of all vertices that move
+  const int *vertex_order; ///< all vertices as the faces of the tree have them: neighbours lie together
+  const float *weights;    ///< [vertex] inverse masses
+  float mass;              ///< of all vertices that move
   const StretchBlock *stretch_blocks;
   const BendBlock *bend_blocks;
   const BlendConstraint *blends;
@@ -102,8 +103,9 @@ struct LaneModel {
   const std::uint64_t *resting_pairs; ///< sorted (vertex << 32 | face) that never collide
   int resting_pair_count;
   const Patch *patches; ///< where edges collide, else none; in the order of the tree
-  const int *patch_faces, *patch_vertices, *patch_bridges;
+  const int *patch_faces, *patch_bridges;
   const NearPatch *patch_near;
+  int patch_near_count;
   const int *edge_ends[2];            ///< the ends of each edge once more, a list of the first and one of the second
   const int *patch_corners[3];        ///< the same of the corners of patch_faces; all five with kSpareInList behind the last
   const std::uint64_t *resting_edges; ///< sorted (edge << 32 | later edge) that never collide

@@ -50,6 +50,7 @@ public:
   void find_knots() override {
     if (!m_.self_collision)
       return;
+    self_collision_.look_anew();
     knots_.find(m_, x_);
     if (m_.edge_collision)
       knots_.untangle(m_, x_);
@@ -69,7 +70,7 @@ public:
     if (m_.self_collision)
       self_collision_.find(m_, x_, p_, opening, knots_, self_contacts_, edge_contacts_);
     iterate();
-    push_out_strays(m_, capsules_, contacts_, p_, boxes_);
+    push_out_strays(m_, capsules_, contacts_, p_, boxes_, watched_);
     if (m_.edge_collision)
       limit_stretch();
     update_velocities();
@@ -420,7 +421,8 @@ private:
   Array<SelfContact<T>> self_contacts_;
   Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;
-  BoxList<T> boxes_; ///< of the vertices, for a while
+  VertexBoxes<T> boxes_; ///< for a while
+  Array<T> watched_;     ///< see push_out_strays
   SelfCollision<T> self_collision_;
   Array<T> stretch_multipliers_, bend_multipliers_;
   T zero_;

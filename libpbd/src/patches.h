@@ -117,31 +117,18 @@ private:
   Array<Box<T>> boxes_, nodes_; ///< of the patches, of their tree
 };
 
-/// For one simulation a row at a time: patches in a row lie together, and so one box around them is asked before.
 template <> class PatchBoxes<float> {
 public:
   void resize(int count) { boxes_.resize(count); }
   void set(int i, const Box<float> &box) { boxes_.set(i, box); }
   Box<float> operator[](int i) const { return boxes_[i]; }
-  void refit(const LaneModel &m) {
-    const int rows = (m.patch_count + kRow - 1) / kRow;
-    rows_.resize(rows);
-    for (int r = 0; r < rows; ++r) {
-      Box<float> all = boxes_[kRow * r];
-      for (int i = kRow * r + 1; i < end_of(m, r); ++i)
-        all = united(all, boxes_[i]);
-      rows_.set(r, all);
-    }
-  }
+  void refit(const LaneModel &) { boxes_.refit(); }
   template <class Found> void for_each_overlap(const LaneModel &m, int i, const Box<float> &query, Found &&found) const {
-    rows_.for_each_overlap(i / kRow, (m.patch_count + kRow - 1) / kRow, query, true, [&](int r, bool) {
-      boxes_.for_each_overlap(kRow * r < i ? i : kRow * r, end_of(m, r), query, true, found);
-    });
+    boxes_.for_each_overlap(i, m.patch_count, query, true, found);
   }
 
 private:
-  static int end_of(const LaneModel &m, int row) { return kRow * (row + 1) < m.patch_count ? kRow * (row + 1) : m.patch_count; }
-  BoxList<float> boxes_, rows_;
+  RowsOfBoxes boxes_;
 };
 
 /// The faces in a few to a patch, as the tree has them side by side. Cloth that hangs together and looks one way all over lies
@@ -150,11 +137,15 @@ private:
 /// that lie side by side these two are to look one way, of two with a third between them all three.
 template <class T> class Patches {
 public:
+  /// The next find() looks where the patches look; those after it keep to that. (Within a frame cloth does not turn by so much
+  /// against the cloth beside it as lies between kSameSide and a right angle.)
+  void look_anew() { looked_ = false; }
   /// Finds what may meet. The cloth at `points`; faces: where each of the model's patch_faces is, or has been on its way there,
   /// `reach` wider. Patches meet as far apart as that.
   template <class Points> void find(const LaneModel &m, const Points &points, const BoxList<T> &faces, T reach) {
     find_boxes(m, faces);
-    find_looks(m, points);
+    if (!looked_)
+      find_looks(m, points);
     find_pairs(m, reach);
   }
 
@@ -189,6 +180,10 @@ private:
     looks_.resize(m.patch_count);
     for (int i = 0; i < m.patch_count; ++i)
       looks_[i] = m.patches[i].connected ? Looks<T>::of_patch(m, points, m.patches[i]) : Looks<T>::every_way();
+    near_may_.resize(m.patch_near_count);
+    for (T &may : near_may_)
+      may = T(-1);
+    looked_ = true;
   }
 
   void find_pairs(const LaneModel &m, T reach) {
@@ -202,21 +197,29 @@ private:
         if (j == i)
           lanes = may_meet(looks_[i], looks_[i], lanes);
         else if (near < last && near->patch == j)
-          lanes = may_meet_near(m, i, *near, lanes);
+          lanes = lanes & (may_meet_near(m, i, near) > T(0));
         if (any(lanes))
           pairs_.push_back({i, j, select(lanes, T(1), T(0))});
       });
     }
   }
 
-  template <class M> M may_meet_near(const LaneModel &m, int i, const NearPatch &near, M lanes) const {
-    for (int k = near.first_bridge; k < near.first_bridge + near.bridge_count && any(lanes); ++k)
-      lanes = may_meet(united(looks_[i], looks_[m.patch_bridges[k]]), looks_[near.patch], lanes);
-    return lanes;
+  /// 1 in the lanes in which patch i and a near one may meet, else 0.
+  T may_meet_near(const LaneModel &m, int i, const NearPatch *near) {
+    T &known = near_may_[static_cast<int>(near - m.patch_near)];
+    if (any(known < T(0))) {
+      auto lanes = T(0) <= T(0);
+      for (int k = near->first_bridge; k < near->first_bridge + near->bridge_count && any(lanes); ++k)
+        lanes = may_meet(united(looks_[i], looks_[m.patch_bridges[k]]), looks_[near->patch], lanes);
+      known = select(lanes, T(1), T(0));
+    }
+    return known;
   }
 
   PatchBoxes<T> boxes_;
   Array<Looks<T>> looks_; ///< of a patch
+  Array<T> near_may_;     ///< see may_meet_near(); -1: not looked at yet
+  bool looked_ = false;
   Array<Pair> pairs_;
 };
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numeric>
 #include <queue>
 #include <stdexcept>
 
@@ -155,6 +156,8 @@ PbdModel::PbdModel(std::shared_ptr<const ClothModel> cloth) : cloth_(std::move(c
   weights_.assign(cloth_->inverse_masses().begin(), cloth_->inverse_masses().end());
   set_constraints(cloth_->rest());
   set_followers(cloth_->clothness());
+  vertex_order_.resize(vertex_count());
+  std::iota(vertex_order_.begin(), vertex_order_.end(), 0);
   if (options().self_collision)
     set_tree(cloth_->rest());
   set_arrays();
@@ -237,6 +240,7 @@ void PbdModel::set_tree(const Vertices &rest) {
   }
   nodes_ = build_tree(points, faces_);
   quads_ = build_quads(nodes_);
+  vertex_order_ = vertices_in_order(nodes_, faces_, vertex_count());
   edges_ = edges_in_order(nodes_, faces_);
   if (options().edge_collision) {
     patches_ = build_patches(nodes_, faces_, edges_, vertex_count(), kPatchFaces);
@@ -282,12 +286,12 @@ void PbdModel::set_arrays() {
   a.face_tree = {nodes_.data(), size(nodes_), quads_.data(), size(quads_)};
   a.patch_nodes = patches_.nodes.data(), a.patch_node_count = size(patches_.nodes);
   a.patches = patches_.patches.data(), a.patch_count = size(patches_.patches);
-  a.patch_faces = patches_.faces.data(), a.patch_vertices = patches_.vertices.data();
+  a.patch_faces = patches_.faces.data(), a.vertex_order = vertex_order_.data();
   for (int k = 0; k < 2; ++k)
     a.edge_ends[k] = edges_.ends[k].data();
   for (int k = 0; k < 3; ++k)
     a.patch_corners[k] = patches_.corners[k].data();
-  a.patch_near = patches_.near.data(), a.patch_bridges = patches_.bridges.data();
+  a.patch_near = patches_.near.data(), a.patch_near_count = size(patches_.near), a.patch_bridges = patches_.bridges.data();
   a.edges = edges_.edges.data(), a.edge_count = size(edges_.edges);
   a.resting_edges = resting_edges_.data(), a.resting_edge_count = size(resting_edges_);
   a.resting_pairs = resting_pairs_.data(), a.resting_pair_count = size(resting_pairs_);

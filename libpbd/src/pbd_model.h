@@ -33,6 +33,7 @@ private:
   std::vector<BlendConstraint> blends_;
   std::vector<TreeNode> nodes_;
   std::vector<QuadNode> quads_;
+  std::vector<int> vertex_order_;
   OrderedEdges edges_;
   PatchedTree patches_;
   std::vector<std::uint64_t> resting_pairs_, resting_edges_;

@@ -96,6 +96,8 @@ template <class T> class SelfCollision {
 public:
   using Places = Array<Place<T>>;
 
+  /// At the start of a frame, see Patches::look_anew().
+  void look_anew() { patches_.look_anew(); }
   void find(const LaneModel &m, const Places &x, const Places &p, T opening, const Knots<T> &knots,
             Array<SelfContact<T>> &contacts, Array<EdgeContact<T>> &edge_contacts) {
     contacts.clear();
@@ -156,8 +158,7 @@ private:
   }
   void set_patch_boxes(const LaneModel &m) {
     const float reach = 2 * m.self_thickness, largest = m.largest_extent;
-    const Patch &last = m.patches[m.patch_count - 1];
-    set_boxes(lo_, hi_, last.first_vertex + last.vertex_count, {m.patch_vertices}, Margin{0, largest}, vertex_boxes_);
+    set_boxes(lo_, hi_, m.vertex_count, {m.vertex_order}, Margin{0, largest}, vertex_boxes_);
     set_boxes(lo_, hi_, m.edge_count, m.edge_ends, Margin{0, largest}, edge_boxes_);
     set_boxes(lo_, hi_, m.face_count, m.patch_corners, Margin{reach, largest}, face_boxes_);
   }
@@ -187,7 +188,7 @@ private:
   }
   /// To vertex k the faces in [first, last), both in the order of the patches.
   template <class M> void bring_faces(const Search &s, int k, int first, int last, M may) {
-    const int q = s.m.patch_vertices[k];
+    const int q = s.m.vertex_order[k];
     if constexpr (kSingle)
       face_boxes_.for_each_row(first, last, vertex_boxes_[k], [&](int n, int overlaps) {
         add_pairs(q, n, overlaps & ~equal_bits(s.m.patch_corners, n, {q}), vertex_pairs_);

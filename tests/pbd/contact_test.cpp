@@ -235,14 +235,17 @@ TEST(Contact, DegenerateCapsulesAreSpheres) {
 /// A vertex 2 cm deep in a ball, beside which stands another that it reaches only once the first has pushed it out.
 struct TwoBalls {
   float weight = 1;
+  int order = 0;
   LaneModel model{};
   Array<CapsuleMotion<float>> balls;
   Array<Point> x, p;
-  BoxList<float> boxes;
+  VertexBoxes<float> boxes;
+  Array<float> watched;
   Array<ContactOf<float>> contacts;
   explicit TwoBalls(double second_from) {
     model.vertex_count = 1;
     model.weights = &weight;
+    model.vertex_order = &order;
     model.thickness = 0.01f;
     const Eigen::Vector3d second(second_from + 0.1, 0, 0);
     for (const Capsule &ball : {Capsule{{0, 0, 0}, {0, 0, 0}, 0.1, 0.1}, Capsule{second, second, 0.1, 0.1}})
@@ -264,7 +267,7 @@ TEST(Contact, WhatOneProxyMovesIsSeenByTheNext) {
 
 TEST(Contact, AStrayThatOneProxyPushesOutIsSeenByTheNext) {
   TwoBalls scene(0.115); // from 0.105 on a vertex is too near; the first pushes it to 0.11
-  push_out_strays(scene.model, scene.balls, scene.contacts, scene.p, scene.boxes);
+  push_out_strays(scene.model, scene.balls, scene.contacts, scene.p, scene.boxes, scene.watched);
   EXPECT_FLOAT_EQ(scene.p[0].x, 0.105f);
 }
 

@@ -445,7 +445,7 @@ TEST(Knots, EveryFaceVertexAndEdgeIsInOnePatch) {
       corners[i].insert(m.faces[f].v, m.faces[f].v + 3);
     }
     for (int k = 0; k < patch.vertex_count; ++k) {
-      const int v = m.patch_vertices[patch.first_vertex + k];
+      const int v = m.vertex_order[patch.first_vertex + k];
       vertices.insert(v);
       EXPECT_TRUE(corners[i].count(v));
     }
