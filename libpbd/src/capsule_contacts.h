@@ -223,18 +223,18 @@ inline void push_out_strays(const LaneModel &model, const Array<CapsuleMotion<T>
     for (; next < contacts.size() && contacts[next].capsule == k; ++next)
       for (int l = 0; l < kSide<T>; ++l)
         watched[contacts[next].vertex[l]] = lane_of<T>(contacts[next].active, l);
-    const CapsuleMotion<S> &m = in_all_lanes<S>(capsules[k]);
+    const CapsuleShape<T> &shape = capsules[k].end;
     const auto is_stray = [&](int i, auto near) { return near & (watched[i] <= T(0)); };
     const auto push_out = [&](const int *places, const int *vertices, auto lanes) {
       const Vec3<S> from = points_at<T>(p.data(), vertices);
-      const Distance<S> d = capsule_distance(m.end, from);
+      const Distance<S> d = capsule_distance(shape, from);
       lanes = lanes & (d.value < thickness);
       if (!any(lanes))
         return;
       move_points<T>(p.data(), vertices, select(lanes, from + (thickness - d.value) * d.normal, from));
       for_each_side<T>(lanes, [&](int l) { boxes.replace(places[l], {p[vertices[l]], p[vertices[l]]}); });
     };
-    boxes.for_each_near(model, reach_of(capsules[k].end, capsules[k].end, T(model.thickness)), is_stray, push_out);
+    boxes.for_each_near(model, reach_of(shape, shape, T(model.thickness)), is_stray, push_out);
     for (int c = first; c < next; ++c)
       for (const int vertex : contacts[c].vertex)
         watched[vertex] = T(0);

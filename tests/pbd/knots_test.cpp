@@ -402,6 +402,33 @@ TEST(Knots, TheTreeFindsEveryPairOfEdges) {
   EXPECT_GT(by_face.size(), 20);
 }
 
+/// A strip that was flat in the frame before, and all of whose patches lie near to each other, falls onto itself from a fold.
+TEST(Knots, WhatASolverHasSeenBeforeChangesNoBit) {
+  const scenes::Sheet strip = scenes::grid(6, 2, 0.02);
+  Vertices folded = strip.rest;
+  for (Eigen::Index i = 0; i < folded.rows(); ++i)
+    if (folded(i, 0) > 0)
+      folded.row(i) += Eigen::RowVector3d(0.02 - 2 * folded(i, 0), 0.006, 0.005);
+  ClothOptions options;
+  options.edge_collision = true;
+  const auto model = ClothModel::create(strip.rest, strip.faces, strip.clothness, options);
+  const auto solver = ClothSolver::create(model), fresh = ClothSolver::create(model);
+  Material limp;
+  limp.k_bend = 0;
+  StepInputs in;
+  ClothState flat = initial_state(strip.rest), again = initial_state(folded);
+  for (Eigen::Index i = 0; i < folded.rows(); ++i)
+    again.velocities(i, 1) = folded(i, 1) > 0 ? -1 : 0;
+  ClothState expected = again;
+  in.gravity = Eigen::Vector3d::Zero();
+  solver->step(flat, in, limp);
+  for (int frame = 0; frame < 4; ++frame) {
+    solver->step(again, in, limp);
+    fresh->step(expected, in, limp);
+    EXPECT_EQ(again.positions, expected.positions) << frame;
+  }
+}
+
 /// Patches that lie far from the others of their row, too.
 TEST(Knots, RowsOfPatchesFindEveryLaterOneThatOverlaps) {
   LaneModel m{};
