@@ -2,6 +2,7 @@
 
 #include "../../libpbd/src/capsule_contacts.h"
 #include "../../libpbd/src/capsule_motion.h"
+#include "doublet/pbd/detail/lanes.h"
 #include "scenes.h"
 
 #include <gtest/gtest.h>
@@ -230,6 +231,25 @@ TEST(Contact, DegenerateCapsulesAreSpheres) {
       EXPECT_GT(state.positions.col(1).maxCoeff(), 0.1); // it lies on the sphere
     }
   }
+}
+
+/// Fewer vertices than a row has: with the bits of one after the other.
+TEST(Contact, EveryVertexOfASquareStaysOutside) {
+  const Sheet s = scenes::grid(1, 1, 0.05, 0.13);
+  const auto solver = make(s);
+  const auto one_by_one =
+      detail::create_with_lanes(ClothModel::create(s.rest, s.faces, s.clothness, solver->model().options()), 4);
+  const std::vector<Capsule> ball{{{0, 0, 0}, {0, 0, 0}, 0.1, 0.1}};
+  ClothState state = initial_state(s.rest), expected = state;
+  StepInputs in;
+  in.capsules = &ball;
+  for (int f = 0; f < 15; ++f) {
+    solver->step(state, in, slick(0.5));
+    one_by_one->step(expected, in, slick(0.5));
+  }
+  EXPECT_EQ(state.positions, expected.positions);
+  EXPECT_GT(clearance(state.positions, ball), 0.0035);
+  EXPECT_LT(clearance(state.positions, ball), 0.02); // it fell onto it
 }
 
 /// A vertex 2 cm deep in a ball, beside which stands another that it reaches only once the first has pushed it out.
