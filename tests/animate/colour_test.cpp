@@ -1,4 +1,5 @@
 // The texture's colours against a truth: light divided out, the screen and what is behind kept out.
+#include "../../libanimate/src/display/silhouette_depth.h"
 #include "doublet/animate/parts/irradiance.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/texture_baker.h"
@@ -58,11 +59,12 @@ ShadedPoints shaded_points(const std::function<Colour(const Eigen::Vector3d &)> 
 
 /// A ball of skin before a screen; the mask is the ball's, whatever the picture shows in it.
 struct BeforeScreen {
-  Mesh ball = sphere(0.4, {0, 0.9, 0}, 24, 48);
-  CameraRig cameras = camera_ring(2, 320);
+  Mesh ball;
+  CameraRig cameras;
   std::vector<Image> images, masks;
 
-  BeforeScreen(const Colour &actor, const Colour &screen) {
+  BeforeScreen(const Colour &actor, const Colour &screen, int size = 320, int rings = 24)
+      : ball(sphere(0.4, {0, 0.9, 0}, rings, 2 * rings)), cameras(camera_ring(2, size)) {
     for (const Camera &camera : cameras) {
       masks.push_back(silhouette(rasterize(ball.vertices, ball.faces, camera)));
       Image image(camera.width, camera.height, 3);
@@ -249,6 +251,74 @@ TEST(TextureColours, AGapBetweenFingersIsNotPainted) {
   const auto greenest = [](const Vertices &colours) { return (colours.col(1) - colours.col(2)).maxCoeff(); };
   EXPECT_GT(greenest(scene.baked(0)), 0); // greener than red
   EXPECT_LT(greenest(scene.baked(0.05)), kSkin[1] - kSkin[2] + 5);
+}
+
+/// The same between an arm and the body: too deep for screen_reach.
+TEST(TextureColours, AGapDeepInsideAMaskIsNotPainted) {
+  BeforeScreen scene(kSkin, kGreenScreen, 1280, 48);
+  const Eigen::Vector2i middle = scene.cameras[0].project({0, 0.9, 0}).cast<int>();
+  for (int y = -8; y < 8; ++y)
+    for (int x = -8; x < 8; ++x)
+      for (int c = 0; c < 3; ++c)
+        scene.images[0].at(middle.x() + x, middle.y() + y, c) = static_cast<std::uint8_t>(kGreenScreen[c]);
+  const auto greenest = [](const Vertices &colours) { return (colours.col(1) - colours.col(2)).maxCoeff(); };
+  EXPECT_GT(greenest(scene.baked(0)), 0);
+  EXPECT_LT(greenest(scene.baked(0.01)), kSkin[1] - kSkin[2] + 5);
+}
+
+/// Two pictures of skin in the middle of a green screen, with a square of green in each, `sides` pixels wide, and a pixel near
+/// the rim of the first. 20,000 pixels of each mask lie deep.
+struct TwoViews {
+  std::vector<Image> images, masks;
+  explicit TwoViews(std::array<int, 2> sides) {
+    for (int c = 0; c < 2; ++c) {
+      images.emplace_back(260, 260, 3);
+      masks.emplace_back(260, 260, 1);
+      for (int y = 0; y < 260; ++y)
+        for (int x = 0; x < 260; ++x) {
+          const bool inside = std::min({x, y, 259 - x, 259 - y}) >= 50,
+                     green = x >= 120 && x < 120 + sides[c] && y >= 120 && y < 120 + sides[c];
+          masks[c].at(x, y, 0) = inside ? 255 : 0;
+          for (int k = 0; k < 3; ++k)
+            images[c].at(x, y, k) =
+                static_cast<std::uint8_t>((inside && !green && !(x == 53 && y == 100) ? kSkin : kGreenScreen)[k]);
+        }
+    }
+  }
+};
+
+TEST(TextureColours, WhatTheActorWearsIsToldByAllCamerasTogether) {
+  const auto left = [](const TwoViews &views) { // of the first mask: near the rim, deep inside
+    const Image mask = detail::without_screen(views.images, views.masks, 0.035)[0];
+    return std::array{mask.at(53, 100, 0) > 0, mask.at(120, 120, 0) > 0};
+  };
+  EXPECT_EQ(left(TwoViews({5, 0})), (std::array{false, false})); // a gap
+  EXPECT_EQ(left(TwoViews({15, 0})), (std::array{false, true})); // 1.1 % of the one, half of that of both
+  EXPECT_EQ(left(TwoViews({15, 15})), (std::array{true, true})); // worn
+}
+
+/// Skin that is lit from above, but for a spot below that is as bright as the top: divided by the light there it would be white.
+TEST(TextureColours, WhatIsTooBrightForItsNormalKeepsItsHue) {
+  BeforeScreen scene(kSkin, kBlueScreen);
+  for (std::size_t k = 0; k < scene.images.size(); ++k) {
+    const Camera &camera = scene.cameras[k];
+    const double top = camera.project({0, 1.3, 0}).y(), bottom = camera.project({0, 0.5, 0}).y();
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const double light = std::clamp(1 - 0.8 * (y - top) / (bottom - top), 0.2, 1.0), spot = std::abs(x - camera.width / 2);
+        if (scene.masks[k].at(x, y, 0) && !(light > 0.33 && light < 0.45 && spot < 12))
+          for (int c = 0; c < 3; ++c)
+            scene.images[k].at(x, y, c) = static_cast<std::uint8_t>(light * kSkin[c]);
+      }
+  }
+  TextureOptions options;
+  options.size = 1024;
+  const Vertices colours = face_colours(bake_texture(scene.ball, {}, scene.cameras, scene.images, scene.masks, {}, options));
+  EXPECT_EQ(colours.col(2).maxCoeff(), 255);
+  for (Eigen::Index f = 0; f < colours.rows(); ++f)
+    if (colours(f, 2) > 250) {
+      EXPECT_NEAR(colours(f, 1) / colours(f, 2), kSkin[1] / kSkin[2], 0.06) << f;
+    }
 }
 
 TEST(TextureColours, AGreenGarmentStaysGreen) {

@@ -12,7 +12,8 @@ namespace {
 constexpr double kScreenShare = 0.5; // of what is outside the mask
 constexpr double kTint = 0.05;       // of the key colour's chroma
 constexpr double kWornKeyness = 0.25;
-constexpr double kWorn = 0.01; // of the pixels deep inside: the actor wears that colour
+// Of the pixels deep inside all masks: from so many on the actor wears that colour, up to so many it is a gap, not a pattern.
+constexpr double kWorn = 0.01, kGap = 0.002;
 
 Eigen::Vector3d pixel(const Image &image, std::size_t i) {
   return {double(image.data[3 * i]), double(image.data[3 * i + 1]), double(image.data[3 * i + 2])};
@@ -60,26 +61,34 @@ std::vector<int> silhouette_depth(const Image &mask) {
   return depth;
 }
 
-Image without_screen(const Image &image, const Image &mask, double reach) {
-  const std::optional<KeyColour> screen = screen_colour(image, mask);
-  if (!screen || reach <= 0)
-    return mask;
-  const std::vector<int> depth = silhouette_depth(mask);
-  const double shallow = reach * std::min(mask.width, mask.height);
-  Image rest = mask;
+std::vector<Image> without_screen(const std::vector<Image> &images, const std::vector<Image> &masks, double reach) {
+  std::vector<Image> shallow_out = masks, all_out = masks; // without what is tinted near the rim; and without gaps deeper inside
   std::size_t deep = 0, worn = 0;
-  for (std::size_t i = 0; i < mask.data.size(); ++i) {
-    if (mask.data[i] == 0)
+  for (std::size_t c = 0; c < masks.size(); ++c) {
+    if (images[c].empty() || masks[c].empty())
       continue;
-    const Eigen::Vector3d bgr = pixel(image, i);
-    if (depth[i] > shallow) {
+    const std::optional<KeyColour> screen = screen_colour(images[c], masks[c]);
+    if (!screen || reach <= 0)
+      continue;
+    const std::vector<int> depth = silhouette_depth(masks[c]);
+    const double shallow = reach * std::min(masks[c].width, masks[c].height);
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+      if (depth[i] == 0)
+        continue;
+      const Eigen::Vector3d bgr = pixel(images[c], i);
+      if (depth[i] <= shallow && screen_tinted(*screen, bgr))
+        shallow_out[c].data[i] = all_out[c].data[i] = 0;
+      if (depth[i] <= shallow)
+        continue;
       ++deep;
-      worn += screen->keyness(bgr) > kWornKeyness;
-    } else if (screen_tinted(*screen, bgr)) {
-      rest.data[i] = 0;
+      if (screen->keyness(bgr) > kWornKeyness) {
+        ++worn;
+        all_out[c].data[i] = 0;
+      }
     }
   }
-  return static_cast<double>(worn) > kWorn * static_cast<double>(deep) ? mask : rest;
+  const double share = static_cast<double>(worn) / static_cast<double>(std::max<std::size_t>(deep, 1));
+  return share > kWorn ? masks : share > kGap ? shallow_out : all_out;
 }
 
 } // namespace doublet::detail

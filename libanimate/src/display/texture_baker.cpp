@@ -70,12 +70,6 @@ bool inside_silhouette(const View &view, const Vector2d &pixel) {
   return view.depth[static_cast<std::size_t>(y * view.image->width + x)] > kRim;
 }
 
-/// The silhouette depth of a camera's image; empty without a mask.
-std::vector<int> depth_of(const Image &image, const Image *mask, double screen_reach) {
-  return !mask || mask->empty() ? std::vector<int>()
-                                : detail::silhouette_depth(detail::without_screen(image, *mask, screen_reach));
-}
-
 Vector3f sample(const Image &image, const Vector2d &pixel) {
   const int x0 = static_cast<int>(pixel.x()), y0 = static_cast<int>(pixel.y());
   const auto a = static_cast<float>(pixel.x() - x0), b = static_cast<float>(pixel.y() - y0);
@@ -178,10 +172,13 @@ public:
   Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
         const std::vector<Image> &masks, const TextureOptions &options)
       : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
+    const std::vector<Image> silhouettes = detail::without_screen(images, masks, options.screen_reach);
     for (std::size_t c = 0; c < cameras.size(); ++c)
-      if (!images[c].empty())
-        views_.push_back({&cameras[c], &images[c], depth_of(images[c], masks.empty() ? nullptr : &masks[c], options.screen_reach),
+      if (!images[c].empty()) {
+        const bool masked = c < silhouettes.size() && !silhouettes[c].empty();
+        views_.push_back({&cameras[c], &images[c], masked ? detail::silhouette_depth(silhouettes[c]) : std::vector<int>(),
                           rasterize(mesh.vertices, mesh.faces, cameras[c], valid)});
+      }
   }
 
   bool drawn(int f) const { return valid_.empty() || valid_[f]; }
@@ -220,6 +217,8 @@ public:
     });
     if (sum > 0)
       colour = colour.cwiseProduct(gain_at(f, barycentric)) / sum;
+    if (const float most = colour.maxCoeff(); most > 255) // brighter than white: the normal is not that exact, the hue is
+      colour *= 255 / most;
     return sum;
   }
 

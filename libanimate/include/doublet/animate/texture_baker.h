@@ -33,8 +33,8 @@ struct TextureOptions {
         option(&O::edge_margin, "edge_margin", Range{0, 1}, "m",
                "a point this close to the edge of something in front of it does not count: legs at a hem"),
         option(&O::screen_reach, "screen_reach", Range{0, 0.5}, "",
-               "pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side): "
-               "gaps between fingers; 0 = they do"),
+               "pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side), "
+               "nor deeper where the actor has next to none of it: gaps between fingers; 0 = they do"),
         option(
             &O::label_reach, "label_reach", Range{0, 0.5}, "m",
             "where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands "
