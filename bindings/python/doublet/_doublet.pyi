@@ -4407,7 +4407,7 @@ class TextureOptions:
     @property
     def screen_reach(self) -> float:
         """
-        pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side): gaps between fingers; 0 = they do: a number in [0, 0.5]
+        pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side), nor deeper where the actor has next to none of it: gaps between fingers; 0 = they do: a number in [0, 0.5]
         """
     @screen_reach.setter
     def screen_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
