@@ -417,7 +417,7 @@ private:
   Array<Vec3<T>> v_, v_free_;                         ///< velocity; the same before contacts, where they reflect it
   Array<Vec3<T>> target_start_, target_end_, target_; ///< of the followers: in the frame; at the end of the substep
   Array<CapsuleMotion<T>> capsules_;
-  Array<ContactOf<T>> contacts_; ///< ordered by capsule, then vertex
+  Array<ContactOf<T>> contacts_; ///< ordered by capsule
   Array<SelfContact<T>> self_contacts_;
   Array<EdgeContact<T>> edge_contacts_;
   Knots<T> knots_;
