@@ -1,7 +1,7 @@
 """What the video says about an option of the garment's mesh, and what the truth says: E_fit of the same ordinary materials with
-each value, as the pipeline tries them, and how far from the truth the best of them are.
+each value, and how far from the truth the best of them are.
 
-python benchmarks/garment_study.py OUT --option spread --values 0.15 0.25 0.35 0.5 [--truth SESSION/ground_truth] [--materials N]
+python benchmarks/garment_study.py OUT --option spreads --values 0.15 0.25 0.35 0.5 [--truth SESSION/ground_truth] [--materials N]
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path, help="a reconstruction up to stage 'body'")
     parser.add_argument(
-        "--option", default="spread", choices=list(d.GarmentOptions.described()), help="of GarmentOptions (default: spread)"
+        "--option", default="spreads", choices=list(d.GarmentOptions.described()), help="of GarmentOptions (default: spreads)"
     )
     parser.add_argument(
         "--values", type=float, nargs="+", required=True, help="of the option; the first is what others are set against"
@@ -37,11 +37,14 @@ def main() -> None:
 
     truth, context = evaluate.Truth(arguments.truth) if arguments.truth else None, d.Context()
     space, first = d.ParameterSpace(), None
-    materials = [space.material(unit) for unit in d.trial_samples(space, arguments.materials)]
+    box = np.random.default_rng(1).random((arguments.materials, len(space.names)))
+    box[:, list(space.names).index("k_stretch")] = 1
+    materials = [space.material(unit) for unit in box]
     lowest = arguments.materials // 4
     for value in arguments.values:
         job = pipeline.Job(pipeline.recorded_session(arguments.out), arguments.out)
-        options = d.GarmentOptions(**{**job.options["garment"].to_dict(), arguments.option: value})
+        chosen = {"spreads": [0.25], arguments.option: [value] if arguments.option == "spreads" else value}
+        options = d.GarmentOptions(**{**job.options["garment"].to_dict(), **chosen})
         body, captured = d.read_body(job.path("body.npz")).body, job.performance().surface
         job.garment = d.GarmentMesher.create(options).mesh(job.actor, job.segmentation(), body, captured, context)
         simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()

@@ -12,7 +12,6 @@
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
-#include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/garment_mesher.h"
@@ -53,37 +52,25 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   write_proxies(out / "proxies.json", fit_proxies(fitted, actor, segmentation), actor.skeleton);
   const BodyFit body = read_body(out / "body.npz");
   const std::vector<TaperedCapsule> proxies = read_proxies(out / "proxies.json", actor.skeleton);
-  // The garment whose rest shape, and then whose attachment, moves most like the filmed one
-  FitOptions fit;
-  fit.energy.dt = 1 / session.fps;
-  const TrialOptions trial;
-  GarmentOptions taken;
-  taken.spread = trial.spreads[0];
-  taken.band = trial.bands[0];
-  const auto chosen = [&](double GarmentOptions::*option, const std::vector<double> &values) {
-    std::vector<double> energies;
-    for (const double value : values) {
-      GarmentOptions options = taken;
-      options.*option = value;
-      const Garment tried = mesh_garment(actor, segmentation, body.body, performance.surface, options, context);
-      const DressedActor dressed = dress(actor, segmentation, tried);
-      const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
-      const ReferencePerformance motion = dress(performance, actor, tried);
-      energies.push_back(garment_energy(simulator, motion, observations, trial, fit.energy, fit.space, context));
-    }
-    return values[chosen_garment(energies, trial)];
-  };
-  taken.spread = chosen(&GarmentOptions::spread, trial.spreads);
-  taken.band = chosen(&GarmentOptions::band, trial.bands);
-  write_garment(out / "garment.npz", mesh_garment(actor, segmentation, body.body, performance.surface, taken, context));
+  // The garment, in several widths
+  write_garment(out / "garment.npz", mesh_garment(actor, segmentation, body.body, performance.surface, {}, context));
   const Garment garment = read_garment(out / "garment.npz", actor);
-  const DressedActor dressed = dress(actor, segmentation, garment);
   const ReferencePerformance motion = dress(performance, actor, garment);
-  // Sect. 6: material
-  const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
+  // Sect. 6: material and width
+  std::vector<CharacterSimulator> widths;
+  for (const Garment &width : offered(garment)) {
+    const DressedActor worn = dress(actor, segmentation, width);
+    widths.emplace_back(worn.actor, worn.segmentation, proxies);
+  }
+  Take take{{}, &motion, &observations, 1 / session.fps};
+  for (const CharacterSimulator &width : widths)
+    take.widths.push_back(&width);
+  FitOptions fit;
   fit.log = out / "fit_log.csv";
-  const FitResult result = estimate_material(simulator, motion, observations, fit, context);
+  const FitResult result = estimate_material({take}, fit, context);
   write_materials(out / "material.json", result);
+  const DressedActor dressed = dress(actor, segmentation, worn(garment, result.chosen_widths()));
+  const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
   // Sect. 7: the character
   const auto simulated =
       simulate_reference(simulator, motion, result.materials(), result.solver.dt, fit.energy.settle_frames, context);

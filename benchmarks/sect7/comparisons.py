@@ -38,7 +38,8 @@ def recovery(out: Path, session, truth: d.Material, how: Filming, search: dict, 
     fit = run(study.fit, [{**job, "checkpoints": str(work.resolve())}], work, 1)[0]
 
     rows = recovered_parameters(fit["regions"], truth)
-    print(markdown(["region", "parameter", "true", "estimated", "abs. error, of the box", "confidence"], rows), "\n")
+    header = ["region", "parameter", "true", "estimated", "abs. error, of the box", "90 % interval, of the box", "told"]
+    print(markdown(header, rows), "\n")
 
     made, found = study.reconstruction(job), [d.Material(**region["parameters"]) for region in fit["regions"]]
     true = simulate(made, [truth] * len(found))[: round(seconds * fps)]
@@ -57,9 +58,9 @@ def recovered_parameters(regions: list[dict], truth: d.Material) -> list[list]:
     for k, region in enumerate(regions):
         apart = np.abs(unit(d.Material(**region["parameters"])) - unit(truth))
         for name, error in zip(NAMES, apart):
+            known = "{:.2f} to {:.2f}".format(*region["interval"][name])
             told = region["confidence"][name]
-            told = "low: not identifiable" if told == "low" else told
-            rows.append([k, name, getattr(truth, name), region["parameters"][name], float(error), told])
+            rows.append([k, name, getattr(truth, name), region["parameters"][name], float(error), known, told])
     return rows
 
 

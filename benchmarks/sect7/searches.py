@@ -23,7 +23,7 @@ VARIANTS = {
     "windows of 40 frames": {"energy": {"window": 40}},
     "penalty omega 256": {"fit": {"penalty": 256}},
     "population 16": {"fit": {"population": 16}},
-    "population 16, hopeless samples stopped": {"fit": {"population": 16, "stop_margin": 0.3}},
+    "CMA-ES": {"fit": {"optimizer": "cma-es"}},
 }
 
 
@@ -34,10 +34,9 @@ def search(job: dict) -> dict:
     options = pipeline.fit_options(made)
     if "start" in job:
         options.make_optimizer = lambda n, seed: cma_from(job["start"], job["sigma"], seed, options)
-    observations = d.read_observations(made.path("observations.npz"))
-    context = d.Context(threads=job["threads"])
+    take, context = made.take(), d.Context(threads=job["threads"])
     start = time.monotonic()
-    result = d.estimate_material(made.simulator(), made.dressed_performance(), observations, options, context)
+    result = d.estimate_material([take], options, context)
     seconds = time.monotonic() - start
     steps = [[row.evaluations, row.best, row.mean.ravel().tolist()] for row in result.log if row.part == 0]
     return {**study.plain_fit(result), "steps": steps, "seconds": seconds}
@@ -57,7 +56,7 @@ def variants(out: Path, session, truth_folder: Path | None, evaluations: int, se
     distance to the true garment where there is one; seconds are of one estimation on `workers` threads, no other beside it."""
     jobs = []
     for groups in VARIANTS.values():
-        chosen = {**groups, "fit": {"max_evaluations": evaluations, "influence": False, **groups.get("fit", {})}}
+        chosen = {**groups, "fit": {"max_evaluations": evaluations, **groups.get("fit", {})}}
         jobs += [{**plain_job(out, session, threads=workers, **chosen), "seed": seed} for seed in seeds]
     results = run(search, jobs, work, 1)
     base = plain_job(out, session)
@@ -133,7 +132,7 @@ def robustness(out: Path, session, starts: int, evaluations: int, work: Path, wo
     """Fig. 5b: estimations that begin with other distributions: means anywhere in the middle 70 % of the box, deviations from
     0.15 to 0.4 of it."""
     random, jobs = np.random.default_rng(1), []
-    base = plain_job(out, session, fit={"max_evaluations": evaluations, "influence": False})
+    base = plain_job(out, session, fit={"max_evaluations": evaluations})
     for k in range(starts):
         start, sigma = random.uniform(0.15, 0.85, len(NAMES)), random.uniform(0.15, 0.4)
         jobs.append({**base, "seed": k + 1, "start": start.round(4).tolist(), "sigma": round(float(sigma), 4)})
@@ -183,7 +182,7 @@ def annealing(out: Path, session, seeds: list[int], evaluations: int, work: Path
     from its first generation; counted is the generation after which the best sample is at or below it."""
     sets = [{"optimizer": "cma-es", "max_evaluations": evaluations}]
     sets += [{"optimizer": "annealing", "max_evaluations": k * evaluations} for k in FACTORS]
-    bases = [plain_job(out, session, fit={"influence": False, **chosen}) for chosen in sets]
+    bases = [plain_job(out, session, fit=chosen) for chosen in sets]
     results = run(search, [{**base, "seed": seed} for seed in seeds for base in bases], work, workers)
     rows, ratios = [], []
     for k, seed in enumerate(seeds):

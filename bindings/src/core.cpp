@@ -338,8 +338,17 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("rest", &Garment::rest, "(G, 3) m, the shape that lengths and masses come from")
       .def_readwrite("actor_face", &Garment::actor_face, "(G) face of the actor on which the vertex lies")
       .def_readwrite("barycentric", &Garment::barycentric, "(G, 3) of that face's corners")
+      .def_readwrite("widths", &Garment::widths,
+                     "[K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone")
       .def_readwrite("covers", &Garment::covers, "(F) faces of the actor that the garment stands for")
       .def_readwrite("region_count", &Garment::region_count);
+  m.def("worn", &worn, py::arg("garment"), py::arg("chosen") = std::vector<double>{}, Release(),
+        "The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, "
+        "in its "
+        "`rest`.");
+  m.def("common_widths", &common_widths, py::arg("garments"), py::arg("count"), Release(),
+        "[garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.");
+  m.def("offered", &offered, py::arg("garment"), Release(), "The garment in each of the widths that it offers.");
   py::class_<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
       .def_readwrite("actor", &DressedActor::actor, "V + G vertices: the actor's, then the garment's")
       .def_readwrite("segmentation", &DressedActor::segmentation);

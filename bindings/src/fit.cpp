@@ -1,6 +1,5 @@
 #include "common.h"
 
-#include "doublet/fit/garment_trial.h"
 #include "doublet/fit/material_estimator.h"
 #include "doublet/testing/objective_conformance.h"
 #include "doublet/testing/optimizer_conformance.h"
@@ -82,6 +81,11 @@ void bind_optimizers(py::module_ &m) {
       .def_readwrite("first", &CmaEsOptions::first,
                      "(K, n) samples of the first generation, from whose best quarter the search goes on; empty = drawn");
   OptionsClass<AnnealingOptions>(m, "Options of create_simulated_annealing.");
+  OptionsClass<BayesianOptions>(m, "Options of create_bayesian.")
+      .get()
+      .def_readwrite("first", &BayesianOptions::first, "(K, n) samples of the first generation; empty = spread evenly");
+  m.def("create_bayesian", &create_bayesian, py::arg("dimension"), py::arg("options") = BayesianOptions{},
+        "Bayesian optimisation by Thompson sampling over [0, 1]^dimension: for energies that are expensive and noisy.");
   m.def("create_cma_es", &create_cma_es, py::arg("dimension"), py::arg("options") = CmaEsOptions{},
         "Covariance matrix adaptation (Hansen) over [0, 1]^dimension.");
   m.def("create_simulated_annealing", &create_simulated_annealing, py::arg("dimension"), py::arg("options") = AnnealingOptions{},
@@ -142,22 +146,19 @@ void bind_conformance(py::module_ &m) {
       "brought down, refusals.");
 }
 
-void bind_influence(py::module_ &m) {
-  py::class_<Influence>(m, "Influence", "What each parameter, moved alone, does to the energy.")
-      .def_readonly("change", &Influence::change, "(n) root mean square change of the energy over 0.4 of the box")
-      .def_readonly("noise", &Influence::noise, "standard deviation of the energy at the answer")
-      .def_readonly("rank", &Influence::rank, "(n) 1 = changes the energy most")
-      .def_property_readonly(
-          "exceeds_noise",
-          [](const Influence &influence) {
-            std::vector<bool> beyond;
-            for (int i = 0; i < influence.change.size(); ++i)
-              beyond.push_back(influence.exceeds_noise(i));
-            return beyond;
-          },
-          "(n) whether the change is beyond the noise");
-  m.def("measure_influence", &measure_influence, py::arg("objective"), py::arg("answers"),
-        py::arg("context") = interruptible_context(), Release(), "answers (parts, n) in [0, 1] -> one Influence a part");
+void bind_posterior(py::module_ &m) {
+  py::class_<Posterior>(m, "Posterior", "How likely every answer is: draws from a Gibbs posterior.")
+      .def_readonly("draws", &Posterior::draws, "(D, n) box units")
+      .def_readonly("interval", &Posterior::interval, "(n, 2) 5 % and 95 % of the draws, box units")
+      .def_readonly("correlation", &Posterior::correlation, "(n, n) of the draws");
+  m.def(
+      "posterior_of",
+      [](const MatrixRM &samples, const Eigen::VectorXd &energies, double noise, int levels, int draws, std::uint64_t seed) {
+        return posterior_of(samples, energies, {noise, levels, draws, seed});
+      },
+      py::arg("samples"), py::arg("energies"), py::arg("noise") = 0.0, py::arg("levels") = 0, py::arg("draws") = 256,
+      py::arg("seed") = 1, Release(),
+      "samples (N, n) in [0, 1], energies (N) -> Posterior of where their minimum is. noise: standard deviation of an energy.");
 }
 
 /// One dict a region of arrays (T), from [R][T].
@@ -204,10 +205,15 @@ void bind_energy(py::module_ &m) {
                     const ParameterSpace &, const Context &>(),
            py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
            py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release())
-      .def("race", &MaterialObjective::race, py::arg("samples"), py::arg("margin"), py::arg("context") = interruptible_context(),
-           Release(),
-           "samples (S, regions * n) in [0, 1] -> energies (S, regions); those that fall behind by more than `margin` are "
-           "stopped.")
+      .def(py::init([](const py::list &widths, const ReferencePerformance &performance, const Observations &observations,
+                       const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
+             const auto simulators = widths.cast<std::vector<const CharacterSimulator *>>();
+             const py::gil_scoped_release release;
+             return std::make_unique<MaterialObjective>(simulators, performance, observations, options, space, context);
+           }),
+           py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
+           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>())
+      .def_property_readonly("width_count", &MaterialObjective::width_count)
       .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
            Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")
       .def(
@@ -232,23 +238,32 @@ void bind_energy(py::module_ &m) {
       .def_property_readonly("space", &MaterialObjective::space);
 }
 
-void bind_garment_trial(py::module_ &m) {
-  OptionsClass<TrialOptions>(m, "Which rest shapes of a garment are tried on the video.");
-  m.def("trial_samples", &trial_samples, py::arg("space"), py::arg("count"), py::arg("share") = 0,
-        "(count, n) points of the box, spread evenly, of cloth that does not stretch: the share-th (from 0) count of the "
-        "sequence.");
-  m.def(
-      "chosen_garment", &chosen_garment, py::arg("energies"), py::arg("trial") = TrialOptions{},
-      "Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.");
-  m.def("garment_energy", &garment_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
-        py::arg("trial") = TrialOptions{}, py::arg("energy") = EnergyOptions{}, py::arg("space") = ParameterSpace{},
-        py::arg("context") = interruptible_context(), Release(),
-        "pixels^2: trial_energy() of one garment in one call, summed over its regions. performance: dressed in it.");
-  m.def("trial_energy", &trial_energy, py::arg("objective"), py::arg("materials") = TrialOptions{}.materials,
-        py::arg("context") = interruptible_context(), Release(),
-        "(regions) pixels^2: what a garment costs before its material is known, the mean of the lowest quarter of E_fit over "
-        "trial_samples().");
+void bind_findings(py::module_ &m) {
+  py::class_<FitFinding>(m, "FitFinding", "What is doubtful about a parameter of an answer.")
+      .def(py::init([](const std::string &kind, const std::string &parameter, double value, double low, double high) {
+             return FitFinding{finding_kind(kind), parameter, value, low, high};
+           }),
+           py::arg("kind"), py::arg("parameter"), py::arg("value"), py::arg("low"), py::arg("high"))
+      .def_property_readonly(
+          "kind", [](const FitFinding &finding) { return finding_name(finding.kind); },
+          "'lower_bound', 'upper_bound', 'guess' or 'seeds'")
+      .def_readonly("parameter", &FitFinding::parameter, "its name")
+      .def_readonly("value", &FitFinding::value, "the answer")
+      .def_readonly("low", &FitFinding::low, "bounds: of the box; a guess: of its 90 % interval; seeds: of the answers")
+      .def_readonly("high", &FitFinding::high)
+      .def("text", &FitFinding::text, "One sentence.");
 }
+
+/// A take as Python has it; the objects live as long as this.
+struct PyTake {
+  py::list widths;
+  py::object performance, observations;
+  double dt;
+  Take take() const {
+    return {widths.cast<std::vector<const CharacterSimulator *>>(), &performance.cast<const ReferencePerformance &>(),
+            &observations.cast<const Observations &>(), dt};
+  }
+};
 
 py::dict result_dict(const FitResult &result) {
   py::list regions;
@@ -261,18 +276,21 @@ py::dict result_dict(const FitResult &result) {
     entry["best_energy"] = region.best_energy;
     entry["deviations"] = region.deviations;
     entry["spread"] = region.spread;
-    entry["remarks"] = region.remarks(result.parameters);
+    entry["answer"] = region.answer;
+    entry["width"] = region.width;
+    entry["energy_noise"] = region.energy_noise;
+    entry["findings"] = region.findings(result.space);
     py::list confidence;
     for (const Confidence level : region.confidence())
       confidence.append(confidence_name(level));
     entry["confidence"] = confidence;
-    entry["influence"] = region.influence;
+    entry["posterior"] = region.posterior;
     entry["evaluations"] = region.evaluations;
     entry["stop_reason"] = region.stop_reason;
     regions.append(entry);
   }
   py::dict dict;
-  dict["parameters"] = result.parameters;
+  dict["parameters"] = result.parameters();
   dict["regions"] = regions;
   dict["seconds"] = result.seconds;
   dict["interrupted"] = result.interrupted;
@@ -285,9 +303,9 @@ void bind_fit(py::module_ &m) {
   bind_optimizers(m);
   bind_minimise(m);
   bind_conformance(m);
-  bind_influence(m);
+  bind_posterior(m);
   bind_energy(m);
-  bind_garment_trial(m);
+  bind_findings(m);
   OptionsClass<FitOptions>(m, "Options of estimate_material.")
       .get()
       .def_readwrite("on_generation", &FitOptions::on_generation, "called with the FitResult so far, after every generation")
@@ -296,16 +314,41 @@ void bind_fit(py::module_ &m) {
       .def_property(
           "make_optimizer", [](const FitOptions &) { return py::none(); },
           [](FitOptions &options, const py::object &make) { options.make_optimizer = optimizer_factory(make); },
-          "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
+          "make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.");
+  py::class_<PyTake>(m, "Take", "One film of a character: simulators (one a width of its garment), what was captured and seen.")
+      .def(py::init([](const py::list &widths, const py::object &performance, const py::object &observations, double dt) {
+             PyTake take{widths, performance, observations, dt};
+             take.take(); // wrong types are found now
+             return take;
+           }),
+           py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("dt") = 1.0 / 40);
+  m.def(
+      "estimate_material",
+      [](const std::vector<const PyTake *> &takes, const FitOptions &options, const Context &context) {
+        std::vector<Take> all;
+        for (const PyTake *take : takes)
+          all.push_back(take->take());
+        const py::gil_scoped_release release;
+        return estimate_material(all, options, context);
+      },
+      py::arg("takes"), py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(),
+      "The material, and the width of the garment, under which several takes are explained together -> FitResult.");
   py::class_<FitResult>(m, "FitResult", "The estimated material of every region.")
       .def_property_readonly("materials", &FitResult::materials, "one a region")
+      .def_property_readonly("chosen_widths", &FitResult::chosen_widths,
+                             "position of the garment's width, one a region; may be empty")
+      .def("at_positions", &FitResult::at_positions, py::arg("positions"),
+           "The same for a garment whose positions the widths of a take were (see common_widths).")
       .def_readonly("log", &FitResult::log)
       .def_readonly("solver", &FitResult::solver)
       .def_readonly("seconds", &FitResult::seconds)
       .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
       .def("to_dict", &result_dict, "Everything as plain values.");
-  m.def("estimate_material", &estimate_material, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
-        py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(), Release(),
+  m.def("estimate_material",
+        py::overload_cast<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const FitOptions &,
+                          const Context &>(&estimate_material),
+        py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = FitOptions{},
+        py::arg("context") = interruptible_context(), Release(),
         "Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes "
         "on from options.checkpoint if that is there.");
   m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
@@ -338,6 +381,8 @@ void bind_fit(py::module_ &m) {
       "simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.");
   m.def("write_materials", &write_materials, py::arg("path"), py::arg("result"), Release(),
         "material.json, complete or not at all.");
+  m.def("read_widths", &read_widths, py::arg("path"), Release(),
+        "material.json: position of the garment's width, one a region; empty if it names none.");
   m.def(
       "read_materials", &read_materials, py::arg("path"), py::arg("solver") = std::nullopt, Release(),
       "material.json: one Material a region. Raises FileNotFoundError, or Error naming file and parameter, or the setting of the "

@@ -17,6 +17,25 @@ template <class Matrix> Matrix stacked(const Matrix &top, const Matrix &bottom) 
   return both;
 }
 
+std::vector<double> all_at(const Garment &garment, double width) {
+  return std::vector<double>(static_cast<std::size_t>(garment.region_count), width);
+}
+
+/// m^2 at rest, with all regions at this position among the widths.
+double area_at(const Garment &garment, double width) {
+  return face_areas(worn(garment, all_at(garment, width)).rest, garment.mesh.faces).sum();
+}
+
+/// Where the area is `area`, by bisection: it falls from the first width to the last.
+double position_of(const Garment &garment, double area) {
+  double low = 0, high = static_cast<double>(garment.widths.size()) - 1;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (area_at(garment, middle) > area ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 } // namespace
 
 void validate_garment(const Garment &garment, const RiggedMesh &actor, const std::string &what) {
@@ -30,6 +49,11 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
   expect("region", garment.region.size());
   expect("clothness", garment.clothness.size());
   expect("rest", garment.rest.rows());
+  for (const Vertices &width : garment.widths) {
+    expect("widths", width.rows());
+    if (!width.allFinite())
+      throw Error(what + ": array 'widths': expected finite positions, found NaN or infinity");
+  }
   expect("actor_face", garment.actor_face.size());
   expect("barycentric", garment.barycentric.rows());
   if (static_cast<Eigen::Index>(garment.covers.size()) != actor.mesh.faces.rows())
@@ -50,6 +74,59 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
     if (!(garment.barycentric.row(v).minCoeff() > -1e-3 && std::abs(garment.barycentric.row(v).sum() - 1) < 1e-3))
       fail("barycentric coordinates with sum one", garment.barycentric.row(v).sum());
   }
+}
+
+Garment worn(const Garment &garment, const std::vector<double> &chosen) {
+  Garment result = garment;
+  result.widths.clear();
+  if (garment.widths.empty() || chosen.empty())
+    return result;
+  if (static_cast<int>(chosen.size()) != garment.region_count)
+    throw std::invalid_argument("worn: expected one width for each of " + std::to_string(garment.region_count) +
+                                " regions, found " + std::to_string(chosen.size()));
+  const double last = static_cast<double>(garment.widths.size()) - 1;
+  for (double width : chosen)
+    if (!(width >= 0 && width <= last))
+      throw std::invalid_argument("worn: expected a width between 0 and " + std::to_string(garment.widths.size() - 1) +
+                                  ", found " + std::to_string(width));
+  for (Eigen::Index v = 0; v < result.rest.rows(); ++v) {
+    const double width = chosen[garment.region[v]], below = std::floor(width), share = width - below;
+    const auto first = static_cast<std::size_t>(below), second = static_cast<std::size_t>(std::min(below + 1, last));
+    result.rest.row(v) = garment.widths[first].row(v);
+    if (share > 0)
+      result.rest.row(v) = (1 - share) * result.rest.row(v) + share * garment.widths[second].row(v);
+  }
+  return result;
+}
+
+std::vector<Garment> offered(const Garment &garment) {
+  std::vector<Garment> result;
+  for (std::size_t width = 0; width < garment.widths.size(); ++width)
+    result.push_back(worn(garment, all_at(garment, static_cast<double>(width))));
+  if (result.empty())
+    result.push_back(garment);
+  return result;
+}
+
+std::vector<std::vector<double>> common_widths(const std::vector<Garment> &garments, int count) {
+  if (garments.empty() || count < 2)
+    throw std::invalid_argument("common_widths: expected at least one garment and two widths, found " +
+                                std::to_string(garments.size()) + " and " + std::to_string(count));
+  double widest = std::numeric_limits<double>::infinity(), narrowest = 0;
+  for (const Garment &garment : garments) {
+    if (garment.widths.size() < 2)
+      throw std::invalid_argument("common_widths: expected garments that offer several widths, found one that does not");
+    widest = std::min(widest, area_at(garment, 0));
+    narrowest = std::max(narrowest, area_at(garment, static_cast<double>(garment.widths.size()) - 1));
+  }
+  if (!(narrowest < widest))
+    throw std::invalid_argument("common_widths: expected garments that can be equally wide, found one whose narrowest area, " +
+                                std::to_string(narrowest) + " m^2, is above another's widest, " + std::to_string(widest));
+  std::vector<std::vector<double>> positions(garments.size());
+  for (std::size_t g = 0; g < garments.size(); ++g)
+    for (int k = 0; k < count; ++k)
+      positions[g].push_back(position_of(garments[g], widest + (narrowest - widest) * k / (count - 1)));
+  return positions;
 }
 
 MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const MatrixRM &values) {

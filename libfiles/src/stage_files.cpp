@@ -295,6 +295,16 @@ void write_garment(const Path &path, const Garment &garment) {
   npz.set_i4("region", {G}, {garment.region.data(), garment.region.data() + G});
   npz.set_f4("clothness", {G}, flat(garment.clothness));
   npz.set_f4("rest", {G, 3}, flat(garment.rest));
+  if (!garment.widths.empty()) {
+    std::vector<double> widths;
+    for (const Vertices &width : garment.widths) {
+      require(width.rows() == G,
+              "write_garment: expected widths of " + std::to_string(G) + " vertices, found " + std::to_string(width.rows()));
+      const auto values = flat(width);
+      widths.insert(widths.end(), values.begin(), values.end());
+    }
+    npz.set_f4("widths", {static_cast<std::int64_t>(garment.widths.size()), G, 3}, widths);
+  }
   npz.set_i4("actor_face", {G}, {garment.actor_face.data(), garment.actor_face.data() + G});
   npz.set_f4("barycentric", {G, 3}, flat(garment.barycentric));
   npz.set_b1("covers", garment.covers);
@@ -320,6 +330,12 @@ Garment read_garment(const Path &path, const RiggedMesh &actor) {
   out.actor_face = integers("actor_face");
   out.clothness = read_vector(npz, "clothness", G);
   out.rest = npz.matrix("rest");
+  if (npz.has("widths")) {
+    npz.require_shape("widths", {-1, G, 3});
+    const std::vector<double> values = npz.values("widths");
+    for (std::int64_t k = 0; k < npz.shape("widths")[0]; ++k)
+      out.widths.push_back(Eigen::Map<const Vertices>(values.data() + 3 * k * G, G, 3));
+  }
   out.barycentric = npz.matrix("barycentric");
   for (int covered : npz.integers("covers"))
     out.covers.push_back(covered ? 1 : 0);

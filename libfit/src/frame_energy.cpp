@@ -135,12 +135,12 @@ void FrameEnergy::finish(Rollout &rollout, int t) const {
   }
 }
 
-double FrameEnergy::mean(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const {
+double FrameEnergy::mean(const Terms &terms, int region) const {
   const auto over_frames = [&](double FrameTerms::*term) {
     double sum = 0;
     int count = 0;
     for (int t = 0; t < observed_.frame_count(); ++t)
-      if (counts[t] && observed_.worst[region][t].*term > 0) {
+      if (observed_.worst[region][t].*term > 0) {
         sum += terms[region][t].*term;
         ++count;
       }
@@ -153,7 +153,7 @@ double FrameEnergy::mean(const Terms &terms, int region, const std::vector<std::
 std::vector<double> FrameEnergy::mean(const Terms &terms) const {
   std::vector<double> result;
   for (int r = 0; r < observed_.regions(); ++r)
-    result.push_back(mean(terms, r, std::vector<std::uint8_t>(observed_.frames.size(), 1)));
+    result.push_back(mean(terms, r));
   return result;
 }
 

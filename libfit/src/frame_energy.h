@@ -9,8 +9,8 @@ namespace doublet::fit {
 
 /// One sample on its way through a window.
 struct Rollout {
-  int sample;
   std::vector<pbd::Material> materials; ///< [R]
+  std::vector<int> widths;              ///< [R] index of the rest shape
   CharacterState state;
   std::vector<std::uint8_t> exploded; ///< [R]
   Terms *terms = nullptr;             ///< of the sample
@@ -40,9 +40,9 @@ public:
   void measure(std::span<Rollout> group, int t, Measure &measure) const;
   /// Surfaces in the place of a simulation: one sample that never explodes.
   Terms surface_terms(const std::vector<Vertices> &surfaces) const;
-  /// Eq. (8), over the frames that count so far: each term over those of them in which there is something to compare.
-  double mean(const Terms &terms, int region, const std::vector<std::uint8_t> &counts) const;
-  /// (R) over all frames.
+  /// Eq. (8): each term over the frames in which there is something to compare.
+  double mean(const Terms &terms, int region) const;
+  /// (R)
   std::vector<double> mean(const Terms &terms) const;
 
 private:

@@ -1,13 +1,12 @@
 #include "doublet/fit/material_estimator.h"
 
 #include "doublet/core/error.h"
-#include "doublet/fit/garment_trial.h"
 #include "doublet/options/options.h"
+#include "even_points.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace doublet {
@@ -15,9 +14,38 @@ namespace {
 
 constexpr int kFramesPerReport = 8;
 constexpr double kSmallestStep = 1e-6; // of annealing, which needs one
-constexpr double kWellSearched = 0.1;  // of the box: a deviation below it is a parameter that was found
+constexpr double kFound = 0.25;        // of the box: a 90 % interval below it is a parameter that was found
+constexpr double kGuess = 0.5;         // of the box: above it a guess
 constexpr double kDisputed = 0.1;      // of the box: searches whose answers are spread by more disagree
 constexpr double kAtBound = 0.01;      // of the box: closer to its bound is at it
+constexpr int kGroup = 16;             // samples of one width, see BayesianOptions
+constexpr int kRepeats = 15;           // of the answer, whose mean is its energy; with the box's centre 16 lanes
+constexpr double kNowhere = 0.001;     // of the box: far below what any film tells
+constexpr const char *kWidth = "width";
+
+/// What is searched: materials, and a width if there is a choice.
+struct Searched {
+  const ParameterSpace &space;
+  int widths;
+  int size() const { return space.size() + (widths > 1 ? 1 : 0); }
+  pbd::Material material(const Eigen::VectorXd &unit) const { return space.material(unit.head(space.size())); }
+  int width(const Eigen::VectorXd &unit) const { return widths > 1 ? width_index(unit[space.size()], widths) : -1; }
+};
+
+/// (count, n) spread evenly over the box; three of four do not stretch, as hardly any cloth does, and groups share a width.
+/// `share`: which `count` of the sequence, so that searches side by side begin with different ones.
+MatrixRM first_samples(const Searched &searched, int count, int share) {
+  MatrixRM samples = even_points(count, searched.size(), share * count);
+  const auto &names = searched.space.names;
+  const auto stretch = std::find(names.begin(), names.end(), "k_stretch") - names.begin();
+  for (Eigen::Index s = 0; s < count; ++s) {
+    if (stretch < searched.space.size() && s % 4 != 3)
+      samples(s, stretch) = 1;
+    if (searched.widths > 1)
+      samples(s, searched.space.size()) = static_cast<double>(s / kGroup % searched.widths) / (searched.widths - 1);
+  }
+  return samples;
+}
 
 CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   CmaEsOptions cma;
@@ -27,8 +55,6 @@ CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   cma.smallest_deviation = options.smallest_deviation;
   cma.stagnation = options.stagnation;
   cma.seed = seed;
-  if (options.first_samples > 0)
-    cma.first = trial_samples(options.space, options.first_samples, static_cast<int>(seed - options.seed));
   return cma;
 }
 
@@ -43,34 +69,69 @@ AnnealingOptions annealing_options(const FitOptions &options, std::uint64_t seed
   return annealing;
 }
 
-OptimizerFactory optimizer_factory(const FitOptions &options) {
+BayesianOptions bayesian_options(const FitOptions &options, const Searched &searched, std::uint64_t seed) {
+  BayesianOptions bayesian;
+  if (options.population > 0)
+    bayesian.population = options.population;
+  bayesian.max_evaluations = options.max_evaluations;
+  bayesian.regret = options.regret;
+  bayesian.levels = searched.widths > 1 ? searched.widths : 0;
+  bayesian.seed = seed;
+  constexpr std::uint64_t kShares = 1000; // the sequence is long, not endless
+  bayesian.first = first_samples(searched, options.first_samples, static_cast<int>(seed % kShares));
+  return bayesian;
+}
+
+OptimizerFactory optimizer_factory(const FitOptions &options, const Searched &searched) {
   if (options.make_optimizer)
     return options.make_optimizer;
   if (options.optimizer == "annealing")
     return [options](int n, std::uint64_t seed) { return create_simulated_annealing(n, annealing_options(options, seed)); };
-  return [options](int n, std::uint64_t seed) { return create_cma_es(n, cma_options(options, seed)); };
+  if (options.optimizer == "cma-es")
+    return [options](int n, std::uint64_t seed) { return create_cma_es(n, cma_options(options, seed)); };
+  return [options, searched](int n, std::uint64_t seed) { return create_bayesian(n, bayesian_options(options, searched, seed)); };
 }
 
-/// The objective whose samples are raced against those of the same call.
-class Raced : public Objective {
+/// The energies of several takes, added.
+class AllTakes : public Objective {
 public:
-  Raced(const MaterialObjective &objective, double margin) : objective_(objective), margin_(margin) {}
-  int parameter_count() const override { return objective_.parameter_count(); }
-  int part_count() const override { return objective_.part_count(); }
+  AllTakes(const std::vector<Take> &takes, const FitOptions &options, const Context &context) {
+    for (const Take &take : takes) {
+      require(take.performance && take.observations,
+              "estimate_material: takes: expected performance and observations, found none");
+      EnergyOptions energy = options.energy;
+      energy.dt = take.dt;
+      takes_.push_back(std::make_unique<MaterialObjective>(take.widths, *take.performance, *take.observations, energy,
+                                                           options.space, context));
+      require(takes_.back()->part_count() == takes_[0]->part_count() && takes_.back()->width_count() == takes_[0]->width_count(),
+              "estimate_material: takes: expected as many cloth regions and widths in all, found " +
+                  std::to_string(takes_.back()->part_count()) + " and " + std::to_string(takes_.back()->width_count()) +
+                  " beside " + std::to_string(takes_[0]->part_count()) + " and " + std::to_string(takes_[0]->width_count()));
+    }
+  }
+  int parameter_count() const override { return takes_[0]->parameter_count(); }
+  int part_count() const override { return takes_[0]->part_count(); }
   MatrixRM evaluate(const MatrixRM &samples, const Context &context) override {
-    return objective_.race(samples, margin_, context);
+    MatrixRM sum = takes_[0]->evaluate(samples, context);
+    for (std::size_t i = 1; i < takes_.size(); ++i)
+      sum += takes_[i]->evaluate(samples, context);
+    return sum;
+  }
+  std::string fingerprint() const {
+    std::string all;
+    for (const auto &take : takes_)
+      all += take->fingerprint() + " ";
+    return all;
   }
 
 private:
-  const MaterialObjective &objective_;
-  double margin_;
+  std::vector<std::unique_ptr<MaterialObjective>> takes_;
 };
 
 /// Searches from several seeds at once, so that their samples fill the lanes: part k R + r is search k of region r.
 class Searches : public Objective {
 public:
-  Searches(Raced &objective, const FitOptions &options)
-      : objective_(objective), count_(options.seeds), apart_(options.stop_margin > 0) {}
+  Searches(AllTakes &objective, int count) : objective_(objective), count_(count) {}
   int parameter_count() const override { return objective_.parameter_count(); }
   int part_count() const override { return count_ * regions(); }
   int regions() const { return objective_.part_count(); }
@@ -79,13 +140,7 @@ public:
 
   MatrixRM evaluate(const MatrixRM &samples, const Context &context) override {
     const Eigen::Index rows = samples.rows(), width = static_cast<Eigen::Index>(regions()) * parameter_count();
-    MatrixRM energies(rows, part_count());
-    if (apart_) { // samples are compared with those of their own search alone
-      for (int k = 0; k < count_; ++k)
-        energies.middleCols(part(k, 0), regions()) = objective_.evaluate(samples.middleCols(k * width, width), context);
-      return energies;
-    }
-    MatrixRM all(count_ * rows, width);
+    MatrixRM all(count_ * rows, width), energies(rows, part_count());
     for (int k = 0; k < count_; ++k)
       all.middleRows(k * rows, rows) = samples.middleCols(k * width, width);
     const MatrixRM found = objective_.evaluate(all, context);
@@ -95,9 +150,8 @@ public:
   }
 
 private:
-  Raced &objective_;
+  AllTakes &objective_;
   int count_;
-  bool apart_;
 };
 
 Eigen::VectorXd in_box(const Eigen::VectorXd &unit) {
@@ -105,7 +159,7 @@ Eigen::VectorXd in_box(const Eigen::VectorXd &unit) {
 }
 
 /// What search `k` has found of region `r`, without any energy; evaluations are those of all searches.
-RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int k, int r, const ParameterSpace &space) {
+RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int k, int r, const Searched &searched) {
   const OptimizerResult &part = found.parts[searches.part(k, r)];
   RegionFit region;
   region.deviations = part.deviations;
@@ -114,7 +168,7 @@ RegionFit region_fit(const MinimiseResult &found, const Searches &searches, int 
     region.evaluations += found.parts[searches.part(other, r)].evaluations;
     region.generations += found.parts[searches.part(other, r)].generations;
   }
-  region.best = space.material(part.best);
+  region.best = searched.material(part.best);
   return region;
 }
 
@@ -139,22 +193,23 @@ int lowest(const std::vector<double> &energies) {
 }
 
 /// The best so far, while the search goes on.
-FitResult interrupted(FitResult result, const MinimiseResult &found, const Searches &searches, const FitOptions &options) {
+FitResult interrupted(FitResult result, const MinimiseResult &found, const Searches &searches, const Searched &searched) {
   result.interrupted = true;
   result.seconds = found.seconds;
   std::vector<int> chosen;
   for (int r = 0; r < searches.regions(); ++r) {
-    std::vector<double> energies; // of the best samples, which were told with the penalty, see minimise()
-    for (int k = 0; k < searches.count(); ++k) {
-      const int p = searches.part(k, r);
-      const Eigen::VectorXd &best = found.parts[p].best;
-      energies.push_back(found.parts[p].best_energy - found.penalties[p] * (best - in_box(best)).squaredNorm());
-    }
+    std::vector<double> energies;
+    for (int k = 0; k < searches.count(); ++k)
+      energies.push_back(found.energies[searches.part(k, r)].minCoeff());
     chosen.push_back(lowest(energies));
-    RegionFit region = region_fit(found, searches, chosen[r], r, options.space);
+    const int part = searches.part(chosen[r], r);
+    Eigen::Index best = 0;
+    found.energies[part].minCoeff(&best);
+    RegionFit region = region_fit(found, searches, chosen[r], r, searched);
+    region.answer = found.samples[part].row(best).transpose();
     region.energy = region.best_energy = energies[chosen[r]];
-    region.material = region.best;
-    region.answer = in_box(found.parts[searches.part(chosen[r], r)].best);
+    region.material = region.best = searched.material(region.answer);
+    region.width = searched.width(region.answer);
     result.regions.push_back(region);
   }
   result.log = log_of(found, searches, chosen);
@@ -163,10 +218,9 @@ FitResult interrupted(FitResult result, const MinimiseResult &found, const Searc
 
 /// What a search depends on: every option but those that matter after it. The budget is no part of it, for a search goes on with
 /// a larger one; only annealing's schedule depends on it.
-std::string problem_of(const FitOptions &options, const MaterialObjective &objective) {
+std::string problem_of(const FitOptions &options, const AllTakes &objective) {
   const auto counts = [&](const std::string &name) {
-    for (const char *other :
-         {"answer_generations", "answer_best", "influence", "space.", "energy."}) // two are in the fingerprint
+    for (const char *other : {"space.", "energy."}) // in the fingerprint
       if (name.rfind(other, 0) == 0)
         return false;
     return name != "max_evaluations" || options.optimizer == "annealing";
@@ -178,8 +232,8 @@ std::string problem_of(const FitOptions &options, const MaterialObjective &objec
   return problem + (options.make_optimizer ? " own optimiser" : "");
 }
 
-MinimiseOptions minimise_options(const FitOptions &options, const MaterialObjective &objective, const Searches &searches,
-                                 const FitResult &frame) {
+MinimiseOptions minimise_options(const FitOptions &options, const AllTakes &objective, const Searches &searches,
+                                 const Searched &searched, const FitResult &frame) {
   MinimiseOptions result;
   result.seed = options.seed;
   result.penalty = options.penalty;
@@ -187,10 +241,10 @@ MinimiseOptions minimise_options(const FitOptions &options, const MaterialObject
   result.expected_evaluations = options.max_evaluations;
   result.budget = options.max_evaluations;
   result.checkpoint = options.checkpoint;
-  result.make_optimizer = optimizer_factory(options);
+  result.make_optimizer = optimizer_factory(options, searched);
   result.problem = problem_of(options, objective);
-  result.on_generation = [&options, &searches, &frame](const MinimiseResult &found) {
-    const FitResult so_far = interrupted(frame, found, searches, options);
+  result.on_generation = [&options, &searches, searched, &frame](const MinimiseResult &found) {
+    const FitResult so_far = interrupted(frame, found, searches, searched);
     if (!options.log.empty())
       write_fit_log(options.log, so_far.log, options.space);
     if (options.on_generation)
@@ -207,110 +261,86 @@ bool has_matches(const Observations &observations) {
   return false;
 }
 
-/// [count] (n) means of the last generations of a part, the last one first; the oldest again where the search was shorter.
-std::vector<Eigen::VectorXd> last_means(const MinimiseResult &found, int part, int count) {
-  std::vector<Eigen::VectorXd> means;
-  for (auto row = found.log.rbegin(); row != found.log.rend() && static_cast<int>(means.size()) < count; ++row)
-    if (row->part == part)
-      means.push_back(row->mean);
-  if (!means.empty())
-    means.resize(static_cast<std::size_t>(count), means.back());
-  return means;
+/// (kRepeats + 1, n) samples that are the answer for all practical purposes, and the centre of the box.
+MatrixRM repeats_of(const Eigen::VectorXd &answer, const Searched &searched) {
+  MatrixRM samples = answer.transpose().replicate(kRepeats + 1, 1);
+  for (int k = 1; k < kRepeats; ++k) {
+    double &x = samples(k, k % searched.space.size());
+    const double step = kNowhere * (1 + k / searched.space.size()) * (k % 2 ? 1 : -1); // no two alike
+    x += x + step < 0 || x + step > 1 ? -step : step;
+  }
+  samples.row(kRepeats).head(searched.space.size()).setConstant(0.5);
+  return samples;
 }
 
-/// What one of the searches may answer about a region: candidates (K, n), box units, and their E_fit.
-struct Answers {
-  MatrixRM candidates;
-  Eigen::VectorXd energies;
-  int chosen() const { return lowest({energies.begin(), energies.end()}); }
-  Eigen::VectorXd answer() const { return candidates.row(chosen()).transpose(); }
-  double energy() const { return energies[chosen()]; }
+/// What an answer costs.
+struct AnswerCost {
+  Eigen::VectorXd answer; ///< (n) box units
+  double energy = 0, noise = 0, centre = 0;
 };
 
-/// What is known about a region once the searches are over.
-struct Finals {
-  double centre = 0;                 ///< E_fit of the box's centre
-  std::vector<Answers> means, bests; ///< [searches]
-};
-
-/// [regions], all energies in one go.
-std::vector<Finals> final_energies(const MaterialObjective &objective, const Searches &searches, const MinimiseResult &found,
-                                   int generations, const Context &context) {
-  const ParameterSpace &space = objective.space();
-  const int count = searches.count(), regions = searches.regions();
-  std::vector<Finals> result(regions);
-  std::vector<std::vector<pbd::Material>> materials(1 + count * (generations + 1));
-  for (int r = 0; r < regions; ++r) {
-    int next = 0;
-    materials[next++].push_back(space.material(Eigen::VectorXd::Constant(space.size(), 0.5)));
-    for (int k = 0; k < count; ++k) {
-      const int part = searches.part(k, r);
-      Answers means{MatrixRM(generations, space.size()), {}}, best{MatrixRM(1, space.size()), {}};
-      const std::vector<Eigen::VectorXd> last = last_means(found, part, generations);
-      for (int g = 0; g < generations; ++g)
-        means.candidates.row(g) = in_box(last[g]);
-      best.candidates.row(0) = in_box(found.parts[part].best);
-      for (const Answers *answers : {&means, &best})
-        for (const auto &candidate : answers->candidates.rowwise())
-          materials[next++].push_back(space.material(candidate.transpose()));
-      result[r].means.push_back(std::move(means));
-      result[r].bests.push_back(std::move(best));
+/// [searches][regions], all in one go.
+std::vector<std::vector<AnswerCost>> answer_costs(AllTakes &objective, const Searches &searches, const MinimiseResult &found,
+                                                  const Searched &searched, const Context &context) {
+  const int n = searched.size();
+  MatrixRM samples(static_cast<Eigen::Index>(searches.count()) * (kRepeats + 1),
+                   static_cast<Eigen::Index>(n) * searches.regions());
+  std::vector<std::vector<AnswerCost>> costs(searches.count(), std::vector<AnswerCost>(searches.regions()));
+  for (int k = 0; k < searches.count(); ++k)
+    for (int r = 0; r < searches.regions(); ++r) {
+      costs[k][r].answer = in_box(found.parts[searches.part(k, r)].answer);
+      samples.block(k * (kRepeats + 1), r * n, kRepeats + 1, n) = repeats_of(costs[k][r].answer, searched);
     }
-  }
-  const MatrixRM energies = objective.energies(materials, context);
-  for (int r = 0; r < regions; ++r) {
-    Eigen::Index next = 0;
-    result[r].centre = energies(next++, r);
-    for (int k = 0; k < count; ++k)
-      for (Answers *answers : {&result[r].means[k], &result[r].bests[k]}) {
-        answers->energies = energies.col(r).segment(next, answers->candidates.rows());
-        next += answers->candidates.rows();
-      }
-  }
-  return result;
-}
-
-/// Index of the search of the lowest energy.
-int lowest_of(const std::vector<Answers> &searches) {
-  std::vector<double> energies;
-  for (const Answers &answers : searches)
-    energies.push_back(answers.energy());
-  return lowest(energies);
+  const MatrixRM energies = objective.evaluate(samples, context);
+  for (int k = 0; k < searches.count(); ++k)
+    for (int r = 0; r < searches.regions(); ++r) {
+      const Eigen::VectorXd column = energies.col(r).segment(k * (kRepeats + 1), kRepeats + 1);
+      AnswerCost &cost = costs[k][r];
+      cost.energy = column.head(kRepeats).mean();
+      cost.noise = std::sqrt((column.head(kRepeats).array() - cost.energy).square().sum() / (kRepeats - 1));
+      cost.centre = column[kRepeats];
+    }
+  return costs;
 }
 
 /// The answer of the search of lowest energy. chosen: which.
-RegionFit final_region(const MinimiseResult &found, const Searches &searches, int r, const Finals &finals,
-                       const FitOptions &options, int &chosen) {
-  const std::vector<Answers> &answers = options.answer_best ? finals.bests : finals.means;
-  chosen = lowest_of(answers);
-  RegionFit region = region_fit(found, searches, chosen, r, options.space);
-  region.answer = answers[chosen].answer();
-  region.material = options.space.material(region.answer);
-  region.energy = answers[chosen].energy();
-  region.energy_at_centre = finals.centre;
-  const Answers &best = finals.bests[lowest_of(finals.bests)];
-  region.best = options.space.material(best.answer());
-  region.best_energy = best.energy();
-  if (answers.size() > 1) {
-    MatrixRM all(answers.size(), options.space.size());
-    for (std::size_t k = 0; k < answers.size(); ++k)
-      all.row(static_cast<Eigen::Index>(k)) = answers[k].answer().transpose();
-    region.spread = (all.colwise().maxCoeff() - all.colwise().minCoeff()).transpose() / 2;
+RegionFit final_region(const MinimiseResult &found, const Searches &searches, int r,
+                       const std::vector<std::vector<AnswerCost>> &costs, const FitOptions &options, const Searched &searched,
+                       int &chosen) {
+  std::vector<double> energies;
+  MatrixRM answers(searches.count(), searched.size());
+  for (int k = 0; k < searches.count(); ++k) {
+    energies.push_back(costs[k][r].energy);
+    answers.row(k) = costs[k][r].answer.transpose();
+  }
+  chosen = lowest(energies);
+  const AnswerCost &cost = costs[chosen][r];
+  const int part = searches.part(chosen, r);
+  RegionFit region = region_fit(found, searches, chosen, r, searched);
+  region.answer = cost.answer;
+  region.material = searched.material(region.answer);
+  region.width = searched.width(region.answer);
+  region.energy = cost.energy;
+  region.energy_noise = cost.noise;
+  region.energy_at_centre = cost.centre;
+  region.best_energy = found.energies[part].minCoeff();
+  if (searches.count() > 1)
+    region.spread = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
+  if (found.energies[part].size() > 1) {
+    PosteriorOptions posterior;
+    posterior.noise = cost.noise;
+    posterior.levels = searched.widths;
+    posterior.seed = options.seed;
+    region.posterior = posterior_of(found.samples[part], found.energies[part], posterior);
   }
   return region;
-}
-
-void say_remarks(const FitResult &result, const Context &context) {
-  for (std::size_t r = 0; r < result.regions.size(); ++r)
-    for (const std::string &remark : result.regions[r].remarks(result.parameters))
-      context.say("fit: region " + std::to_string(r) + ": " + remark);
 }
 
 const pbd::MaterialParameter &parameter_named(const std::string &name) {
   for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
     if (name == parameter.name)
       return parameter;
-  throw std::invalid_argument("remarks: names: expected parameters of a material, found '" + name + "'");
+  throw std::invalid_argument("expected a parameter of a material, found '" + name + "'");
 }
 
 /// Put on in the rest pose, where cloth has a rest shape, else as captured. first: the first pose
@@ -330,50 +360,96 @@ CharacterState cloth_at_first_pose(const CharacterSimulator &simulator, const Re
   return simulator.put_on(way, materials, world);
 }
 
+struct NamedKind {
+  FitFinding::Kind kind;
+  const char *name;
+};
+constexpr NamedKind kKinds[] = {{FitFinding::Kind::kLowerBound, "lower_bound"},
+                                {FitFinding::Kind::kUpperBound, "upper_bound"},
+                                {FitFinding::Kind::kGuess, "guess"},
+                                {FitFinding::Kind::kSeeds, "seeds"}};
+
 } // namespace
 
 const char *confidence_name(Confidence confidence) {
   return confidence == Confidence::kLow ? "low" : confidence == Confidence::kMedium ? "medium" : "high";
 }
 
+const char *finding_name(FitFinding::Kind kind) {
+  for (const NamedKind &named : kKinds)
+    if (named.kind == kind)
+      return named.name;
+  return "";
+}
+
+FitFinding::Kind finding_kind(const std::string &name) {
+  for (const NamedKind &named : kKinds)
+    if (name == named.name)
+      return named.kind;
+  throw std::invalid_argument("finding_kind: expected lower_bound, upper_bound, guess or seeds, found '" + name + "'");
+}
+
+std::string FitFinding::text() const {
+  const std::string is = parameter + " = " + options::shown(value, 3), from = options::shown(low, 3),
+                    to = options::shown(high, 3);
+  switch (kind) {
+  case Kind::kLowerBound:
+    return is + " lies at the lower bound of its box, " + from + ": the search would go further if it could.";
+  case Kind::kUpperBound:
+    return is + " lies at the upper bound of its box, " + to + ": the search would go further if it could.";
+  case Kind::kGuess:
+    return is + " is a guess: the film tells no more than that it lies between " + from + " and " + to + " (90 %).";
+  case Kind::kSeeds:
+    return is + " depends on the seed: the answers of the searches lie between " + from + " and " + to + ".";
+  }
+  return is;
+}
+
 std::vector<Confidence> RegionFit::confidence() const {
   std::vector<Confidence> result;
-  for (int i = 0; i < influence.change.size(); ++i) {
-    const bool found = deviations[i] < kWellSearched;
-    const bool disputed = spread.size() > 0 && spread[i] > kDisputed;
-    result.push_back(!influence.exceeds_noise(i) || (!found && disputed) ? Confidence::kLow
-                     : found && !disputed                                ? Confidence::kHigh
-                                                                         : Confidence::kMedium);
+  for (const auto &interval : posterior.interval.rowwise()) {
+    const double length = interval[1] - interval[0];
+    result.push_back(length > kGuess ? Confidence::kLow : length > kFound ? Confidence::kMedium : Confidence::kHigh);
   }
   return result;
 }
 
-std::vector<std::string> RegionFit::remarks(const std::vector<std::string> &names) const {
-  std::vector<std::string> result;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const pbd::MaterialParameter &parameter = parameter_named(names[k]);
-    const std::string value = names[k] + " = " + options::shown(material.*parameter.value, 3);
-    const bool low = i < answer.size() && answer[i] <= kAtBound, high = i < answer.size() && answer[i] >= 1 - kAtBound;
-    if (low || high)
-      result.push_back(value + " lies at the " + (low ? "lower" : "upper") + " bound of its box, " +
-                       options::shown(low ? parameter.lower : parameter.upper, 3) + ": the search would go further if it could.");
-    if (i < influence.change.size() && !influence.exceeds_noise(static_cast<int>(i)))
-      result.push_back(value + " is a guess: the motion does not tell it (moved alone it changes the energy by " +
-                       options::shown(influence.change[i], 3) + " pixels^2; " +
-                       options::shown(Influence::kBeyondNoise * influence.noise, 3) + " would be beyond noise).");
+std::vector<FitFinding> RegionFit::findings(const ParameterSpace &space) const {
+  std::vector<FitFinding> result;
+  const auto value_at = [&](int i, double unit) {
+    Eigen::VectorXd point = answer.head(space.size());
+    point[i] = unit;
+    return space.material(point).*parameter_named(space.names[i]).value;
+  };
+  const std::vector<Confidence> known = confidence();
+  for (int i = 0; i < space.size() && i < answer.size(); ++i) {
+    const pbd::MaterialParameter &parameter = parameter_named(space.names[i]);
+    const auto add = [&](FitFinding::Kind kind, double low, double high) {
+      result.push_back({kind, space.names[i], material.*parameter.value, low, high});
+    };
+    if (answer[i] <= kAtBound)
+      add(FitFinding::Kind::kLowerBound, parameter.lower, parameter.upper);
+    if (answer[i] >= 1 - kAtBound)
+      add(FitFinding::Kind::kUpperBound, parameter.lower, parameter.upper);
+    if (i < static_cast<int>(known.size()) && known[i] == Confidence::kLow)
+      add(FitFinding::Kind::kGuess, value_at(i, posterior.interval(i, 0)), value_at(i, posterior.interval(i, 1)));
     if (i < spread.size() && spread[i] > kDisputed)
-      result.push_back(value + " depends on the seed: the answers of the searches span " + options::shown(2 * spread[i], 3) +
-                       " of its box.");
+      add(FitFinding::Kind::kSeeds, value_at(i, std::max(0.0, answer[i] - 2 * spread[i])),
+          value_at(i, std::min(1.0, answer[i] + 2 * spread[i])));
   }
   return result;
 }
 
 void FitOptions::validate() const {
   options::check(*this);
-  require(first_samples == 0 || first_samples >= 4,
-          "FitOptions: first_samples: expected 0 or at least 4, found " + std::to_string(first_samples));
   cma_options(*this, seed).validate();
+}
+
+std::vector<std::string> FitResult::parameters() const {
+  std::vector<std::string> names = space.names;
+  if (widths > 1)
+    names.push_back(kWidth);
+  return names;
 }
 
 std::vector<pbd::Material> FitResult::materials() const {
@@ -383,45 +459,62 @@ std::vector<pbd::Material> FitResult::materials() const {
   return result;
 }
 
+FitResult FitResult::at_positions(const std::vector<double> &positions) const {
+  require(static_cast<int>(positions.size()) == widths, "FitResult::at_positions: expected " + std::to_string(widths) +
+                                                            " positions, found " + std::to_string(positions.size()));
+  FitResult result = *this;
+  for (RegionFit &region : result.regions)
+    if (widths > 1)
+      region.width = positions[static_cast<std::size_t>(region.width)];
+  return result;
+}
+
+std::vector<double> FitResult::chosen_widths() const {
+  std::vector<double> result;
+  for (const RegionFit &region : regions)
+    if (widths > 1)
+      result.push_back(region.width);
+  return result;
+}
+
 FitResult estimate_material(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                             const Observations &observations, const FitOptions &options, const Context &context) {
+  return estimate_material({{{&simulator}, &performance, &observations, options.energy.dt}}, options, context);
+}
+
+FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &options, const Context &context) {
   options.validate();
+  require(!takes.empty() && !takes[0].widths.empty() && takes[0].widths[0],
+          "estimate_material: takes: expected at least one with a simulator, found none");
+  const CharacterSimulator &simulator = *takes[0].widths[0];
   FitResult result;
-  result.parameters = options.space.names;
+  result.space = options.space;
+  result.widths = static_cast<int>(takes[0].widths.size());
   result.seed = options.seed;
-  result.solver = {options.energy.dt, simulator.options()};
+  result.solver = {takes[0].dt, simulator.options()};
   if (simulator.regions().empty()) {
     context.say("fit: no cloth, so there is no material to estimate");
     if (!options.log.empty())
       write_fit_log(options.log, {}, options.space);
     return result;
   }
-  if (!has_matches(observations))
-    context.say("fit: no feature matches: E_fit is the silhouettes' term alone");
-  const MaterialObjective objective(simulator, performance, observations, options.energy, options.space, context);
-  Raced raced(objective, options.stop_margin);
-  Searches searches(raced, options);
+  const Searched searched{options.space, result.widths};
+  AllTakes objective(takes, options, context);
+  for (const Take &take : takes)
+    if (!has_matches(*take.observations))
+      context.say("fit: no feature matches: E_fit is the silhouettes' term alone");
+  Searches searches(objective, options.seeds);
   const FitResult frame = result; // what every interrupted result has
-  const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, frame), context);
-  const std::vector<Finals> finals = final_energies(objective, searches, found, options.answer_generations, context);
+  const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, searched, frame), context);
+  const auto costs = answer_costs(objective, searches, found, searched, context);
   result.seconds = found.seconds;
   std::vector<int> chosen(objective.part_count());
-  MatrixRM answers(objective.part_count(), objective.parameter_count());
   for (int r = 0; r < objective.part_count(); ++r) {
-    result.regions.push_back(final_region(found, searches, r, finals[r], options, chosen[r]));
-    const RegionFit &region = result.regions.back();
-    answers.row(r) = region.answer;
-    if (region.energy > region.best_energy)
-      context.say("fit: region " + std::to_string(r) + ": the answer costs " + std::to_string(region.energy) +
-                  " pixels^2, the best sample seen " + std::to_string(region.best_energy));
+    result.regions.push_back(final_region(found, searches, r, costs, options, searched, chosen[r]));
+    for (const FitFinding &finding : result.regions.back().findings(options.space))
+      context.say("fit: region " + std::to_string(r) + ": " + finding.text());
   }
   result.log = log_of(found, searches, chosen);
-  if (options.influence) {
-    const std::vector<Influence> influences = measure_influence(raced, answers, context);
-    for (std::size_t r = 0; r < influences.size(); ++r)
-      result.regions[r].influence = influences[r];
-  }
-  say_remarks(result, context);
   return result;
 }
 

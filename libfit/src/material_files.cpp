@@ -15,15 +15,55 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 2; // 1: some of the solver's settings
 
-void add_confidence(Json &entry, const RegionFit &region, const std::vector<std::string> &parameters) {
-  const std::vector<Confidence> confidence = region.confidence();
-  if (confidence.empty())
+/// What belongs to one parameter of those searched, by name; of the width an index, 0 = the widest.
+struct Named {
+  const FitResult &result;
+  double value(const RegionFit &region, Eigen::Index i, double unit) const {
+    if (i == result.space.size())
+      return unit * (result.widths - 1);
+    Eigen::VectorXd point = region.answer.head(result.space.size());
+    point[i] = unit;
+    const pbd::Material material = result.space.material(point);
+    for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
+      if (result.space.names[static_cast<std::size_t>(i)] == parameter.name)
+        return material.*parameter.value;
+    return 0;
+  }
+};
+
+/// Intervals and correlations by name, and draws in box units as the search saw them.
+void add_posterior(Json &entry, const FitResult &result, const RegionFit &region) {
+  const Posterior &posterior = region.posterior;
+  const std::vector<std::string> names = result.parameters();
+  if (posterior.draws.rows() == 0)
     return;
-  entry["energy_noise"] = region.influence.noise;
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    entry["influence"][parameters[i]] = {{"energy_change", region.influence.change[static_cast<Eigen::Index>(i)]},
-                                         {"rank", region.influence.rank[i]},
-                                         {"confidence", confidence_name(confidence[i])}};
+  const Named named{result};
+  const std::vector<Confidence> confidence = region.confidence();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    entry["interval"][names[i]] = {named.value(region, row, posterior.interval(row, 0)),
+                                   named.value(region, row, posterior.interval(row, 1))};
+    entry["confidence"][names[i]] = confidence_name(confidence[i]);
+    for (std::size_t j = 0; j < names.size(); ++j)
+      entry["correlation"][names[i]][names[j]] = posterior.correlation(row, static_cast<Eigen::Index>(j));
+  }
+  for (const auto &draw : posterior.draws.rowwise()) {
+    Json values = Json::array();
+    for (double unit : draw)
+      values.push_back(std::round(1e4 * unit) / 1e4);
+    entry["draws"].push_back(values);
+  }
+}
+
+Json findings_of(const RegionFit &region, const ParameterSpace &space) {
+  Json all = Json::array();
+  for (const FitFinding &finding : region.findings(space))
+    all.push_back({{"kind", finding_name(finding.kind)},
+                   {"parameter", finding.parameter},
+                   {"value", finding.value},
+                   {"low", finding.low},
+                   {"high", finding.high}});
+  return all;
 }
 
 double read_parameter(const Json &region, const char *name, const std::string &where) {
@@ -80,7 +120,8 @@ void check_solver(const Json &json, const SolverSettings &expected, const std::s
 void write_materials(const Path &path, const FitResult &result) {
   Json json;
   json["version"] = kVersion;
-  json["estimated"] = result.parameters;
+  const std::vector<std::string> names = result.parameters();
+  json["estimated"] = names;
   json["seed"] = result.seed;
   json["seconds"] = result.seconds;
   json["solver"] = options::to_json<Json>(result.solver);
@@ -89,16 +130,20 @@ void write_materials(const Path &path, const FitResult &result) {
   for (const RegionFit &region : result.regions) {
     Json entry;
     entry["parameters"] = options::to_json<Json>(region.material);
+    if (region.width >= 0)
+      entry["width"] = region.width;
     entry["energy"] = region.energy;
+    if (std::isfinite(region.energy_noise))
+      entry["energy_noise"] = region.energy_noise;
     if (std::isfinite(region.energy_at_centre))
       entry["energy_at_centre"] = region.energy_at_centre;
     entry["best_sample"] = {{"parameters", options::to_json<Json>(region.best)}, {"energy", region.best_energy}};
-    for (std::size_t i = 0; i < result.parameters.size(); ++i)
-      entry["deviations"][result.parameters[i]] = region.deviations[static_cast<Eigen::Index>(i)];
+    for (std::size_t i = 0; i < names.size(); ++i)
+      entry["deviations"][names[i]] = region.deviations[static_cast<Eigen::Index>(i)];
     for (Eigen::Index i = 0; i < region.spread.size(); ++i)
-      entry["spread"][result.parameters[static_cast<std::size_t>(i)]] = region.spread[i];
-    add_confidence(entry, region, result.parameters);
-    entry["remarks"] = region.remarks(result.parameters);
+      entry["spread"][names[static_cast<std::size_t>(i)]] = region.spread[i];
+    add_posterior(entry, result, region);
+    entry["findings"] = findings_of(region, result.space);
     entry["evaluations"] = region.evaluations;
     entry["generations"] = region.generations;
     entry["stop_reason"] = region.stop_reason;
@@ -107,7 +152,10 @@ void write_materials(const Path &path, const FitResult &result) {
   write_text(path, json.dump(2) + "\n");
 }
 
-std::vector<pbd::Material> read_materials(const Path &path, const std::optional<SolverSettings> &solver) {
+namespace {
+
+/// material.json, with an array 'regions' and a version that is known.
+Json read_fit(const Path &path) {
   Json json;
   try {
     json = Json::parse(read_json_text(path));
@@ -117,6 +165,31 @@ std::vector<pbd::Material> read_materials(const Path &path, const std::optional<
   if (!json.is_object() || !json.contains("regions") || !json["regions"].is_array())
     throw Error(path.string() + ": expected an array 'regions', found none");
   check_version(json, path.string());
+  return json;
+}
+
+} // namespace
+
+std::vector<double> read_widths(const Path &path) {
+  const Json json = read_fit(path);
+  std::vector<double> result;
+  for (const Json &region : json["regions"]) {
+    if (!region.is_object() || !region.contains("width"))
+      continue;
+    const Json &width = region["width"];
+    if (!width.is_number() || width < 0 || width > 1000)
+      throw Error(path.string() + ": region " + std::to_string(result.size()) +
+                  ": width: expected a number of at least 0, found " + width.dump().substr(0, 40));
+    result.push_back(width.get<double>());
+  }
+  if (!result.empty() && result.size() != json["regions"].size())
+    throw Error(path.string() + ": expected a width for every region or none, found " + std::to_string(result.size()) + " of " +
+                std::to_string(json["regions"].size()));
+  return result;
+}
+
+std::vector<pbd::Material> read_materials(const Path &path, const std::optional<SolverSettings> &solver) {
+  const Json json = read_fit(path);
   if (solver)
     check_solver(json, *solver, path.string());
   std::vector<pbd::Material> result;
@@ -136,19 +209,24 @@ std::vector<pbd::Material> read_materials(const Path &path, const std::optional<
 }
 
 void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, const ParameterSpace &space) {
+  std::vector<std::string> names = space.names;
+  if (!log.empty() && log[0].mean.size() > space.size())
+    names.push_back("width"); // 0 = the widest, 1 = the narrowest
   std::string text = "region,generation,evaluations,best,generation_best";
   for (const char *column : {"mean", "deviation"})
-    for (const std::string &name : space.names)
+    for (const std::string &name : names)
       text += std::string(",") + column + "_" + name;
   text += ",seconds\n";
   for (const GenerationRow &row : log) {
     text += std::to_string(row.part) + "," + std::to_string(row.generation) + "," + std::to_string(row.evaluations) + "," +
             options::shown(row.best) + "," + options::shown(row.generation_best);
-    const pbd::Material mean = space.material(row.mean);
+    const pbd::Material mean = space.material(row.mean.head(space.size()));
     for (const std::string &name : space.names)
       for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
         if (name == parameter.name)
           text += ',' + options::shown(mean.*parameter.value);
+    for (Eigen::Index i = space.size(); i < row.mean.size(); ++i)
+      text += ',' + options::shown(row.mean[i]);
     for (Eigen::Index i = 0; i < row.deviation.size(); ++i)
       text += ',' + options::shown(row.deviation[i]);
     text += ',' + options::shown(std::round(row.seconds * 1000) / 1000) + "\n";

@@ -1,10 +1,10 @@
 #include "doublet/fit/material_objective.h"
 
+#include "batch.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/fingerprint.h"
 #include "doublet/options/options.h"
 #include "optimizer_checks.h"
-#include "race.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,13 +19,13 @@ void EnergyOptions::validate() const {
 }
 
 struct MaterialObjective::Impl {
-  Impl(const CharacterSimulator &simulator, const ReferencePerformance &performance, const Observations &observations,
-       const EnergyOptions &options, const ParameterSpace &parameters, const Context &context)
+  Impl(const std::vector<const CharacterSimulator *> &widths, const ReferencePerformance &performance,
+       const Observations &observations, const EnergyOptions &options, const ParameterSpace &parameters, const Context &context)
       : space(parameters), windows(cut_windows(static_cast<int>(performance.dofs.rows()), options)),
-        observed(simulator, performance, observations, options, simulated_from(windows), times, context), energy(observed),
+        observed(widths, performance, observations, options, simulated_from(windows), times, context), energy(observed),
         rollouts(observed, energy, times) {
     for (Window &window : windows)
-      window.state = rollouts.state_at(window.start, performance.surface);
+      window.states = rollouts.states_at(window.start, performance.surface);
   }
   Impl(const Impl &) = delete;
 
@@ -37,7 +37,7 @@ struct MaterialObjective::Impl {
         starts.push_back(window.start);
     return starts;
   }
-  Race race(double margin) const { return {observed, energy, rollouts, windows, margin}; }
+  Batch batch() const { return {observed, energy, rollouts, windows}; }
 
   ParameterSpace space;
   std::vector<Window> windows;
@@ -77,6 +77,19 @@ void check_inputs(const CharacterSimulator &simulator, const ReferencePerformanc
   require_performance(performance, simulator.actor(), "MaterialObjective");
 }
 
+void check_widths(const std::vector<const CharacterSimulator *> &widths) {
+  require(!widths.empty() && std::count(widths.begin(), widths.end(), nullptr) == 0,
+          "MaterialObjective: widths: expected at least one simulator, found none");
+  const std::vector<ClothRegion> &first = widths.front()->regions();
+  for (const CharacterSimulator *other : widths) {
+    bool same = other->regions().size() == first.size() &&
+                other->actor().mesh.vertices.rows() == widths.front()->actor().mesh.vertices.rows();
+    for (std::size_t r = 0; same && r < first.size(); ++r)
+      same = other->regions()[r].vertex_from_cloth == first[r].vertex_from_cloth;
+    require(same, "MaterialObjective: widths: expected simulators of one mesh and the same cloth, found others");
+  }
+}
+
 /// One frame of all cloth, from rest in the first pose to the last: what its model was made of (rest shape, fullness, blend
 /// weights), and whose solver it is, shows in nothing else.
 std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const PosedFrame &first, const PosedFrame &last,
@@ -90,9 +103,11 @@ std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const
 }
 
 /// Poses stand for the actor, its skeleton and its proxies.
-std::string hash_problem(const CharacterSimulator &simulator, const std::vector<PosedFrame> &poses, const MeshSequence &captured,
-                         const Observations &observations, const EnergyOptions &options, const ParameterSpace &space) {
+std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, const std::vector<PosedFrame> &poses,
+                         const MeshSequence &captured, const Observations &observations, const EnergyOptions &options,
+                         const ParameterSpace &space) {
   Fingerprint print;
+  const CharacterSimulator &simulator = *widths.front();
   const RiggedMesh &actor = simulator.actor();
   print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(options).add(space);
   for (const PosedFrame &pose : poses) {
@@ -104,8 +119,9 @@ std::string hash_problem(const CharacterSimulator &simulator, const std::vector<
     print.add(surface);
   for (const ClothRegion &region : simulator.regions())
     print.add(region.vertex_from_cloth);
-  for (const pbd::ClothState &state : one_step(simulator, poses.front(), poses.back(), space.fixed, options.dt))
-    print.add(state.positions).add(state.velocities);
+  for (const CharacterSimulator *width : widths)
+    for (const pbd::ClothState &state : one_step(*width, poses.front(), poses.back(), space.fixed, options.dt))
+      print.add(state.positions).add(state.velocities);
   for (const Camera &camera : observations.cameras)
     print.add(camera.K).add(camera.distortion).add(camera.R).add(camera.t).add(Eigen::Vector2i(camera.width, camera.height));
   for (const auto &views : observations.views)
@@ -121,19 +137,29 @@ std::string hash_problem(const CharacterSimulator &simulator, const std::vector<
 
 MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                                      const Observations &observations, const EnergyOptions &options, const ParameterSpace &space,
-                                     const Context &context) {
+                                     const Context &context)
+    : MaterialObjective(std::vector<const CharacterSimulator *>{&simulator}, performance, observations, options, space, context) {
+}
+
+MaterialObjective::MaterialObjective(const std::vector<const CharacterSimulator *> &widths,
+                                     const ReferencePerformance &performance, const Observations &observations,
+                                     const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
   options.validate();
   space.validate();
-  check_inputs(simulator, performance, observations);
-  auto impl = std::make_unique<Impl>(simulator, performance, observations, options, space, context);
-  impl->fingerprint = hash_problem(simulator, impl->observed.frames, performance.surface, observations, options, space);
+  check_widths(widths);
+  check_inputs(*widths.front(), performance, observations);
+  auto impl = std::make_unique<Impl>(widths, performance, observations, options, space, context);
+  impl->fingerprint = hash_problem(widths, impl->observed.frames, performance.surface, observations, options, space);
   impl_ = std::move(impl);
 }
 
 MaterialObjective::~MaterialObjective() = default;
 
 int MaterialObjective::parameter_count() const {
-  return impl_->space.size();
+  return impl_->space.size() + (width_count() > 1 ? 1 : 0);
+}
+int MaterialObjective::width_count() const {
+  return static_cast<int>(impl_->observed.widths.size());
 }
 int MaterialObjective::part_count() const {
   return impl_->observed.regions();
@@ -155,41 +181,40 @@ std::size_t MaterialObjective::image_bytes() const {
   return impl_->observed.image_bytes();
 }
 
+int width_index(double unit, int widths) {
+  return static_cast<int>(std::lround(std::clamp(unit, 0.0, 1.0) * (widths - 1)));
+}
+
 MatrixRM MaterialObjective::energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const {
-  const Race all = impl_->race(0);
-  Samples samples = all.make_samples(materials);
-  return all.run(samples, context);
+  Samples samples{materials, {}, {}};
+  return impl_->batch().run(samples, context);
 }
 
 MatrixRM MaterialObjective::evaluate(const MatrixRM &samples, const Context &context) {
-  return race(samples, 0, context);
-}
-
-MatrixRM MaterialObjective::race(const MatrixRM &samples, double margin, const Context &context) const {
-  const int n = parameter_count(), regions = part_count();
-  require(margin >= 0 && std::isfinite(margin),
-          "MaterialObjective: margin: expected a number of at least 0, found " + options::shown(margin));
+  const int n = parameter_count(), regions = part_count(), of_material = impl_->space.size(), widths = width_count();
   require(samples.cols() == static_cast<Eigen::Index>(n) * regions, "MaterialObjective: samples: expected " +
                                                                         std::to_string(n * regions) + " columns, found " +
                                                                         std::to_string(samples.cols()));
   require(samples.allFinite(), "MaterialObjective: samples: expected finite numbers, found NaN or infinity");
   if (samples.rows() == 0)
     return MatrixRM(0, regions);
-  std::vector<std::vector<pbd::Material>> materials(static_cast<std::size_t>(samples.rows()));
+  Samples generation;
+  generation.materials.resize(static_cast<std::size_t>(samples.rows()));
+  generation.widths.resize(generation.materials.size());
   for (Eigen::Index s = 0; s < samples.rows(); ++s)
-    for (int r = 0; r < regions; ++r)
-      materials[s].push_back(impl_->space.material(samples.row(s).segment(r * n, n).transpose()));
-  const Race race = impl_->race(margin);
-  Samples generation = race.make_samples(materials);
-  return race.run(generation, context);
+    for (int r = 0; r < regions; ++r) {
+      const Eigen::VectorXd unit = samples.row(s).segment(r * n, n).transpose();
+      generation.materials[s].push_back(impl_->space.material(unit.head(of_material)));
+      generation.widths[s].push_back(n > of_material ? width_index(unit[of_material], widths) : 0);
+    }
+  return impl_->batch().run(generation, context);
 }
 
 std::vector<std::vector<FrameTerms>> MaterialObjective::terms(const std::vector<pbd::Material> &materials) const {
   Context one;
   one.threads = 1;
-  const Race all = impl_->race(0);
-  Samples samples = all.make_samples({materials});
-  all.run(samples, one);
+  Samples samples{{materials}, {}, {}};
+  impl_->batch().run(samples, one);
   return samples.terms[0];
 }
 

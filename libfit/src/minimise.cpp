@@ -18,7 +18,7 @@ class Run {
 public:
   Run(Objective &objective, const MinimiseOptions &options)
       : objective_(objective), options_(options), n_(objective.parameter_count()), parts_(objective.part_count()),
-        penalties_(std::max(0, parts_), 0.0) {
+        penalties_(std::max(0, parts_), 0.0), samples_(std::max(0, parts_), MatrixRM(0, n_)), energies_(std::max(0, parts_)) {
     require(n_ >= 1 && parts_ >= 1, "minimise: objective: expected at least one parameter and one part");
     for (int r = 0; r < parts_; ++r) {
       const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(r);
@@ -55,6 +55,8 @@ private:
     for (int r = 0; r < parts_; ++r)
       result.parts.push_back(now(r));
     result.penalties = penalties_;
+    result.samples = samples_;
+    result.energies = energies_;
     result.log = log_;
     result.seconds = seconds();
     return result;
@@ -136,6 +138,7 @@ private:
     if (penalties_[r] == 0)
       penalties_[r] = options_.penalty * scale(energies);
     const MatrixRM inside = asked.cwiseMax(0.0).cwiseMin(1.0);
+    keep(r, inside, energies);
     energies += penalties_[r] * (asked - inside).rowwise().squaredNorm();
     optimizers_[r]->tell(asked, energies);
     const OptimizerResult result = now(r);
@@ -151,6 +154,14 @@ private:
     log_.push_back(row);
   }
 
+  void keep(int r, const MatrixRM &samples, const Eigen::VectorXd &energies) {
+    const Eigen::Index before = energies_[r].size();
+    samples_[r].conservativeResize(before + samples.rows(), n_);
+    samples_[r].bottomRows(samples.rows()) = samples;
+    energies_[r].conservativeResize(before + samples.rows());
+    energies_[r].tail(samples.rows()) = energies;
+  }
+
   void save() const {
     if (options_.checkpoint.empty())
       return;
@@ -159,6 +170,10 @@ private:
       json["optimizers"].push_back(optimizer->save());
       if (json["optimizers"].back() == "")
         return; // cannot be saved, see Optimizer::save
+    }
+    for (int r = 0; r < parts_; ++r) {
+      json["samples"].push_back(state::to_json(samples_[r]));
+      json["energies"].push_back(state::to_json(energies_[r]));
     }
     for (const GenerationRow &row : log_)
       json["log"].push_back({row.part, row.generation, row.evaluations, row.best, row.generation_best, state::to_json(row.mean),
@@ -207,8 +222,11 @@ private:
       for (const state::Json &entry : json.at("log"))
         log_.push_back({state::count(entry.at(0)), state::count(entry.at(1)), state::count(entry.at(2)), entry.at(3), entry.at(4),
                         state::vector(entry.at(5), n_), state::vector(entry.at(6), n_), entry.at(7)});
-      for (int r = 0; r < parts_; ++r)
+      for (int r = 0; r < parts_; ++r) {
         require_whole_log(r);
+        const auto count = now(r).evaluations;
+        keep(r, state::matrix(json.at("samples").at(r), count, n_), state::vector(json.at("energies").at(r), count));
+      }
       penalties_ = json.at("penalties").get<std::vector<double>>();
       seconds_before_ = json.at("seconds");
       context.say("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");
@@ -229,6 +247,8 @@ private:
   int n_, parts_;
   std::vector<std::unique_ptr<Optimizer>> optimizers_;
   std::vector<double> penalties_; // (R), 0 before the first generation
+  std::vector<MatrixRM> samples_; // [R] all that were evaluated
+  std::vector<Eigen::VectorXd> energies_;
   std::vector<GenerationRow> log_;
   double seconds_before_ = 0;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

@@ -47,10 +47,11 @@ CoarseBuffer draw_others(const CharacterSimulator &simulator, const ClothTopolog
 
 } // namespace
 
-ObservedFrames::ObservedFrames(const CharacterSimulator &model, const ReferencePerformance &performance,
+ObservedFrames::ObservedFrames(const std::vector<const CharacterSimulator *> &models, const ReferencePerformance &performance,
                                const Observations &observations, const EnergyOptions &energy, const std::vector<int> &starts,
                                CpuTimes &times, const Context &context)
-    : simulator(&model), options(energy), topology(cloth_topology(model)) {
+    : widths(models), simulator(models.front()), options(energy), topology(cloth_topology(*models.front())) {
+  const CharacterSimulator &model = *simulator;
   for (const Camera &camera : observations.cameras)
     cameras.emplace_back(camera, options.outline_size);
   const int count = static_cast<int>(performance.dofs.rows());

@@ -24,11 +24,14 @@ constexpr int kFramesPerChunk = 32; // between two polls for cancellation
 
 class ObservedFrames {
 public:
-  /// `starts`: frames before which nothing is simulated, so that there is no frame on which their features could lie.
-  ObservedFrames(const CharacterSimulator &model, const ReferencePerformance &performance, const Observations &observations,
-                 const EnergyOptions &energy, const std::vector<int> &starts, CpuTimes &times, const Context &context);
+  /// `models`: the character at each width, of one mesh. `starts`: frames before which nothing is simulated, so that there is no
+  /// frame on which their features could lie.
+  ObservedFrames(const std::vector<const CharacterSimulator *> &models, const ReferencePerformance &performance,
+                 const Observations &observations, const EnergyOptions &energy, const std::vector<int> &starts, CpuTimes &times,
+                 const Context &context);
 
-  const CharacterSimulator *simulator;
+  std::vector<const CharacterSimulator *> widths; ///< they differ in the rest shape of their cloth alone
+  const CharacterSimulator *simulator;            ///< the first of them, for all that is the same of all
   EnergyOptions options;
   ClothTopology topology;
   std::vector<CoarseCamera> cameras;

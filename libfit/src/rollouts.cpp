@@ -49,21 +49,35 @@ void Rollouts::check_explosion(Rollout &rollout, const PosedFrame &frame) const 
 /// Cloth that stops being finite stays where it was, and has exploded; while it is still
 /// settling the sample's other regions, too, never came to rest.
 void Rollouts::step(std::span<Rollout> group, const PosedFrame &from, const PosedFrame &to, bool settling) const {
-  std::vector<CharacterState *> states;
-  std::vector<const std::vector<pbd::Material> *> materials;
-  for (Rollout &rollout : group) {
-    states.push_back(&rollout.state);
-    materials.push_back(&rollout.materials);
-  }
-  for (const auto &[sample, region] : observed_.simulator->step_each(states, from, to, materials, observed_.options.dt))
-    if (settling)
-      group[sample].exploded.assign(observed_.regions(), 1);
-    else
-      group[sample].exploded[region] = 1;
+  for (int r = 0; r < observed_.regions(); ++r)
+    for (int width = 0; width < static_cast<int>(observed_.widths.size()); ++width) {
+      std::vector<Rollout *> alike;
+      std::vector<CharacterState *> states;
+      std::vector<const std::vector<pbd::Material> *> materials;
+      for (Rollout &rollout : group)
+        if (rollout.widths[r] == width) {
+          alike.push_back(&rollout);
+          states.push_back(&rollout.state);
+          materials.push_back(&rollout.materials);
+        }
+      if (alike.empty())
+        continue;
+      for (int failed : observed_.widths[width]->step_region(r, states, from, to, materials, observed_.options.dt))
+        if (settling)
+          alike[failed]->exploded.assign(observed_.regions(), 1);
+        else
+          alike[failed]->exploded[r] = 1;
+    }
 }
 
-CharacterState Rollouts::state_at(int start, const MeshSequence &surface) const {
-  const CharacterSimulator &simulator = *observed_.simulator;
+std::vector<CharacterState> Rollouts::states_at(int start, const MeshSequence &surface) const {
+  std::vector<CharacterState> states;
+  for (const CharacterSimulator *simulator : observed_.widths)
+    states.push_back(state_at(*simulator, start, surface));
+  return states;
+}
+
+CharacterState Rollouts::state_at(const CharacterSimulator &simulator, int start, const MeshSequence &surface) const {
   if (start == 0 && simulator.has_rest_shape())
     return simulator.start(observed_.way_in.front());
   CharacterState state = simulator.start(observed_.frames[start], &surface.frames[start]);
@@ -82,7 +96,9 @@ CharacterState Rollouts::state_at(int start, const MeshSequence &surface) const 
 void Rollouts::start(Group &group) const {
   Stopwatch watch;
   for (Rollout &rollout : group.rollouts) {
-    rollout.state = group.window->state;
+    rollout.state = group.window->states.front();
+    for (int r = 0; r < observed_.regions(); ++r)
+      rollout.state.regions[r] = group.window->states[rollout.widths[r]].regions[r];
     rollout.exploded.assign(observed_.regions(), 0);
   }
   if (group.window->start == 0) {

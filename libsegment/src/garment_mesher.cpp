@@ -219,13 +219,24 @@ Garment placed_garment(const RiggedMesh &actor, const Piece &piece, const Faces 
   return garment;
 }
 
-/// (N, 3) m, from what the frames show; `wide`: the one in which it is spread out.
-Vertices rest_shape_of(const Garment &garment, const RiggedMesh &actor, const MeshSequence &captured, int wide,
-                       const std::vector<int> &attached, double spread) {
-  std::vector<Vertices> frames;
+/// [spreads] (N, 3) m, from what the frames show; `wide`: the one in which it is spread out.
+std::vector<Vertices> rest_shapes_of(const Garment &garment, const RiggedMesh &actor, const MeshSequence &captured, int wide,
+                                     const std::vector<int> &attached, const std::vector<double> &spreads) {
+  std::vector<Vertices> frames, shapes;
   for (const Vertices &frame : captured.frames)
     frames.push_back(at_garment(garment, actor.mesh.faces, frame));
-  return detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, wide, attached, spread);
+  for (double spread : spreads)
+    shapes.push_back(detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, wide, attached, spread));
+  return shapes;
+}
+
+/// (M, 3) the points at these places on the faces of a mesh with such vertices.
+Vertices points_at(const std::vector<Place> &places, const Faces &faces, const Vertices &vertices) {
+  Vertices points = Vertices::Zero(static_cast<Eigen::Index>(places.size()), 3);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      points.row(static_cast<Eigen::Index>(i)) += places[i].barycentric[k] * vertices.row(faces(places[i].face, k));
+  return points;
 }
 
 /// (N) by the way from where it hangs, in the rest shape.
@@ -286,22 +297,27 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 
 /// One region's part of a garment, before it is one of several. Its triangles are regular in the rest shape: what is folded even
 /// in the frame in which the piece is spread out would be left with a few long ones. So the piece is meshed there first, which
-/// gives a rest shape, and the answer is that, meshed again.
+/// gives a rest shape of every width, and the answer is the middle one, meshed again; the others are carried over to its mesh.
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const SpreadOut &spread,
                     const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
   const Mesh first = remeshed(detail::without_handles(spread.mesh, kHandle), vertices);
   const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, spread.mesh.vertices, hangs); };
   Garment garment = placed_garment(actor, piece, first.faces, places_on(spread.mesh, first.vertices));
   std::vector<int> seam = attached(first);
-  garment.rest = rest_shape_of(garment, actor, captured, spread.frame, seam, options.spread);
-  if (spread.frame >= 0) {
-    const Mesh rest{garment.rest, garment.mesh.faces};
+  const std::size_t middle = (options.spreads.size() - 1) / 2;
+  if (spread.frame < 0) // nothing to tell widths from
+    garment.rest = rest_shapes_of(garment, actor, captured, spread.frame, seam, {options.spreads[middle]})[0];
+  else {
+    const std::vector<Vertices> shapes = rest_shapes_of(garment, actor, captured, spread.frame, seam, options.spreads);
+    const Mesh rest{shapes[middle], garment.mesh.faces};
     const Mesh second = remeshed(rest, vertices);
     const std::vector<Place> on_first = places_on(rest, second.vertices);
     const std::vector<int> rows = spread_rows(captured.frames.size(), spread.frame);
     garment = placed_garment(actor, piece, second.faces, carried_places(actor, captured, rows, piece, garment, on_first));
     seam = attached({at_garment(garment, actor.mesh.faces, captured.frames[spread.frame]), second.faces});
     garment.rest = second.vertices;
+    for (std::size_t k = 0; k < shapes.size() && shapes.size() > 1; ++k)
+      garment.widths.push_back(k == middle ? garment.rest : points_at(on_first, rest.faces, shapes[k]));
   }
   garment.clothness = clothness_of(garment, seam, options.band);
   garment.region = Eigen::VectorXi::Constant(garment.mesh.vertices.rows(), region);
@@ -329,6 +345,9 @@ void append(Garment &all, const Garment &part) {
   grow(all.region, part.region);
   grow(all.clothness, part.clothness);
   grow(all.rest, part.rest);
+  all.widths.resize(part.widths.size(), Vertices(0, 3));
+  for (std::size_t k = 0; k < part.widths.size(); ++k)
+    grow(all.widths[k], part.widths[k]);
   grow(all.actor_face, part.actor_face);
   grow(all.barycentric, part.barycentric);
   all.mesh.faces.conservativeResize(faces + part.mesh.faces.rows(), 3);
@@ -409,6 +428,13 @@ private:
 };
 
 } // namespace
+
+void GarmentOptions::validate() const {
+  options::check(*this);
+  if (spreads.empty() || !std::is_sorted(spreads.begin(), spreads.end()))
+    throw std::invalid_argument("GarmentOptions: spreads: expected at least one, ascending, found " +
+                                std::string(spreads.empty() ? "none" : "others"));
+}
 
 std::unique_ptr<GarmentMesher> GarmentMesher::create(const GarmentOptions &options) {
   return std::make_unique<IsotropicMesher>(options);

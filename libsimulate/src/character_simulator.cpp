@@ -221,32 +221,54 @@ std::vector<FailedRegion> CharacterSimulator::step_each(std::span<CharacterState
   for (std::size_t i = 0; i < count; ++i)
     check_regions(*states[i], *materials[i], regions_.size());
   std::vector<FailedRegion> failed;
+  for (int r = 0; r < static_cast<int>(regions_.size()); ++r)
+    for (int i : step_region(r, states, previous, current, materials, worlds, threads))
+      failed.push_back({i, r});
+  return failed;
+}
+
+std::vector<int> CharacterSimulator::step_region(int region, std::span<CharacterState *const> states, const PosedFrame &previous,
+                                                 const PosedFrame &current,
+                                                 std::span<const std::vector<pbd::Material> *const> materials, double dt) const {
+  if (region < 0 || region >= static_cast<int>(regions_.size()) || materials.size() != states.size())
+    throw std::invalid_argument("CharacterSimulator::step_region: expected a region below " + std::to_string(regions_.size()) +
+                                " and as many lists of materials as states, found " + std::to_string(region) + ", " +
+                                std::to_string(materials.size()) + " and " + std::to_string(states.size()));
+  for (std::size_t i = 0; i < states.size(); ++i)
+    check_regions(*states[i], *materials[i], regions_.size());
+  const PosedFrame *const before = &previous, *const after = &current;
+  World world;
+  world.dt = dt;
+  return step_region(region, states, {&before, 1}, {&after, 1}, materials, {&world, 1}, 1);
+}
+
+std::vector<int> CharacterSimulator::step_region(int region, std::span<CharacterState *const> states,
+                                                 std::span<const PosedFrame *const> previous,
+                                                 std::span<const PosedFrame *const> current,
+                                                 std::span<const std::vector<pbd::Material> *const> materials,
+                                                 std::span<const World> worlds, int threads) const {
+  const std::size_t count = states.size(), poses = current.size();
   std::vector<pbd::ClothState> cloth(count);
   std::vector<pbd::Material> material(count);
   std::vector<pbd::StepInputs> inputs(poses);
-  StepBuffers buffers;
-  buffers.targets.resize(poses);
-  buffers.previous_targets.resize(poses);
-  for (std::size_t r = 0; r < regions_.size(); ++r) {
-    for (std::size_t i = 0; i < poses; ++i)
-      inputs[i] =
-          region_inputs(regions_[r], *previous[i], *current[i], worlds[i], buffers.previous_targets[i], buffers.targets[i]);
+  std::vector<Vertices> targets(poses), previous_targets(poses);
+  for (std::size_t i = 0; i < poses; ++i)
+    inputs[i] = region_inputs(regions_[region], *previous[i], *current[i], worlds[i], previous_targets[i], targets[i]);
+  for (std::size_t i = 0; i < count; ++i)
+    material[i] = (*materials[i])[region];
+  const auto lend = [&] { // to and fro
     for (std::size_t i = 0; i < count; ++i)
-      material[i] = (*materials[i])[r];
-    const auto lend = [&] { // to and fro
-      for (std::size_t i = 0; i < count; ++i)
-        std::swap(cloth[i], states[i]->regions[r]);
-    };
+      std::swap(cloth[i], states[i]->regions[region]);
+  };
+  lend();
+  std::vector<int> failed;
+  try {
+    failed = regions_[region].solver->step_each(cloth, inputs, material, threads);
+  } catch (...) {
     lend();
-    try {
-      for (int i : regions_[r].solver->step_each(cloth, inputs, material, threads))
-        failed.push_back({i, static_cast<int>(r)});
-    } catch (...) {
-      lend();
-      throw;
-    }
-    lend();
+    throw;
   }
+  lend();
   return failed;
 }
 

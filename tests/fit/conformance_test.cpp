@@ -18,7 +18,12 @@ TEST(Conformance, OurOptimizersConform) {
     options.seed = seed;
     return create_simulated_annealing(dimension, options);
   };
-  for (const OptimizerFactory &make : {OptimizerFactory(cma_es), OptimizerFactory(annealing)})
+  const auto bayesian = [](int dimension, std::uint64_t seed) {
+    BayesianOptions options;
+    options.seed = seed;
+    return create_bayesian(dimension, options);
+  };
+  for (const OptimizerFactory &make : {OptimizerFactory(cma_es), OptimizerFactory(annealing), OptimizerFactory(bayesian)})
     for (const std::string &broken : testing::optimizer_violations(make))
       ADD_FAILURE() << broken;
 }

@@ -1,6 +1,5 @@
 #include "doublet/core/error.h"
 #include "doublet/core/parts/normal_generator.h"
-#include "doublet/fit/garment_trial.h"
 #include "fit/synthetic.h"
 #include "support/temp_folder.h"
 
@@ -101,42 +100,37 @@ TEST(MaterialObjective, WindowsStartFromTheCapturedSurface) {
   EXPECT_EQ(energy_of(scene(), with_drag(8), whole), energy_of(scene(), with_drag(8)));
 }
 
-/// Samples of one generation around `material`, in the box.
-MatrixRM generation(int count) {
-  NormalGenerator random(2);
-  MatrixRM samples = ParameterSpace{}.unit(cotton()).transpose().replicate(count, 1);
-  for (Eigen::Index i = 0; i < samples.size(); ++i)
-    samples.data()[i] = std::clamp(samples.data()[i] + 0.3 * random.normal(), 0.0, 1.0);
-  return samples;
+/// The scene's simulator with every rest length this many times as long.
+CharacterSimulator in_width(const Scene &filmed, double scale) {
+  Segmentation segmentation = filmed.segmentation;
+  segmentation.fullness = Eigen::VectorXd::Constant(segmentation.clothness.size(), scale);
+  return CharacterSimulator(filmed.actor, segmentation, filmed.proxies, filmed.simulator->options());
 }
 
-TEST(MaterialObjective, StoppingHopelessSamplesLeavesTheSelectedAsTheyAre) {
-  const int count = 9, selected = count / 2;
-  const MatrixRM samples = generation(count);
-  for (int window : {0, 4, 16}) { // of 32 frames: one, eight, two
-    EnergyOptions options;
-    options.window = window;
-    const auto energies = [&](double margin, int threads) {
-      Context context;
-      context.threads = threads;
-      const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, options);
-      return Eigen::VectorXd(objective.race(samples, margin, context).col(0));
-    };
-    const Eigen::VectorXd all = energies(0, 1), some = energies(0.5, 1);
-    EXPECT_EQ(energies(0.5, 2), some);
-    std::vector<int> order(count);
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(), [&](int a, int b) { return all[a] < all[b]; });
-    for (int i = 0; i < selected; ++i)
-      EXPECT_EQ(some[order[i]], all[order[i]]) << i;
-    int stopped = 0;
-    for (int i = selected; i < count; ++i) {
-      EXPECT_GT(some[order[i]], all[order[selected - 1]]) << i;
-      stopped += some[order[i]] != all[order[i]];
-    }
-    std::printf("window %d: %d of %d stopped\n", window, stopped, count);
-    EXPECT_GE(stopped, 1);
-  }
+TEST(MaterialObjective, AWidthIsTheLastParameterAndAsIfItWereAlone) {
+  const CharacterSimulator wide = in_width(scene(), 1.3), narrow = in_width(scene(), 1);
+  MaterialObjective both({&wide, &narrow}, scene().performance, scene().observations);
+  MaterialObjective one(wide, scene().performance, scene().observations);
+  MaterialObjective other(narrow, scene().performance, scene().observations);
+  EXPECT_EQ(both.parameter_count(), one.parameter_count() + 1);
+  EXPECT_EQ(both.width_count(), 2);
+  NormalGenerator random(3);
+  MatrixRM samples(6, 6);
+  for (Eigen::Index i = 0; i < samples.size(); ++i)
+    samples.data()[i] = random.uniform();
+  samples.col(5) << 0, 1, 1, 0, 0.4, 0.6; // the nearest
+  const MatrixRM energies = both.evaluate(samples, {}), first = one.evaluate(samples.leftCols(5), {}),
+                 second = other.evaluate(samples.leftCols(5), {});
+  for (int i = 0; i < 6; ++i)
+    EXPECT_EQ(energies(i, 0), samples(i, 5) < 0.5 ? first(i, 0) : second(i, 0)) << i;
+  const MatrixRM truth = ParameterSpace{}.unit(cotton()).transpose();
+  MatrixRM at_truth(2, 6);
+  at_truth << truth, 0, truth, 1;
+  const MatrixRM of_widths = both.evaluate(at_truth, {});
+  EXPECT_LT(of_widths(1, 0), 0.5 * of_widths(0, 0)); // the width that was filmed
+  EXPECT_NE(both.fingerprint(), one.fingerprint());
+  EXPECT_THROW(MaterialObjective(std::vector<const CharacterSimulator *>{}, scene().performance, scene().observations),
+               std::invalid_argument);
 }
 
 TEST(MaterialObjective, KeepsLittleOfTheImages) {
@@ -576,11 +570,7 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
 
 FitOptions quick() {
   FitOptions options;
-  options.stop_margin = 0;
-  options.first_samples = 0;
-  options.initial_sigma = 0.3;
-  options.smallest_deviation = 0.025;
-  options.answer_generations = 1;
+  options.optimizer = "cma-es";
   options.space = ParameterSpace::paper();
   options.space.names = {"d_n", "k_bend"};
   options.space.fixed = cotton();
@@ -588,29 +578,72 @@ FitOptions quick() {
   return options;
 }
 
-TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulation) {
-  FitOptions options = quick();
-  options.max_evaluations = 112;
-  options.seed = 2; // of eight, one or two end in another valley, at k_bend 0.7
-  const FitResult result = estimate_material(*scene().simulator, scene().performance, scene().observations, options);
-  const RegionFit &fit = result.regions[0];
-  std::printf("d_n %.2f (true 4), k_bend %.3f (true 0.3), energy %.2f, at the centre %.2f, %d evaluations, %s\n",
-              fit.material.d_n, fit.material.k_bend, fit.energy, fit.energy_at_centre, fit.evaluations, fit.stop_reason.c_str());
-  EXPECT_NEAR(fit.material.d_n, 4, 1.6); // 5 % of the box
-  EXPECT_LT(fit.energy, 0.5 * fit.energy_at_centre);
-  EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
-  EXPECT_LT(fit.deviations[0], 0.1);
-  EXPECT_LE(fit.best_energy, fit.energy_at_centre);
-  EXPECT_TRUE(fit.influence.exceeds_noise(0));
-  EXPECT_EQ(fit.confidence()[0], Confidence::kHigh);
-  EXPECT_GT(fit.influence.change[0], fit.influence.noise);
+/// The search as users run it, in two parameters.
+FitOptions usual() {
+  FitOptions options;
+  options.space.names = {"d_n", "k_bend"};
+  options.space.fixed = cotton();
+  return options;
+}
+
+TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulationFromEverySeed) {
+  FitOptions options = usual();
+  for (options.seed = 1; options.seed <= 4; ++options.seed) {
+    const FitResult result = estimate_material(*scene().simulator, scene().performance, scene().observations, options);
+    const RegionFit &fit = result.regions[0];
+    const MatrixRM &known = fit.posterior.interval;
+    std::printf("d_n %.2f (true 4; box %.2f to %.2f), k_bend %.3f (true 0.3; %.2f to %.2f), energy %.2f +- %.2f, centre %.2f, %d "
+                "evaluations, %s\n",
+                fit.material.d_n, known(0, 0), known(0, 1), fit.material.k_bend, known(1, 0), known(1, 1), fit.energy,
+                fit.energy_noise, fit.energy_at_centre, fit.evaluations, fit.stop_reason.c_str());
+    EXPECT_NEAR(fit.material.d_n, 4, 0.5);
+    EXPECT_LT(fit.energy, 0.1 * fit.energy_at_centre);
+    EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
+    EXPECT_EQ(fit.confidence()[0], Confidence::kHigh);
+    EXPECT_LE(fit.evaluations, 256);
+  }
+}
+
+TEST(EstimateMaterial, FindsTheWidthThatWasFilmed) {
+  const CharacterSimulator widths[] = {in_width(scene(), 1.4), in_width(scene(), 1.2), in_width(scene(), 1)};
+  FitOptions options = usual();
+  options.max_evaluations = 160;
+  const Take take{{&widths[0], &widths[1], &widths[2]}, &scene().performance, &scene().observations, options.energy.dt};
+  const FitResult result = estimate_material({take}, options);
+  EXPECT_EQ(result.parameters(), (std::vector<std::string>{"d_n", "k_bend", "width"}));
+  EXPECT_EQ(result.chosen_widths(), std::vector<double>{2});
+  EXPECT_NEAR(result.regions[0].material.d_n, 4, 1);
+  EXPECT_EQ(result.regions[0].posterior.interval.rows(), 3);
+  const TempFolder folder;
+  write_materials(folder / "material.json", result);
+  EXPECT_EQ(read_widths(folder / "material.json"), std::vector<double>{2});
+  write_text(folder / "material.json", "{\"regions\": [{\"width\": -1}]}");
+  EXPECT_THROW(read_widths(folder / "material.json"), Error);
+}
+
+/// Two films of one material: the energies are added, and one answer explains both.
+TEST(EstimateMaterial, SeveralTakesHaveOneAnswer) {
+  const auto a = make_scene({cotton()}, {16, 2, 160}), b = make_scene({cotton()}, {24, 3, 160});
+  const Take first{{a->simulator.get()}, &a->performance, &a->observations, 1.0 / 40},
+      second{{b->simulator.get()}, &b->performance, &b->observations, 1.0 / 40};
+  FitOptions options = usual();
+  options.max_evaluations = 128;
+  const FitResult both = estimate_material({first, second}, options);
+  const RegionFit &fit = both.regions[0];
+  EXPECT_NEAR(fit.material.d_n, 4, 1);
+  const double apart = material_energy(*a->simulator, a->performance, a->observations, both.materials())[0] +
+                       material_energy(*b->simulator, b->performance, b->observations, both.materials())[0];
+  EXPECT_NEAR(fit.energy, apart, 3 * fit.energy_noise + 0.05 * apart);
+  EXPECT_THROW(estimate_material(std::vector<Take>{}, options), std::invalid_argument);
+  const auto two = make_scene({cotton(), cotton()}, {12, 2, 160});
+  const Take other{{two->simulator.get()}, &two->performance, &two->observations, 1.0 / 40};
+  EXPECT_THROW(estimate_material({first, other}, options), std::invalid_argument);
 }
 
 TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
   const auto s = make_scene({with_drag(0)}, {12, 2, 160});
   FitOptions options = quick();
   options.penalty = 1; // so that the best samples lie outside the box
-  options.influence = false;
   std::vector<double> energies;
   FitResult last;
   options.on_generation = [&](const FitResult &result) {
@@ -624,62 +657,7 @@ TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
   EXPECT_TRUE(std::is_sorted(energies.rbegin(), energies.rend()));
   EXPECT_NEAR(last.regions[0].energy, whole.regions[0].best_energy, 1e-9); // without the penalty of samples outside the box
   EXPECT_EQ(last.regions[0].material.d_n, whole.regions[0].best.d_n);
-  EXPECT_TRUE(whole.regions[0].confidence().empty());
-}
-
-TEST(EstimateMaterial, BeginsAroundTheBestOfOrdinaryMaterials) {
-  const auto s = make_scene({cotton()}, {12, 2, 160});
-  FitOptions options = quick();
-  options.influence = false;
-  options.first_samples = 16;
-  options.max_evaluations = 17; // the first generation, and one that is drawn
-  const FitResult fit = estimate_material(*s->simulator, s->performance, s->observations, options);
-  ASSERT_EQ(fit.log.size(), 2u);
-  EXPECT_EQ(fit.log[0].evaluations, 16);
-
-  const MatrixRM samples = trial_samples(options.space, 16);
-  const MaterialObjective objective(*s->simulator, s->performance, s->observations, options.energy, options.space);
-  std::vector<std::pair<double, int>> ranking;
-  for (int i = 0; i < 16; ++i)
-    ranking.push_back({objective.energies({{options.space.material(samples.row(i).transpose())}}, {})(0, 0), i});
-  std::sort(ranking.begin(), ranking.end());
-  const Eigen::RowVectorXd best = samples.row(ranking[0].second);
-  EXPECT_NEAR(fit.log[0].best, ranking[0].first, 1e-9);
-  Eigen::RowVectorXd low = best, high = best; // a weighted mean of the best four lies between them
-  for (int i = 1; i < 4; ++i) {
-    low = low.cwiseMin(samples.row(ranking[i].second));
-    high = high.cwiseMax(samples.row(ranking[i].second));
-  }
-  const Eigen::RowVectorXd mean = fit.log[0].mean.transpose();
-  EXPECT_TRUE((mean.array() > low.array()).all() && (mean.array() < high.array()).all()) << mean << " in " << low << ", " << high;
-
-  options.first_samples = 3;
-  EXPECT_THROW(options.validate(), std::invalid_argument);
-}
-
-TEST(EstimateMaterial, SearchesSideBySideBeginWithMaterialsOfTheirOwn) {
-  pbd::Material stiff = cotton(); // far from each of the first four
-  stiff.d_n = 28;
-  stiff.k_bend = 0.9;
-  const auto s = make_scene({stiff}, {12, 2, 160});
-  FitOptions options = quick();
-  options.influence = false;
-  options.first_samples = 4;
-  options.max_evaluations = 4;
-  options.seeds = 6;
-  const FitResult fit = estimate_material(*s->simulator, s->performance, s->observations, options);
-  const MaterialObjective objective(*s->simulator, s->performance, s->observations, options.energy, options.space);
-  std::vector<double> lowest;
-  for (int share = 0; share < options.seeds; ++share) {
-    const MatrixRM samples = trial_samples(options.space, 4, share);
-    std::vector<std::vector<pbd::Material>> materials;
-    for (const auto &sample : samples.rowwise())
-      materials.push_back({options.space.material(sample.transpose())});
-    lowest.push_back(objective.energies(materials, {}).minCoeff());
-  }
-  const double best = *std::min_element(lowest.begin(), lowest.end());
-  ASSERT_LT(best, lowest[0]);
-  EXPECT_NEAR(fit.log[0].best, best, 1e-9);
+  EXPECT_TRUE(last.regions[0].confidence().empty());
 }
 
 TEST(EstimateMaterial, CanBeDoneByAnnealing) {
@@ -688,14 +666,26 @@ TEST(EstimateMaterial, CanBeDoneByAnnealing) {
   options.optimizer = "annealing";
   const RegionFit fit = estimate_material(*s->simulator, s->performance, s->observations, options).regions[0];
   EXPECT_EQ(fit.evaluations, 48);
-  EXPECT_EQ(fit.energy, fit.best_energy); // its answer is the best sample
+  EXPECT_NEAR(fit.energy, fit.best_energy, 0.05 * fit.best_energy); // its answer is the best sample
   EXPECT_LT(fit.energy, fit.energy_at_centre);
   options.optimizer = "hill climbing";
   EXPECT_THROW(options.validate(), std::invalid_argument);
 }
 
-TEST(EstimateMaterial, ResumesToTheSameBitsForAnyNumberOfThreads) {
+class EstimateMaterialWith : public ::testing::TestWithParam<const char *> {};
+INSTANTIATE_TEST_SUITE_P(Optimizers, EstimateMaterialWith, ::testing::Values("bayesian", "cma-es"),
+                         [](const auto &info) { return std::string(info.param).substr(0, 3); });
+
+TEST_P(EstimateMaterialWith, ResumesToTheSameBitsForAnyNumberOfThreads) {
   const auto s = make_scene({cotton()}, {15, 2, 160});
+  const auto quick = [] {
+    FitOptions options = doublet::quick();
+    options.optimizer = GetParam();
+    options.first_samples = 16;
+    options.population = 8;
+    options.regret = 0;
+    return options;
+  };
   const auto run = [&](const FitOptions &options, const Context &context) {
     return estimate_material(*s->simulator, s->performance, s->observations, options, context);
   };
@@ -718,7 +708,14 @@ TEST(EstimateMaterial, ResumesToTheSameBitsForAnyNumberOfThreads) {
   const FitResult resumed = run(options, two);
   const auto bits = [](const FitResult &r) {
     const RegionFit &f = r.regions[0];
-    return std::vector<double>{f.material.d_n, f.material.k_bend, f.energy, f.energy_at_centre, f.best.d_n, f.best_energy};
+    return std::vector<double>{f.material.d_n,
+                               f.material.k_bend,
+                               f.energy,
+                               f.energy_at_centre,
+                               f.best.d_n,
+                               f.best_energy,
+                               f.posterior.interval(0, 0),
+                               f.posterior.interval(1, 1)};
   };
   EXPECT_EQ(bits(resumed), bits(whole));
   EXPECT_EQ(resumed.log.size(), whole.log.size());
@@ -739,33 +736,27 @@ TEST(EstimateMaterial, ResumesToTheSameBitsForAnyNumberOfThreads) {
 TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
   const auto s = make_scene({cotton(), with_drag(24)}, {12, 2, 160});
   FitOptions options = quick();
-  options.influence = false;
   options.max_evaluations = 18; // three generations: the searches end far apart
   const auto run = [&](std::uint64_t seed, int seeds, const Path &checkpoint = {}, const Context &context = {}) {
     options.seed = seed, options.seeds = seeds, options.checkpoint = checkpoint;
     return estimate_material(*s->simulator, s->performance, s->observations, options, context);
   };
-  // Region r of search k starts from seed + k R + r, and samples do not know of each other; with stop_margin of those of their
-  // own search alone.
-  for (double stop_margin : {0.05, 0.0}) {
-    options.stop_margin = stop_margin;
-    const FitResult one = run(1, 1), two = run(3, 1), both = run(1, 2);
-    for (int r : {0, 1}) {
-      const RegionFit &first = one.regions[r], &second = two.regions[r], &fit = both.regions[r];
-      const RegionFit &better = first.energy <= second.energy ? first : second;
-      EXPECT_EQ(fit.answer, better.answer);
-      EXPECT_EQ(fit.energy, better.energy);
-      EXPECT_EQ(fit.best_energy, std::min(first.best_energy, second.best_energy));
-      EXPECT_EQ(fit.evaluations, first.evaluations + second.evaluations);
-      EXPECT_NEAR((fit.spread - (first.answer - second.answer).cwiseAbs() / 2).norm(), 0, 1e-15);
-      EXPECT_EQ(first.spread.size(), 0);
-    }
-    EXPECT_EQ(both.log.size(), one.log.size()); // of the searches that are answered
-    EXPECT_EQ(both.log[0].part, 0);
-    EXPECT_EQ(both.log[1].part, 1);
+  // Region r of search k starts from seed + k R + r, and samples do not know of each other.
+  const FitResult one = run(1, 1), two = run(3, 1), both = run(1, 2);
+  for (int r : {0, 1}) {
+    const RegionFit &first = one.regions[r], &second = two.regions[r], &fit = both.regions[r];
+    const RegionFit &better = first.energy <= second.energy ? first : second;
+    EXPECT_EQ(fit.answer, better.answer);
+    EXPECT_EQ(fit.energy, better.energy);
+    EXPECT_EQ(fit.best_energy, better.best_energy);
+    EXPECT_EQ(fit.evaluations, first.evaluations + second.evaluations);
+    EXPECT_NEAR((fit.spread - (first.answer - second.answer).cwiseAbs() / 2).norm(), 0, 1e-15);
+    EXPECT_EQ(first.spread.size(), 0);
   }
+  EXPECT_EQ(both.log.size(), one.log.size()); // of the searches that are answered
+  EXPECT_EQ(both.log[0].part, 0);
+  EXPECT_EQ(both.log[1].part, 1);
 
-  const FitResult both = run(1, 2);
   const TempFolder folder;
   Context context;
   int reports = 0;
@@ -785,84 +776,53 @@ TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
 RegionFit three_parameters() {
   RegionFit fit;
   fit.material = cotton();
-  fit.material.d_n = 16, fit.material.d_t = 0, fit.material.k_bend = 0.995;
+  fit.material.d_n = 8, fit.material.d_t = 0, fit.material.k_bend = 0.995;
   fit.answer = Eigen::Vector3d(0.5, 0, 0.995);
   fit.deviations = Eigen::Vector3d(0.02, 0.02, 0.2);
   return fit;
 }
-const std::vector<std::string> kThree = {"d_n", "d_t", "k_bend"};
 
-TEST(EstimateMaterial, AnswersTheBestOfItsLastMeans) {
-  const auto s = make_scene({cotton(), with_drag(24)}, {12, 2, 160});
-  FitOptions options = quick();
-  options.influence = false;
-  options.max_evaluations = 30; // five generations
-  const auto run = [&](int seeds, int generations) {
-    options.seeds = seeds, options.answer_generations = generations;
-    return estimate_material(*s->simulator, s->performance, s->observations, options);
+TEST(RegionFit, FindingsNameWhatIsDoubtful) {
+  RegionFit fit = three_parameters();
+  ParameterSpace space;
+  space.names = {"d_n", "d_t", "k_bend"};
+  const auto texts = [&] {
+    std::vector<std::string> result;
+    for (const FitFinding &finding : fit.findings(space))
+      result.push_back(finding.text());
+    return result;
   };
-  const FitResult last = run(1, 1), three = run(1, 3), all = run(1, 50); // more than there are
-  bool moved = false;
-  for (int r : {0, 1}) {
-    std::vector<Eigen::VectorXd> means; // of the region's generations
-    for (const GenerationRow &row : last.log)
-      if (row.part == r)
-        means.push_back(row.mean.cwiseMax(0.0).cwiseMin(1.0));
-    ASSERT_EQ(means.size(), 5u);
-    EXPECT_EQ(last.regions[r].answer, means.back());
-    EXPECT_EQ(std::count(means.end() - 3, means.end(), three.regions[r].answer), 1);
-    EXPECT_EQ(std::count(means.begin(), means.end(), all.regions[r].answer), 1);
-    EXPECT_LE(three.regions[r].energy, last.regions[r].energy);
-    EXPECT_LE(all.regions[r].energy, three.regions[r].energy);
-    EXPECT_EQ(three.regions[r].best_energy, last.regions[r].best_energy);
-    moved |= all.regions[r].answer != last.regions[r].answer;
-  }
-  EXPECT_TRUE(moved); // or the test tells nothing
-  std::vector<pbd::Material> answers = all.materials();
-  const std::vector<double> energies = material_energy(*s->simulator, s->performance, s->observations, answers, options.energy);
-  for (int r : {0, 1})
-    EXPECT_EQ(all.regions[r].energy, energies[r]) << r;
-  const FitResult both = run(2, 3); // of two searches each has its own means
-  for (int r : {0, 1})
-    EXPECT_LE(both.regions[r].energy, three.regions[r].energy);
-  options.answer_generations = 0;
-  EXPECT_THROW(options.validate(), std::invalid_argument);
-}
-
-TEST(RegionFit, RemarksNameWhatIsDoubtful) {
-  RegionFit fit = three_parameters();
-  EXPECT_EQ(fit.remarks(kThree),
-            (std::vector<std::string>{
-                "d_t = 0 lies at the lower bound of its box, 0: the search would go further if it could.",
-                "k_bend = 0.995 lies at the upper bound of its box, 1: the search would go further if it could."}));
+  EXPECT_EQ(texts(), (std::vector<std::string>{
+                         "d_t = 0 lies at the lower bound of its box, 0: the search would go further if it could.",
+                         "k_bend = 0.995 lies at the upper bound of its box, 1: the search would go further if it could."}));
   fit.answer = Eigen::Vector3d(0.5, 0.011, 0.989);
-  EXPECT_TRUE(fit.remarks(kThree).empty());
-  fit.influence = {Eigen::Vector3d(0.25, 7, 7), 0.5, {3, 1, 2}};
-  EXPECT_EQ(
-      fit.remarks(kThree),
-      (std::vector<std::string>{"d_n = 16 is a guess: the motion does not tell it (moved alone it changes the energy by 0.25 "
-                                "pixels^2; 1.25 would be beyond noise)."}));
-  fit.influence.change[0] = 7;
+  EXPECT_TRUE(texts().empty());
+  fit.posterior.interval.resize(3, 2);
+  fit.posterior.interval << 0.25, 0.8, 0, 0.1, 0.7, 0.99;
+  EXPECT_EQ(texts(), (std::vector<std::string>{
+                         "d_n = 8 is a guess: the film tells no more than that it lies between 2 and 20.5 (90 %)."}));
+  fit.posterior.interval(0, 1) = 0.3;
   fit.spread = Eigen::Vector3d(0.1, 0.2, 0);
-  EXPECT_EQ(fit.remarks(kThree),
-            (std::vector<std::string>{"d_t = 0 depends on the seed: the answers of the searches span 0.4 of its box."}));
-  EXPECT_THROW(fit.remarks({"weight", "d_t", "k_bend"}), std::invalid_argument);
+  ASSERT_EQ(texts().size(), 1u);
+  EXPECT_EQ(texts()[0].substr(0, 27), "d_t = 0 depends on the seed");
+  for (const char *kind : {"lower_bound", "upper_bound", "guess", "seeds"})
+    EXPECT_STREQ(finding_name(finding_kind(kind)), kind);
+  EXPECT_THROW(finding_kind("weight"), std::invalid_argument);
 }
 
-TEST(RegionFit, SearchesThatDisagreeLowerTheConfidence) {
+TEST(RegionFit, ConfidenceFollowsFromTheInterval) {
   RegionFit fit = three_parameters();
-  fit.influence = {Eigen::Vector3d(7, 0.1, 7), 0.5, {1, 3, 2}};
+  EXPECT_TRUE(fit.confidence().empty());
+  fit.posterior.interval.resize(3, 2);
+  fit.posterior.interval << 0.1, 0.2, 0.1, 0.5, 0.1, 0.9;
   using enum Confidence;
-  EXPECT_EQ(fit.confidence(), (std::vector{kHigh, kLow, kMedium}));
-  fit.spread = Eigen::Vector3d::Constant(0.1);
-  EXPECT_EQ(fit.confidence(), (std::vector{kHigh, kLow, kMedium}));
-  fit.spread.setConstant(0.11);
-  EXPECT_EQ(fit.confidence(), (std::vector{kMedium, kLow, kLow}));
+  EXPECT_EQ(fit.confidence(), (std::vector{kHigh, kMedium, kLow}));
 }
 
 TEST(EstimateMaterial, SaysWhatIsDoubtful) {
   const auto s = make_scene({cotton()}, {12, 2, 160});
-  FitOptions options = quick();
+  FitOptions options = usual();
+  options.max_evaluations = 96;
   options.space.names = {"d_n", "k_friction"}; // nothing is touched
   std::string said;
   Context context;
@@ -871,14 +831,14 @@ TEST(EstimateMaterial, SaysWhatIsDoubtful) {
   EXPECT_NE(said.find("fit: region 0: k_friction = "), std::string::npos) << said;
   const TempFolder folder;
   write_materials(folder / "material.json", result);
-  EXPECT_NE(read_text(folder / "material.json").find("is a guess: the motion does not tell it"), std::string::npos);
+  EXPECT_NE(read_text(folder / "material.json").find("\"kind\": \"guess\""), std::string::npos);
 }
 
 TEST(EstimateMaterial, EveryRegionGetsItsOwn) {
   pbd::Material heavy = cotton();
   heavy.d_n = 24;
   const auto s = make_scene({cotton(), heavy}, {20, 2, 240});
-  FitOptions options = quick();
+  FitOptions options = usual();
   options.space.names = {"d_n"};
   const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, options);
   ASSERT_EQ(result.regions.size(), 2u);
@@ -888,14 +848,18 @@ TEST(EstimateMaterial, EveryRegionGetsItsOwn) {
 
 TEST(MaterialFiles, AreReadBack) {
   FitResult result;
-  result.parameters = {"d_n", "k_bend"};
+  result.space.names = {"d_n", "k_bend"};
   RegionFit region;
   region.material = cotton();
+  region.answer = Eigen::Vector2d(0.35, 0.3);
   region.deviations = Eigen::Vector2d(0.1, 0.02);
   result.regions = {region, region};
   result.regions[1].material.d_n = 1.0 / 3;
   result.regions[1].spread = Eigen::Vector2d(0.25, 0);
-  result.regions[1].influence = {Eigen::Vector2d(0.1, 7), 0.5, {2, 1}};
+  result.regions[1].posterior.draws = MatrixRM::Constant(2, 2, 0.123456);
+  result.regions[1].posterior.interval.resize(2, 2);
+  result.regions[1].posterior.interval << 0.25, 0.9, 0.2, 0.3;
+  result.regions[1].posterior.correlation = Eigen::MatrixXd::Identity(2, 2);
   const TempFolder folder;
   write_materials(folder / "material.json", result);
   const std::vector<pbd::Material> read = read_materials(folder / "material.json");
@@ -905,10 +869,9 @@ TEST(MaterialFiles, AreReadBack) {
       EXPECT_EQ(read[r].*p.value, result.regions[r].material.*p.value);
 
   const std::string written = read_text(folder / "material.json");
-  EXPECT_NE(written.find("\"confidence\": \"low\""), std::string::npos);  // d_n: 0.1 beside a noise of 0.5
-  EXPECT_NE(written.find("\"confidence\": \"high\""), std::string::npos); // k_bend: 7, deviation 0.02
-  EXPECT_NE(written.find("\"remarks\": []"), std::string::npos);
-  EXPECT_NE(written.find("d_n = 0.333 depends on the seed"), std::string::npos);
+  for (const char *part : {"\"d_n\": \"low\"", "\"k_bend\": \"high\"", "\"findings\": []", "\"kind\": \"seeds\"", "0.1235"})
+    EXPECT_NE(written.find(part), std::string::npos) << part;
+  EXPECT_NE(written.find("2.0"), std::string::npos);              // 32 * 0.25^2: the interval in the parameter's unit
   EXPECT_EQ(written.find("energy_at_centre"), std::string::npos); // not measured
 
   EXPECT_NO_THROW(read_materials(folder / "material.json", result.solver));

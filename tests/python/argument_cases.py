@@ -32,7 +32,7 @@ def calls(world, folder) -> dict:
     objective = d.MaterialObjective(
         w.simulator, w.performance, w.observations, d.EnergyOptions(dt=1 / 40, settle_frames=1), d.ParameterSpace(names=["d_n"])
     )
-    fit = d.FitOptions(max_evaluations=4, population=4, influence=False)
+    fit = d.FitOptions(max_evaluations=4, population=4, first_samples=4)
     fit.energy, fit.space = d.EnergyOptions(dt=1 / 40, settle_frames=1), d.ParameterSpace(names=["d_n"])
     cma = d.create_cma_es(2, d.CmaEsOptions(population=4))
     sequence, valid = w.performance.surface, [1] * len(f)
@@ -167,15 +167,16 @@ def calls(world, folder) -> dict:
         "MaterialObjective.surface_terms": (objective.surface_terms, {"surfaces": [v, v, v]}),
         "MaterialObjective.surface_energy": (objective.surface_energy, {"surfaces": [v, v, v]}),
         "MaterialObjective.evaluate": (objective.evaluate, {"samples": np.full((4, 1), 0.5)}),
-        "MaterialObjective.race": (objective.race, {"samples": np.full((4, 1), 0.5), "margin": 0.1}),
-        "measure_influence": (lambda answers: d.measure_influence(objective, answers), {"answers": np.full((1, 1), 0.5)}),
-        "garment_energy": (lambda **given: d.garment_energy(**given, space=d.ParameterSpace(names=["d_n"])), reference),
-        "chosen_garment": (d.chosen_garment, {"energies": np.array([3.0, 2.0])}),
-        "trial_samples": (lambda count, share: d.trial_samples(d.ParameterSpace(), count, share), {"count": 4, "share": 1}),
-        "trial_energy": (lambda materials: d.trial_energy(objective, materials), {"materials": 4}),
+        "posterior_of": (
+            d.posterior_of,
+            {"samples": np.array([[0.1], [0.5], [0.9]]), "energies": np.array([3.0, 2.0, 4.0]), "noise": 0.1, "draws": 4},
+        ),
+        "FitFinding": (d.FitFinding, {"kind": "guess", "parameter": "d_n", "value": 1.0, "low": 0.0, "high": 2.0}),
+        "worn": (d.worn, {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)}),
         "ParameterSpace.material": (d.ParameterSpace().material, {"unit": np.full(len(d.ParameterSpace().names), 0.5)}),
         "Optimizer.tell": (cma.tell, {"samples": np.array(cma.ask()), "energies": np.ones(4)}),
         "create_cma_es": (d.create_cma_es, {"dimension": 2}),
+        "create_bayesian": (d.create_bayesian, {"dimension": 2}),
         "create_simulated_annealing": (d.create_simulated_annealing, {"dimension": 2}),
         "make_character": (
             d.make_character,

@@ -662,7 +662,7 @@ for command in ("check session -o new", TEMPLATE, *(f"{stage} out --force" for s
     )
 spoilt_by("Options", RECONSTRUCT + " --segment-rigid-threshold -1", a_threshold_below_0=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --capture-start-frame 500", a_start_after_the_last_frame=lambda folder: None)
-spoilt_by("Options", RECONSTRUCT + " --garment-spread 0.3", a_width_that_the_video_chooses=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --garment-spreads 0.5 0.3", widths_that_are_not_in_order=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --cloth-substeps 0", no_steps_at_all=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --fit-optimizer newton", an_optimiser_that_is_not_there=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --energy-dt x", an_option_that_is_not_there=lambda folder: None)
@@ -685,7 +685,7 @@ spoilt_by(
     a_text_for_a_number=content("mine.toml", '[segment]\ndiffusion = "0.03"\n'),
     a_fraction_for_a_whole_number=content("mine.toml", "[fit]\nmax_evaluations = 1.5\n"),
     a_number_beyond_its_bounds=content("mine.toml", "[segment]\ndiffusion = -1\n"),
-    a_word_for_a_number_in_a_list=content("mine.toml", '[trial]\nspreads = [0.1, "wide"]\n'),
+    a_word_for_a_number_in_a_list=content("mine.toml", '[garment]\nspreads = [0.1, "wide"]\n'),
     a_material_parameter_of_another_name=content("mine.toml", "[space.fixed]\nk_colour = 1\n"),
     an_option_that_the_session_sets=content("mine.toml", "[energy]\ndt = 0.1\n"),
     a_seed_below_0=content("mine.toml", "seed = -1\n"),

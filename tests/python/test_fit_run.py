@@ -14,7 +14,8 @@ from doublet.console import Console
 from doublet.fit_page import in_words
 
 OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--cloth-stiffness", "sweeps", "--cloth-rest-curvature", "1"]
-OPTIONS += ["--fit-max-evaluations", "56", "--fit-answer-generations", "1", "--space-names", "d_n", "k_stretch", "k_friction"]
+OPTIONS += ["--fit-max-evaluations", "56", "--fit-first-samples", "16", "--fit-population", "8", "--fit-regret", "0"]
+OPTIONS += ["--space-names", "d_n", "k_stretch", "k_friction"]
 
 
 @pytest.fixture
@@ -99,34 +100,34 @@ def test_killed_and_interrupted_runs_end_in_the_same_bits(fit, out, bell, tmp_pa
     assert (out / "fit_checkpoint.txt").exists()  # a larger budget goes on from it
 
     region = fitted(out)["regions"][0]
-    assert region["influence"]["k_stretch"]["rank"] == 1 and region["influence"]["k_stretch"]["confidence"] != "low"
-    assert region["influence"]["k_friction"]["confidence"] == "low"  # the bell touches nothing
+    low, high = region["interval"]["k_stretch"]
+    assert low <= region["parameters"]["k_stretch"] <= high and region["confidence"]["k_stretch"] != "low"
+    assert region["confidence"]["k_friction"] == "low"  # the bell touches nothing
     page = (out / "fit_progress.html").read_text()
-    assert re.search("motion tells [^.]*stretching", page)
-    assert page.count("<svg") == 2 and "refresh" not in page
-    assert any("k_friction" in line and "is a guess" in line for line in region["remarks"])
+    assert re.search("film tells [^.]*stretching", page)
+    assert page.count("<svg") == 3 and "refresh" not in page
+    assert any(finding["parameter"] == "k_friction" and finding["kind"] == "guess" for finding in region["findings"])
     assert page.count("Doubtful: k_friction = ") == 1
 
 
 def test_a_larger_budget_goes_on_to_the_bits_of_one_search(fit, out, bell, tmp_path):
     whole = tmp_path / "whole"
     shutil.copytree(bell, whole)
-    plain = ["--no-fit-influence", "--fit-first-samples", "0", "--fit-initial-sigma", "0.3"]  # settles after both budgets
-    larger = ["--fit-max-evaluations", "84", *plain]
+    larger = ["--fit-max-evaluations", "80"]
     finished(fit(whole, *larger))
     assert "resuming" not in (whole / "log.txt").read_text()
 
-    finished(fit(out, *plain))
+    finished(fit(out))
     assert fitted(out)["regions"][0]["evaluations"] == 56
-    assert "option fit.max_evaluations changed from 56 to 84" in finished(fit(out, *larger))
+    assert "option fit.max_evaluations changed from 56 to 80" in finished(fit(out, *larger))
     assert "resuming after 56 evaluations" in (out / "log.txt").read_text()
-    assert fitted(out) == fitted(whole) and fitted(out)["regions"][0]["evaluations"] == 84
+    assert fitted(out) == fitted(whole) and fitted(out)["regions"][0]["evaluations"] == 80
     assert log_without_seconds(out) == log_without_seconds(whole)
 
-    finished(fit(out, *plain))  # a smaller one is another search
+    finished(fit(out))  # a smaller one is another search
     assert "belongs to a longer search" in (out / "log.txt").read_text()
     assert fitted(out)["regions"][0]["evaluations"] == 56
-    finished(fit(out, *plain, "--force"))  # and a forced one begins again
+    finished(fit(out, "--force"))  # and a forced one begins again
     assert (out / "log.txt").read_text().count("resuming") == 1
 
 
@@ -140,14 +141,14 @@ def test_a_damaged_checkpoint_is_named(fit, out):
 
 def test_words_follow_the_confidence():
     def region(**levels):
-        return {"influence": {name: {"confidence": level} for name, level in levels.items()}}
+        return {"confidence": levels}
 
     assert in_words({}) == []
     (line,) = in_words(region(d_n="high", d_t="high", k_bend="high"))
-    assert line == "The motion tells drag along the normal, drag along the surface and bending."
+    assert line == "The film tells drag along the normal, drag along the surface and bending."
     high, medium = in_words(region(d_n="high", k_bend="medium", k_friction="low"))
-    assert high == "The motion tells drag along the normal." and medium.startswith("It tells something about bending")
-    assert in_words(region(k_friction="low")) == []  # the remarks say it
+    assert high == "The film tells drag along the normal." and medium.startswith("It tells something about bending")
+    assert in_words(region(k_friction="low")) == []  # the findings say it
 
 
 def test_progress_shows_what_the_stage_said_last(capsys):

@@ -1,5 +1,7 @@
 """The garment stage from Python: a mesher of one's own, the dressed actor, what the report shows."""
 
+import json
+
 import doublet as d
 import numpy as np
 import pytest
@@ -88,8 +90,8 @@ def area_of(garment) -> float:
     return float(d.face_areas(garment.rest, garment.mesh.faces).sum())
 
 
-def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
-    """Each spread is tried, then each band; the cheapest is taken, all costs are told; what nobody would use is refused."""
+def test_widths_are_offered_worn_and_read_back(skirt, tmp_path):
+    """One mesh, a rest shape a width, the widest first; what material.json names is worn."""
     actor, clothness = skirt
     wide = np.array(actor.mesh.vertices) * [1.3, 1, 1.3]
     performance = d.ReferencePerformance()
@@ -103,41 +105,19 @@ def test_the_video_chooses_among_rest_shapes(skirt, tmp_path, monkeypatch):
     body = d.BodyFit()
     body.body = d.Mesh(np.array(actor.mesh.vertices) * [0.6, 1, 0.6], actor.mesh.faces)
     d.write_body(tmp_path / "body.npz", body)
-    trial = {"spreads": [0.1, 0.9], "bands": [0, 0.1]}
-    options = {"garment": d.GarmentOptions(vertices=300), "trial": d.TrialOptions(**trial)}
-    job = pipeline.Job(tmp_path, tmp_path, options)
-    tried = []
-
-    def cheap_if_wide(_, garment):
-        """Costs less the more area and the more cloth hangs on the skeleton in part."""
-        clothness = np.asarray(garment.clothness)
-        tried.append((area_of(garment), int(((clothness > 0) & (clothness < 1)).sum())))
-        return 1 / (tried[-1][0] + tried[-1][1])
-
-    monkeypatch.setattr(pipeline, "trial_energy", cheap_if_wide)
-    chosen, costs = pipeline.filmed_garment(job)
-    (wide, no_band), (narrow, _), (as_wide, band) = tried  # the wide seam is not tried twice
-    assert wide > 1.05 * narrow and as_wide == wide and band > no_band == 0
-    assert area_of(chosen) == wide and int(((chosen.clothness > 0) & (chosen.clothness < 1)).sum()) == band
-    assert list(costs["spread"]) == ["0.1", "0.9"] and list(costs["band"]) == ["0", "0.1"]
-    assert costs["band"]["0"] == costs["spread"]["0.1"]
-    monkeypatch.setattr(pipeline, "trial_energy", lambda _, garment: 1 / cheap_if_wide(_, garment))
-    chosen, _ = pipeline.filmed_garment(job)
-    assert area_of(chosen) == narrow and not ((chosen.clothness > 0) & (chosen.clothness < 1)).any()
-    for name, value, found in (("spread", 0.3, r"\[0.1, 0.9\]"), ("band", 0.02, r"\[0.0, 0.1\]")):
-        job.options["garment"] = d.GarmentOptions(**{name: value})
-        with pytest.raises(ValueError, match=rf"garment.{name} {value} would not be used: .* found {found}"):
-            pipeline.filmed_garment(job)
-        job.options["trial"] = d.TrialOptions(**{**trial, f"{name}s": []})
-        monkeypatch.setattr(pipeline, "trial_energy", lambda *_: 1.0)
-        assert pipeline.filmed_garment(job)[1][name] == {}  # nothing to choose from
-        job.options["trial"] = d.TrialOptions(**trial)
-
-
-def test_another_rest_shape_must_be_clearly_cheaper():
-    trial = d.TrialOptions(margin=0.1)
-    assert d.chosen_garment([100, 95, 91], trial) == 0  # what chaos does
-    assert d.chosen_garment([100, 95, 89, 92], trial) == 2
-    assert d.chosen_garment([100, 95, 91], d.TrialOptions(margin=0)) == 2
-    with pytest.raises(ValueError, match="expected at least one"):
-        d.chosen_garment([])
+    job = pipeline.Job(tmp_path, tmp_path, {"garment": d.GarmentOptions(vertices=300, spreads=[0.1, 0.5, 0.9])})
+    areas = pipeline.run_garment(job)["areas_m2"]
+    assert len(areas) == 3 and areas[0] > 1.02 * areas[1] > 1.02 * 1.02 * areas[2]
+    assert area_of(job.garment) == pytest.approx(areas[1], rel=1e-4)  # until the video has chosen, the middle one
+    assert [area_of(g) for g in d.offered(job.offered_garment)] == pytest.approx(areas, rel=1e-4)
+    (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 0}]}))
+    job.forget_garment()
+    assert area_of(job.garment) == pytest.approx(areas[0], rel=1e-4) and not job.garment.widths
+    with pytest.raises(ValueError, match="expected a width below 3, found 3"):
+        d.worn(job.offered_garment, [3])
+    with pytest.raises(ValueError, match="one width for each of 1 regions, found 2"):
+        d.worn(job.offered_garment, [0, 0])
+    one = d.mesh_garment(actor, clothness, body.body, performance.surface, d.GarmentOptions(vertices=300, spreads=[0.5]))
+    assert not one.widths and len(d.offered(one)) == 1
+    with pytest.raises(ValueError, match="spreads: expected at least one, ascending"):
+        d.GarmentMesher.create(d.GarmentOptions(spreads=[0.5, 0.1]))

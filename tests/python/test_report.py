@@ -12,20 +12,20 @@ from doublet import fit_page, pipeline, report
 from doublet.page import page, table
 
 ROOT = Path(__file__).parents[2]
-GUESS = "d_t = 0.18 is a guess: the motion does not tell it (it changes the energy by 3 pixels^2; 6 would be beyond noise)."
-BOUND = "d_n = 32 lies at the upper bound of its box, 32: the search would go further if it could."
+GUESS = {"kind": "guess", "parameter": "d_t", "value": 0.18, "low": 0.1, "high": 25}
+BOUND = {"kind": "upper_bound", "parameter": "d_n", "value": 32, "low": 0, "high": 32}
 
 
 class Shown:
     """What the sections read of a job: its record, its folder, and how near it is to the video."""
 
-    def __init__(self, out, stages, remarks=()):
+    def __init__(self, out, stages, doubts=()):
         self.job = self
         self.record = self
         self.data = {"stages": {name: {"state": "done", "summary": summary} for name, summary in stages.items()}}
         self.track = report.Track(np.array([0, 8.0]), np.array([0.97, 0.95]), np.array([0.9, 0.8]), np.zeros(0), np.zeros(0))
         self.out = out
-        self.path("material.json").write_text(json.dumps({"regions": [{"remarks": list(remarks)}]}))
+        self.path("material.json").write_text(json.dumps({"regions": [{"findings": list(doubts)}]}))
 
     def path(self, name):
         return self.out / name
@@ -46,7 +46,7 @@ def test_doubts_are_counted_and_say_what_to_do(tmp_path):
     stages = {"body": {"residual_mm": 30.0}, "performance": {"frames_lost": {"l_ankle": 7}}}
     text = words(report.verdict(Shown(tmp_path, stages, [GUESS, BOUND])))
     assert "4 things in it are doubtful" in text
-    for doubt in ("found 30", "l_ankle was lost in 7 frames", GUESS, BOUND):
+    for doubt in ("found 30", "l_ankle was lost in 7 frames", "d_t = 0.18 is a guess", "d_n = 32 lies at the upper bound"):
         assert doubt in text.replace("&#x27;", "'"), doubt
     assert "Good:" not in text  # the only number that was measured is not
     for advice in ("The box holds ordinary cloth", "--space-fixed", "frames of the lost joint"):
@@ -54,22 +54,25 @@ def test_doubts_are_counted_and_say_what_to_do(tmp_path):
     assert "1 thing in it is doubtful" in words(report.verdict(Shown(tmp_path, {}, [BOUND])))
 
 
-def test_every_kind_of_remark_has_advice():
-    """Which is found by the words that the library says it in."""
-    source = (ROOT / "libfit" / "src" / "material_estimator.cpp").read_text(encoding="utf-8")
-    body = source[source.index("RegionFit::remarks(") :].partition("\n}\n")[0]
-    kinds = ("bound of its box", "is a guess", "depends on the seed")
-    assert body.count("result.push_back(") == len(kinds)
-    for kind in kinds:
-        assert kind in body and kind in [sign for sign, _ in report.ADVICE]
+@pytest.mark.parametrize("kind", ["lower_bound", "upper_bound", "guess", "seeds"])
+def test_every_kind_of_finding_has_a_sentence_advice_and_a_warning(kind):
+    assert d.FitFinding(kind, "d_n", 1, 0, 2).text().startswith("d_n = 1 ")
+    assert report.ADVICE[kind] and fit_page.WARNINGS[kind]
+    with pytest.raises(ValueError, match="finding_kind: expected lower_bound"):
+        d.FitFinding(kind + "s", "d_n", 1, 0, 2)
 
 
 def test_a_parameter_on_a_bound_carries_a_warning():
-    region = {"parameters": {"d_n": 32.0, "d_t": 0.18, "k_bend": 0.5}, "remarks": [BOUND, GUESS]}
+    region = {
+        "parameters": {"d_n": 32.0, "d_t": 0.18, "k_bend": 0.5},
+        "findings": [BOUND, GUESS],
+        "deviations": {"d_n": 0, "d_t": 0},
+    }
+    region["interval"] = {"d_t": [0.1, 25]}
     rows = re.findall(r"<tr>(.*?)</tr>", fit_page.parameters(region))
     (d_n,), (d_t,), (k_bend,) = ([row for row in rows if f"<td>{name}</td>" in row] for name in region["parameters"])
-    assert "⚠ lies at the upper bound of its box" in d_n and "⚠ is a guess" in d_t and "⚠" not in k_bend
-    assert "<td>1/m</td>" in d_n and "<td>1/s</td>" in d_t
+    assert "⚠ at the upper bound of its box" in d_n and "⚠ a guess" in d_t and "⚠" not in k_bend
+    assert "<td>1/m</td>" in d_n and "<td>1/s</td>" in d_t and "0.1 to 25" in d_t and "fixed" in k_bend
 
 
 @pytest.mark.parametrize("energy, said", [(90, "10 % below the centre"), (110, "10 % above the centre")])
@@ -137,7 +140,7 @@ def test_a_session_without_silhouettes_or_cloth_has_a_page_too(followed):
 def test_a_page_fits_a_phone(tmp_path, followed):
     """390 pixels wide: nothing but tables and plots is wider than the screen, and those scroll by themselves."""
     webdriver = pytest.importorskip("selenium.webdriver")
-    region = {"parameters": dict.fromkeys(d.Material.boxes(), 0.5), "remarks": [BOUND]}
+    region = {"parameters": dict.fromkeys(d.Material.boxes(), 0.5), "findings": [BOUND]}
     body = f"<h1>word</h1>{fit_page.parameters(region)}{report.over_time(followed)}"
     (tmp_path / "page.html").write_text(page("a page", body), encoding="utf-8")
     options = webdriver.ChromeOptions()

@@ -198,7 +198,7 @@ def test_variants_are_compared_by_the_plain_energy(out, tmp_path):
     searches.VARIANTS = {"windows": {"energy": {"window": 8}}, "plain": {}}
     rows = searches.variants(out, None, None, 8, [1, 2], tmp_path, 1)
     assert [row[:2] for row in rows] == [["windows", 1], ["windows", 2], ["plain", 1], ["plain", 2]]
-    job = {**plain_job(out, fit={"max_evaluations": 8, "influence": False}), "seed": 2}
+    job = {**plain_job(out, fit={"max_evaluations": 8, "first_samples": 4, "population": 4}), "seed": 2}
     region = searches.search(job)["regions"][0]
     assert rows[3][3] == pytest.approx(region["energy"]) and rows[3][4] == pytest.approx(region["best_sample"]["energy"])
     materials = [d.Material(**found["parameters"]) for found in (region, region["best_sample"])]

@@ -42,13 +42,13 @@ OPTIONS = [
     "6",
     "--fit-max-evaluations",
     "16",
-    "--trial-spreads",
+    "--garment-spreads",
     "0.25",
     "0.35",
     "--segment-rigid-threshold",
     "0.001",
 ]
-OPTIONS += ["--trial-materials", "4", "--segment-cloth-threshold", "0.004", "--no-capture-second-pass"]
+OPTIONS += ["--segment-cloth-threshold", "0.004", "--no-capture-second-pass"]
 SIGNALS = {"int": signal.SIGINT, "term": signal.SIGTERM, "kill": signal.SIGKILL}
 WAYS = (*SIGNALS, "full", "memory", "readonly")
 MEMORY = 16 << 20  # bytes

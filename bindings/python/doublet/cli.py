@@ -49,7 +49,7 @@ def stopped_by_signals():
 #: What `reconstruct --help` shows of the options; --help-all shows them all.
 USUAL = (
     "capture.first_frame", "capture.frame_count", "segment.rigid_threshold", "segment.cloth_threshold", "garment.vertices",
-    "trial.spreads", "fit.max_evaluations",
+    "garment.spreads", "fit.max_evaluations",
 )  # fmt: skip
 
 
@@ -178,6 +178,20 @@ def run_stages(arguments) -> int:
         if stage.name in arguments.stages:
             pipeline.run_stage(job, stage, arguments.force)
     return exit_status(job)
+
+
+def run_fit(arguments) -> int:
+    if not arguments.takes:
+        return run_stages(arguments)
+    if arguments.session:
+        raise ValueError("--session: expected a single OUT beside it; of several takes each has its own")
+    jobs = []
+    for out in (arguments.out, *arguments.takes):
+        arguments.out = out
+        jobs.append(make_job(arguments, pipeline.recorded_session(out)))
+        pipeline.start_record(jobs[-1])
+    pipeline.fit_together(jobs)
+    return exit_status(jobs[0])
 
 
 def run_scan(arguments) -> int:
@@ -374,11 +388,15 @@ def build_parser() -> argparse.ArgumentParser:
             command.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results")
         else:
             command.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far")
+        if name == "fit":
+            text = "more takes of the same garment: one material and one width are found that explain all of them together"
+            command.add_argument("takes", type=Path, nargs="*", metavar="OUT", help=text)
+        if name not in ("check", "template", "capture"):
             command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
         used = {group for stage in pipeline.STAGES if stage.name in stages for group in stage.groups}
         groups = {group: c for group, c in pipeline.OPTION_GROUPS.items() if group in used}
         add_stage_flags(command, groups, with_body_model=name == "body")
-        command.set_defaults(run=run_stages, stages=stages)
+        command.set_defaults(run=run_fit if name == "fit" else run_stages, stages=stages)
 
     new_session.add_command(commands, common_flags)
     import_calibration.add_command(commands)

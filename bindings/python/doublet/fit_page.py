@@ -1,4 +1,4 @@
-"""The material search as a page: energy and parameters over evaluations, and what the motion tells about each parameter.
+"""The material search as a page: energy and parameters over evaluations, and how well the film tells each parameter.
 
 Rewritten while the search runs (fit_progress.html), and a section of report.html afterwards.
 """
@@ -9,7 +9,6 @@ import csv
 import html
 import io
 import json
-import re
 import time
 from pathlib import Path
 
@@ -27,6 +26,14 @@ NAMES = {
     "k_stretch": "stretching",
     "k_friction": "friction",
     "k_damping": "damping",
+    "width": "width of the garment",
+}
+#: What is doubtful about a parameter, in short.
+WARNINGS = {
+    "lower_bound": "at the lower bound of its box",
+    "upper_bound": "at the upper bound of its box",
+    "guess": "a guess",
+    "seeds": "depends on the seed",
 }
 SECONDS_BETWEEN = 10  # at least; and drawing takes a twentieth of the time at most
 
@@ -53,32 +60,47 @@ def results(out: Path) -> str:
     for k, region in enumerate(fitted["regions"]):
         parts.append(f"<h3>Region {k}</h3>{parameters(region)}<p>{html.escape(energies(region))}</p>")
         parts += [f"<p>{html.escape(line)}</p>" for line in in_words(region)]
-        parts += [f'<p class="doubt">Doubtful: {html.escape(line)}</p>' for line in region.get("remarks", [])]
+        parts += [f'<p class="doubt">Doubtful: {html.escape(line)}</p>' for line in sentences(region)]
         parts.append(parameter_plot([row for row in log if row["region"] == str(k)], fitted["estimated"]))
+        if "draws" in region:
+            parts.append(corner_plot(np.array(region["draws"]), region, fitted["estimated"]))
     return "".join(parts)
 
 
 def parameters(region: dict) -> str:
     boxes, rows = d.Material.boxes(), []
     for name, value in region["parameters"].items():
-        low, high = boxes[name]
-        deviation = region.get("deviations", {}).get(name)
-        told = region.get("influence", {}).get(name)
-        known = [f"{told['energy_change']:.3g}", told["rank"], told["confidence"]] if told else ["", "", ""]
-        spread = "fixed" if deviation is None else f"± {deviation * (high - low):.3g}"
-        rows.append([name, float(value), UNITS.get(name, "-"), warning(region, name), spread, f"[{low:g}, {high:g}]", *known])
-    measured = ["changes E_fit by, px²", "rank", "confidence"]
-    return table(["parameter", "value", "unit", "warning", "spread of the search", "box", *measured], rows)
+        known = "fixed" if name not in region.get("deviations", {}) else interval(region, name)
+        box = "[{:g}, {:g}]".format(*boxes[name])
+        rows.append([name, float(value), UNITS.get(name, "-"), known, confidence(region, name), box, warning(region, name)])
+    if "width" in region:
+        rows.append(["width", region["width"], "index", interval(region, "width"), confidence(region, "width"), "", ""])
+    return table(["parameter", "value", "unit", "90 % interval", "told", "box", "warning"], rows)
+
+
+def interval(region: dict, name: str) -> str:
+    found = region.get("interval", {}).get(name)
+    return "{:.3g} to {:.3g}".format(*found) if found else ""
+
+
+def confidence(region: dict, name: str) -> str:
+    return region.get("confidence", {}).get(name, "")
 
 
 def warning(region: dict, name: str) -> str:
-    """What is doubtful about a parameter, in short: the remarks up to their reasons."""
-    said = [re.match(rf"{name} = \S+ ([^:,]+)", remark) for remark in region.get("remarks", [])]
-    return "; ".join(f"⚠ {found[1]}" for found in said if found)
+    kinds = [finding["kind"] for finding in region.get("findings", []) if finding["parameter"] == name]
+    return "; ".join(f"⚠ {WARNINGS[kind]}" for kind in kinds)
+
+
+def sentences(region: dict) -> list[str]:
+    """What is doubtful, a sentence each."""
+    return [d.FitFinding(**finding).text() for finding in region.get("findings", [])]
 
 
 def energies(region: dict) -> str:
     text = f"E_fit {region['energy']:.2f} px²"
+    if noise := region.get("energy_noise"):
+        text += f" (± {noise:.2g} from one simulation to the next)"
     if centre := region.get("energy_at_centre"):
         change = 100 * (1 - region["energy"] / centre)
         text += f", {abs(change):.0f} % {'below' if change >= 0 else 'above'} the centre of the box ({centre:.2f} px²)"
@@ -87,19 +109,14 @@ def energies(region: dict) -> str:
 
 
 def in_words(region: dict) -> list[str]:
-    """Which parameters the motion tells; nothing if that was not measured. (Those that it does not, and those on which searches
-    disagree, are among the remarks.)"""
-    told = region.get("influence", {})
-    if not told:
-        return []
-    by_level = {level: [NAMES[n] for n in told if told[n]["confidence"] == level] for level in ("high", "medium")}
+    """Which parameters the film tells; nothing if that was not measured. (Those that it does not are among the findings.)"""
+    told = region.get("confidence", {})
+    by_level = {level: [NAMES[n] for n in told if told[n] == level] for level in ("high", "medium")}
     lines = []
     if by_level["high"]:
-        lines.append(f"The motion tells {listed(by_level['high'])}.")
+        lines.append(f"The film tells {listed(by_level['high'])}.")
     if by_level["medium"]:
-        who = "It" if lines else "The motion"
-        why = "the search was still wide, or searches disagree: give it more evaluations"
-        lines.append(f"{who} tells something about {listed(by_level['medium'])}, but {why}.")
+        lines.append(f"{'It' if lines else 'The film'} tells something about {listed(by_level['medium'])}.")
     return lines
 
 
@@ -148,7 +165,7 @@ def parameter_plot(log: list[dict], names: list[str]) -> str:
     chart, axes = drawing(len(names), 1.1 * len(names) + 0.5)
     evaluations = [int(row["evaluations"]) for row in log]
     for name, (axis,) in zip(names, axes):
-        low, high = d.Material.boxes()[name]
+        low, high = d.Material.boxes().get(name, (0, 1))
         mean = np.array([float(row[f"mean_{name}"]) for row in log])
         spread = (high - low) * np.array([float(row[f"deviation_{name}"]) for row in log])
         axis.fill_between(evaluations, mean - spread, mean + spread, alpha=0.25, linewidth=0)
@@ -157,6 +174,34 @@ def parameter_plot(log: list[dict], names: list[str]) -> str:
         axis.set_ylabel(f"{name}, {UNITS[name]}" if name in UNITS else name, rotation=0, ha="right")
     axes[-1, 0].set_xlabel("evaluations")
     return svg(chart)
+
+
+def corner_plot(draws: np.ndarray, region: dict, names: list[str]) -> str:
+    """Inline SVG: how likely the materials are, one parameter at a time and two at a time, in the box as it was searched."""
+    from matplotlib.figure import Figure
+
+    n = len(names)
+    chart = Figure(figsize=(1.3 * n, 1.3 * n))
+    axes = chart.subplots(n, n, sharex="col", squeeze=False)
+    for i in range(n):
+        for j in range(n):
+            axis = axes[i, j]
+            axis.set_xticks([0, 1])
+            axis.set_yticks([])
+            axis.set_xlim(-0.03, 1.03)
+            if j > i:
+                axis.set_visible(False)
+            elif i == j:
+                axis.hist(draws[:, i], bins=np.linspace(0, 1, 21))
+            else:
+                axis.plot(draws[:, j], draws[:, i], ".", markersize=2, alpha=0.4)
+                axis.set_ylim(-0.03, 1.03)
+                axis.set_title(f"{region['correlation'][names[i]][names[j]]:+.2f}", fontsize=7, pad=2)
+            if i == n - 1:
+                axis.set_xlabel(names[j], fontsize=8)
+            if j == 0:
+                axis.set_ylabel(names[i], fontsize=8)
+    return "<p>How likely every material is, given the film: one parameter, and two with their correlation.</p>" + svg(chart)
 
 
 class FitPage:

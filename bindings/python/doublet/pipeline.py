@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field
-from functools import cache, cached_property
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +37,6 @@ OPTION_GROUPS = {
     "body": d.BodyFitOptions,
     "proxy": d.ProxyOptions,
     "garment": d.GarmentOptions,
-    "trial": d.TrialOptions,
     "cloth": d.ClothOptions,
     "energy": d.EnergyOptions,
     "fit": d.FitOptions,
@@ -131,6 +132,11 @@ class Job:
     def actor(self) -> d.RiggedMesh:
         return d.read_actor(self.path("actor.npz"))
 
+    def forget_garment(self) -> None:
+        """Later stages read the files, so that a resumed run goes on with the same bits."""
+        for read in ("offered_garment", "garment", "dressed"):
+            self.__dict__.pop(read, None)
+
     def performance(self) -> d.ReferencePerformance:
         return d.read_performance(self.path("performance.npz"), self.actor)
 
@@ -138,8 +144,15 @@ class Job:
         return d.read_segmentation(self.path("segmentation.npz"))
 
     @cached_property
-    def garment(self) -> d.Garment:
+    def offered_garment(self) -> d.Garment:
+        """As the mesher made it, in several widths to choose from."""
         return d.read_garment(self.path("garment.npz"), self.actor)
+
+    @cached_property
+    def garment(self) -> d.Garment:
+        """In the width that was estimated with the material; before, in the middle one."""
+        material = self.path("material.json")
+        return d.worn(self.offered_garment, d.read_widths(material) if material.exists() else [])
 
     @cached_property
     def dressed(self) -> d.DressedActor:
@@ -154,6 +167,13 @@ class Job:
         dressed = dressed or self.dressed
         proxies = d.read_proxies(self.path("proxies.json"), self.actor.skeleton)
         return d.CharacterSimulator(dressed.actor, dressed.segmentation, proxies, self.options["cloth"])
+
+    def take(self, garments: list[d.Garment] | None = None) -> d.Take:
+        """What material and width are estimated from: the garment in each of these widths, default: in all that it offers."""
+        garments = d.offered(self.offered_garment) if garments is None else garments
+        simulators = [self.simulator(d.dress(self.actor, self.segmentation(), garment)) for garment in garments]
+        observations = d.read_observations(self.path("observations.npz"))
+        return d.Take(simulators, self.dressed_performance(), observations, self.solver_settings().dt)
 
     def energy_options(self) -> d.EnergyOptions:
         return d.EnergyOptions(**{**self.options["energy"].to_dict(), "dt": self.solver_settings().dt})
@@ -277,7 +297,7 @@ def run_segment(job: Job) -> dict:
     doubtful = cloth_ends(job.actor, cloth, areas)
     text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
-        "findings": [asdict(Finding(False, text.format(joint))) for joint in doubtful],
+        "findings": [asdict(Finding(False, text.format(joint), "cloth_ends")) for joint in doubtful],
         "thresholds_raised": thresholds_raised(job, result),
         "corrections": "none" if result is found else "painted",
         "regions": result.region_count,
@@ -330,10 +350,10 @@ def run_body(job: Job) -> dict:
 
 
 def run_garment(job: Job) -> dict:
-    garment, trials = filmed_garment(job)
+    mesher, body = d.GarmentMesher.create(job.options["garment"]), d.read_body(job.path("body.npz")).body
+    garment = mesher.mesh(job.actor, job.segmentation(), body, job.performance().surface, job.context)
     d.write_garment(job.path("garment.npz"), garment)
-    for read in ("garment", "dressed"):
-        job.__dict__.pop(read, None)  # later stages read the file, so that a resumed run goes on with the same bits
+    job.forget_garment()
     found = d.summarise_garment(garment)
     return {
         "vertices": found.vertices,
@@ -343,25 +363,8 @@ def run_garment(job: Job) -> dict:
         "loops_that_hang": found.hanging_loops,
         "edge_mm": 1000 * found.mean_edge,
         "smallest_angle_1_percent_degrees": found.smallest_angle,
-        "energy_px2_of_spread": trials["spread"],
-        "energy_px2_of_band": trials["band"],
+        "areas_m2": [float(d.face_areas(width, garment.mesh.faces).sum()) for width in garment.widths or [garment.rest]],
     }
-
-
-def tried_on_video(job: Job) -> dict[str, list[float]]:
-    """Options of the garment that the video chooses, and from what: name -> values."""
-    return {"spread": job.options["trial"].spreads, "band": job.options["trial"].bands}
-
-
-def require_tried(job: Job) -> None:
-    """Throws ValueError if an option of the garment was given that the video chooses."""
-    given, untouched = job.options["garment"].to_dict(), d.GarmentOptions().to_dict()
-    for name, values in tried_on_video(job).items():
-        if values and given[name] != untouched[name]:
-            raise ValueError(
-                f"garment.{name} {given[name]} would not be used: expected it left alone, or trial.{name}s empty, "
-                f"found {values} to be tried on the video (on the command line: --trial-{name}s {given[name]})"
-            )
 
 
 def require_start_in_take(job: Job) -> None:
@@ -373,44 +376,6 @@ def require_start_in_take(job: Job) -> None:
     last = (job.session.frame_count if count < 0 else first + count) - 1
     if not first <= start <= last:
         raise ValueError(f"capture.start_frame: expected one of the frames {first} to {last}, found {start}")
-
-
-def filmed_garment(job: Job) -> tuple[d.Garment, dict[str, dict[str, float]]]:
-    """The garment whose rest shape and attachment move most like the filmed one, and what each that was tried costs, pixels^2."""
-    require_tried(job)
-    given, tried = job.options["garment"].to_dict(), tried_on_video(job)
-    segmentation, captured = job.segmentation(), job.performance().surface
-    body = d.read_body(job.path("body.npz")).body
-
-    @cache
-    def garment_of(spread: float, band: float) -> d.Garment:
-        mesher = d.GarmentMesher.create(d.GarmentOptions(**{**given, "spread": spread, "band": band}))
-        return mesher.mesh(job.actor, segmentation, body, captured, job.context)
-
-    @cache
-    def cost_of(spread: float, band: float) -> float:
-        cost = trial_energy(job, garment_of(spread, band))
-        job.console.say(f"garment: spread {spread:g} and band {band:g} m cost {cost:.4g} px^2 with ordinary materials")
-        return cost
-
-    taken = {name: values[0] if values else given[name] for name, values in tried.items()}
-    costs: dict[str, dict[str, float]] = {name: {} for name in tried}
-    if garment_of(**taken).region_count:
-        for name, values in tried.items():
-            if len(values) > 1:
-                energies = [cost_of(**{**taken, name: value}) for value in values]
-                costs[name] = {f"{value:g}": energy for value, energy in zip(values, energies)}
-                taken[name] = values[d.chosen_garment(energies, job.options["trial"])]
-    return garment_of(**taken), costs
-
-
-def trial_energy(job: Job, garment: d.Garment) -> float:
-    """What a garment costs before its material is known, pixels^2."""
-    dressed = d.dress(job.actor, job.segmentation(), garment)
-    performance = d.dress(job.performance(), job.actor, garment)
-    observations = d.read_observations(job.path("observations.npz"))
-    options = (job.options["trial"], job.energy_options(), job.options["space"])
-    return d.garment_energy(job.simulator(dressed), performance, observations, *options, job.context)
 
 
 def fit_options(job: Job) -> d.FitOptions:
@@ -437,24 +402,61 @@ def run_fit(job: Job) -> dict:
         page.show(over=False)
 
     options.on_generation = keep
-    observations = d.read_observations(job.path("observations.npz"))
     try:
-        result = d.estimate_material(job.simulator(), job.dressed_performance(), observations, options, job.context)
+        result = d.estimate_material([job.take()], options, job.context)
     except KeyboardInterrupt:
         job.console.finish()
         if kept:
             job.console.say("fit: stopped; material.json has the best material so far")
         raise
     d.write_materials(job.path("material.json"), result)
+    job.forget_garment()
     page.show(over=True)
+    return fit_summary(result)
+
+
+def fit_summary(result: d.FitResult) -> dict:
     regions = result.to_dict()["regions"]
     return {
         "regions": len(regions),
         "energy_px2": [r["energy"] for r in regions],
+        "energy_noise_px2": [r["energy_noise"] for r in regions],
+        "widths": result.chosen_widths,
         "energy_at_centre_px2": [r["energy_at_centre"] for r in regions],
         "evaluations": [r["evaluations"] for r in regions],
         "stop_reason": [r["stop_reason"] for r in regions],
     }
+
+
+def fit_together(jobs: list[Job]) -> None:
+    """One material, and one width of the garment, for several takes of one garment, with the options and the seed of the first:
+    material.json and fit_log.csv of every take, whose later stages are then to be run again. A search that was stopped goes on.
+    Throws ValueError if the garments cannot be equally wide."""
+    first, stage = jobs[0], next(s for s in STAGES if s.name == "fit")
+    garments = [job.offered_garment for job in jobs]
+    count = min(len(garment.widths) for garment in garments)
+    positions = d.common_widths(garments, count) if count > 1 else []
+    takes = []
+    for k, job in enumerate(jobs):
+        offered = job.offered_garment
+        worn = [d.worn(offered, [width] * offered.region_count) for width in positions[k]] if positions else [d.worn(offered)]
+        takes.append(job.take(worn))
+    options = fit_options(first)
+    options.log, options.checkpoint = first.path("fit_log.csv"), first.path(CHECKPOINT)
+    together = {"takes": [str(job.out.resolve()) for job in jobs]}
+    with ExitStack() as stack:
+        summaries = []
+        for job in jobs:
+            chosen = {**stage_options(first, stage), **together}
+            summaries.append(stack.enter_context(job.record.running("fit", stage_inputs(job, stage), chosen, stage.writes)))
+        result = d.estimate_material(takes, options, first.context)
+        for k, (job, summary) in enumerate(zip(jobs, summaries)):
+            d.write_materials(job.path("material.json"), result.at_positions(positions[k]) if positions else result)
+            if job is not first:
+                shutil.copy(first.path("fit_log.csv"), job.path("fit_log.csv"))
+            job.forget_garment()
+            summary.update(plain_summary(fit_summary(result)))
+    first.console.finish()
 
 
 def run_report(job: Job) -> dict:
@@ -498,8 +500,8 @@ STAGES = (
     ),
     Stage(
         "garment",
-        ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "body.npz", "proxies.json"), ("garment.npz",),
-        ("garment", "trial", "cloth", "energy", "space"), run_garment,
+        ("actor.npz", "performance.npz", "segmentation.npz", "body.npz"), ("garment.npz",),
+        ("garment",), run_garment,
     ),
     Stage(
         "fit", ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json", "garment.npz"),
@@ -654,7 +656,6 @@ def start_record(job: Job, scanned: bool = True) -> None:
     if job.out.exists() and not job.out.is_dir():
         raise RuntimeError(f"{job.out}: expected a folder for the results, found a file")
     refuse_other_session(job)
-    require_tried(job)
     require_start_in_take(job)
     if scanned:
         d.require_scanned(job.session)

@@ -16,10 +16,12 @@ class Implausible(d.Error):
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong, in one sentence that names expectation and finding. Impossible stops the run, doubtful is only said."""
+    """What is wrong, in one sentence that names expectation and finding. Impossible stops the run, doubtful is only said. kind:
+    what the report has advice for; may be empty."""
 
     impossible: bool
     text: str
+    kind: str = ""
 
     @property
     def level(self) -> str:

@@ -280,29 +280,42 @@ def timings(shown: Shown) -> str:
     return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
 
 
-#: What a doubt says -> what to do about it; those of plausible.LIMITS bring their own advice.
-ADVICE = (
-    ("bound of its box", "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are "
-     "right."),
-    ("is a guess", "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a "
-     "motion that tells it (fast turns tell drag, cloth pressed against the body friction)."),
-    ("depends on the seed", "Let the search go on: the same command with a larger --fit-max-evaluations."),
-    ("was lost", "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help."),
-    ("garment without sole", "Look at what is red under Cloth below; doublet edit-segmentation corrects it."),
-)  # fmt: skip
+#: Kind of doubt -> what to do about it; those of plausible.LIMITS bring their own advice.
+ADVICE = {
+    "lower_bound": "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are right.",
+    "guess": "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a motion that "
+    "tells it (fast turns tell drag, cloth pressed against the body friction).",
+    "seeds": "Let the search go on: the same command with a larger --fit-max-evaluations.",
+    "lost": "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help.",
+    "cloth_ends": "Look at what is red under Cloth below; doublet edit-segmentation corrects it.",
+}
+ADVICE["upper_bound"] = ADVICE["lower_bound"]
 
 
-def doubts_of(shown: Shown) -> list[tuple[str, str]]:
-    """(stage, sentence) of all that is doubtful."""
+@dataclass(frozen=True)
+class Doubt:
+    """Something doubtful: in which stage, of which kind (a key of ADVICE, or none of them), and in words."""
+
+    stage: str
+    kind: str
+    text: str
+
+
+def doubts_of(shown: Shown) -> list[Doubt]:
     stages = shown.job.record.data["stages"]
-    doubts = [(name, finding.text) for name, entry in stages.items() for finding in findings(name, entry.get("summary", {}))]
+    doubts = [
+        Doubt(name, finding.kind, finding.text)
+        for name, entry in stages.items()
+        for finding in findings(name, entry.get("summary", {}))
+    ]
     lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
-    doubts += [("performance", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
+    doubts += [Doubt("performance", "lost", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
     fitted = shown.job.path("material.json")
     material = json.loads(fitted.read_text(encoding="utf-8")) if fitted.exists() else {"regions": []}
     if material.get("interrupted"):
-        doubts.append(("fit", "the search was stopped before its end; the same command goes on with it"))
-    return doubts + [("fit", remark) for region in material["regions"] for remark in region.get("remarks", [])]
+        doubts.append(Doubt("fit", "stopped", "the search was stopped before its end; the same command goes on with it"))
+    found = [d.FitFinding(**finding) for region in material["regions"] for finding in region.get("findings", [])]
+    return doubts + [Doubt("fit", finding.kind, finding.text()) for finding in found]
 
 
 def good_of(shown: Shown) -> list[str]:
@@ -322,14 +335,14 @@ def listing(items: list[str]) -> str:
 def verdict(shown: Shown) -> str:
     """In words: what is good, what is doubtful, and what to do about it."""
     doubts, good = doubts_of(shown), good_of(shown)
-    todo = [advice for sign, advice in ADVICE if any(sign in words for _, words in doubts)]
+    todo = list(dict.fromkeys(ADVICE[doubt.kind] for doubt in doubts if doubt.kind in ADVICE))
     count = f"{len(doubts)} thing{'s' if len(doubts) > 1 else ''} in it {'are' if len(doubts) > 1 else 'is'} doubtful"
     parts = [f"<p><b>The reconstruction is complete; {count if doubts else 'nothing doubtful was found'}.</b></p>"]
     parts.append(f"<p>{html.escape(overlap_in_words(shown.track))}</p>")
     if good:
         parts.append(f"<p>Good:</p>{listing([html.escape(text) for text in good])}")
     if doubts:
-        items = [f"<b>{html.escape(name)}</b>: {html.escape(words)}" for name, words in doubts]
+        items = [f"<b>{html.escape(doubt.stage)}</b>: {html.escape(doubt.text)}" for doubt in doubts]
         parts.append(f'<div class="doubt"><p>Doubtful:</p>{listing(items)}</div>')
     if todo:
         parts.append(f"<p>To do:</p>{listing([html.escape(text) for text in todo])}")

@@ -239,8 +239,7 @@ def fit(job: dict) -> dict:
     options = pipeline.fit_options(made)
     if "checkpoints" in job:
         options.checkpoint = Path(job["checkpoints"]) / f"{checkpoint_name(job)}.json"
-    observations, context = d.read_observations(made.path("observations.npz")), d.Context(threads=job["threads"])
-    result = d.estimate_material(made.simulator(), made.dressed_performance(), observations, options, context)
+    result = d.estimate_material([made.take()], options, d.Context(threads=job["threads"]))
     if "checkpoints" in job:
         options.checkpoint.unlink(missing_ok=True)
     return plain_fit(result)
@@ -254,21 +253,24 @@ def plain_fit(result: d.FitResult) -> dict:
     values = result.to_dict()
     regions = []
     for region in values["regions"]:
-        influence = region["influence"]
+        names, posterior = values["parameters"], region["posterior"]
         regions.append(
             {
                 "parameters": region["material"].to_dict(),
+                "width": region["width"],
                 "energy": region["energy"],
+                "energy_noise": region["energy_noise"],
                 "energy_at_centre": region["energy_at_centre"],
                 "best_sample": {"parameters": region["best"].to_dict(), "energy": region["best_energy"]},
-                "deviations": dict(zip(values["parameters"], region["deviations"].tolist())),
-                "confidence": dict(zip(values["parameters"], region["confidence"])),
-                "energy_change": dict(zip(values["parameters"], np.asarray(influence.change).tolist())),
+                "answer": dict(zip(names, region["answer"].tolist())),
+                "interval": dict(zip(names, np.asarray(posterior.interval).tolist())),
+                "deviations": dict(zip(names, region["deviations"].tolist())),
+                "confidence": dict(zip(names, region["confidence"])),
                 "evaluations": region["evaluations"],
                 "stop_reason": region["stop_reason"],
             }
         )
-    return {"regions": regions}
+    return {"regions": regions, "seconds": values["seconds"]}
 
 
 def energy(job: dict) -> list[float]:

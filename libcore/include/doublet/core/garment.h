@@ -11,6 +11,7 @@ struct Garment {
   Eigen::VectorXi region;           ///< (G) cloth region of each vertex
   Eigen::VectorXd clothness;        ///< (G) 0 = hangs on the skeleton, 1 = free, between = the attachment's band
   Vertices rest;                    ///< (G, 3) m, the shape that lengths and masses come from: spread out, not hanging in folds
+  std::vector<Vertices> widths;     ///< [K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone
   Eigen::VectorXi actor_face;       ///< (G) the place of each vertex on the actor: face ...
   Vertices barycentric;             ///< (G, 3) ... and weights of its corners
   std::vector<std::uint8_t> covers; ///< (F) faces of the actor that the garment stands for
@@ -22,6 +23,19 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
 
 /// (G, C) values of the actor's vertices (V, C) at the places of the garment's.
 MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const MatrixRM &values);
+
+/// The garment in the widths (R) that were chosen, a position among those it offers for each region: 0 = the first, 0.5 = halfway
+/// to the second; the only one it still offers. Without widths to choose from, or with an empty choice, the garment in its
+/// `rest`. Throws std::invalid_argument for another number of regions, or a position that is not between the first and the last.
+Garment worn(const Garment &garment, const std::vector<double> &chosen = {});
+
+/// [K] the garment in each of the widths that it offers; one that offers none alone.
+std::vector<Garment> offered(const Garment &garment);
+
+/// [garments][count] positions at which several meshes of one garment, made from several takes, have the same area at rest: from
+/// the widest that all offer to the narrowest. Throws std::invalid_argument if one offers no choice, or they have no area in
+/// common.
+std::vector<std::vector<double>> common_widths(const std::vector<Garment> &garments, int count);
 
 /// The actor in the garment: vertices [0, V) are the actor's, [V, V + G) the garment's, which have the skin weights of their
 /// place; those of the actor's faces that it covers count as invalid. Everything that

@@ -111,6 +111,9 @@ struct ParameterSpace {
   Eigen::VectorXd unit(const pbd::Material &material) const; ///< (n) in [0, 1]
 };
 
+/// Index of the width that a sample's last parameter means, of so many: 0 = the first, 1 = the last, in equal steps.
+int width_index(double unit, int widths);
+
 /// The terms at one frame for one region.
 struct FrameTerms {
   double silhouette = 0, feature = 0, contour = 0; ///< E_sil, E_sift and E_con, pixels^2
@@ -136,23 +139,24 @@ public:
   MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                     const Observations &observations, const EnergyOptions &options = {}, const ParameterSpace &space = {},
                     const Context &context = {});
+  /// The same of a character whose garment is offered in several widths: simulators of one mesh that differ in the rest shape of
+  /// their cloth alone. Each part then has one more parameter, the last: 0 = the first width, 1 = the last, in equal steps.
+  /// Throws std::invalid_argument if there is none, or if their regions differ.
+  MaterialObjective(const std::vector<const CharacterSimulator *> &widths, const ReferencePerformance &performance,
+                    const Observations &observations, const EnergyOptions &options = {}, const ParameterSpace &space = {},
+                    const Context &context = {});
   ~MaterialObjective() override;
 
   int parameter_count() const override;
+  int width_count() const;
   int part_count() const override;
   /// E_fit (S, R), pixels^2. Samples are simulated side by side on context.thread_count() threads; the result does not depend on
   /// how many. A sample whose cloth leaves the actor (further from its skinned place than the actor is long) or stops being
   /// finite has exploded: in its frames from there on (to the end of the window) everything costs what it can at most.
   MatrixRM evaluate(const MatrixRM &samples, const Context &context) override;
-  /// The same, but a sample is stopped once the energy of its frames so far is more than 1 + margin times that of the sample in
-  /// the middle of the ranking (the last that CMA-ES selects), in every region; beyond the paper. The frames are run in eight
-  /// parts, each spread over the motion if there are windows, and the samples are compared after each but the last. A stopped one
-  /// gets the final energy of the sample in the middle, times their ratio when it was stopped: it stays behind all that CMA-ES
-  /// selects. An energy then depends on the other samples of the call. margin 0 = none is stopped.
-  MatrixRM race(const MatrixRM &samples, double margin, const Context &context) const;
-  /// E_fit (S, R) of materials[s][r].
+  /// E_fit (S, R) of materials[s][r], at the first width.
   MatrixRM energies(const std::vector<std::vector<pbd::Material>> &materials, const Context &context) const;
-  /// [R][T] the terms of one rollout.
+  /// [R][T] the terms of one rollout, at the first width.
   std::vector<std::vector<FrameTerms>> terms(const std::vector<pbd::Material> &materials) const;
   /// [R][T] the terms of surfaces [T] (V, 3), m, that were not simulated: the captured one, or a true one carried over to M.
   /// Throws std::invalid_argument for other sizes, or if they are not finite.

@@ -38,6 +38,8 @@ struct MinimiseResult {
   std::vector<OptimizerResult> parts; ///< (R)
   /// (R) what was added to a sample's energy, for each unit of its squared distance from the box; 0 before the first generation.
   std::vector<double> penalties;
+  std::vector<MatrixRM> samples;         ///< [R] (N, n) all that were evaluated, inside the box
+  std::vector<Eigen::VectorXd> energies; ///< [R] (N) theirs, without penalty
   std::vector<GenerationRow> log;
   double seconds = 0; ///< earlier runs of a resumed one included
 };

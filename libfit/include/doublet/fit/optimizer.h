@@ -81,6 +81,38 @@ struct CmaEsOptions {
 /// Throws std::invalid_argument for wrong options or a dimension below 1.
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options = {});
 
+/// Bayesian optimisation of an energy that is expensive and noisy: a Gaussian process over all samples so far averages the noise
+/// and says where the minimum may lie; every sample of a generation is the minimum of one function drawn from it (Thompson
+/// sampling: Hernandez-Lobato et al., "Parallel and distributed Thompson sampling", ICML 2017), so that a generation goes where
+/// the minimum may be, in proportion. Energies enter as asinh((E - a) / s), a and s from the first generation.
+struct BayesianOptions {
+  int population = 32;
+  int max_evaluations = 512;
+  double regret = 0.05;
+  int levels = 0;
+  std::uint64_t seed = 1;
+  MatrixRM first;
+  static constexpr auto describe() {
+    using namespace options;
+    using O = BayesianOptions;
+    return Description{
+        "BayesianOptions",
+        option(&O::population, "population", Range{4, 4096}, "", "samples a generation; two groups of 16 fill two threads"),
+        option(&O::max_evaluations, "max_evaluations", at_least(1), "", "no generation begins at or beyond it"),
+        option(
+            &O::regret, "regret", at_least(0), "",
+            "stop when nine of ten functions drawn have no minimum that is lower than at the answer by more than this share of "
+            "its energy, or three generations have lowered that by less than half of it; 0 = never"),
+        option(&O::levels, "levels", Range{0, 64}, "",
+               "above 1: the last coordinate takes so many values, evenly spaced, and groups of 16 samples share one; else any"),
+        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
+        no_option(&O::first, "first", "(K, n), K >= 4: the first generation; empty = 2 `population` points spread evenly"),
+    };
+  }
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
+};
+std::unique_ptr<Optimizer> create_bayesian(int dimension, const BayesianOptions &options = {});
+
 /// Simulated annealing (Kirkpatrick et al. 1983; the paper's comparison): independent Metropolis chains under one geometric
 /// cooling schedule, Gaussian steps that shrink with the temperature, reflected at the box.
 struct AnnealingOptions {

@@ -16,9 +16,10 @@ struct GarmentOptions {
   double smallest_hole = 0.02;
   double smallest_piece = 0.08;
   double smallest_edge = 0.15;
-  /// Cloth hardly stretches, but folds: an edge is as long as the video shows it in this share of the time (and the mesh as
-  /// regular as it is when the garment is spread out).
-  double spread = 0.15;
+  /// Cloth hardly stretches, but folds: an edge is as long as the video shows it in this share of the time. How much of that is
+  /// noise of the tracking, and how much of the motion the garment is spread out, differs from film to film, so that rest shapes
+  /// of several shares are offered; the material search chooses the one that moves as filmed.
+  std::vector<double> spreads = {0.15, 0.25, 0.35, 0.5};
   double band = 0.0;
   static constexpr auto describe() {
     using namespace options;
@@ -35,14 +36,13 @@ struct GarmentOptions {
                "smaller pieces move as skin; 28 x 28 cm, about a short sleeve"),
         option(&O::smallest_edge, "smallest_edge", Range{0, 10}, "m",
                "along the cut: shorter changes between hanging and free edge are noise of the template's mask"),
-        option(&O::spread, "spread", Range{0, 1, Open::Both}, "",
-               "share of the time that a length may be exceeded; less follows the tracking's errors, more makes the garment "
-               "narrower"),
+        option(&O::spreads, "spreads", Range{0, 1, Open::Both}, "",
+               "shares of the time that a length may be exceeded: a width each, of which the video chooses; more is narrower"),
         option(&O::band, "band", Range{0, 1}, "m",
                "width of the attachment: across it cloth goes from following the skeleton to free; 0 = a seam"),
     };
   }
-  void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
+  void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
 class GarmentMesher {

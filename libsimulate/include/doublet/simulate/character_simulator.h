@@ -91,6 +91,11 @@ public:
                                       std::span<const PosedFrame *const> current,
                                       std::span<const std::vector<pbd::Material> *const> materials, std::span<const World> worlds,
                                       int threads = 1) const;
+  /// Of one region of several characters alone, all with the same poses: what step_each() does region by region, for those who
+  /// step each region of a character with another simulator, such as one of another rest shape. Returns the states that failed.
+  std::vector<int> step_region(int region, std::span<CharacterState *const> states, const PosedFrame &previous,
+                               const PosedFrame &current, std::span<const std::vector<pbd::Material> *const> materials,
+                               double dt) const;
   /// As many regions and vertices as the character's; else std::invalid_argument naming the caller.
   void require_state(const CharacterState &state, const char *caller) const;
   /// (V, 3): skinned vertices, cloth vertices replaced by the simulated ones.
@@ -98,6 +103,10 @@ public:
   void surface(const CharacterState &state, const PosedFrame &frame, Vertices &surface) const;
 
 private:
+  std::vector<int> step_region(int region, std::span<CharacterState *const> states, std::span<const PosedFrame *const> previous,
+                               std::span<const PosedFrame *const> current,
+                               std::span<const std::vector<pbd::Material> *const> materials, std::span<const World> worlds,
+                               int threads) const;
   void pin(CharacterState &state, const PosedFrame &frame) const;
   RiggedMesh actor_;
   std::vector<TaperedCapsule> proxies_;

@@ -1,0 +1,31 @@
+#pragma once
+// What a set of noisy energies tells about where their minimum is: how likely every answer is, not the likeliest alone.
+
+#include "doublet/core/types.h"
+
+#include <cstdint>
+
+namespace doublet {
+
+/// Draws from a Gibbs posterior (Bissiri, Holmes, Walker, "A general framework for updating belief distributions", JRSS B 78(5),
+/// 2016) over the box, density ~ exp(-energy / temperature), the energy that of a Gaussian process over all samples. What is
+/// `noise` for an energy is noise for the film, too, which is one motion of many that the same material could have made: answers
+/// whose energies differ by less cannot be told apart, and the temperature is in proportion to it (kTemperature, measured on
+/// films of known materials, see docs/material-estimation.md).
+struct Posterior {
+  MatrixRM draws;              ///< (D, n) box units
+  MatrixRM interval;           ///< (n, 2) 5 % and 95 % of the draws
+  Eigen::MatrixXd correlation; ///< (n, n) of the draws; 0 beside what does not vary
+};
+
+struct PosteriorOptions {
+  double noise = 0; ///< standard deviation of an energy at the answer, energy units; the process' own if that is larger
+  int levels = 0;   ///< above 1: the last coordinate takes so many values, evenly spaced
+  int draws = 256;  ///< how many
+  std::uint64_t seed = 1;
+};
+
+/// samples (N, n) in [0, 1], energies (N), N >= 2. Throws std::invalid_argument for other sizes, or if they are not finite.
+Posterior posterior_of(const MatrixRM &samples, const Eigen::VectorXd &energies, const PosteriorOptions &options = {});
+
+} // namespace doublet

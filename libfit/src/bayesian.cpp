@@ -1,0 +1,335 @@
+// Thompson sampling from a Gaussian process, see BayesianOptions.
+
+#include "doublet/core/parts/normal_generator.h"
+#include "doublet/core/parts/quantile.h"
+#include "doublet/fit/optimizer.h"
+#include "energy_scale.h"
+#include "even_points.h"
+#include "gaussian_process.h"
+#include "optimizer_checks.h"
+#include "state_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <set>
+
+namespace doublet {
+namespace {
+
+using fit::EnergyScale;
+using fit::GaussianProcess;
+
+constexpr const char *kBayesian = "bayesian";
+constexpr int kGroup = 16;                   // samples that share a level: what fills the widest registers
+constexpr int kDraws = 64;                   // functions
+constexpr int kCandidates = 600;             // points at which a function is drawn
+constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
+constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
+constexpr double kGrown = 1.2;               // times as many samples as when they were searched last: they are searched again
+constexpr int kLeastGenerations = 3;         // before the search may stop: a few points agree with anything
+constexpr int kSettled = 3;                  // generations in which nothing was found
+constexpr double kSure = 0.9;                // share of the draws
+
+/// Functions drawn from the process at points, of which the first is the answer.
+struct Look {
+  MatrixRM points;        // (M, n)
+  Eigen::MatrixXd values; // (M, kDraws)
+  Eigen::Index lowest(Eigen::Index draw) const {
+    Eigen::Index row = 0;
+    values.col(draw).minCoeff(&row);
+    return row;
+  }
+};
+
+class Bayesian : public Optimizer {
+public:
+  Bayesian(int dimension, const BayesianOptions &options)
+      : n_(dimension), options_(options), random_(options.seed), samples_(0, n_), answer_(Eigen::VectorXd::Constant(n_, 0.5)),
+        deviations_(Eigen::VectorXd::Constant(n_, std::sqrt(1.0 / 12))) {
+    if (options_.first.rows() == 0) {
+      options_.first = even_points(2 * options.population, n_, static_cast<int>(options.seed % 1000) * 2 * options.population);
+      for (auto sample : options_.first.rowwise())
+        sample = on_level(sample);
+    }
+  }
+
+  MatrixRM ask() override {
+    if (generation_ == 0)
+      return options_.first;
+    if (!look_)
+      look_ = look();
+    const MatrixRM samples = picked(*look_);
+    look_.reset(); // asked again: another draw
+    return samples;
+  }
+
+  void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
+    check_told(samples, energies, n_, 1);
+    if (generation_ == 0)
+      scale_ = fit::scale_of(energies);
+    const Eigen::Index before = samples_.rows(), count = samples.rows();
+    samples_.conservativeResize(before + count, n_);
+    samples_.bottomRows(count) = samples;
+    energies_.conservativeResize(before + count);
+    energies_.tail(count) = energies;
+    ++generation_;
+    const bool fit = static_cast<double>(samples_.rows()) >= kGrown * fitted_at_;
+    if (fit)
+      fitted_at_ = static_cast<int>(samples_.rows());
+    consider(!fit ? 0 : logs_.size() == 0 ? kFirstSteps : kSteps);
+    answers_.push_back(scale_.energy(process_->mean(MatrixRM(answer_.transpose()))[0]));
+  }
+
+  bool stop() const override { return !reason().empty(); }
+
+  OptimizerResult result() const override {
+    OptimizerResult result;
+    result.answer = answer_;
+    result.deviations = deviations_;
+    result.best = Eigen::VectorXd::Constant(n_, 0.5);
+    if (energies_.size() > 0) {
+      Eigen::Index best = 0;
+      result.best_energy = energies_.minCoeff(&best);
+      result.best = samples_.row(best).transpose();
+    }
+    result.evaluations = static_cast<int>(energies_.size());
+    result.generations = generation_;
+    result.stop_reason = reason();
+    return result;
+  }
+
+  std::string save() const override {
+    state::Json json = {{"kind", kBayesian},         {"n", n_},
+                        {"generation", generation_}, {"fitted_at", fitted_at_},
+                        {"random", random_before_},  {"scale", {scale_.origin, scale_.unit}}};
+    json["samples"] = state::to_json(samples_);
+    json["energies"] = state::to_json(energies_);
+    json["logs"] = state::to_json(logs_);
+    json["answers"] = answers_;
+    return json.dump();
+  }
+
+  void restore(const std::string &text) override {
+    state::read(text, kBayesian, [&](const state::Json &json) {
+      if (json.at("n") != n_)
+        throw Error("optimiser state: expected dimension " + std::to_string(n_) + ", found " + json.at("n").dump());
+      const auto count = static_cast<Eigen::Index>(json.at("energies").size());
+      if (count < 2)
+        throw Error("optimiser state: expected at least 2 energies, found " + std::to_string(count));
+      samples_ = state::matrix(json.at("samples"), count, n_);
+      energies_ = state::vector(json.at("energies"), count);
+      logs_ = state::vector(json.at("logs"), n_ + 2);
+      answers_ = json.at("answers").get<std::vector<double>>();
+      generation_ = state::count(json.at("generation"));
+      fitted_at_ = state::count(json.at("fitted_at"));
+      scale_ = {json.at("scale").at(0).get<double>(), json.at("scale").at(1).get<double>()};
+      random_.restore(json.at("random"));
+      consider(0);
+    });
+  }
+
+private:
+  std::string reason() const {
+    const std::string share = state::Json(options_.regret).dump();
+    if (generation_ >= kLeastGenerations && regret_ < options_.regret)
+      return "the minimum is at most " + share + " lower, in nine of ten draws";
+    if (settled())
+      return "the answer gained less than half of " + share + " in " + std::to_string(kSettled) + " generations";
+    if (energies_.size() >= options_.max_evaluations)
+      return std::to_string(options_.max_evaluations) + " evaluations";
+    return {};
+  }
+
+  /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found.
+  bool settled() const {
+    const std::size_t count = answers_.size();
+    if (options_.regret == 0 || count < kLeastGenerations + kSettled)
+      return false;
+    const double before = answers_[count - 1 - kSettled], now = answers_.back();
+    return before - now < 0.5 * options_.regret * std::fabs(now);
+  }
+
+  Eigen::RowVectorXd on_level(Eigen::RowVectorXd point) const {
+    if (options_.levels > 1)
+      point[n_ - 1] = std::round(point[n_ - 1] * (options_.levels - 1)) / (options_.levels - 1);
+    return point;
+  }
+
+  /// What follows from the samples so far: process, answer, regret.
+  void consider(int steps) {
+    random_before_ = random_.state();
+    process_.emplace(samples_, scale_.shown(energies_), logs_, steps);
+    logs_ = process_->logs();
+    look_ = look();
+    std::vector<double> regrets;
+    MatrixRM minima(kDraws, n_);
+    for (Eigen::Index d = 0; d < kDraws; ++d) {
+      const Eigen::Index row = look_->lowest(d);
+      minima.row(d) = look_->points.row(row);
+      const double here = scale_.energy(look_->values(0, d));
+      regrets.push_back((here - scale_.energy(look_->values(row, d))) / std::max(std::fabs(here), 1e-300));
+    }
+    regret_ = quantile(std::move(regrets), kSure);
+    const Eigen::RowVectorXd centre = minima.colwise().mean();
+    deviations_ = (minima.rowwise() - centre).array().square().colwise().mean().sqrt().transpose();
+  }
+
+  Look look() {
+    const MatrixRM around = candidates();
+    answer_ = lowest_mean(around);
+    Look look;
+    look.points.resize(around.rows() + 1, n_);
+    look.points << answer_.transpose(), around;
+    Eigen::VectorXd mean;
+    Eigen::MatrixXd covariance;
+    process_->posterior(look.points, mean, covariance);
+    Eigen::MatrixXd normal(mean.size(), kDraws);
+    for (Eigen::Index d = 0; d < kDraws; ++d)
+      for (Eigen::Index i = 0; i < mean.size(); ++i)
+        normal(i, d) = random_.normal();
+    covariance.diagonal().array() += 1e-6 * covariance.diagonal().maxCoeff() + 1e-12; // of points that nearly coincide
+    const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
+    look.values = (factor.matrixL() * normal).colwise() + mean;
+    return look;
+  }
+
+  /// Most around the lowest samples, at all distances, along some of the axes: often on the faces of the box, where minima are.
+  MatrixRM candidates() {
+    const std::vector<int> lowest = lowest_samples();
+    MatrixRM points(kCandidates, n_);
+    for (int i = 0; i < kCandidates; ++i) {
+      Eigen::RowVectorXd point(n_);
+      if (i % 3 == 0)
+        point = everywhere();
+      else
+        point = near(samples_.row(lowest[static_cast<std::size_t>(random_.uniform() * static_cast<double>(lowest.size()))]));
+      points.row(i) = on_level(point);
+    }
+    return points;
+  }
+
+  Eigen::RowVectorXd everywhere() {
+    Eigen::RowVectorXd point(n_);
+    for (int j = 0; j < n_; ++j)
+      point[j] = std::clamp(1.2 * random_.uniform() - 0.1, 0.0, 1.0);
+    return point;
+  }
+
+  Eigen::RowVectorXd near(Eigen::RowVectorXd point) {
+    constexpr double kNear = 0.02, kFar = 0.4, kMoved = 0.6;
+    const double reach = kNear * std::pow(kFar / kNear, random_.uniform());
+    const int always = static_cast<int>(random_.uniform() * n_);
+    for (int j = 0; j < n_; ++j) {
+      const double step = reach * random_.normal();
+      if (j == always || random_.uniform() < kMoved)
+        point[j] = inside(point[j] + step);
+    }
+    return point;
+  }
+
+  /// Half of what leaves the box stays on its face, the other half comes back.
+  double inside(double x) {
+    if (x < 0)
+      x = random_.uniform() < 0.5 ? 0 : -x;
+    if (x > 1)
+      x = random_.uniform() < 0.5 ? 1 : 2 - x;
+    return std::clamp(x, 0.0, 1.0);
+  }
+
+  /// By the mean of the process, which does not believe in lucky samples.
+  std::vector<int> lowest_samples() const {
+    const Eigen::VectorXd mean = process_->mean(samples_);
+    std::vector<int> order(static_cast<std::size_t>(mean.size()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto count = std::min<std::ptrdiff_t>(kAround, mean.size());
+    std::partial_sort(order.begin(), order.begin() + count, order.end(), [&](int a, int b) { return mean[a] < mean[b]; });
+    order.resize(static_cast<std::size_t>(count));
+    return order;
+  }
+
+  Eigen::VectorXd lowest_mean(const MatrixRM &candidates) const {
+    MatrixRM all(candidates.rows() + samples_.rows(), n_);
+    all << candidates, samples_;
+    const Eigen::VectorXd mean = process_->mean(all);
+    Eigen::Index best = 0;
+    mean.minCoeff(&best);
+    return process_->minimum(all.row(best).transpose(), options_.levels > 1 ? 1 : 0);
+  }
+
+  /// The next generation: the minima of functions drawn, no two alike.
+  MatrixRM picked(const Look &look) {
+    std::vector<Eigen::Index> rows;
+    std::set<Eigen::Index> taken;
+    const auto take = [&](Eigen::Index row) {
+      if (taken.insert(row).second)
+        rows.push_back(row);
+    };
+    const int groups = options_.levels > 1 ? std::max(1, options_.population / kGroup) : 1;
+    for (int group = 0; group < groups; ++group) {
+      const auto size = static_cast<std::size_t>(options_.population * (group + 1) / groups);
+      const double level = options_.levels > 1 ? level_of_group(look, group, groups) : -1;
+      for (Eigen::Index depth = 0; rows.size() < size && depth < look.points.rows(); ++depth)
+        for (Eigen::Index d = 0; rows.size() < size && d < kDraws; ++d)
+          if (const Eigen::Index row = lowest_free(look, d, level, taken); row >= 0)
+            take(row);
+    }
+    MatrixRM samples(static_cast<Eigen::Index>(rows.size()), n_);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      samples.row(static_cast<Eigen::Index>(i)) = look.points.row(rows[i]);
+    return samples;
+  }
+
+  /// Levels have groups in proportion to how many of the draws are lowest there.
+  double level_of_group(const Look &look, int group, int groups) const {
+    std::vector<double> levels;
+    for (Eigen::Index d = 0; d < kDraws; ++d)
+      levels.push_back(look.points(look.lowest(d), n_ - 1));
+    std::sort(levels.begin(), levels.end());
+    return levels[static_cast<std::size_t>((group + 0.5) / groups * static_cast<double>(levels.size()))];
+  }
+
+  /// The lowest point of a draw that is not taken, of those at the level if it is not negative; -1 if there is none.
+  Eigen::Index lowest_free(const Look &look, Eigen::Index draw, double level, const std::set<Eigen::Index> &taken) const {
+    Eigen::Index best = -1;
+    for (Eigen::Index i = 0; i < look.points.rows(); ++i)
+      if ((level < 0 || look.points(i, n_ - 1) == level) && !taken.count(i) &&
+          (best < 0 || look.values(i, draw) < look.values(best, draw)))
+        best = i;
+    return best;
+  }
+
+  int n_;
+  BayesianOptions options_;
+  NormalGenerator random_;
+  std::string random_before_; // where the random numbers stood when the samples so far were considered
+  MatrixRM samples_;
+  Eigen::VectorXd energies_, logs_, answer_, deviations_;
+  EnergyScale scale_;
+  std::vector<double> answers_; // what the process says that they cost, after every generation
+  std::optional<GaussianProcess> process_;
+  std::optional<Look> look_;
+  double regret_ = std::numeric_limits<double>::infinity();
+  int generation_ = 0, fitted_at_ = 0;
+};
+
+} // namespace
+
+void BayesianOptions::validate() const {
+  options::check(*this);
+  require(first.size() == 0 || (first.rows() >= 4 && first.allFinite()),
+          "BayesianOptions: first: expected no samples, or at least 4 finite ones, found " + std::to_string(first.rows()) +
+              (first.allFinite() ? "" : " with NaN or infinity"));
+}
+
+std::unique_ptr<Optimizer> create_bayesian(int dimension, const BayesianOptions &options) {
+  require_dimension(dimension, "create_bayesian");
+  options.validate();
+  require(options.first.size() == 0 || options.first.cols() == dimension, "create_bayesian: first: expected " +
+                                                                              std::to_string(dimension) + " columns, found " +
+                                                                              std::to_string(options.first.cols()));
+  return std::make_unique<Bayesian>(dimension, options);
+}
+
+} // namespace doublet

@@ -1,0 +1,50 @@
+#pragma once
+// Regression of a noisy function of few variables: Rasmussen, Williams, "Gaussian Processes for Machine Learning", MIT Press
+// 2006, ch. 2 and 5. Matern covariance (nu = 5/2) with a length of its own along every axis, constant mean, noise everywhere
+// alike.
+
+#include "doublet/core/types.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <functional>
+
+namespace doublet::fit {
+
+class GaussianProcess {
+public:
+  /// values (N) at points (N, n) in [0, 1], N >= 2. `logs` (n + 2): logarithms of the lengths, and of the variances of function
+  /// and noise, that the search for them begins with; empty = as expected beforehand. `steps`: of that search, 0 = they are
+  /// right.
+  GaussianProcess(const MatrixRM &points, const Eigen::VectorXd &values, const Eigen::VectorXd &logs, int steps);
+
+  const Eigen::VectorXd &logs() const { return logs_; }
+  Eigen::VectorXd lengths() const { return logs_.head(points_.cols()).array().exp(); } ///< (n)
+  double noise() const { return std::exp(0.5 * logs_[points_.cols() + 1]); }           ///< standard deviation of a value
+
+  /// (M) of the function, without noise, at points (M, n).
+  Eigen::VectorXd mean(const MatrixRM &at) const;
+  /// The mean at one point (n), and its gradient (n).
+  double mean(const Eigen::VectorXd &at, Eigen::VectorXd &gradient) const;
+  /// Where the mean is lowest in the box, searched from `start` (n), whose last `fixed` coordinates stay.
+  Eigen::VectorXd minimum(const Eigen::VectorXd &start, int fixed = 0) const;
+  /// (M) mean and (M, M) covariance of the function at points (M, n).
+  void posterior(const MatrixRM &at, Eigen::VectorXd &mean, Eigen::MatrixXd &covariance) const;
+
+  /// Minus the logarithm of the probability of `values` and of the parameters (n + 2, as `logs`), up to a constant, and its
+  /// gradient.
+  static double misfit(const MatrixRM &points, const Eigen::VectorXd &values, const Eigen::VectorXd &logs,
+                       Eigen::VectorXd &gradient);
+
+private:
+  MatrixRM points_;
+  Eigen::VectorXd logs_, weights_; // K^-1 (values - level)
+  double level_ = 0;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+/// Lowest value found of value(x, gradient) between bounds (n), from `start`: L-BFGS-B, at most so many steps.
+Eigen::VectorXd minimised(const std::function<double(const Eigen::VectorXd &, Eigen::VectorXd &)> &value,
+                          const Eigen::VectorXd &start, const Eigen::VectorXd &lower, const Eigen::VectorXd &upper, int steps);
+
+} // namespace doublet::fit

@@ -1,0 +1,137 @@
+#include "doublet/fit/parts/posterior.h"
+
+#include "doublet/core/parts/normal_generator.h"
+#include "energy_scale.h"
+#include "gaussian_process.h"
+#include "optimizer_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace doublet {
+namespace {
+
+using fit::EnergyScale;
+using fit::GaussianProcess;
+
+constexpr double kTemperature = 1.0; // of the noise
+constexpr int kLargest = 512;        // samples of the process, the lowest
+constexpr int kThinning = 4;         // rounds from draw to draw
+constexpr int kBurnIn = 20;          // rounds
+constexpr double kLower = 0.05, kUpper = 0.95;
+
+/// The lowest energies and their samples.
+std::pair<MatrixRM, Eigen::VectorXd> lowest(const MatrixRM &samples, const Eigen::VectorXd &energies) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(energies.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return energies[a] < energies[b]; });
+  order.resize(std::min<std::size_t>(order.size(), kLargest));
+  return {samples(order, Eigen::all), energies(order)};
+}
+
+/// Slice sampling, one coordinate after the other (Neal, "Slice sampling", Annals of Statistics 31(3), 2003): the slice begins as
+/// the whole box, and shrinks.
+class Sampler {
+public:
+  Sampler(const GaussianProcess &process, const EnergyScale &scale, double temperature, const PosteriorOptions &options,
+          const Eigen::VectorXd &start)
+      : process_(process), scale_(scale), temperature_(temperature), levels_(options.levels), random_(options.seed), at_(start) {}
+
+  void round() {
+    const auto n = static_cast<int>(at_.size());
+    for (int j = 0; j < n; ++j)
+      if (j == n - 1 && levels_ > 1)
+        choose_level();
+      else
+        slice(j);
+  }
+  const Eigen::VectorXd &at() const { return at_; }
+
+private:
+  double log_density() const { return -scale_.energy(process_.mean(MatrixRM(at_.transpose()))[0]) / temperature_; }
+
+  void slice(int j) {
+    const double height = log_density() + std::log(1 - random_.uniform()), here = at_[j];
+    for (double low = 0, high = 1; high - low > 1e-6;) {
+      at_[j] = low + (high - low) * random_.uniform();
+      if (log_density() >= height)
+        return;
+      (at_[j] < here ? low : high) = at_[j];
+    }
+    at_[j] = here;
+  }
+
+  void choose_level() {
+    std::vector<double> logs;
+    double &level = at_[at_.size() - 1];
+    for (int k = 0; k < levels_; ++k) {
+      level = k / (levels_ - 1.0);
+      logs.push_back(log_density());
+    }
+    const double highest = *std::max_element(logs.begin(), logs.end());
+    double sum = 0;
+    for (double &log : logs)
+      sum += log = std::exp(log - highest);
+    double left = sum * random_.uniform();
+    int k = 0;
+    while (k + 1 < levels_ && (left -= logs[k]) >= 0)
+      ++k;
+    level = k / (levels_ - 1.0);
+  }
+
+  const GaussianProcess &process_;
+  const EnergyScale &scale_;
+  double temperature_;
+  int levels_;
+  NormalGenerator random_;
+  Eigen::VectorXd at_;
+};
+
+MatrixRM intervals(const MatrixRM &draws) {
+  MatrixRM result(draws.cols(), 2);
+  for (Eigen::Index j = 0; j < draws.cols(); ++j) {
+    const Eigen::VectorXd column = draws.col(j);
+    const std::vector<double> all(column.begin(), column.end());
+    result.row(j) << quantile(all, kLower), quantile(all, kUpper);
+  }
+  return result;
+}
+
+Eigen::MatrixXd correlations(const MatrixRM &draws) {
+  const MatrixRM off = draws.rowwise() - draws.colwise().mean();
+  const Eigen::MatrixXd covariance = off.transpose() * off;
+  Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt();
+  scale = (scale.array() > 1e-9).select(scale.cwiseInverse(), 0.0);
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+} // namespace
+
+Posterior posterior_of(const MatrixRM &samples, const Eigen::VectorXd &energies, const PosteriorOptions &options) {
+  constexpr int kSteps = 60;
+  require(samples.rows() == energies.size() && samples.rows() >= 2 && samples.cols() >= 1,
+          "posterior_of: expected as many energies as samples, at least 2, found " + std::to_string(energies.size()) + " and " +
+              std::to_string(samples.rows()));
+  require(samples.allFinite() && energies.allFinite(), "posterior_of: expected finite numbers, found NaN or infinity");
+  const auto [points, values] = lowest(samples, energies);
+  const EnergyScale scale = fit::scale_of(values);
+  const GaussianProcess process(points, scale.shown(values), {}, kSteps);
+  const double noise = std::max({options.noise, process.noise() * scale.unit, 1e-9 * std::fabs(values[0]), 1e-300});
+  Sampler sampler(process, scale, kTemperature * noise, options, points.row(0).transpose());
+  for (int i = 0; i < kBurnIn; ++i)
+    sampler.round();
+  Posterior result;
+  result.draws.resize(options.draws, samples.cols());
+  for (Eigen::Index d = 0; d < options.draws; ++d) {
+    for (int i = 0; i < kThinning; ++i)
+      sampler.round();
+    result.draws.row(d) = sampler.at().transpose();
+  }
+  result.interval = intervals(result.draws);
+  result.correlation = correlations(result.draws);
+  return result;
+}
+
+} // namespace doublet

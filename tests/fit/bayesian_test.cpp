@@ -1,0 +1,210 @@
+#include "doublet/core/parts/normal_generator.h"
+#include "doublet/fit/optimizer.h"
+#include "doublet/fit/parts/posterior.h"
+#include "even_points.h"
+#include "fit/functions.h"
+#include "gaussian_process.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace doublet {
+namespace {
+
+using namespace testing;
+
+/// A bowl in five parameters, of which the last hardly counts, with ripples and multiplicative noise; its minimum is 100.
+struct Noisy {
+  double noise;
+  NormalGenerator random;
+  Noisy(double share, std::uint64_t seed) : noise(share), random(seed) {}
+  static double clean(const Eigen::VectorXd &x) {
+    const double weights[] = {6, 2, 1.5, 8, 0.1}, lowest[] = {0.2, 0.1, 0.3, 1.0, 0.5};
+    double bowl = 0;
+    for (int i = 0; i < 5; ++i)
+      bowl += weights[i] * std::pow(x[i] - lowest[i], 2);
+    return 100 * std::exp(bowl) + 8 * (1 - std::cos(20 * (x[0] - 0.2))) + 8 * (1 - std::cos(15 * (x[2] - 0.3)));
+  }
+  double operator()(const Eigen::VectorXd &x) { return clean(x) * (1 + noise * random.normal()); }
+};
+
+int evaluations_of(Optimizer &search, Noisy &energy) {
+  while (!search.stop())
+    one_generation(search, [&](const Eigen::VectorXd &x) { return energy(x); });
+  return search.result().evaluations;
+}
+
+TEST(Bayesian, EndsNearTheMinimumOfANoisyEnergyFromEverySeed) {
+  for (double noise : {0.0, 0.03}) {
+    int near = 0, evaluations = 0;
+    constexpr int kSeeds = 10;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      BayesianOptions options;
+      options.seed = seed;
+      const auto search = create_bayesian(5, options);
+      Noisy energy(noise, seed);
+      evaluations += evaluations_of(*search, energy);
+      near += Noisy::clean(search->result().answer) < 105;
+    }
+    std::printf("noise %.2f: %d of %d within 5 %%, %d evaluations\n", noise, near, kSeeds, evaluations / kSeeds);
+    EXPECT_EQ(near, kSeeds);
+    EXPECT_LT(evaluations, 320 * kSeeds);
+  }
+}
+
+TEST(Bayesian, GroupsOfAGenerationShareALevel) {
+  BayesianOptions options;
+  options.levels = 4;
+  const auto search = create_bayesian(5, options);
+  const auto lowest_at_a_third = [](const Eigen::VectorXd &x) { return 1 + (x.array() - 1.0 / 3).square().sum(); };
+  for (int generation = 0; generation < 4; ++generation) {
+    const MatrixRM samples = search->ask();
+    for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+      EXPECT_NEAR(std::remainder(3 * samples(i, 4), 1), 0, 1e-12);
+      if (generation > 0)
+        EXPECT_EQ(samples(i, 4), samples(i / 16 * 16, 4)) << i;
+    }
+    search->tell(samples, energies_of(samples, lowest_at_a_third));
+  }
+  EXPECT_NEAR(search->result().answer[4], 1.0 / 3, 1e-12);
+  EXPECT_NEAR(search->result().answer[0], 1.0 / 3, 0.05);
+}
+
+TEST(Bayesian, GoesOnToTheSameBits) {
+  BayesianOptions options;
+  options.population = 8;
+  const auto sphere = [](const Eigen::VectorXd &x) { return 1 + sphere_function(x); };
+  auto whole = create_bayesian(3, options), stopped = create_bayesian(3, options);
+  for (int generation = 0; generation < 6; ++generation) {
+    one_generation(*whole, sphere);
+    one_generation(*stopped, sphere);
+    auto resumed = create_bayesian(3, options);
+    resumed->restore(stopped->save());
+    stopped = std::move(resumed);
+    EXPECT_EQ(stopped->result().answer, whole->result().answer) << generation;
+  }
+  EXPECT_THROW(create_bayesian(4, options)->restore(whole->save()), std::runtime_error);
+}
+
+TEST(Bayesian, HowLowTheEnergiesAreDoesNotMatter) {
+  const auto answer = [](double offset, double unit) {
+    BayesianOptions options;
+    options.regret = 0;
+    options.max_evaluations = 128;
+    const auto search = create_bayesian(2, options);
+    while (!search->stop())
+      one_generation(*search, [&](const Eigen::VectorXd &x) { return offset + unit * sphere_function(x); });
+    return search->result().answer;
+  };
+  EXPECT_LT((answer(-1000, 1) - Eigen::Vector2d(0.2, 0.2)).norm(), 0.03);
+  EXPECT_LT((answer(0, 1e6) - Eigen::Vector2d(0.2, 0.2)).norm(), 0.03);
+}
+
+struct Known {
+  MatrixRM points = even_points(60, 3);
+  Eigen::VectorXd values;
+  Known() : values(points.rows()) {
+    NormalGenerator random(5);
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+      values[i] = std::sin(4 * points(i, 0)) + points(i, 1) * points(i, 1) + 0.01 * random.normal();
+  }
+};
+
+TEST(GaussianProcess, GradientsAreThoseOfFiniteDifferences) {
+  const Known known;
+  Eigen::VectorXd logs(5), gradient, unused;
+  logs << -0.5, 0.2, 0.7, -1, -5;
+  fit::GaussianProcess::misfit(known.points, known.values, logs, gradient);
+  constexpr double kStep = 1e-5;
+  for (int i = 0; i < 5; ++i) {
+    Eigen::VectorXd up = logs, down = logs;
+    up[i] += kStep, down[i] -= kStep;
+    const double slope = (fit::GaussianProcess::misfit(known.points, known.values, up, unused) -
+                          fit::GaussianProcess::misfit(known.points, known.values, down, unused)) /
+                         (2 * kStep);
+    EXPECT_NEAR(gradient[i], slope, 1e-4 * std::max(1.0, std::fabs(slope))) << i;
+  }
+  const fit::GaussianProcess process(known.points, known.values, logs, 0);
+  const Eigen::Vector3d at(0.3, 0.6, 0.2);
+  process.mean(at, gradient);
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Vector3d up = at, down = at;
+    up[i] += kStep, down[i] -= kStep;
+    EXPECT_NEAR(gradient[i], (process.mean(up, unused) - process.mean(down, unused)) / (2 * kStep), 1e-6) << i;
+  }
+  EXPECT_NEAR(process.mean(at, gradient), process.mean(MatrixRM(at.transpose()))[0], 1e-10);
+}
+
+TEST(GaussianProcess, AveragesTheNoiseAndFindsWhatDoesNotCount) {
+  const Known known;
+  const fit::GaussianProcess process(known.points, known.values, {}, 60);
+  const MatrixRM elsewhere = even_points(40, 3, 60);
+  const Eigen::VectorXd mean = process.mean(elsewhere);
+  Eigen::VectorXd posterior;
+  Eigen::MatrixXd covariance;
+  process.posterior(elsewhere, posterior, covariance);
+  EXPECT_LT((posterior - mean).cwiseAbs().maxCoeff(), 1e-9);
+  double off = 0;
+  for (Eigen::Index i = 0; i < elsewhere.rows(); ++i)
+    off = std::max(off, std::fabs(mean[i] - std::sin(4 * elsewhere(i, 0)) - std::pow(elsewhere(i, 1), 2)));
+  EXPECT_LT(off, 0.05);
+  EXPECT_GT(process.lengths()[2], 2 * process.lengths()[0]);
+  EXPECT_NEAR(process.noise(), 0.01, 0.006);
+  EXPECT_GT(covariance.diagonal().minCoeff(), 0);
+}
+
+/// Of a quadratic the Gibbs posterior is normal: variance = temperature / (2 weight), the temperature being the noise.
+TEST(Posterior, OfAQuadraticIsNormal) {
+  const MatrixRM samples = even_points(300, 3);
+  Eigen::VectorXd energies(samples.rows());
+  NormalGenerator random(1);
+  for (Eigen::Index i = 0; i < samples.rows(); ++i)
+    energies[i] = 10 + 200 * std::pow(samples(i, 0) - 0.4, 2) + 50 * std::pow(samples(i, 1) - 0.6, 2) + 0.01 * random.normal();
+  PosteriorOptions options;
+  options.noise = 1;
+  options.draws = 1000;
+  const Posterior posterior = posterior_of(samples, energies, options);
+  EXPECT_NEAR(posterior.draws.col(0).mean(), 0.4, 0.02);
+  EXPECT_NEAR(posterior.draws.col(1).mean(), 0.6, 0.02);
+  const double within = 2 * 1.645; // 90 % of a normal distribution, in standard deviations
+  EXPECT_NEAR(posterior.interval(0, 1) - posterior.interval(0, 0), within * std::sqrt(1 / 400.0), 0.03);
+  EXPECT_NEAR(posterior.interval(1, 1) - posterior.interval(1, 0), within * std::sqrt(1 / 100.0), 0.06);
+  EXPECT_GT(posterior.interval(2, 1) - posterior.interval(2, 0), 0.8); // what does not count may be anything
+  EXPECT_NEAR(posterior.correlation(0, 1), 0, 0.15);
+  EXPECT_NEAR(posterior.correlation(0, 0), 1, 1e-9);
+}
+
+TEST(Posterior, TellsWhatMakesUpForWhat) {
+  const MatrixRM samples = even_points(200, 2);
+  Eigen::VectorXd energies(samples.rows());
+  for (Eigen::Index i = 0; i < samples.rows(); ++i)
+    energies[i] = 5 + 100 * std::pow(samples(i, 0) + samples(i, 1) - 1, 2);
+  PosteriorOptions options;
+  options.noise = 0.2;
+  EXPECT_LT(posterior_of(samples, energies, options).correlation(0, 1), -0.9);
+  EXPECT_THROW(posterior_of(samples, energies.head(3)), std::invalid_argument);
+  energies[0] = std::nan("");
+  EXPECT_THROW(posterior_of(samples, energies), std::invalid_argument);
+}
+
+TEST(Posterior, LevelsAreDrawnAsOftenAsTheyAreLikely) {
+  MatrixRM samples = even_points(240, 2);
+  Eigen::VectorXd energies(samples.rows());
+  for (Eigen::Index i = 0; i < samples.rows(); ++i) {
+    samples(i, 1) = (i % 3) / 2.0;
+    energies[i] = 10 + 20 * std::pow(samples(i, 0) - 0.5, 2) + 4 * std::pow(samples(i, 1), 2);
+  }
+  PosteriorOptions options;
+  options.noise = 1;
+  options.levels = 3;
+  options.draws = 1000;
+  const Posterior posterior = posterior_of(samples, energies, options);
+  std::set<double> levels(posterior.draws.col(1).begin(), posterior.draws.col(1).end());
+  EXPECT_LE(levels.size(), 3u);
+  const double lowest = (posterior.draws.col(1).array() == 0).cast<double>().mean();
+  EXPECT_NEAR(lowest, 1 / (1 + std::exp(-1.0) + std::exp(-4.0)), 0.08);
+}
+
+} // namespace
+} // namespace doublet
