@@ -94,10 +94,11 @@ template <class T> inline T bend_value(const BendTerms<T> &c) {
 template <class T> inline T bend_multiplier(const BendTerms<T> &c, T stiffness) {
   return (stiffness * c.length / c.sum) * bend_value(c);
 }
-/// The same with compliance alpha / (h^2 response), as project_soft_stretch; multiplier, the constraint's own, in m^2.
-template <class T> inline T soft_bend_multiplier(const BendTerms<T> &c, T response, T compliance, T &multiplier) {
+/// The same with compliance alpha / (h^2 response), as project_soft_stretch; multiplier, the constraint's own, in m^2. relaxation
+/// < 1: a step of that share, which has the same answer.
+template <class T> inline T soft_bend_multiplier(const BendTerms<T> &c, T response, T compliance, T relaxation, T &multiplier) {
   const T softness = compliance * response;
-  const T change = mul_add(softness, multiplier, bend_value(c)) / mul_add(softness, c.scale, c.sum);
+  const T change = relaxation * mul_add(softness, multiplier, bend_value(c)) / mul_add(softness, c.scale, c.sum);
   multiplier -= change * c.scale;
   return change * c.length;
 }

@@ -11,6 +11,7 @@ namespace doublet::pbd {
 template <class T> struct Substep {
   T h;                     ///< s
   T k_bend, k_stretch;     ///< per iteration; the compliances of the kernels where the model is compliant
+  T bend_relaxation;       ///< where the model is compliant, see soft_bend_multiplier
   T k_friction, k_damping; ///< per substep
   T half_dn_h, tangential_factor;
   T wind[3];    ///< m/s

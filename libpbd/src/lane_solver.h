@@ -314,7 +314,7 @@ private:
       T *const from = &bend_multipliers_[kBlock * block + j];
       Side multiplier;
       __builtin_memcpy(&multiplier, from, sizeof multiplier);
-      const Side move = soft_bend_multiplier(terms, rest.response, Side(s_.k_bend), multiplier);
+      const Side move = soft_bend_multiplier(terms, rest.response, Side(s_.k_bend), Side(s_.bend_relaxation), multiplier);
       __builtin_memcpy(from, &multiplier, sizeof multiplier);
       return move;
     } else

@@ -3425,7 +3425,7 @@ class ClothOptions:
     @property
     def over_relaxation(self) -> float:
         """
-        every stretch correction times this: the sweeps come further; under 'compliance' alone: a number in [1, 1.9]
+        every stretch correction times this, but at most times 1 + 16^(-1/iterations): the sweeps come further; under 'compliance' alone: a number in [1, 1.9]
         """
     @over_relaxation.setter
     def over_relaxation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:

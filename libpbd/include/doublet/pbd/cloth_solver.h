@@ -57,7 +57,8 @@ struct ClothOptions {
         option(&O::stiffness, "stiffness", kStiffnessNames,
                "what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper"),
         option(&O::over_relaxation, "over_relaxation", Range{1, 1.9}, "",
-               "every stretch correction times this: the sweeps come further; under 'compliance' alone"),
+               "every stretch correction times this, but at most times 1 + 16^(-1/iterations): the sweeps come further; under "
+               "'compliance' alone"),
         option(&O::rest_curvature, "rest_curvature", Range{0, 1}, "",
                "share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not "
                "sewn so"),
