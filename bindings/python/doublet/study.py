@@ -221,16 +221,25 @@ def fit_jobs(
 
 def energy_jobs(outs, materials, options=({},), fps: float | None = None, threads: int = 1) -> list[dict]:
     """One job for `energy` per OUT folder, option set and sample. materials: samples, each a list with one Material a region, or
-    a dict of its parameters; e.g. those that other sessions were estimated to have (cross-validation)."""
+    a dict of its parameters; e.g. those that other sessions were estimated to have (cross-validation). The garment of each OUT is
+    as wide as its material.json says, the middle width without one."""
     plain = [[m if isinstance(m, dict) else m.to_dict() for m in sample] for sample in materials]
-    bases = [plain_job(out, chosen, fps, threads) for out, chosen in product(outs, options)]
+    bases = [{**plain_job(out, chosen, fps, threads), "widths": widths_of(out)} for out, chosen in product(outs, options)]
     return [{**base, "materials": sample} for base, sample in product(bases, plain)]
+
+
+def widths_of(out: Path) -> list[float]:
+    material = Path(out) / "material.json"
+    return d.read_widths(material) if material.exists() else []
 
 
 def reconstruction(job: dict) -> pipeline.Job:
     if inputs_hash(job["out"]) != job["inputs"]:
         raise ValueError(f"{job['out']}: the files are not those that the study was made for")
-    return pipeline.Job(Path(), Path(job["out"]), option_groups(job), job.get("seed", 1), fps=job["fps"])
+    made = pipeline.Job(Path(), Path(job["out"]), option_groups(job), job.get("seed", 1), fps=job["fps"])
+    if "widths" in job:
+        made.garment = d.worn(made.offered_garment, job["widths"])
+    return made
 
 
 def fit(job: dict) -> dict:
