@@ -149,7 +149,7 @@ void bind_conformance(py::module_ &m) {
 void bind_posterior(py::module_ &m) {
   py::class_<Posterior>(m, "Posterior", "How likely every answer is: draws from a Gibbs posterior.")
       .def_readonly("draws", &Posterior::draws, "(D, n) box units")
-      .def_readonly("interval", &Posterior::interval, "(n, 2) 5 % and 95 % of the draws, box units")
+      .def_readonly("interval", &Posterior::interval, "(n, 2) the shortest interval with 90 % of the draws, box units")
       .def_readonly("correlation", &Posterior::correlation, "(n, n) of the draws");
   m.def(
       "posterior_of",

@@ -1,11 +1,10 @@
 // Thompson sampling from a Gaussian process, see BayesianOptions.
 
 #include "doublet/core/parts/normal_generator.h"
-#include "doublet/core/parts/quantile.h"
 #include "doublet/fit/optimizer.h"
+#include "doublet/fit/parts/even_points.h"
+#include "doublet/fit/parts/gaussian_process.h"
 #include "energy_scale.h"
-#include "even_points.h"
-#include "gaussian_process.h"
 #include "optimizer_checks.h"
 #include "state_json.h"
 
@@ -19,7 +18,6 @@ namespace doublet {
 namespace {
 
 using fit::EnergyScale;
-using fit::GaussianProcess;
 
 constexpr const char *kBayesian = "bayesian";
 constexpr int kGroup = 16;                   // samples that share a level: what fills the widest registers
@@ -27,10 +25,7 @@ constexpr int kDraws = 64;                   // functions
 constexpr int kCandidates = 600;             // points at which a function is drawn
 constexpr int kAround = 8;                   // of the lowest samples, around which most candidates lie
 constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' parameters
-constexpr double kGrown = 1.2;               // times as many samples as when they were searched last: they are searched again
-constexpr int kLeastGenerations = 3;         // before the search may stop: a few points agree with anything
-constexpr int kSettled = 3;                  // generations in which nothing was found
-constexpr double kSure = 0.9;                // share of the draws
+constexpr std::size_t kSettled = 4;          // generations in which nothing was found
 
 /// Functions drawn from the process at points, of which the first is the answer.
 struct Look {
@@ -67,19 +62,14 @@ public:
 
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
     check_told(samples, energies, n_, 1);
-    if (generation_ == 0)
-      scale_ = fit::scale_of(energies);
     const Eigen::Index before = samples_.rows(), count = samples.rows();
     samples_.conservativeResize(before + count, n_);
     samples_.bottomRows(count) = samples;
     energies_.conservativeResize(before + count);
     energies_.tail(count) = energies;
     ++generation_;
-    const bool fit = static_cast<double>(samples_.rows()) >= kGrown * fitted_at_;
-    if (fit)
-      fitted_at_ = static_cast<int>(samples_.rows());
-    consider(!fit ? 0 : logs_.size() == 0 ? kFirstSteps : kSteps);
-    answers_.push_back(scale_.energy(process_->mean(MatrixRM(answer_.transpose()))[0]));
+    consider(logs_.size() == 0 ? kFirstSteps : kSteps);
+    answers_.push_back(answer_energy_);
   }
 
   bool stop() const override { return !reason().empty(); }
@@ -101,9 +91,7 @@ public:
   }
 
   std::string save() const override {
-    state::Json json = {{"kind", kBayesian},         {"n", n_},
-                        {"generation", generation_}, {"fitted_at", fitted_at_},
-                        {"random", random_before_},  {"scale", {scale_.origin, scale_.unit}}};
+    state::Json json = {{"kind", kBayesian}, {"n", n_}, {"generation", generation_}, {"random", random_before_}};
     json["samples"] = state::to_json(samples_);
     json["energies"] = state::to_json(energies_);
     json["logs"] = state::to_json(logs_);
@@ -123,8 +111,6 @@ public:
       logs_ = state::vector(json.at("logs"), n_ + 2);
       answers_ = json.at("answers").get<std::vector<double>>();
       generation_ = state::count(json.at("generation"));
-      fitted_at_ = state::count(json.at("fitted_at"));
-      scale_ = {json.at("scale").at(0).get<double>(), json.at("scale").at(1).get<double>()};
       random_.restore(json.at("random"));
       consider(0);
     });
@@ -132,23 +118,22 @@ public:
 
 private:
   std::string reason() const {
-    const std::string share = state::Json(options_.regret).dump();
-    if (generation_ >= kLeastGenerations && regret_ < options_.regret)
-      return "the minimum is at most " + share + " lower, in nine of ten draws";
     if (settled())
-      return "the answer gained less than half of " + share + " in " + std::to_string(kSettled) + " generations";
+      return "the answer gained less than " + state::Json(options_.smallest_gain).dump() + " in " + std::to_string(kSettled) +
+             " generations";
     if (energies_.size() >= options_.max_evaluations)
       return std::to_string(options_.max_evaluations) + " evaluations";
     return {};
   }
 
-  /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found.
+  /// Every generation goes where the minimum may be, so that several that find nothing tell that it is found. Not from the first
+  /// on, which went anywhere.
   bool settled() const {
     const std::size_t count = answers_.size();
-    if (options_.regret == 0 || count < kLeastGenerations + kSettled)
+    if (options_.smallest_gain == 0 || count < kSettled + 2)
       return false;
     const double before = answers_[count - 1 - kSettled], now = answers_.back();
-    return before - now < 0.5 * options_.regret * std::fabs(now);
+    return before - now < options_.smallest_gain * std::fabs(now);
   }
 
   Eigen::RowVectorXd on_level(Eigen::RowVectorXd point) const {
@@ -157,31 +142,27 @@ private:
     return point;
   }
 
-  /// What follows from the samples so far: process, answer, regret.
+  /// What follows from the samples so far: process, answer, where the minimum may be. The scale zooms in with the samples.
   void consider(int steps) {
     random_before_ = random_.state();
-    process_.emplace(samples_, scale_.shown(energies_), logs_, steps);
+    const EnergyScale scale = fit::scale_of(energies_);
+    process_.emplace(samples_, scale.shown(energies_), logs_, steps);
     logs_ = process_->logs();
     look_ = look();
-    std::vector<double> regrets;
+    answer_ = look_->points.row(0).transpose();
+    answer_energy_ = scale.energy(process_->mean(MatrixRM(answer_.transpose()))[0]);
     MatrixRM minima(kDraws, n_);
-    for (Eigen::Index d = 0; d < kDraws; ++d) {
-      const Eigen::Index row = look_->lowest(d);
-      minima.row(d) = look_->points.row(row);
-      const double here = scale_.energy(look_->values(0, d));
-      regrets.push_back((here - scale_.energy(look_->values(row, d))) / std::max(std::fabs(here), 1e-300));
-    }
-    regret_ = quantile(std::move(regrets), kSure);
+    for (Eigen::Index d = 0; d < kDraws; ++d)
+      minima.row(d) = look_->points.row(look_->lowest(d));
     const Eigen::RowVectorXd centre = minima.colwise().mean();
     deviations_ = (minima.rowwise() - centre).array().square().colwise().mean().sqrt().transpose();
   }
 
   Look look() {
     const MatrixRM around = candidates();
-    answer_ = lowest_mean(around);
     Look look;
     look.points.resize(around.rows() + 1, n_);
-    look.points << answer_.transpose(), around;
+    look.points << lowest_mean(around).transpose(), around;
     Eigen::VectorXd mean;
     Eigen::MatrixXd covariance;
     process_->posterior(look.points, mean, covariance);
@@ -238,15 +219,17 @@ private:
     return std::clamp(x, 0.0, 1.0);
   }
 
-  /// By the mean of the process, which does not believe in lucky samples.
+  /// By the mean of the process, which does not believe in lucky samples, and as many that were lucky: it may be wrong.
   std::vector<int> lowest_samples() const {
-    const Eigen::VectorXd mean = process_->mean(samples_);
-    std::vector<int> order(static_cast<std::size_t>(mean.size()));
-    std::iota(order.begin(), order.end(), 0);
-    const auto count = std::min<std::ptrdiff_t>(kAround, mean.size());
-    std::partial_sort(order.begin(), order.begin() + count, order.end(), [&](int a, int b) { return mean[a] < mean[b]; });
-    order.resize(static_cast<std::size_t>(count));
-    return order;
+    std::vector<int> lowest;
+    for (const Eigen::VectorXd &values : {process_->mean(samples_), energies_}) {
+      std::vector<int> order(static_cast<std::size_t>(values.size()));
+      std::iota(order.begin(), order.end(), 0);
+      const auto count = std::min<std::ptrdiff_t>(kAround, values.size());
+      std::partial_sort(order.begin(), order.begin() + count, order.end(), [&](int a, int b) { return values[a] < values[b]; });
+      lowest.insert(lowest.end(), order.begin(), order.begin() + count);
+    }
+    return lowest;
   }
 
   Eigen::VectorXd lowest_mean(const MatrixRM &candidates) const {
@@ -306,12 +289,11 @@ private:
   std::string random_before_; // where the random numbers stood when the samples so far were considered
   MatrixRM samples_;
   Eigen::VectorXd energies_, logs_, answer_, deviations_;
-  EnergyScale scale_;
   std::vector<double> answers_; // what the process says that they cost, after every generation
   std::optional<GaussianProcess> process_;
   std::optional<Look> look_;
-  double regret_ = std::numeric_limits<double>::infinity();
-  int generation_ = 0, fitted_at_ = 0;
+  double answer_energy_ = 0;
+  int generation_ = 0;
 };
 
 } // namespace

@@ -1,4 +1,4 @@
-#include "even_points.h"
+#include "doublet/fit/parts/even_points.h"
 
 namespace doublet {
 namespace {

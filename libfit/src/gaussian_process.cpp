@@ -1,11 +1,12 @@
-#include "gaussian_process.h"
+#include "doublet/fit/parts/gaussian_process.h"
 
 #include <LBFGSB.h>
 
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
-namespace doublet::fit {
+namespace doublet {
 namespace {
 
 constexpr double kJitter = 1e-8; // of the variance: rounding must not make the covariance indefinite
@@ -57,6 +58,31 @@ struct Solved {
 Eigen::MatrixXd noisy(Eigen::MatrixXd covariance, double noise_variance, double variance) {
   covariance.diagonal().array() += noise_variance + kJitter * variance;
   return covariance;
+}
+
+/// Where value(x, gradient) is lowest between bounds (n), as far as so many steps of L-BFGS-B from `start` lead.
+Eigen::VectorXd minimised(const std::function<double(const Eigen::VectorXd &, Eigen::VectorXd &)> &value,
+                          const Eigen::VectorXd &start, const Eigen::VectorXd &lower, const Eigen::VectorXd &upper, int steps) {
+  Eigen::VectorXd best = start;
+  double lowest = std::numeric_limits<double>::infinity();
+  const auto remembered = [&](const Eigen::VectorXd &x, Eigen::VectorXd &gradient) {
+    const double found = value(x, gradient);
+    if (found < lowest)
+      lowest = found, best = x;
+    return found;
+  };
+  LBFGSpp::LBFGSBParam<double> parameters;
+  parameters.max_iterations = steps;
+  parameters.epsilon = parameters.epsilon_rel = 1e-4;
+  LBFGSpp::LBFGSBSolver<double> solver(parameters);
+  Eigen::VectorXd x = start;
+  double last = 0;
+  try {
+    solver.minimize(remembered, x, last, lower, upper);
+  } catch (const std::logic_error &) { // it cannot get lower: the best so far is the answer
+  } catch (const std::runtime_error &) {
+  }
+  return best;
 }
 
 } // namespace
@@ -152,28 +178,4 @@ void GaussianProcess::posterior(const MatrixRM &at, Eigen::VectorXd &mean, Eigen
   covariance.noalias() -= half.transpose() * half;
 }
 
-Eigen::VectorXd minimised(const std::function<double(const Eigen::VectorXd &, Eigen::VectorXd &)> &value,
-                          const Eigen::VectorXd &start, const Eigen::VectorXd &lower, const Eigen::VectorXd &upper, int steps) {
-  Eigen::VectorXd best = start;
-  double lowest = std::numeric_limits<double>::infinity();
-  const auto remembered = [&](const Eigen::VectorXd &x, Eigen::VectorXd &gradient) {
-    const double found = value(x, gradient);
-    if (found < lowest)
-      lowest = found, best = x;
-    return found;
-  };
-  LBFGSpp::LBFGSBParam<double> parameters;
-  parameters.max_iterations = steps;
-  parameters.epsilon = parameters.epsilon_rel = 1e-4;
-  LBFGSpp::LBFGSBSolver<double> solver(parameters);
-  Eigen::VectorXd x = start;
-  double last = 0;
-  try {
-    solver.minimize(remembered, x, last, lower, upper);
-  } catch (const std::logic_error &) { // it cannot get lower: the best so far is the answer
-  } catch (const std::runtime_error &) {
-  }
-  return best;
-}
-
-} // namespace doublet::fit
+} // namespace doublet

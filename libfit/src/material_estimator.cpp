@@ -1,12 +1,14 @@
 #include "doublet/fit/material_estimator.h"
 
 #include "doublet/core/error.h"
+#include "doublet/fit/parts/even_points.h"
 #include "doublet/options/options.h"
-#include "even_points.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace doublet {
@@ -19,8 +21,10 @@ constexpr double kGuess = 0.5;         // of the box: above it a guess
 constexpr double kDisputed = 0.1;      // of the box: searches whose answers are spread by more disagree
 constexpr double kAtBound = 0.01;      // of the box: closer to its bound is at it
 constexpr int kGroup = 16;             // samples of one width, see BayesianOptions
-constexpr int kRepeats = 15;           // of the answer, whose mean is its energy; with the box's centre 16 lanes
+constexpr int kCandidates = 4;         // for an answer: what the optimiser says, and the lowest samples
+constexpr int kRepeats = 8;            // of each, whose mean is its energy; all together fill 32 lanes
 constexpr double kNowhere = 0.001;     // of the box: far below what any film tells
+constexpr double kElsewhere = 0.02;    // of the box, along some axis: another candidate
 constexpr const char *kWidth = "width";
 
 /// What is searched: materials, and a width if there is a choice.
@@ -74,7 +78,7 @@ BayesianOptions bayesian_options(const FitOptions &options, const Searched &sear
   if (options.population > 0)
     bayesian.population = options.population;
   bayesian.max_evaluations = options.max_evaluations;
-  bayesian.regret = options.regret;
+  bayesian.smallest_gain = options.smallest_gain;
   bayesian.levels = searched.widths > 1 ? searched.widths : 0;
   bayesian.seed = seed;
   constexpr std::uint64_t kShares = 1000; // the sequence is long, not endless
@@ -261,45 +265,77 @@ bool has_matches(const Observations &observations) {
   return false;
 }
 
-/// (kRepeats + 1, n) samples that are the answer for all practical purposes, and the centre of the box.
-MatrixRM repeats_of(const Eigen::VectorXd &answer, const Searched &searched) {
-  MatrixRM samples = answer.transpose().replicate(kRepeats + 1, 1);
+/// What the optimiser answers, and the lowest samples that are not the same, best first; the last of them again where there are
+/// too few.
+std::vector<Eigen::VectorXd> candidates(const MinimiseResult &found, int part) {
+  const MatrixRM &samples = found.samples[part];
+  const Eigen::VectorXd &energies = found.energies[part];
+  std::vector<Eigen::VectorXd> chosen{in_box(found.parts[part].answer)};
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(energies.size()));
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return energies[a] < energies[b]; });
+  for (Eigen::Index sample : order) {
+    const Eigen::VectorXd unit = samples.row(sample).transpose();
+    if (chosen.size() < kCandidates && std::all_of(chosen.begin(), chosen.end(), [&](const Eigen::VectorXd &other) {
+          return (other - unit).cwiseAbs().maxCoeff() > kElsewhere;
+        }))
+      chosen.push_back(unit);
+  }
+  chosen.resize(kCandidates, chosen.back());
+  return chosen;
+}
+
+/// (kRepeats, n) samples that are the same for all practical purposes.
+MatrixRM repeats_of(const Eigen::VectorXd &unit, int axes) {
+  MatrixRM samples = unit.transpose().replicate(kRepeats, 1);
   for (int k = 1; k < kRepeats; ++k) {
-    double &x = samples(k, k % searched.space.size());
-    const double step = kNowhere * (1 + k / searched.space.size()) * (k % 2 ? 1 : -1); // no two alike
+    double &x = samples(k, k % axes);
+    const double step = kNowhere * (1 + k / axes) * (k % 2 ? 1 : -1); // no two alike
     x += x + step < 0 || x + step > 1 ? -step : step;
   }
-  samples.row(kRepeats).head(searched.space.size()).setConstant(0.5);
   return samples;
 }
 
 /// What an answer costs.
 struct AnswerCost {
-  Eigen::VectorXd answer; ///< (n) box units
-  double energy = 0, noise = 0, centre = 0;
+  Eigen::VectorXd answer;                   ///< (n) box units, the candidate of the lowest mean energy
+  double energy = 0, noise = 0, centre = 0; ///< its mean and standard deviation; that of the box's centre
 };
+
+/// Of the energies of all candidates' repeats. One sample of the last candidate stands for the centre.
+AnswerCost cost_of(const std::vector<Eigen::VectorXd> &candidates, const Eigen::VectorXd &energies) {
+  AnswerCost cost;
+  cost.energy = std::numeric_limits<double>::infinity();
+  cost.centre = energies[energies.size() - 1];
+  for (int c = 0; c < kCandidates; ++c) {
+    const Eigen::VectorXd own = energies.segment(c * kRepeats, kRepeats - (c + 1 == kCandidates ? 1 : 0));
+    if (own.mean() >= cost.energy)
+      continue;
+    cost.answer = candidates[c];
+    cost.energy = own.mean();
+    cost.noise = std::sqrt((own.array() - own.mean()).square().sum() / static_cast<double>(own.size() - 1));
+  }
+  return cost;
+}
 
 /// [searches][regions], all in one go.
 std::vector<std::vector<AnswerCost>> answer_costs(AllTakes &objective, const Searches &searches, const MinimiseResult &found,
                                                   const Searched &searched, const Context &context) {
-  const int n = searched.size();
-  MatrixRM samples(static_cast<Eigen::Index>(searches.count()) * (kRepeats + 1),
-                   static_cast<Eigen::Index>(n) * searches.regions());
-  std::vector<std::vector<AnswerCost>> costs(searches.count(), std::vector<AnswerCost>(searches.regions()));
+  const int n = searched.size(), rows = kCandidates * kRepeats, regions = searches.regions();
+  MatrixRM samples(static_cast<Eigen::Index>(searches.count()) * rows, static_cast<Eigen::Index>(n) * regions);
+  std::vector<std::vector<std::vector<Eigen::VectorXd>>> tried(searches.count());
   for (int k = 0; k < searches.count(); ++k)
-    for (int r = 0; r < searches.regions(); ++r) {
-      costs[k][r].answer = in_box(found.parts[searches.part(k, r)].answer);
-      samples.block(k * (kRepeats + 1), r * n, kRepeats + 1, n) = repeats_of(costs[k][r].answer, searched);
+    for (int r = 0; r < regions; ++r) {
+      tried[k].push_back(candidates(found, searches.part(k, r)));
+      for (int c = 0; c < kCandidates; ++c)
+        samples.block(k * rows + c * kRepeats, r * n, kRepeats, n) = repeats_of(tried[k][r][c], searched.space.size());
+      samples.row((k + 1) * rows - 1).segment(r * n, searched.space.size()).setConstant(0.5);
     }
   const MatrixRM energies = objective.evaluate(samples, context);
+  std::vector<std::vector<AnswerCost>> costs(searches.count());
   for (int k = 0; k < searches.count(); ++k)
-    for (int r = 0; r < searches.regions(); ++r) {
-      const Eigen::VectorXd column = energies.col(r).segment(k * (kRepeats + 1), kRepeats + 1);
-      AnswerCost &cost = costs[k][r];
-      cost.energy = column.head(kRepeats).mean();
-      cost.noise = std::sqrt((column.head(kRepeats).array() - cost.energy).square().sum() / (kRepeats - 1));
-      cost.centre = column[kRepeats];
-    }
+    for (int r = 0; r < regions; ++r)
+      costs[k].push_back(cost_of(tried[k][r], energies.col(r).segment(k * rows, rows)));
   return costs;
 }
 
@@ -332,6 +368,9 @@ RegionFit final_region(const MinimiseResult &found, const Searches &searches, in
     posterior.levels = searched.widths;
     posterior.seed = options.seed;
     region.posterior = posterior_of(found.samples[part], found.energies[part], posterior);
+    MatrixRM &interval = region.posterior.interval; // the answer is likely, whatever the process says
+    interval.col(0) = interval.col(0).cwiseMin(region.answer);
+    interval.col(1) = interval.col(1).cwiseMax(region.answer);
   }
   return region;
 }

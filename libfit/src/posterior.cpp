@@ -1,8 +1,8 @@
 #include "doublet/fit/parts/posterior.h"
 
 #include "doublet/core/parts/normal_generator.h"
+#include "doublet/fit/parts/gaussian_process.h"
 #include "energy_scale.h"
-#include "gaussian_process.h"
 #include "optimizer_checks.h"
 
 #include <algorithm>
@@ -14,13 +14,12 @@ namespace doublet {
 namespace {
 
 using fit::EnergyScale;
-using fit::GaussianProcess;
 
-constexpr double kTemperature = 1.0; // of the noise
+constexpr double kTemperature = 2.0; // of the noise
 constexpr int kLargest = 512;        // samples of the process, the lowest
 constexpr int kThinning = 4;         // rounds from draw to draw
 constexpr int kBurnIn = 20;          // rounds
-constexpr double kLower = 0.05, kUpper = 0.95;
+constexpr double kShare = 0.9;       // of the draws, inside the interval
 
 /// The lowest energies and their samples.
 std::pair<MatrixRM, Eigen::VectorXd> lowest(const MatrixRM &samples, const Eigen::VectorXd &energies) {
@@ -89,12 +88,22 @@ private:
   Eigen::VectorXd at_;
 };
 
+/// The shortest: where a bound of the box is likely, it is inside. What is nearer to a bound than draws are to each other is at
+/// it.
 MatrixRM intervals(const MatrixRM &draws) {
+  const Eigen::Index count = draws.rows(),
+                     inside = std::min<Eigen::Index>(count, std::lround(kShare * static_cast<double>(count)) + 1);
+  const double apart = 5.0 / static_cast<double>(count);
   MatrixRM result(draws.cols(), 2);
   for (Eigen::Index j = 0; j < draws.cols(); ++j) {
-    const Eigen::VectorXd column = draws.col(j);
-    const std::vector<double> all(column.begin(), column.end());
-    result.row(j) << quantile(all, kLower), quantile(all, kUpper);
+    Eigen::VectorXd sorted = draws.col(j);
+    std::sort(sorted.begin(), sorted.end());
+    Eigen::Index best = 0;
+    for (Eigen::Index first = 1; first + inside <= count; ++first)
+      if (sorted[first + inside - 1] - sorted[first] < sorted[best + inside - 1] - sorted[best])
+        best = first;
+    const double low = sorted[best], high = sorted[best + inside - 1];
+    result.row(j) << (low < apart ? 0 : low), (high > 1 - apart ? 1 : high);
   }
   return result;
 }

@@ -1,9 +1,9 @@
 #include "doublet/core/parts/normal_generator.h"
 #include "doublet/fit/optimizer.h"
+#include "doublet/fit/parts/even_points.h"
+#include "doublet/fit/parts/gaussian_process.h"
 #include "doublet/fit/parts/posterior.h"
-#include "even_points.h"
 #include "fit/functions.h"
-#include "gaussian_process.h"
 
 #include <gtest/gtest.h>
 
@@ -62,8 +62,9 @@ TEST(Bayesian, GroupsOfAGenerationShareALevel) {
     const MatrixRM samples = search->ask();
     for (Eigen::Index i = 0; i < samples.rows(); ++i) {
       EXPECT_NEAR(std::remainder(3 * samples(i, 4), 1), 0, 1e-12);
-      if (generation > 0)
+      if (generation > 0) {
         EXPECT_EQ(samples(i, 4), samples(i / 16 * 16, 4)) << i;
+      }
     }
     search->tell(samples, energies_of(samples, lowest_at_a_third));
   }
@@ -90,7 +91,7 @@ TEST(Bayesian, GoesOnToTheSameBits) {
 TEST(Bayesian, HowLowTheEnergiesAreDoesNotMatter) {
   const auto answer = [](double offset, double unit) {
     BayesianOptions options;
-    options.regret = 0;
+    options.smallest_gain = 0;
     options.max_evaluations = 128;
     const auto search = create_bayesian(2, options);
     while (!search->stop())
@@ -115,17 +116,17 @@ TEST(GaussianProcess, GradientsAreThoseOfFiniteDifferences) {
   const Known known;
   Eigen::VectorXd logs(5), gradient, unused;
   logs << -0.5, 0.2, 0.7, -1, -5;
-  fit::GaussianProcess::misfit(known.points, known.values, logs, gradient);
+  GaussianProcess::misfit(known.points, known.values, logs, gradient);
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 5; ++i) {
     Eigen::VectorXd up = logs, down = logs;
     up[i] += kStep, down[i] -= kStep;
-    const double slope = (fit::GaussianProcess::misfit(known.points, known.values, up, unused) -
-                          fit::GaussianProcess::misfit(known.points, known.values, down, unused)) /
+    const double slope = (GaussianProcess::misfit(known.points, known.values, up, unused) -
+                          GaussianProcess::misfit(known.points, known.values, down, unused)) /
                          (2 * kStep);
     EXPECT_NEAR(gradient[i], slope, 1e-4 * std::max(1.0, std::fabs(slope))) << i;
   }
-  const fit::GaussianProcess process(known.points, known.values, logs, 0);
+  const GaussianProcess process(known.points, known.values, logs, 0);
   const Eigen::Vector3d at(0.3, 0.6, 0.2);
   process.mean(at, gradient);
   for (int i = 0; i < 3; ++i) {
@@ -138,7 +139,7 @@ TEST(GaussianProcess, GradientsAreThoseOfFiniteDifferences) {
 
 TEST(GaussianProcess, AveragesTheNoiseAndFindsWhatDoesNotCount) {
   const Known known;
-  const fit::GaussianProcess process(known.points, known.values, {}, 60);
+  const GaussianProcess process(known.points, known.values, {}, 60);
   const MatrixRM elsewhere = even_points(40, 3, 60);
   const Eigen::VectorXd mean = process.mean(elsewhere);
   Eigen::VectorXd posterior;
@@ -154,7 +155,7 @@ TEST(GaussianProcess, AveragesTheNoiseAndFindsWhatDoesNotCount) {
   EXPECT_GT(covariance.diagonal().minCoeff(), 0);
 }
 
-/// Of a quadratic the Gibbs posterior is normal: variance = temperature / (2 weight), the temperature being the noise.
+/// Of a quadratic the Gibbs posterior is normal: variance = temperature / (2 weight), the temperature being twice the noise.
 TEST(Posterior, OfAQuadraticIsNormal) {
   const MatrixRM samples = even_points(300, 3);
   Eigen::VectorXd energies(samples.rows());
@@ -168,8 +169,8 @@ TEST(Posterior, OfAQuadraticIsNormal) {
   EXPECT_NEAR(posterior.draws.col(0).mean(), 0.4, 0.02);
   EXPECT_NEAR(posterior.draws.col(1).mean(), 0.6, 0.02);
   const double within = 2 * 1.645; // 90 % of a normal distribution, in standard deviations
-  EXPECT_NEAR(posterior.interval(0, 1) - posterior.interval(0, 0), within * std::sqrt(1 / 400.0), 0.03);
-  EXPECT_NEAR(posterior.interval(1, 1) - posterior.interval(1, 0), within * std::sqrt(1 / 100.0), 0.06);
+  EXPECT_NEAR(posterior.interval(0, 1) - posterior.interval(0, 0), within * std::sqrt(2 / 400.0), 0.04);
+  EXPECT_NEAR(posterior.interval(1, 1) - posterior.interval(1, 0), within * std::sqrt(2 / 100.0), 0.08);
   EXPECT_GT(posterior.interval(2, 1) - posterior.interval(2, 0), 0.8); // what does not count may be anything
   EXPECT_NEAR(posterior.correlation(0, 1), 0, 0.15);
   EXPECT_NEAR(posterior.correlation(0, 0), 1, 1e-9);
@@ -181,7 +182,7 @@ TEST(Posterior, TellsWhatMakesUpForWhat) {
   for (Eigen::Index i = 0; i < samples.rows(); ++i)
     energies[i] = 5 + 100 * std::pow(samples(i, 0) + samples(i, 1) - 1, 2);
   PosteriorOptions options;
-  options.noise = 0.2;
+  options.noise = 0.1;
   EXPECT_LT(posterior_of(samples, energies, options).correlation(0, 1), -0.9);
   EXPECT_THROW(posterior_of(samples, energies.head(3)), std::invalid_argument);
   energies[0] = std::nan("");
@@ -203,7 +204,7 @@ TEST(Posterior, LevelsAreDrawnAsOftenAsTheyAreLikely) {
   std::set<double> levels(posterior.draws.col(1).begin(), posterior.draws.col(1).end());
   EXPECT_LE(levels.size(), 3u);
   const double lowest = (posterior.draws.col(1).array() == 0).cast<double>().mean();
-  EXPECT_NEAR(lowest, 1 / (1 + std::exp(-1.0) + std::exp(-4.0)), 0.08);
+  EXPECT_NEAR(lowest, 1 / (1 + std::exp(-0.5) + std::exp(-2.0)), 0.08);
 }
 
 } // namespace

@@ -597,7 +597,7 @@ TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulationFromEverySeed) {
                 fit.material.d_n, known(0, 0), known(0, 1), fit.material.k_bend, known(1, 0), known(1, 1), fit.energy,
                 fit.energy_noise, fit.energy_at_centre, fit.evaluations, fit.stop_reason.c_str());
     EXPECT_NEAR(fit.material.d_n, 4, 0.5);
-    EXPECT_LT(fit.energy, 0.1 * fit.energy_at_centre);
+    EXPECT_LT(fit.energy, 0.2 * fit.energy_at_centre);
     EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
     EXPECT_EQ(fit.confidence()[0], Confidence::kHigh);
     EXPECT_LE(fit.evaluations, 256);
@@ -674,7 +674,7 @@ TEST(EstimateMaterial, CanBeDoneByAnnealing) {
 
 class EstimateMaterialWith : public ::testing::TestWithParam<const char *> {};
 INSTANTIATE_TEST_SUITE_P(Optimizers, EstimateMaterialWith, ::testing::Values("bayesian", "cma-es"),
-                         [](const auto &info) { return std::string(info.param).substr(0, 3); });
+                         [](const auto &test) { return std::string(test.param).substr(0, 3); });
 
 TEST_P(EstimateMaterialWith, ResumesToTheSameBitsForAnyNumberOfThreads) {
   const auto s = make_scene({cotton()}, {15, 2, 160});
@@ -683,7 +683,7 @@ TEST_P(EstimateMaterialWith, ResumesToTheSameBitsForAnyNumberOfThreads) {
     options.optimizer = GetParam();
     options.first_samples = 16;
     options.population = 8;
-    options.regret = 0;
+    options.smallest_gain = 0;
     return options;
   };
   const auto run = [&](const FitOptions &options, const Context &context) {

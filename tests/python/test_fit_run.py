@@ -14,7 +14,7 @@ from doublet.console import Console
 from doublet.fit_page import in_words
 
 OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--cloth-stiffness", "sweeps", "--cloth-rest-curvature", "1"]
-OPTIONS += ["--fit-max-evaluations", "56", "--fit-first-samples", "16", "--fit-population", "8", "--fit-regret", "0"]
+OPTIONS += ["--fit-max-evaluations", "56", "--fit-first-samples", "16", "--fit-population", "8", "--fit-smallest-gain", "0"]
 OPTIONS += ["--space-names", "d_n", "k_stretch", "k_friction"]
 
 

@@ -21,7 +21,7 @@ struct FitOptions {
   int max_evaluations = 512;
   int population = 0;
   int first_samples = 64;
-  double regret = 0.05; ///< see BayesianOptions
+  double smallest_gain = 0.02; ///< see BayesianOptions
   double initial_sigma = 0.3;
   double smallest_deviation = 0.025;
   double stagnation = 0.0; ///< see CmaEsOptions
@@ -51,10 +51,8 @@ struct FitOptions {
         option(
             &O::first_samples, "first_samples", Range{4, 4096}, "",
             "materials spread evenly over the box that bayesian begins with, three of four inelastic, in groups of 16 a width"),
-        option(
-            &O::regret, "regret", at_least(0), "",
-            "bayesian stops when in nine of ten functions that agree with all samples no material costs less than the answer by "
-            "more than this share, or three generations gained less than half of it; 0 = never"),
+        option(&O::smallest_gain, "smallest_gain", at_least(0), "",
+               "bayesian stops when four generations have lowered the energy of the answer by less than this share; 0 = never"),
         option(&O::initial_sigma, "initial_sigma", above(0), "", "of CMA-ES and annealing where they start, box units"),
         option(&O::smallest_deviation, "smallest_deviation", at_least(0), "",
                "CMA-ES stops when all standard deviations are below, box units; 0.025 is the paper's"),
@@ -107,7 +105,7 @@ FitFinding::Kind finding_kind(const std::string &name); ///< throws std::invalid
 struct RegionFit {
   pbd::Material material; ///< the answer; of an interrupted fit the best sample
   double width = -1;      ///< position of the width that is answered among those offered, see worn(); -1 = none was offered
-  double energy = 0;      ///< E_fit of the answer, pixels^2: mean of simulations that differ by nothing but chaos
+  double energy = 0;      ///< E_fit of the answer, pixels^2: mean of eight simulations that differ by chaos alone
   double energy_noise = std::numeric_limits<double>::quiet_NaN(); ///< their standard deviation; NaN = not measured
   double energy_at_centre =
       std::numeric_limits<double>::quiet_NaN(); ///< E_fit of the box's centre: what knowing nothing costs; NaN = not measured

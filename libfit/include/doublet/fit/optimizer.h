@@ -84,11 +84,12 @@ std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &opti
 /// Bayesian optimisation of an energy that is expensive and noisy: a Gaussian process over all samples so far averages the noise
 /// and says where the minimum may lie; every sample of a generation is the minimum of one function drawn from it (Thompson
 /// sampling: Hernandez-Lobato et al., "Parallel and distributed Thompson sampling", ICML 2017), so that a generation goes where
-/// the minimum may be, in proportion. Energies enter as asinh((E - a) / s), a and s from the first generation.
+/// the minimum may be, in proportion. Energies enter as asinh((E - a) / s), where a is the first quartile of all so far, and s
+/// the way from the lowest to the middle one: linear where they are low, logarithmic far above.
 struct BayesianOptions {
   int population = 32;
   int max_evaluations = 512;
-  double regret = 0.05;
+  double smallest_gain = 0.02;
   int levels = 0;
   std::uint64_t seed = 1;
   MatrixRM first;
@@ -99,10 +100,8 @@ struct BayesianOptions {
         "BayesianOptions",
         option(&O::population, "population", Range{4, 4096}, "", "samples a generation; two groups of 16 fill two threads"),
         option(&O::max_evaluations, "max_evaluations", at_least(1), "", "no generation begins at or beyond it"),
-        option(
-            &O::regret, "regret", at_least(0), "",
-            "stop when nine of ten functions drawn have no minimum that is lower than at the answer by more than this share of "
-            "its energy, or three generations have lowered that by less than half of it; 0 = never"),
+        option(&O::smallest_gain, "smallest_gain", at_least(0), "",
+               "stop when four generations have lowered the energy of the answer by less than this share; 0 = never"),
         option(&O::levels, "levels", Range{0, 64}, "",
                "above 1: the last coordinate takes so many values, evenly spaced, and groups of 16 samples share one; else any"),
         option(&O::seed, "seed", at_least(0), "", "of the random numbers"),

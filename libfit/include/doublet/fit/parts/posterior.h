@@ -14,7 +14,7 @@ namespace doublet {
 /// films of known materials, see docs/material-estimation.md).
 struct Posterior {
   MatrixRM draws;              ///< (D, n) box units
-  MatrixRM interval;           ///< (n, 2) 5 % and 95 % of the draws
+  MatrixRM interval;           ///< (n, 2) the shortest interval with 90 % of the draws
   Eigen::MatrixXd correlation; ///< (n, n) of the draws; 0 beside what does not vary
 };
 

@@ -7,9 +7,8 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <functional>
 
-namespace doublet::fit {
+namespace doublet {
 
 class GaussianProcess {
 public:
@@ -43,8 +42,4 @@ private:
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
-/// Lowest value found of value(x, gradient) between bounds (n), from `start`: L-BFGS-B, at most so many steps.
-Eigen::VectorXd minimised(const std::function<double(const Eigen::VectorXd &, Eigen::VectorXd &)> &value,
-                          const Eigen::VectorXd &start, const Eigen::VectorXd &lower, const Eigen::VectorXd &upper, int steps);
-
-} // namespace doublet::fit
+} // namespace doublet
