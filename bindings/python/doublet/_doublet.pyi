@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Influence', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'TrialOptions', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'chosen_garment', 'cloth_segmenter_violations', 'cloth_solver_violations', 'corrected_segmentation', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_energy', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'measure_influence', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'trial_energy', 'trial_samples', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'corrected_segmentation', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'offered', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'worn', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -472,6 +472,14 @@ class Garment:
         """
     @rest.setter
     def rest(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
+    def widths(self) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]]:
+        """
+        [K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone
+        """
+    @widths.setter
+    def widths(self, arg0: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> None:
         ...
 class DressedActor:
     """
@@ -2742,12 +2750,12 @@ class GarmentOptions:
     def smallest_piece(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
-    def spread(self) -> float:
+    def spreads(self) -> list[float]:
         """
-        share of the time that a length may be exceeded; less follows the tracking's errors, more makes the garment narrower: a number in (0, 1)
+        shares of the time that a length may be exceeded: a width each, of which the video chooses; more is narrower: a number in (0, 1)
         """
-    @spread.setter
-    def spread(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    @spreads.setter
+    def spreads(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
         ...
     @property
     def vertices(self) -> int:
@@ -4692,6 +4700,73 @@ class AnnealingOptions:
     @seed.setter
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
+class BayesianOptions:
+    """
+    Options of create_bayesian.
+    """
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __init__(self, **kwargs) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def first(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (K, n) samples of the first generation; empty = spread evenly
+        """
+    @first.setter
+    def first(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+        ...
+    @property
+    def levels(self) -> int:
+        """
+        above 1: the last coordinate takes so many values, evenly spaced, and groups of 16 samples share one; else any: a number in [0, 64]
+        """
+    @levels.setter
+    def levels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def max_evaluations(self) -> int:
+        """
+        no generation begins at or beyond it: a number of at least 1
+        """
+    @max_evaluations.setter
+    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def population(self) -> int:
+        """
+        samples a generation; two groups of 16 fill two threads: a number in [4, 4096]
+        """
+    @population.setter
+    def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        of the random numbers: a number of at least 0
+        """
+    @seed.setter
+    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_gain(self) -> float:
+        """
+        stop when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
+        """
+    @smallest_gain.setter
+    def smallest_gain(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
 class GenerationRow:
     """
     One generation of one part.
@@ -4847,29 +4922,24 @@ class MinimiseOptions:
     @seed.setter
     def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
-class Influence:
+class Posterior:
     """
-    What each parameter, moved alone, does to the energy.
+    How likely every answer is: draws from a Gibbs posterior.
     """
     @property
-    def change(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    def correlation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
-        (n) root mean square change of the energy over 0.4 of the box
-        """
-    @property
-    def exceeds_noise(self) -> list[bool]:
-        """
-        (n) whether the change is beyond the noise
+        (n, n) of the draws
         """
     @property
-    def noise(self) -> float:
+    def draws(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
-        standard deviation of the energy at the answer
+        (D, n) box units
         """
     @property
-    def rank(self) -> list[int]:
+    def interval(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
-        (n) 1 = changes the energy most
+        (n, 2) the shortest interval with 90 % of the draws, box units
         """
 class EnergyOptions:
     """
@@ -5059,15 +5129,15 @@ class MaterialObjective(Objective):
     """
     E_fit of Sect. 6.2 over the box of the parameter space.
     """
+    @typing.overload
     def __init__(self, simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> None:
+        ...
+    @typing.overload
+    def __init__(self, widths: list, performance: ReferencePerformance, observations: Observations, options: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> None:
         ...
     def energies(self, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
         (S, regions) pixels^2 of materials[sample][region], on all threads
-        """
-    def race(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], margin: typing.SupportsFloat | typing.SupportsIndex, context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
-        """
-        samples (S, regions * n) in [0, 1] -> energies (S, regions); those that fall behind by more than `margin` are stopped.
         """
     def surface_energy(self, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> list[float]:
         """
@@ -5090,61 +5160,46 @@ class MaterialObjective(Objective):
     def space(self) -> ParameterSpace:
         ...
     @property
+    def width_count(self) -> int:
+        ...
+    @property
     def worst_energy(self) -> float:
         """
         pixels^2: no sample costs more
         """
-class TrialOptions:
+class FitFinding:
     """
-    Which rest shapes of a garment are tried on the video.
+    What is doubtful about a parameter of an answer.
     """
-    @staticmethod
-    def described() -> dict:
-        """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
-        """
-    def __init__(self, **kwargs) -> None:
-        """
-        Every field may be given by keyword.
-        """
-    def __repr__(self) -> str:
+    def __init__(self, kind: str, parameter: str, value: typing.SupportsFloat | typing.SupportsIndex, low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
-    def to_dict(self) -> dict:
+    def text(self) -> str:
         """
-        Name -> value of every option.
+        One sentence.
         """
     @property
-    def bands(self) -> list[float]:
-        """
-        m, likewise in the place of the mesher's band, at the spread that was taken: a number in [0, 1]
-        """
-    @bands.setter
-    def bands(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def high(self) -> float:
         ...
     @property
-    def margin(self) -> float:
+    def kind(self) -> str:
         """
-        share by which another must cost less than the first to be taken in its place: a number in [0, 1]
+        'lower_bound', 'upper_bound', 'guess' or 'seeds'
         """
-    @margin.setter
-    def margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
-        ...
     @property
-    def materials(self) -> int:
+    def low(self) -> float:
         """
-        that each is tried with, in groups of eight side by side; the mean of the lowest quarter counts: a number in [4, 4096]
+        bounds: of the box; a guess: of its 90 % interval; seeds: of the answers
         """
-    @materials.setter
-    def materials(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
     @property
-    def spreads(self) -> list[float]:
+    def parameter(self) -> str:
         """
-        tried in the place of the mesher's own, the one of the lowest energy is taken; one = that one, untried, none = the mesher's: a number in (0, 1)
+        its name
         """
-    @spreads.setter
-    def spreads(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
-        ...
+    @property
+    def value(self) -> float:
+        """
+        the answer
+        """
 class FitOptions:
     """
     Options of estimate_material.
@@ -5170,22 +5225,6 @@ class FitOptions:
         Name -> value of every option.
         """
     @property
-    def answer_best(self) -> bool:
-        """
-        answer the best sample seen instead of a mean, which averages the noise
-        """
-    @answer_best.setter
-    def answer_best(self, arg0: bool) -> None:
-        ...
-    @property
-    def answer_generations(self) -> int:
-        """
-        answer, of the means of so many last generations, the one of the lowest energy; 1 = the final mean (the paper's): a number of at least 1
-        """
-    @answer_generations.setter
-    def answer_generations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
-        ...
-    @property
     def checkpoint(self) -> pathlib.Path:
         ...
     @checkpoint.setter
@@ -5202,23 +5241,15 @@ class FitOptions:
     @property
     def first_samples(self) -> int:
         """
-        CMA-ES begins with so many ordinary materials, spread evenly over the box and inelastic, and goes on from the best quarter; at least 4, or 0 = around the centre of the box (the paper's): a number in [0, 4096]
+        materials spread evenly over the box that bayesian begins with, three of four inelastic, in groups of 16 a width: a number in [4, 4096]
         """
     @first_samples.setter
     def first_samples(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
         ...
     @property
-    def influence(self) -> bool:
-        """
-        measure at the end what the motion tells about each parameter: 4 n + 12 more evaluations
-        """
-    @influence.setter
-    def influence(self, arg0: bool) -> None:
-        ...
-    @property
     def initial_sigma(self) -> float:
         """
-        of the search where it starts, box units; 0.3 around the centre, where the box is +-1.7 sigma, is the paper's: a number above 0
+        of CMA-ES and annealing where they start, box units: a number above 0
         """
     @initial_sigma.setter
     def initial_sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
@@ -5232,7 +5263,7 @@ class FitOptions:
     @property
     def make_optimizer(self) -> None:
         """
-        make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.
+        make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.
         """
     @make_optimizer.setter
     def make_optimizer(self, arg1: typing.Any) -> None:
@@ -5256,7 +5287,7 @@ class FitOptions:
     @property
     def optimizer(self) -> str:
         """
-        cma-es, or annealing (the paper's comparison): one of 'cma-es', 'annealing'
+        bayesian, cma-es (the paper's), or annealing (the paper's comparison): one of 'bayesian', 'cma-es', 'annealing'
         """
     @optimizer.setter
     def optimizer(self, arg0: str) -> None:
@@ -5272,7 +5303,7 @@ class FitOptions:
     @property
     def population(self) -> int:
         """
-        samples a generation; 0 = 4 + floor(3 ln n), Hansen's: 8 for five parameters, 9 for six: a number of at least 0
+        samples a generation; 0 = 32, of CMA-ES Hansen's 4 + floor(3 ln n): 8 for five parameters, 9 for six: a number of at least 0
         """
     @population.setter
     def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -5296,7 +5327,7 @@ class FitOptions:
     @property
     def seeds(self) -> int:
         """
-        searches from as many seeds, side by side (two of 8 samples fill 16 lanes); the answer is that of the lowest energy: a number of at least 1
+        searches from as many seeds, side by side; the answer is that of the lowest energy: a number of at least 1
         """
     @seeds.setter
     def seeds(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
@@ -5304,10 +5335,18 @@ class FitOptions:
     @property
     def smallest_deviation(self) -> float:
         """
-        stop when all standard deviations are below, box units; 0.025 is the paper's: a number of at least 0
+        CMA-ES stops when all standard deviations are below, box units; 0.025 is the paper's: a number of at least 0
         """
     @smallest_deviation.setter
     def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+        ...
+    @property
+    def smallest_gain(self) -> float:
+        """
+        bayesian stops when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
+        """
+    @smallest_gain.setter
+    def smallest_gain(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
     @property
     def space(self) -> ParameterSpace:
@@ -5320,26 +5359,33 @@ class FitOptions:
     @property
     def stagnation(self) -> float:
         """
-        stop when best and median energy of ten generations changed by less than this share since the ten before; 0 = never: a number of at least 0
+        CMA-ES stops when best and median energy of ten generations changed by less than this share since the ten before; 0 = never: a number of at least 0
         """
     @stagnation.setter
     def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
         ...
-    @property
-    def stop_margin(self) -> float:
-        """
-        stop samples whose energy so far is more than 1 + this times that of the middle of the ranking; 0 = never: a number of at least 0
-        """
-    @stop_margin.setter
-    def stop_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+class Take:
+    """
+    One film of a character: simulators (one a width of its garment), what was captured and seen.
+    """
+    def __init__(self, widths: list, performance: typing.Any, observations: typing.Any, dt: typing.SupportsFloat | typing.SupportsIndex = 0.025) -> None:
         ...
 class FitResult:
     """
     The estimated material of every region.
     """
+    def at_positions(self, positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> FitResult:
+        """
+        The same for a garment whose positions the widths of a take were (see common_widths).
+        """
     def to_dict(self) -> dict:
         """
         Everything as plain values.
+        """
+    @property
+    def chosen_widths(self) -> list[float]:
+        """
+        position of the garment's width, one a region; may be empty
         """
     @property
     def interrupted(self) -> bool:
@@ -5388,10 +5434,6 @@ def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3
     """
     Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.
     """
-def chosen_garment(energies: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], trial: TrialOptions = ...) -> int:
-    """
-    Index of the garment to take for what they cost: the cheapest if it costs less than the first by more than trial.margin.
-    """
 def cloth_segmenter_violations(segmenter: ClothSegmenter) -> list[str]:
     """
     One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.
@@ -5400,9 +5442,17 @@ def cloth_solver_violations(make_solver: typing.Any) -> list[str]:
     """
     One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth falls, pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay finite, wrong input is refused.
     """
+def common_widths(garments: collections.abc.Sequence[Garment], count: typing.SupportsInt | typing.SupportsIndex) -> list[list[float]]:
+    """
+    [garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.
+    """
 def corrected_segmentation(pose: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
     """
     What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.
+    """
+def create_bayesian(dimension: typing.SupportsInt | typing.SupportsIndex, options: BayesianOptions = ...) -> Optimizer:
+    """
+    Bayesian optimisation by Thompson sampling over [0, 1]^dimension: for energies that are expensive and noisy.
     """
 def create_cma_es(dimension: typing.SupportsInt | typing.SupportsIndex, options: CmaEsOptions = ...) -> Optimizer:
     """
@@ -5434,6 +5484,12 @@ def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.Su
     """
     (V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.
     """
+@typing.overload
+def estimate_material(takes: collections.abc.Sequence[Take], options: FitOptions = ..., context: Context = ...) -> ...:
+    """
+    The material, and the width of the garment, under which several takes are explained together -> FitResult.
+    """
+@typing.overload
 def estimate_material(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, options: FitOptions = ..., context: Context = ...) -> FitResult:
     """
     Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes on from options.checkpoint if that is there.
@@ -5482,10 +5538,6 @@ def frame_source_violations(frames: FrameSource) -> list[str]:
     """
     One sentence for each rule that a FrameSource breaks: channels, masks, sizes, the same frame again.
     """
-def garment_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, trial: TrialOptions = ..., energy: EnergyOptions = ..., space: ParameterSpace = ..., context: Context = ...) -> float:
-    """
-    pixels^2: trial_energy() of one garment in one call, summed over its regions. performance: dressed in it.
-    """
 def garment_mesher_violations(mesher: GarmentMesher, actor: RiggedMesh, segmentation: Segmentation) -> list[str]:
     """
     One sentence for each rule that a GarmentMesher breaks on an actor of yours: it fits, the same bits twice, refusals.
@@ -5510,10 +5562,6 @@ def material_energy(simulator: CharacterSimulator, performance: ReferencePerform
     """
     One E_fit a region, pixels^2, of one material a region.
     """
-def measure_influence(objective: Objective, answers: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], context: Context = ...) -> list[Influence]:
-    """
-    answers (parts, n) in [0, 1] -> one Influence a part
-    """
 def mesh_garment(actor: RiggedMesh, segmentation: Segmentation, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
     """
     All cloth of the actor as a mesh of its own, in one call.
@@ -5525,6 +5573,10 @@ def minimise(objective: Objective, options: MinimiseOptions = ..., context: Cont
 def objective_violations(objective: Objective) -> list[str]:
     """
     One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, refusals.
+    """
+def offered(garment: Garment) -> list[Garment]:
+    """
+    The garment in each of the widths that it offers.
     """
 def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
     """
@@ -5549,6 +5601,10 @@ def pose_optimizer_violations(optimizer: PoseOptimizer, problem: PoseProblem) ->
 def pose_surface(actor: RiggedMesh, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], offset: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
     (V, 3) m, skinned positions of the rest pose + offset (V, 3).
+    """
+def posterior_of(samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], noise: typing.SupportsFloat | typing.SupportsIndex = 0.0, levels: typing.SupportsInt | typing.SupportsIndex = 0, draws: typing.SupportsInt | typing.SupportsIndex = 256, seed: typing.SupportsInt | typing.SupportsIndex = 1) -> Posterior:
+    """
+    samples (N, n) in [0, 1], energies (N) -> Posterior of where their minimum is. noise: standard deviation of an energy.
     """
 def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation) -> ProxyStatistics:
     """
@@ -5605,6 +5661,10 @@ def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[nump
 def read_view(frames: FrameSource, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex, extractor: SilhouetteExtractor = None) -> CameraView:
     """
     The image, and the ready mask or, where there is none, the extractor's -> CameraView.
+    """
+def read_widths(path: os.PathLike | str | bytes) -> list[float]:
+    """
+    material.json: position of the garment's width, one a region; empty if it names none.
     """
 def refine_rest_pose(actor: RiggedMesh, performance: ReferencePerformance, rigid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: RestPoseOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
@@ -5694,14 +5754,6 @@ def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | s
     """
     Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
     """
-def trial_energy(objective: MaterialObjective, materials: typing.SupportsInt | typing.SupportsIndex = 64, context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-    """
-    (regions) pixels^2: what a garment costs before its material is known, the mean of the lowest quarter of E_fit over trial_samples().
-    """
-def trial_samples(space: ParameterSpace, count: typing.SupportsInt | typing.SupportsIndex, share: typing.SupportsInt | typing.SupportsIndex = 0) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
-    """
-    (count, n) points of the box, spread evenly, of cloth that does not stretch: the share-th (from 0) count of the sequence.
-    """
 def unposed_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.
@@ -5717,6 +5769,10 @@ def vertex_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
 def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[int]:
     """
     (V) 1 where at least one camera sees the vertex; tolerance in m
+    """
+def worn(garment: Garment, chosen: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> Garment:
+    """
+    The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, in its `rest`.
     """
 def write_actor(path: os.PathLike | str | bytes, actor: RiggedMesh) -> None:
     """
