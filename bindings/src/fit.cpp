@@ -241,6 +241,8 @@ void bind_energy(py::module_ &m) {
 void bind_findings(py::module_ &m) {
   py::class_<FitFinding>(m, "FitFinding", "What is doubtful about a parameter of an answer.")
       .def(py::init([](const std::string &kind, const std::string &parameter, double value, double low, double high) {
+             if (!std::isfinite(value) || !std::isfinite(low) || !std::isfinite(high))
+               throw std::invalid_argument("FitFinding: expected finite numbers, found NaN or infinity");
              return FitFinding{finding_kind(kind), parameter, value, low, high};
            }),
            py::arg("kind"), py::arg("parameter"), py::arg("value"), py::arg("low"), py::arg("high"))

@@ -77,6 +77,14 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
 }
 
 Garment worn(const Garment &garment, const std::vector<double> &chosen) {
+  const Eigen::Index count = garment.mesh.vertices.rows();
+  bool fits = garment.rest.rows() == count && garment.region.size() == count;
+  for (const Vertices &width : garment.widths)
+    fits = fits && width.rows() == count;
+  if (!fits || (count > 0 && (garment.region.minCoeff() < 0 || garment.region.maxCoeff() >= garment.region_count)))
+    throw std::invalid_argument("worn: garment: expected rest, widths and a region below " +
+                                std::to_string(garment.region_count) + " for each of " + std::to_string(count) +
+                                " vertices, found others");
   Garment result = garment;
   result.widths.clear();
   if (garment.widths.empty() || chosen.empty())

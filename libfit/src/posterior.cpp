@@ -123,6 +123,9 @@ Posterior posterior_of(const MatrixRM &samples, const Eigen::VectorXd &energies,
   require(samples.rows() == energies.size() && samples.rows() >= 2 && samples.cols() >= 1,
           "posterior_of: expected as many energies as samples, at least 2, found " + std::to_string(energies.size()) + " and " +
               std::to_string(samples.rows()));
+  require(options.noise >= 0 && std::isfinite(options.noise) && options.levels >= 0 && options.levels <= 1000 &&
+              options.draws >= 1 && options.draws <= 100000,
+          "posterior_of: options: expected a finite noise of at least 0, 0 to 1000 levels and 1 to 100000 draws, found others");
   require(samples.allFinite() && energies.allFinite(), "posterior_of: expected finite numbers, found NaN or infinity");
   const auto [points, values] = lowest(samples, energies);
   const EnergyScale scale = fit::scale_of(values);

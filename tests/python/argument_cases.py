@@ -173,6 +173,7 @@ def calls(world, folder) -> dict:
         ),
         "FitFinding": (d.FitFinding, {"kind": "guess", "parameter": "d_n", "value": 1.0, "low": 0.0, "high": 2.0}),
         "worn": (d.worn, {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)}),
+        "offered": (d.offered, {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)}),
         "ParameterSpace.material": (d.ParameterSpace().material, {"unit": np.full(len(d.ParameterSpace().names), 0.5)}),
         "Optimizer.tell": (cma.tell, {"samples": np.array(cma.ask()), "energies": np.ones(4)}),
         "create_cma_es": (d.create_cma_es, {"dimension": 2}),
@@ -278,7 +279,7 @@ ELSEWHERE = {
     "find_body_marks", "require_scanned", "surface_refiner_violations",
     "limb_search_violations", "performance_capture_violations", "cloth_solver_violations",
     "optimizer_violations", "objective_violations",
-    "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
+    "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh", "read_widths", "common_widths",
     "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 

@@ -44,7 +44,7 @@ MAY = (
     ("body_regions|fit_proxies|proxy_statistics", "actor|segmentation", "(weights|sigma|region|fullness|rest) .*"),  # not used
     ("CharacterRenderer.*", "surface", ".*"),  # `high` is drawn
     ("CharacterRenderer.meshes|DisplaySurface.sample|CharacterSimulator.surface", ".*", "nan|-?inf|a column less"),  # pass on
-    ("dress.*|summarise_garment|write_garment", "garment", ".*"),  # one without faces: the rest does not count
+    ("dress.*|summarise_garment|write_garment|offered", "garment", ".*"),  # one without faces: the rest does not count
     ("rig_template", "surface", "high.*"),  # is not rigged
     ("texture_character|sample_colours", "images|masks", "first: empty"),  # that camera has none
     ("scan_from_views", "masks", "first: empty"),  # likewise: it takes no part
@@ -52,7 +52,8 @@ MAY = (
     ("orbit_camera", "azimuth|elevation", "-1"),
     ("RayScene.cast|FeatureTracker.match|visible_vertices", "min_distance|reach|tolerance", "-1|inf"),
     ("SourceMotion", "joint_parents", "first: -1"),  # as it was
-    ("chosen_garment", "energies", "shorter|longer"),  # of any number of garments
+    ("worn", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|covers|mesh vertices) .*"),  # handed on
+    ("FitFinding", "value|low|high", "-1"),
 )  # fmt: skip
 
 

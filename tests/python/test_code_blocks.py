@@ -224,11 +224,10 @@ PROLOGUES = {
         ],
     ),
     "garment.md": (
-        f"{VALUES} doublet/segment/garment_mesher.h doublet/simulate/character_simulator.h",
+        f"{VALUES} doublet/segment/garment_mesher.h doublet/fit/material_estimator.h",
         [
             STAGES,
-            "const doublet::CharacterSimulator &simulator, const doublet::ReferencePerformance &captured, "
-            "const doublet::Observations &observations, const std::vector<doublet::Garment> &garments",
+            "const doublet::Garment &garment, const doublet::FitResult &fit",
             "",
         ],
     ),

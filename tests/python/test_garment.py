@@ -113,7 +113,7 @@ def test_widths_are_offered_worn_and_read_back(skirt, tmp_path):
     (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 0}]}))
     job.forget_garment()
     assert area_of(job.garment) == pytest.approx(areas[0], rel=1e-4) and not job.garment.widths
-    with pytest.raises(ValueError, match="expected a width below 3, found 3"):
+    with pytest.raises(ValueError, match="expected a width between 0 and 2, found 3"):
         d.worn(job.offered_garment, [3])
     with pytest.raises(ValueError, match="one width for each of 1 regions, found 2"):
         d.worn(job.offered_garment, [0, 0])

@@ -279,7 +279,7 @@ def plain_fit(result: d.FitResult) -> dict:
                 "stop_reason": region["stop_reason"],
             }
         )
-    return {"regions": regions, "seconds": values["seconds"]}
+    return {"regions": regions}
 
 
 def energy(job: dict) -> list[float]:

@@ -25,7 +25,8 @@ struct PosteriorOptions {
   std::uint64_t seed = 1;
 };
 
-/// samples (N, n) in [0, 1], energies (N), N >= 2. Throws std::invalid_argument for other sizes, or if they are not finite.
+/// samples (N, n) in [0, 1], energies (N), N >= 2. Throws std::invalid_argument for other sizes, numbers that are not finite, or
+/// options beyond [0, 1000] levels and [1, 100000] draws.
 Posterior posterior_of(const MatrixRM &samples, const Eigen::VectorXd &energies, const PosteriorOptions &options = {});
 
 } // namespace doublet
