@@ -3,9 +3,9 @@
 python benchmarks/search_reliability.py OUT... [--seeds 20] [--workers 2 | --dask ADDRESS] [--work DIR]
 python benchmarks/search_reliability.py OUT --films 40 [--seeds 1] ...
 
-The first searches every OUT (a reconstruction up to stage 'garment') from each seed: how many end within 5 % of the lowest energy
-known, how far the answers spread in units of the interval that they state, evaluations and seconds. An energy is the mean of eight
-simulations that differ by chaos alone.
+The first searches every OUT (a reconstruction up to stage 'garment') from each seed: how many end within 5 % of the lowest
+energy known, how far the answers spread in units of the interval that they state, evaluations and seconds. An energy is the mean
+of eight simulations that differ by chaos alone.
 
 The second films the character of OUT in that many materials, so that the truth is known: the six of the paper's Table 1, ten from
 the corners and edges of the box, the others anywhere in it (of cloth: k_stretch above 0.99); and prints in how many of them the

@@ -273,13 +273,14 @@ def calls(world, folder) -> dict:
 
 #: Functions without arrays, or whose damaged input is a file (tests/fuzz) or an object of ours.
 ELSEWHERE = {
+    "common_widths", "read_widths",
     "minimise", "explain_match", "retarget", "session_silhouettes", "train_body_model", "write_materials",
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
     "find_body_marks", "require_scanned", "surface_refiner_violations",
     "limb_search_violations", "performance_capture_violations", "cloth_solver_violations",
     "optimizer_violations", "objective_violations",
-    "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh", "read_widths", "common_widths",
+    "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
     "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 
