@@ -28,7 +28,7 @@ constexpr int kFirstSteps = 60, kSteps = 15; // of the search for the process' p
 constexpr std::size_t kSettled = 4;          // generations in which nothing was found
 
 /// Functions drawn from the process at points, of which the first is the answer.
-struct Look {
+struct FunctionDraws {
   MatrixRM points;        // (M, n)
   Eigen::MatrixXd values; // (M, kDraws)
   Eigen::Index lowest(Eigen::Index draw) const {
@@ -53,10 +53,10 @@ public:
   MatrixRM ask() override {
     if (generation_ == 0)
       return options_.first;
-    if (!look_)
-      look_ = look();
-    const MatrixRM samples = picked(*look_);
-    look_.reset(); // asked again: another draw
+    if (!draws_)
+      draws_ = draw_functions();
+    const MatrixRM samples = picked(*draws_);
+    draws_.reset(); // asked again: another draw
     return samples;
   }
 
@@ -148,32 +148,32 @@ private:
     const EnergyScale scale = fit::scale_of(energies_);
     process_.emplace(samples_, scale.shown(energies_), logs_, steps);
     logs_ = process_->logs();
-    look_ = look();
-    answer_ = look_->points.row(0).transpose();
+    draws_ = draw_functions();
+    answer_ = draws_->points.row(0).transpose();
     answer_energy_ = scale.energy(process_->mean(MatrixRM(answer_.transpose()))[0]);
     MatrixRM minima(kDraws, n_);
     for (Eigen::Index d = 0; d < kDraws; ++d)
-      minima.row(d) = look_->points.row(look_->lowest(d));
+      minima.row(d) = draws_->points.row(draws_->lowest(d));
     const Eigen::RowVectorXd centre = minima.colwise().mean();
     deviations_ = (minima.rowwise() - centre).array().square().colwise().mean().sqrt().transpose();
   }
 
-  Look look() {
+  FunctionDraws draw_functions() {
     const MatrixRM around = candidates();
-    Look look;
-    look.points.resize(around.rows() + 1, n_);
-    look.points << lowest_mean(around).transpose(), around;
+    FunctionDraws drawn;
+    drawn.points.resize(around.rows() + 1, n_);
+    drawn.points << lowest_mean(around).transpose(), around;
     Eigen::VectorXd mean;
     Eigen::MatrixXd covariance;
-    process_->posterior(look.points, mean, covariance);
+    process_->posterior(drawn.points, mean, covariance);
     Eigen::MatrixXd normal(mean.size(), kDraws);
     for (Eigen::Index d = 0; d < kDraws; ++d)
       for (Eigen::Index i = 0; i < mean.size(); ++i)
         normal(i, d) = random_.normal();
     covariance.diagonal().array() += 1e-6 * covariance.diagonal().maxCoeff() + 1e-12; // of points that nearly coincide
     const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-    look.values = (factor.matrixL() * normal).colwise() + mean;
-    return look;
+    drawn.values = (factor.matrixL() * normal).colwise() + mean;
+    return drawn;
   }
 
   /// Most around the lowest samples, at all distances, along some of the axes: often on the faces of the box, where minima are.
@@ -242,7 +242,7 @@ private:
   }
 
   /// The next generation: the minima of functions drawn, no two alike.
-  MatrixRM picked(const Look &look) {
+  MatrixRM picked(const FunctionDraws &drawn) {
     std::vector<Eigen::Index> rows;
     std::set<Eigen::Index> taken;
     const auto take = [&](Eigen::Index row) {
@@ -252,33 +252,34 @@ private:
     const int groups = options_.levels > 1 ? std::max(1, options_.population / kGroup) : 1;
     for (int group = 0; group < groups; ++group) {
       const auto size = static_cast<std::size_t>(options_.population * (group + 1) / groups);
-      const double level = options_.levels > 1 ? level_of_group(look, group, groups) : -1;
-      for (Eigen::Index depth = 0; rows.size() < size && depth < look.points.rows(); ++depth)
+      const double level = options_.levels > 1 ? level_of_group(drawn, group, groups) : -1;
+      for (Eigen::Index depth = 0; rows.size() < size && depth < drawn.points.rows(); ++depth)
         for (Eigen::Index d = 0; rows.size() < size && d < kDraws; ++d)
-          if (const Eigen::Index row = lowest_free(look, d, level, taken); row >= 0)
+          if (const Eigen::Index row = lowest_free(drawn, d, level, taken); row >= 0)
             take(row);
     }
     MatrixRM samples(static_cast<Eigen::Index>(rows.size()), n_);
     for (std::size_t i = 0; i < rows.size(); ++i)
-      samples.row(static_cast<Eigen::Index>(i)) = look.points.row(rows[i]);
+      samples.row(static_cast<Eigen::Index>(i)) = drawn.points.row(rows[i]);
     return samples;
   }
 
   /// Levels have groups in proportion to how many of the draws are lowest there.
-  double level_of_group(const Look &look, int group, int groups) const {
+  double level_of_group(const FunctionDraws &drawn, int group, int groups) const {
     std::vector<double> levels;
     for (Eigen::Index d = 0; d < kDraws; ++d)
-      levels.push_back(look.points(look.lowest(d), n_ - 1));
+      levels.push_back(drawn.points(drawn.lowest(d), n_ - 1));
     std::sort(levels.begin(), levels.end());
     return levels[static_cast<std::size_t>((group + 0.5) / groups * static_cast<double>(levels.size()))];
   }
 
   /// The lowest point of a draw that is not taken, of those at the level if it is not negative; -1 if there is none.
-  Eigen::Index lowest_free(const Look &look, Eigen::Index draw, double level, const std::set<Eigen::Index> &taken) const {
+  Eigen::Index lowest_free(const FunctionDraws &drawn, Eigen::Index draw, double level,
+                           const std::set<Eigen::Index> &taken) const {
     Eigen::Index best = -1;
-    for (Eigen::Index i = 0; i < look.points.rows(); ++i)
-      if ((level < 0 || look.points(i, n_ - 1) == level) && !taken.count(i) &&
-          (best < 0 || look.values(i, draw) < look.values(best, draw)))
+    for (Eigen::Index i = 0; i < drawn.points.rows(); ++i)
+      if ((level < 0 || drawn.points(i, n_ - 1) == level) && !taken.count(i) &&
+          (best < 0 || drawn.values(i, draw) < drawn.values(best, draw)))
         best = i;
     return best;
   }
@@ -291,7 +292,7 @@ private:
   Eigen::VectorXd energies_, logs_, answer_, deviations_;
   std::vector<double> answers_; // what the process says that they cost, after every generation
   std::optional<GaussianProcess> process_;
-  std::optional<Look> look_;
+  std::optional<FunctionDraws> draws_;
   double answer_energy_ = 0;
   int generation_ = 0;
 };

@@ -37,10 +37,11 @@ def fit():
     )
     started = []
 
-    def start(out, *more, **options):
-        if not (out / "run.json").exists():
-            (out / "run.json").write_text(json.dumps({"session": "session", "stages": {}}))
-        command = [sys.executable, "-c", program, "fit", str(out), *OPTIONS, *more]
+    def start(out, *more, takes=(), **options):
+        for folder in (out, *takes):
+            if not (folder / "run.json").exists():
+                (folder / "run.json").write_text(json.dumps({"session": "session", "stages": {}}))
+        command = [sys.executable, "-c", program, "fit", str(out), *map(str, takes), *OPTIONS, *more]
         started.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True, **options))
         return started[-1]
 
@@ -129,6 +130,23 @@ def test_a_larger_budget_goes_on_to_the_bits_of_one_search(fit, out, bell, tmp_p
     assert fitted(out)["regions"][0]["evaluations"] == 56
     finished(fit(out, "--force"))  # and a forced one begins again
     assert (out / "log.txt").read_text().count("resuming") == 1
+
+
+def test_two_takes_have_one_material_and_the_sum_of_their_energies(fit, out, bell, tmp_path):
+    other, alone = tmp_path / "other", tmp_path / "alone"
+    for folder in (other, alone):
+        shutil.copytree(bell, folder)
+    finished(fit(out, takes=[other]))
+    both = fitted(out)
+    assert both == fitted(other) and log_without_seconds(out) == log_without_seconds(other)
+    record = json.loads((other / "run.json").read_text())["stages"]["fit"]
+    assert record["state"] == "done" and record["options"]["takes"] == [str(out), str(other)]
+    finished(fit(alone))  # the takes are one and the same here: twice the energy, the same minimum
+    one, two = fitted(alone)["regions"][0], both["regions"][0]
+    assert two["energy_at_centre"] == pytest.approx(2 * one["energy_at_centre"])
+    assert two["parameters"] == pytest.approx(one["parameters"], abs=0.05)
+    _, shown = fit(out, "--session", "elsewhere", takes=[other]).communicate(timeout=60)
+    assert "expected a single OUT beside it" in shown and "Traceback" not in shown
 
 
 def test_a_damaged_checkpoint_is_named(fit, out):
