@@ -388,10 +388,9 @@ def build_parser() -> argparse.ArgumentParser:
             command.add_argument("-o", "--out", type=Path, required=True, metavar="OUT", help="folder of the results")
         else:
             command.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far")
-        if name == "fit":
-            text = "more takes of the same garment: one material and one width are found that explain all of them together"
-            command.add_argument("takes", type=Path, nargs="*", metavar="OUT", help=text)
-        if name not in ("check", "template", "capture"):
+            if name == "fit":
+                more = "more takes of the same garment: one material and one width are found that explain all of them together"
+                command.add_argument("takes", type=Path, nargs="*", metavar="OUT", help=more)
             command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
         used = {group for stage in pipeline.STAGES if stage.name in stages for group in stage.groups}
         groups = {group: c for group, c in pipeline.OPTION_GROUPS.items() if group in used}
