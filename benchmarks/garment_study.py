@@ -46,7 +46,7 @@ def main() -> None:
         chosen = {"spreads": [0.25], arguments.option: [value] if arguments.option == "spreads" else value}
         options = d.GarmentOptions(**{**job.options["garment"].to_dict(), **chosen})
         body, captured = d.read_body(job.path("body.npz")).body, job.performance().surface
-        job.garment = d.GarmentMesher.create(options).mesh(job.actor, job.segmentation(), body, captured, context)
+        job.offered_garment = d.GarmentMesher.create(options).mesh(job.actor, job.segmentation(), body, captured, context)
         simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()
         observations = d.read_observations(job.path("observations.npz"))
         objective = d.MaterialObjective(simulator, performance, observations, energy, space)

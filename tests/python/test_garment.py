@@ -113,6 +113,9 @@ def test_widths_are_offered_worn_and_read_back(skirt, tmp_path):
     (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 0}]}))
     job.forget_garment()
     assert area_of(job.garment) == pytest.approx(areas[0], rel=1e-4) and not job.garment.widths
+    (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 3}]}))  # of a garment with more widths
+    job.forget_garment()
+    assert len(job.dressed_performance().surface.frames) == 4  # what the next search needs
     with pytest.raises(ValueError, match="expected a width between 0 and 2, found 3"):
         d.worn(job.offered_garment, [3])
     with pytest.raises(ValueError, match="one width for each of 1 regions, found 2"):

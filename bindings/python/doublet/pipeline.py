@@ -160,7 +160,8 @@ class Job:
         return d.dress(self.actor, self.segmentation(), self.garment)
 
     def dressed_performance(self) -> d.ReferencePerformance:
-        return d.dress(self.performance(), self.actor, self.garment)
+        """Whatever the width: it is on the garment's mesh, which is that of all."""
+        return d.dress(self.performance(), self.actor, self.offered_garment)
 
     def simulator(self, dressed: d.DressedActor | None = None) -> d.CharacterSimulator:
         """Of the dressed actor, that of garment.npz unless another is given: goes with the dressed performance."""
