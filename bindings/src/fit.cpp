@@ -76,10 +76,7 @@ void bind_optimizers(py::module_ &m) {
       .def("save", &Optimizer::save, Release(), "The exact state as text; empty = cannot be saved.")
       .def("restore", &Optimizer::restore, py::arg("state"), Release(),
            "Goes on where the saved optimiser stood, to the same bits.");
-  OptionsClass<CmaEsOptions>(m, "Options of create_cma_es.")
-      .get()
-      .def_readwrite("first", &CmaEsOptions::first,
-                     "(K, n) samples of the first generation, from whose best quarter the search goes on; empty = drawn");
+  OptionsClass<CmaEsOptions>(m, "Options of create_cma_es.");
   OptionsClass<AnnealingOptions>(m, "Options of create_simulated_annealing.");
   OptionsClass<BayesianOptions>(m, "Options of create_bayesian.")
       .get()

@@ -245,18 +245,16 @@ private:
   MatrixRM picked(const FunctionDraws &drawn) {
     std::vector<Eigen::Index> rows;
     std::set<Eigen::Index> taken;
-    const auto take = [&](Eigen::Index row) {
-      if (taken.insert(row).second)
-        rows.push_back(row);
-    };
     const int groups = options_.levels > 1 ? std::max(1, options_.population / kGroup) : 1;
     for (int group = 0; group < groups; ++group) {
       const auto size = static_cast<std::size_t>(options_.population * (group + 1) / groups);
       const double level = options_.levels > 1 ? level_of_group(drawn, group, groups) : -1;
       for (Eigen::Index depth = 0; rows.size() < size && depth < drawn.points.rows(); ++depth)
         for (Eigen::Index d = 0; rows.size() < size && d < kDraws; ++d)
-          if (const Eigen::Index row = lowest_free(drawn, d, level, taken); row >= 0)
-            take(row);
+          if (const Eigen::Index row = lowest_free(drawn, d, level, taken); row >= 0) {
+            taken.insert(row);
+            rows.push_back(row);
+          }
     }
     MatrixRM samples(static_cast<Eigen::Index>(rows.size()), n_);
     for (std::size_t i = 0; i < rows.size(); ++i)

@@ -57,8 +57,6 @@ public:
   }
 
   MatrixRM ask() override {
-    if (given())
-      return options_.first;
     MatrixRM samples(strategy_.lambda, n_);
     Eigen::VectorXd z(n_);
     for (int k = 0; k < strategy_.lambda; ++k) {
@@ -71,7 +69,6 @@ public:
 
   void tell(const MatrixRM &samples, const Eigen::VectorXd &energies) override {
     check_told(samples, energies, n_, strategy_.mu);
-    const bool begins = given();
     std::vector<int> order(static_cast<std::size_t>(energies.size()));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return energies[a] < energies[b]; });
@@ -83,10 +80,7 @@ public:
     ++generation_;
     remember(bests_, energies[order[0]]);
     remember(medians_, energies[order[order.size() / 2]]);
-    if (begins)
-      mean_ = weighted_mean(samples, order);
-    else
-      update(samples, order);
+    update(samples, order);
     decompose();
   }
 
@@ -145,19 +139,6 @@ public:
   }
 
 private:
-  /// Is the next generation the one that was given?
-  bool given() const { return generation_ == 0 && options_.first.rows() > 0; }
-
-  /// Of the best quarter, with the weights of the method. The shape of the search follows from later generations.
-  Eigen::VectorXd weighted_mean(const MatrixRM &samples, const std::vector<int> &order) const {
-    const int count = static_cast<int>(order.size()) / 4;
-    const Eigen::VectorXd weights = falling_weights(count, 2 * count);
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(n_);
-    for (int i = 0; i < count; ++i)
-      mean += weights[i] * samples.row(order[i]).transpose();
-    return mean;
-  }
-
   Eigen::VectorXd deviations() const { return sigma_ * covariance_.diagonal().cwiseSqrt(); }
 
   std::string reason() const {
@@ -239,9 +220,6 @@ void Optimizer::restore(const std::string &) {
 
 void CmaEsOptions::validate() const {
   options::check(*this);
-  require(first.size() == 0 || (first.rows() >= 4 && first.allFinite()),
-          "CmaEsOptions: first: expected no samples, or at least 4 finite ones, found " + std::to_string(first.rows()) +
-              (first.allFinite() ? "" : " with NaN or infinity"));
   require(population == 0 || population >= 4,
           "CmaEsOptions: population: expected 0 or at least 4, found " + std::to_string(population));
 }
@@ -249,9 +227,6 @@ void CmaEsOptions::validate() const {
 std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &options) {
   require_dimension(dimension, "create_cma_es");
   options.validate();
-  require(options.first.size() == 0 || options.first.cols() == dimension, "create_cma_es: first: expected " +
-                                                                              std::to_string(dimension) + " columns, found " +
-                                                                              std::to_string(options.first.cols()));
   return std::make_unique<CmaEs>(dimension, options);
 }
 

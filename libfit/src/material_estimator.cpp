@@ -36,17 +36,20 @@ struct Searched {
   int width(const Eigen::VectorXd &unit) const { return widths > 1 ? width_index(unit[space.size()], widths) : -1; }
 };
 
-/// (count, n) spread evenly over the box; three of four do not stretch, as hardly any cloth does, and groups share a width.
+/// (count, n) spread evenly over the box; three of four do not stretch, as hardly any cloth does, and groups share a width, from
+/// the widest to the narrowest.
 /// `share`: which `count` of the sequence, so that searches side by side begin with different ones.
 MatrixRM first_samples(const Searched &searched, int count, int share) {
   MatrixRM samples = even_points(count, searched.size(), share * count);
   const auto &names = searched.space.names;
   const auto stretch = std::find(names.begin(), names.end(), "k_stretch") - names.begin();
+  const double last_group = std::max<double>(1, (count - 1) / kGroup);
   for (Eigen::Index s = 0; s < count; ++s) {
     if (stretch < searched.space.size() && s % 4 != 3)
       samples(s, stretch) = 1;
     if (searched.widths > 1)
-      samples(s, searched.space.size()) = static_cast<double>(s / kGroup % searched.widths) / (searched.widths - 1);
+      samples(s, searched.space.size()) =
+          static_cast<double>(width_index(static_cast<double>(s / kGroup) / last_group, searched.widths)) / (searched.widths - 1);
   }
   return samples;
 }

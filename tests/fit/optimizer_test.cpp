@@ -103,27 +103,6 @@ TEST(CmaEs, FirstGenerationIsTheInitialDistribution) {
   }
 }
 
-/// 8 samples of which the first two are the best quarter: weights ln 2.5 and ln 2.5 - ln 2, as of the best 2 of 4.
-TEST(CmaEs, GoesOnFromTheBestQuarterOfAGivenFirstGeneration) {
-  CmaEsOptions options = unlimited(3);
-  options.initial_sigma = 0.15;
-  options.first = MatrixRM::Constant(8, 3, 0.9);
-  options.first.row(0) << 0.1, 0.2, 0.3;
-  options.first.row(1) << 0.4, 0.2, 0.6;
-  const auto optimizer = create_cma_es(3, options);
-  ASSERT_EQ(optimizer->ask(), options.first);
-  Eigen::VectorXd energies = Eigen::VectorXd::LinSpaced(8, 1, 8);
-  optimizer->tell(options.first, energies);
-  const double a = std::log(2.5), b = std::log(1.25), share = a / (a + b);
-  const OptimizerResult now = optimizer->result();
-  EXPECT_TRUE(now.answer.isApprox(Eigen::Vector3d(0.4 - 0.3 * share, 0.2, 0.6 - 0.3 * share), 1e-12)) << now.answer.transpose();
-  EXPECT_EQ(now.deviations, Eigen::VectorXd::Constant(3, 0.15)); // the shape follows from what is drawn
-  EXPECT_EQ(now.evaluations, 8);
-  const MatrixRM second = optimizer->ask();
-  EXPECT_EQ(second.rows(), 4 + 3); // Hansen's
-  EXPECT_LT((second.rowwise() - now.answer.transpose()).cwiseAbs().maxCoeff(), 4 * 0.15);
-}
-
 TEST(CmaEs, StopsAtTheEvaluationsAndAtTheDeviation) {
   const auto budget = create_cma_es(5);
   while (!budget->stop())
@@ -237,14 +216,14 @@ TEST(Options, AreChecked) {
   cma.initial_sigma = 0;
   EXPECT_THROW(create_cma_es(5, cma), std::invalid_argument);
   EXPECT_THROW(create_cma_es(0), std::invalid_argument);
-  cma = {};
-  cma.first = MatrixRM::Constant(3, 5, 0.5);
-  EXPECT_THROW(cma.validate(), std::invalid_argument);
-  cma.first = MatrixRM::Constant(4, 5, 0.5);
-  EXPECT_NO_THROW(create_cma_es(5, cma));
-  EXPECT_THROW(create_cma_es(6, cma), std::invalid_argument);
-  cma.first(2, 1) = std::nan("");
-  EXPECT_THROW(cma.validate(), std::invalid_argument);
+  BayesianOptions bayesian;
+  bayesian.first = MatrixRM::Constant(3, 5, 0.5);
+  EXPECT_THROW(bayesian.validate(), std::invalid_argument);
+  bayesian.first = MatrixRM::Constant(4, 5, 0.5);
+  EXPECT_NO_THROW(create_bayesian(5, bayesian));
+  EXPECT_THROW(create_bayesian(6, bayesian), std::invalid_argument);
+  bayesian.first(2, 1) = std::nan("");
+  EXPECT_THROW(bayesian.validate(), std::invalid_argument);
   AnnealingOptions annealing;
   annealing.chains = 0;
   EXPECT_THROW(create_simulated_annealing(5, annealing), std::invalid_argument);

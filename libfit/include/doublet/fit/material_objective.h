@@ -15,7 +15,9 @@ namespace doublet {
 struct EnergyOptions {
   double dt = 1.0 / 40.0;
   double alpha = 1.0;
-  double beta = 3.0;
+  /// Small, for folds are chaotic: where the simulation has a fold that the film has elsewhere, its features move the wrong way
+  /// twice, where it has none, once. A large beta makes cloth too stiff to fold.
+  double beta = 1.0;
   /// Mean squared distance, at most rim_cap, from the measured contour that is the outline of the captured cloth to the outline
   /// of the simulated cloth. E_sil asks whether every simulated rim is seen, this whether every seen rim is simulated.
   double gamma = 1.0;
@@ -42,7 +44,7 @@ struct EnergyOptions {
         option(&O::dt, "dt", above(0), "s", "one video frame"),
         option(&O::alpha, "alpha", at_least(0), "", "weight of E_sil (1 is the paper's)"),
         option(&O::beta, "beta", at_least(0), "",
-               "weight of E_sift (10 is the paper's); with 3 the energy tells the distance to a true garment better"),
+               "weight of E_sift (10 is the paper's); more prefers cloth that is too stiff to fold over folds in other places"),
         option(&O::gamma, "gamma", at_least(0), "",
                "weight of E_con, the measured contour that no simulated rim comes near; 1 = as rims that are not seen, 0 = the "
                "paper's"),

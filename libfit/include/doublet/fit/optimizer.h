@@ -53,7 +53,6 @@ struct CmaEsOptions {
   /// 359, 0.1 % higher.
   double stagnation = 0.02;
   std::uint64_t seed = 1;
-  MatrixRM first;
   static constexpr auto describe() {
     using namespace options;
     using O = CmaEsOptions;
@@ -70,10 +69,6 @@ struct CmaEsOptions {
         option(&O::stagnation, "stagnation", at_least(0), "",
                "stop when neither best nor median energies of the generations change by more than this share; 0 = never"),
         option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
-        no_option(
-            &O::first, "first",
-            "(K, n), K >= 4: the first generation, such as points spread evenly; the search goes on from the weighted mean of "
-            "their best quarter. Empty = drawn around initial_mean like every other"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value

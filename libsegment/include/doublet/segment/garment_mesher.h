@@ -19,7 +19,7 @@ struct GarmentOptions {
   /// Cloth hardly stretches, but folds: an edge is as long as the video shows it in this share of the time. How much of that is
   /// noise of the tracking, and how much of the motion the garment is spread out, differs from film to film, so that rest shapes
   /// of several shares are offered; the material search chooses the one that moves as filmed.
-  std::vector<double> spreads = {0.15, 0.25, 0.35, 0.5};
+  std::vector<double> spreads = {0.1, 0.15, 0.2, 0.3, 0.45};
   double band = 0.0;
   static constexpr auto describe() {
     using namespace options;
