@@ -8,7 +8,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import picture
+from doublet.common import drawing as picture
 from PIL import Image
 
 FRAME = 1 / 40  # s

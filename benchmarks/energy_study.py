@@ -10,8 +10,9 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, pipeline
-from doublet.console import Console
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.reconstruct import stages as pipeline
 from sect7.reconstructions import random_materials
 
 #: Of the energy: the paper's form, in which a miss is free; nothing free; the same with features weighted less, the default.

@@ -11,7 +11,8 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, pipeline
+from doublet.evaluation import metrics as evaluate
+from doublet.reconstruct import stages as pipeline
 
 
 def dressed_faces(job: pipeline.Job) -> tuple[np.ndarray, np.ndarray]:

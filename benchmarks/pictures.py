@@ -19,9 +19,11 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, picture, pipeline
-from doublet.character import bake_first_frame
-from doublet.console import Console
+from doublet.common import drawing as picture
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.reconstruct import stages as pipeline
+from doublet.reconstruct.character import bake_first_frame
 from PIL import Image
 
 HEIGHT = 720  # px, of a panel

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet.appearance import camera_views
-from doublet.evaluate import Truth
-from doublet.pipeline import Job
+from doublet.evaluation.metrics import Truth
+from doublet.reconstruct.stages import Job
+from doublet.session.first_frame import camera_views
 from PIL import Image
 
 OFF = 12  # in a, b of Lab

@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 import doublet as d
-from doublet import pipeline
 from doublet.cli import shown
-from doublet.pipeline import plain
+from doublet.reconstruct import stages as pipeline
+from doublet.reconstruct.stages import plain
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTALL)

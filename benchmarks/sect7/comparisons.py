@@ -4,9 +4,11 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, pipeline, study
-from doublet.character import exact_motion
-from doublet.console import Console
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.evaluation import study
+from doublet.export.animate import exact_motion
+from doublet.reconstruct import stages as pipeline
 from filmed import Filming, filmed
 from reconstructions import (
     NAMES,

@@ -1,5 +1,5 @@
 """Sect. 7, the artificial data set: a reconstructed character is given a material, animated on its own motion and filmed.
-What an estimation needs of it lies in a folder of its own, a reconstruction for `doublet.study`."""
+What an estimation needs of it lies in a folder of its own, a reconstruction for `doublet.evaluation.study`."""
 
 import hashlib
 import json
@@ -9,11 +9,12 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import pipeline, study
-from doublet.console import Console
-from doublet.files import hash_files, write_json
-from doublet.motions import read_motion
-from doublet.synthesize import Surfaces, SynthesisOptions, synthesize
+from doublet.common.console import Console
+from doublet.common.files import hash_files, write_json
+from doublet.evaluation import study
+from doublet.evaluation.synthesize import Surfaces, SynthesisOptions, synthesize
+from doublet.export.clips import read_motion
+from doublet.reconstruct import stages as pipeline
 from reconstructions import plain_job
 
 MARKS = 1500  # points on the surface that perfect observations follow

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import pipeline, study
-from doublet.run_record import RunRecord
+from doublet.evaluation import study
+from doublet.reconstruct import stages as pipeline
+from doublet.reconstruct.run_record import RunRecord
 
 NAMES = ("d_n", "d_t", "k_bend", "k_stretch", "k_friction")  # in the paper's order
 #: Table 1. Its column "d_t (x 10^3)" is read as it stands, see docs/results.md.

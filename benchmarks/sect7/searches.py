@@ -8,8 +8,10 @@ from pathlib import Path
 import doublet as d
 import matplotlib
 import numpy as np
-from doublet import evaluate, pipeline, study
-from doublet.console import Console
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.evaluation import study
+from doublet.reconstruct import stages as pipeline
 from reconstructions import NAMES, energies, energy_job, estimate, markdown, plain_job, run, simulate
 
 matplotlib.use("Agg")

@@ -12,8 +12,9 @@ import doublet as d
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet import pipeline, segmentation_paint
-from doublet.console import Console
+from doublet.common.console import Console
+from doublet.corrections import segmentation_paint
+from doublet.reconstruct import stages as pipeline
 
 pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.by import By  # noqa: E402

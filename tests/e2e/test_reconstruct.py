@@ -17,7 +17,7 @@ import nbformat
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet import pipeline
+from doublet.reconstruct import stages as pipeline
 from nbclient import NotebookClient
 from PIL import Image
 

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import doublet as d
 import pytest
-from doublet import cli, config, pipeline
-from doublet.pipeline import plain
+from doublet.cli import program as cli
+from doublet.reconstruct import config
+from doublet.reconstruct import stages as pipeline
+from doublet.reconstruct.stages import plain
 from test_options import FLAGS, GROUPS, another
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))

@@ -11,12 +11,12 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import cli
-from doublet.console import Console
-from doublet.files import write_json, written_atomically
-from doublet.usd import usd_modules, write_usdc
-from doublet.video import VideoWriter
-from doublet.view import FILES, write_view
+from doublet.cli import program as cli
+from doublet.common.console import Console
+from doublet.common.files import write_json, written_atomically
+from doublet.common.video import VideoWriter
+from doublet.export.usd import usd_modules, write_usdc
+from doublet.pages.view import FILES, write_view
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from children import outcomes  # noqa: E402

@@ -5,7 +5,8 @@ import json
 import doublet as d
 import numpy as np
 import pytest
-from doublet import pipeline, report
+from doublet.pages import report
+from doublet.reconstruct import stages as pipeline
 
 SAID = d.Context()
 

@@ -3,8 +3,8 @@
 import doublet as d
 import numpy as np
 import pytest
-from doublet import given_scan
 from doublet.cli import main
+from doublet.scan import alignment as given_scan
 from test_scan import FAST, Person, model, write_session  # noqa: F401
 
 PLACES = [("mm", "+z", True, 2.1), ("m", "-y", False, 0.4), ("inches", "+x", True, 4.9), ("cm", "+y", False, 3.0)]

@@ -8,8 +8,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import cli, pipeline
-from doublet.pipeline import plain
+from doublet.cli import program as cli
+from doublet.reconstruct import stages as pipeline
+from doublet.reconstruct.stages import plain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World  # noqa: E402

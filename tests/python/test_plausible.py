@@ -1,7 +1,7 @@
 """What the numbers of a stage say about its result."""
 
 import pytest
-from doublet.plausible import LIMITS, findings
+from doublet.common.quality_checks import LIMITS, findings
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import _doublet, pipeline
-from doublet.fit_page import sections
+from doublet import _doublet
+from doublet.pages.fit_page import sections
+from doublet.reconstruct import stages as pipeline
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "tests" / "fuzz"))
@@ -136,7 +137,7 @@ def test_a_video_may_lie_elsewhere(world, tmp_path):
 
 ENDLESS = """
 import sys, time
-from doublet import cli
+from doublet.cli import program as cli
 cli.run_stages = lambda arguments: (print("started", flush=True), [time.sleep(0.01) for _ in range(6000)])
 sys.exit(cli.main(["segment", "out"]))
 """

@@ -8,8 +8,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import fit_page, pipeline, report
-from doublet.page import page, table
+from doublet.pages import fit_page, report
+from doublet.pages.html_document import page, table
+from doublet.reconstruct import stages as pipeline
 
 ROOT = Path(__file__).parents[2]
 GUESS = {"kind": "guess", "parameter": "d_t", "value": 0.18, "low": 0.1, "high": 25}

@@ -10,9 +10,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import study
-from doublet.console import Console
-from doublet.synthesize import SynthesisOptions, synthesize
+from doublet.common.console import Console
+from doublet.evaluation import study
+from doublet.evaluation.synthesize import SynthesisOptions, synthesize
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "sect7"
 STEPS = {"cloth.iterations": 12, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import doublet as d
 import numpy as np
 import pytest
-from doublet import session_check
+from doublet.session import check as session_check
 from PIL import Image
 
 SIZE, CAMERAS = 160, 4

@@ -5,8 +5,8 @@ from dataclasses import replace
 import doublet as d
 import numpy as np
 import pytest
-from doublet import pipeline
-from doublet.console import Console
+from doublet.common.console import Console
+from doublet.reconstruct import stages as pipeline
 
 SEGMENT = next(s for s in pipeline.STAGES if s.name == "segment")
 

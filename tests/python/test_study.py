@@ -11,7 +11,7 @@ import doublet as d
 import numpy as np
 import pytest
 import study_jobs
-from doublet import study
+from doublet.evaluation import study
 
 #: The solver of the truth.
 BELLS = {"cloth.iterations": 24, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}

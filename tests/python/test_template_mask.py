@@ -5,8 +5,9 @@ import shutil
 import doublet as d
 import numpy as np
 import pytest
-from doublet import pipeline, template_mask
-from doublet.console import Console
+from doublet.common.console import Console
+from doublet.corrections import template_mask
+from doublet.reconstruct import stages as pipeline
 
 RIG = next(s for s in pipeline.STAGES if s.name == "rig")
 

@@ -31,7 +31,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import pipeline
+from doublet.reconstruct import stages as pipeline
 from PIL import Image
 
 SHIPPED = Path(__file__).resolve().parents[2] / "examples" / "data" / "session"
@@ -94,7 +94,8 @@ def make_session(folder: Path) -> None:
 
 
 #: The command line, with the first stages alone.
-PROGRAM = "import sys; from doublet import cli, pipeline; n = int(sys.argv.pop(1)); pipeline.STAGES = pipeline.STAGES[:n]; "
+PROGRAM = "import sys; from doublet.cli import program as cli; from doublet.reconstruct import stages as pipeline; "
+PROGRAM += "n = int(sys.argv.pop(1)); pipeline.STAGES = pipeline.STAGES[:n]; "
 PROGRAM += "sys.exit(cli.main(sys.argv[1:]))"
 
 
