@@ -19,10 +19,10 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
+from doublet import reconstruct
 from doublet.common import drawing as picture
 from doublet.common.console import Console
 from doublet.evaluation import metrics as evaluate
-from doublet.reconstruct import stages as pipeline
 from doublet.reconstruct.character import bake_first_frame
 from PIL import Image
 
@@ -58,16 +58,16 @@ def frames_of(character: d.Character, motion: d.Motion, wanted: list[int]) -> di
 
 
 def overview(chosen: argparse.Namespace) -> np.ndarray:
-    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
     character = d.Character.read(job.path("character.glb"))
-    performance, camera, row = job.performance(), job.session.rig[chosen.camera], chosen.frame
+    performance, camera, row = job.results.performance(), job.session.rig[chosen.camera], chosen.frame
     captured = performance.surface.frames[row]
-    faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
+    faces = job.results.actor.mesh.faces[np.asarray(job.results.actor.face_valid, bool)]
     box = picture.crop_box(captured, camera, margin=25)
 
     photo = d.FrameSource.open(job.session).image(chosen.camera, performance.frames[row])[..., ::-1]
     filmed = picture.draw_outline(photo, picture.outline(captured, faces, camera))
-    colours = picture.cloth_colours(job.segmentation().clothness)
+    colours = picture.cloth_colours(job.results.segmentation().clothness)
     tracked = picture.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
     renderer, white = d.CharacterRenderer(character), d.RenderOptions(background=[1, 1, 1], floor=False)
     again = frames_of(character, d.Motion(job.session.fps, performance.dofs), [row])[row]
@@ -110,10 +110,10 @@ def dance(chosen: argparse.Namespace) -> np.ndarray:
 
 def captured(chosen: argparse.Namespace) -> np.ndarray:
     """Film, and the captured surface on it, by clothness; a frame and a camera each."""
-    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
-    performance, film = job.performance(), d.FrameSource.open(job.session)
-    faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
-    colours = picture.cloth_colours(job.segmentation().clothness)
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
+    performance, film = job.results.performance(), d.FrameSource.open(job.session)
+    faces = job.results.actor.mesh.faces[np.asarray(job.results.actor.face_valid, bool)]
+    colours = picture.cloth_colours(job.results.segmentation().clothness)
     panels = []
     for number, row in enumerate(chosen.frames):
         c = chosen.cameras[number % len(chosen.cameras)]
@@ -171,11 +171,11 @@ def garment(chosen: argparse.Namespace) -> np.ndarray:
     return np.hstack([np.pad(p, ((0, height - p.shape[0]), (20, 20), (0, 0)), constant_values=255) for p in panels])
 
 
-def with_the_scans_triangles(job: pipeline.Job) -> d.Character:
+def with_the_scans_triangles(job: reconstruct.Job) -> d.Character:
     """The character of `job`, its cloth drawn by what was scanned in the place of the garment's own mesh."""
     character = d.Character.read(job.path("character.glb"))
     scanned = d.read_mesh(job.path("template_high.ply"))
-    valid = d.make_display(job.actor, job.segmentation(), scanned).valid  # of the actor: it wears no garment
+    valid = d.make_display(job.results.actor, job.results.segmentation(), scanned).valid  # of the actor: it wears no garment
     made = d.make_character(
         character.actor,
         character.segmentation,
@@ -186,13 +186,13 @@ def with_the_scans_triangles(job: pipeline.Job) -> d.Character:
         scanned,
         valid,
     )
-    bake_first_frame(made, job, job.dressed_performance())
+    bake_first_frame(made, job, job.results.dressed_performance())
     return made
 
 
 def hem(chosen: argparse.Namespace) -> np.ndarray:
     """Columns: the front of the garment, from below, its seam. Rows: drawn by the scan's triangles, and by the garment's own."""
-    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out, console=Console(quiet=True))
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out, console=Console(quiet=True))
     rows = []
     for character in (with_the_scans_triangles(job), d.Character.read(job.path("character.glb"))):
         retargeting = d.RetargetOptions(fps=1 / character.solver.dt)

@@ -4,14 +4,14 @@ import re
 from pathlib import Path
 
 import doublet as d
+from doublet import reconstruct
 from doublet.cli import shown
-from doublet.reconstruct import stages as pipeline
-from doublet.reconstruct.stages import plain
+from doublet.reconstruct.options import plain
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTALL)
 #: Name on the command line (`--GROUP-OPTION`) of the classes that are there.
-GROUPS = {c.__name__: g for g, c in {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
+GROUPS = {c.__name__: g for g, c in {**reconstruct.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
 
 
 def as_text(value) -> str:

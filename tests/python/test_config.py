@@ -6,17 +6,17 @@ from pathlib import Path
 
 import doublet as d
 import pytest
+from doublet import reconstruct
 from doublet.cli import program as cli
 from doublet.reconstruct import config
-from doublet.reconstruct import stages as pipeline
-from doublet.reconstruct.stages import plain
+from doublet.reconstruct.options import plain
 from test_options import FLAGS, GROUPS, another
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World, write_session  # noqa: E402
 
 PARSER = cli.build_parser()
-CONFIGURED = [(g, n) for g, n in FLAGS if g in pipeline.OPTION_GROUPS]
+CONFIGURED = [(g, n) for g, n in FLAGS if g in reconstruct.OPTION_GROUPS]
 
 
 def write(path, *flags):
@@ -41,7 +41,7 @@ def test_the_file_that_is_written_has_the_defaults(defaults):
     text = defaults.read_text()
     for group, name in CONFIGURED:
         default = getattr(GROUPS[group](), name)
-        if pipeline.is_derived(group, name, default):
+        if reconstruct.options.is_derived(group, name, default):
             continue
         told = GROUPS[group].described()[name]
         comment = text.split(f"\n[{group}]")[1].split(f"\n{name} = ")[0].splitlines()[-1]
@@ -52,13 +52,13 @@ def test_the_file_that_is_written_has_the_defaults(defaults):
 @pytest.mark.parametrize(("group", "name"), CONFIGURED)
 def test_every_option_comes_back_from_the_file(group, name, tmp_path):
     changed, value = another(GROUPS[group], name)
-    if pipeline.is_derived(group, name, getattr(GROUPS[group](), name)):
+    if reconstruct.options.is_derived(group, name, getattr(GROUPS[group](), name)):
         return
     path = tmp_path / "one.toml"
     path.write_text(f"[{group}]\n{name} = {config.as_toml(plain(value))}\n")
     options, _ = options_of("--config", path)
     assert options[group] == plain(changed)
-    all_of_them = {g: GROUPS[g]() for g in pipeline.OPTION_GROUPS} | {group: changed}
+    all_of_them = {g: GROUPS[g]() for g in reconstruct.OPTION_GROUPS} | {group: changed}
     path.write_text(config.written(all_of_them, 3, None, cli.in_words))
     assert options_of("--config", path) == (options, 3)
 
@@ -125,7 +125,9 @@ def help_of(capsys, *words):
 
 def test_help_is_split(capsys):
     """What most people need, and everything."""
-    flags = {f"--{g}-{n.replace('_', '-')}" for g, n in CONFIGURED if not pipeline.is_derived(g, n, getattr(GROUPS[g](), n))}
+    flags = {
+        f"--{g}-{n.replace('_', '-')}" for g, n in CONFIGURED if not reconstruct.options.is_derived(g, n, getattr(GROUPS[g](), n))
+    }
     usual = {f"--{name.replace('.', '-').replace('_', '-')}" for name in cli.USUAL}
     assert usual < flags
     short, full = help_of(capsys, "--help"), help_of(capsys, "--help-all")

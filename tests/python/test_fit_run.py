@@ -30,9 +30,9 @@ def out(bell, tmp_path):
 def fit():
     """Starts `doublet fit` without the checks of a whole session."""
     program = (
-        "import sys; from doublet.cli import program as cli; from doublet.reconstruct import stages as pipeline\n"
-        "pipeline.d.require_scanned = lambda session: None\n"
-        "pipeline.Job.session = type('S', (), {'fps': 40.0, 'folder': pipeline.Path('session'), 'name': 'bell'})()\n"
+        "import sys; from pathlib import Path; from doublet.cli import program as cli; from doublet import reconstruct\n"
+        "reconstruct.running.d.require_scanned = lambda session: None\n"
+        "reconstruct.Job.session = type('S', (), {'fps': 40.0, 'folder': Path('session'), 'name': 'bell'})()\n"
         "sys.exit(cli.main(sys.argv[1:]))"
     )
     started = []

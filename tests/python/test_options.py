@@ -8,14 +8,14 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
+from doublet import reconstruct
 from doublet.cli import program as cli
-from doublet.reconstruct import stages as pipeline
-from doublet.reconstruct.stages import plain
+from doublet.reconstruct.options import plain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World  # noqa: E402
 
-GROUPS = {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}
+GROUPS = {**reconstruct.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}
 CLASSES = [c for c in vars(d).values() if hasattr(c, "described")]
 FIELDS = [(c, name) for c in CLASSES for name in c.described()]
 FLAGS = [(group, name) for group, c in GROUPS.items() for name in c.described()]
@@ -102,7 +102,7 @@ def test_a_flag_sets_its_option(group, name):
     cli.add_option_flags(parser, {group: options_class})
     _, value = another(options_class, name)
     words = flag_words(group, name, value)
-    if pipeline.is_derived(group, name, getattr(options_class(), name)):
+    if reconstruct.options.is_derived(group, name, getattr(options_class(), name)):
         assert f"{words[0]} " not in parser.format_help()
         return
     chosen = cli.chosen_options(parser.parse_args(words), {group: options_class})[group]
@@ -113,7 +113,7 @@ def test_a_flag_sets_its_option(group, name):
 
 def test_groups_inside_groups_take_the_groups_options(tmp_path):
     """`annealing` reaches the search for lost limbs inside the capture."""
-    job = pipeline.Job(tmp_path, tmp_path)
+    job = reconstruct.Job(tmp_path, tmp_path)
     job.options["annealing"] = d.ParticleAnnealingOptions(particles=7)
     job.options["opposite"] = d.OppositeOptions(rays=1)
     job.options["space"] = d.ParameterSpace(names=["d_n"])

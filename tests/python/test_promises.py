@@ -13,9 +13,8 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import _doublet
+from doublet import _doublet, reconstruct
 from doublet.pages.fit_page import sections
-from doublet.reconstruct import stages as pipeline
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "tests" / "fuzz"))
@@ -126,13 +125,13 @@ def test_a_video_may_lie_elsewhere(world, tmp_path):
     path = folder / "session.json"
     path.write_text(path.read_text().replace("masks/", f"{elsewhere}/"))
     session = d.Session(folder)
-    names = [str(pipeline.name_in_session(session, p)) for p in pipeline.image_files(session)]
+    names = [str(reconstruct.running.name_in_session(session, p)) for p in reconstruct.stages.image_files(session)]
     assert names == [str(elsewhere)] * 2
-    assert str(pipeline.name_in_session(session, folder / "scan.ply")) == "scan.ply"
-    job = pipeline.Job(folder, tmp_path / "out")
+    assert str(reconstruct.running.name_in_session(session, folder / "scan.ply")) == "scan.ply"
+    job = reconstruct.Job(folder, tmp_path / "out")
     d.write_actor(tmp_path / "out" / "actor.npz", world.actor)
-    stage = next(s for s in pipeline.STAGES if s.name == "performance")
-    assert f"session/{elsewhere}" in pipeline.stage_inputs(job, stage)
+    stage = next(s for s in reconstruct.STAGES if s.name == "performance")
+    assert f"session/{elsewhere}" in reconstruct.running.stage_inputs(job, stage)
 
 
 ENDLESS = """
@@ -163,7 +162,7 @@ def test_signals_end_a_command_as_ctrl_c_does(number, ignored):
 def test_a_page_that_is_not_json_is_refused(tmp_path):
     (tmp_path / "run.json").write_text(json.dumps([]))
     with pytest.raises(RuntimeError, match=r"run\.json"):
-        pipeline.recorded_session(tmp_path)
+        reconstruct.recorded_session(tmp_path)
 
 
 @pytest.mark.parametrize("damaged", ["part,cost\n1,2\n", "region,evaluations\nx,y\n", "\x8f", None])

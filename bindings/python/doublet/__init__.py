@@ -41,7 +41,7 @@ RENAMED = {
     "new_session": "session.new_session",
     "page": "pages.html_document",
     "picture": "common.drawing",
-    "pipeline": "reconstruct.stages",
+    "pipeline": "reconstruct",
     "plausible": "common.quality_checks",
     "ready_masks": "session.external_masks",
     "report": "pages.report",

@@ -14,10 +14,11 @@ import numpy as np
 
 from .. import __version__, body_model_path
 from .. import _doublet as d
+from .. import reconstruct as pipeline
 from ..common.console import Console
 from ..common.quality_checks import DOUBTFUL
 from ..reconstruct import config
-from ..reconstruct import stages as pipeline
+from ..reconstruct.options import is_derived, plain, takes_pairs, with_pairs
 from ..session import import_calibration, new_session
 
 STOPPING = (signal.SIGINT, signal.SIGTERM)
@@ -88,13 +89,13 @@ def add_option_flags(parser: argparse.ArgumentParser, groups) -> None:
         flags = parser.add_argument_group(f"{group} options", options_class.__doc__.splitlines()[0])
         described = options_class.described()
         for name, default in options_class().to_dict().items():
-            if pipeline.is_derived(group, name, default):
+            if is_derived(group, name, default):
                 continue
             text = in_words(described[name], default).replace("%", "%%")
             flag = {"dest": f"{group}.{name}", "default": argparse.SUPPRESS, "help": text}
             if isinstance(default, bool):
                 flag["action"] = argparse.BooleanOptionalAction
-            elif pipeline.takes_pairs(default):
+            elif takes_pairs(default):
                 flag["nargs"], flag["metavar"] = "+", "NAME=X"
             elif isinstance(default, (list, np.ndarray)):
                 flag["nargs"] = len(default) if isinstance(default, np.ndarray) else "*"
@@ -120,8 +121,8 @@ def number(text: str) -> int | float:
 
 
 def shown(value) -> str:
-    if pipeline.takes_pairs(value):
-        value = [f"{name}={x}" for name, x in pipeline.plain(value).items()]
+    if takes_pairs(value):
+        value = [f"{name}={x}" for name, x in plain(value).items()]
     if isinstance(value, (list, np.ndarray)):
         return " ".join(str(v) for v in value) or "none"
     return str(value)
@@ -322,7 +323,7 @@ def run_synthesize(arguments) -> None:
     options = SynthesisOptions(**chosen)
     options.validate()
     if arguments.material:
-        character.materials = [pipeline.with_pairs(m, arguments.material, "--material") for m in character.materials]
+        character.materials = [with_pairs(m, arguments.material, "--material") for m in character.materials]
     retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
     retargeting.fps = 1 / character.solver.dt
     motion = read_motion(arguments.motion, character, retargeting)

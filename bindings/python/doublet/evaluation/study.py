@@ -24,7 +24,8 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import hash_files, write_text
-from ..reconstruct import stages as pipeline
+from ..reconstruct import OPTION_GROUPS, Job, make_options, recorded_session, simulation
+from ..reconstruct.fit import fit_options
 
 INPUTS = ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json", "garment.npz")
 
@@ -180,7 +181,7 @@ def plain_job(out: Path, options: dict, fps: float | None, threads: int) -> dict
         if not (out / name).exists():
             raise FileNotFoundError(f"{out / name} is missing; a study needs a reconstruction up to stage 'garment'")
     if fps is None:
-        session = pipeline.recorded_session(out)
+        session = recorded_session(out)
         fps = float(json.loads((session / "session.json").read_text(encoding="utf-8"))["fps"])
     job = {"out": str(out), "inputs": inputs_hash(out), "fps": fps, "threads": threads, "options": dict(options)}
     option_groups(job)  # wrong names and values are found now
@@ -196,10 +197,10 @@ def option_groups(job: dict) -> dict:
     chosen: dict[str, dict] = {}
     for name, value in job["options"].items():
         group, _, field = name.partition(".")
-        if group not in pipeline.OPTION_GROUPS or not field:
-            raise ValueError(f"option '{name}': expected GROUP.FIELD with a group of {', '.join(pipeline.OPTION_GROUPS)}")
+        if group not in OPTION_GROUPS or not field:
+            raise ValueError(f"option '{name}': expected GROUP.FIELD with a group of {', '.join(OPTION_GROUPS)}")
         chosen.setdefault(group, {})[field] = value
-    return {g: pipeline.make_options(g, c, **chosen.get(g, {})) for g, c in pipeline.OPTION_GROUPS.items()}
+    return {g: make_options(g, c, **chosen.get(g, {})) for g, c in OPTION_GROUPS.items()}
 
 
 def fit_jobs(
@@ -233,22 +234,22 @@ def widths_of(out: Path) -> list[float]:
     return d.read_widths(material) if material.exists() else []
 
 
-def reconstruction(job: dict) -> pipeline.Job:
+def reconstruction(job: dict) -> Job:
     if inputs_hash(job["out"]) != job["inputs"]:
         raise ValueError(f"{job['out']}: the files are not those that the study was made for")
-    made = pipeline.Job(Path(), Path(job["out"]), option_groups(job), job.get("seed", 1), fps=job["fps"])
+    made = Job(Path(), Path(job["out"]), option_groups(job), job.get("seed", 1), fps=job["fps"])
     if "widths" in job:
-        made.garment = d.worn(made.offered_garment, job["widths"])
+        made.results.garment = d.worn(made.results.offered_garment, job["widths"])
     return made
 
 
 def fit(job: dict) -> dict:
     """Estimates the material; what material.json says, without file."""
     made = reconstruction(job)
-    options = pipeline.fit_options(made)
+    options = fit_options(made)
     if "checkpoints" in job:
         options.checkpoint = Path(job["checkpoints"]) / f"{checkpoint_name(job)}.json"
-    result = d.estimate_material([made.take()], options, d.Context(threads=job["threads"]))
+    result = d.estimate_material([simulation.take(made)], options, d.Context(threads=job["threads"]))
     if "checkpoints" in job:
         options.checkpoint.unlink(missing_ok=True)
     return plain_fit(result)
@@ -294,9 +295,11 @@ def energy(job: dict) -> list[float]:
 def opened_objective(job: str) -> tuple:
     """Kept in the worker: the next job is often about the same images."""
     made = reconstruction(json.loads(job))
-    simulator = made.simulator()
-    observations = d.read_observations(made.path("observations.npz"))
-    return simulator, d.MaterialObjective(simulator, made.dressed_performance(), observations, made.energy_options())
+    simulator = simulation.simulator(made)
+    observations = made.results.observations()
+    return simulator, d.MaterialObjective(
+        simulator, made.results.dressed_performance(), observations, simulation.energy_options(made)
+    )
 
 
 def table(rows: list[dict]) -> str:

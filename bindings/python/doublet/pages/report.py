@@ -40,8 +40,8 @@ class Shown:
     def __init__(self, job):
         self.job = job
         self.session = job.session
-        self.actor = job.actor
-        self.performance = job.performance()
+        self.actor = job.results.actor
+        self.performance = job.results.performance()
         self.faces = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
         self.captured = self.performance.surface.frames
         self.simulated = d.read_simulated(job.path("simulated.npz"))  # of the dressed actor
@@ -98,7 +98,7 @@ def overlays(shown: Shown) -> str:
 
 
 def segmentation(shown: Shown) -> str:
-    segmentation = shown.job.segmentation()
+    segmentation = shown.job.results.segmentation()
     mesh = shown.actor.mesh
     surface = d.RenderMesh(mesh.vertices, shown.faces, colours=picture.cloth_colours(segmentation.clothness))
     views = [picture.shade([surface], picture.around(mesh.vertices, a)) for a in (0.0, np.pi)]
@@ -112,8 +112,8 @@ def segmentation(shown: Shown) -> str:
 
 def garment(shown: Shown) -> str:
     """The garment's mesh in the scan pose and in its rest shape."""
-    worn = shown.job.garment
-    if not shown.job.dressed.segmentation.region_count:
+    worn = shown.job.results.garment
+    if not shown.job.results.dressed.segmentation.region_count:
         return "<p>No cloth, so there is no garment.</p>"
     if not worn.region_count:
         return "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
@@ -133,7 +133,7 @@ def garment(shown: Shown) -> str:
 
 def body(shown: Shown) -> str:
     fit = d.read_body(shown.job.path("body.npz"))
-    proxies = d.read_proxies(shown.job.path("proxies.json"), shown.actor.skeleton)
+    proxies = shown.job.results.proxies()
     rest = shown.actor.skeleton.joint_rest
     naked = d.RenderMesh(fit.body.vertices, fit.body.faces, picture.SKIN)
     capsules = [d.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
@@ -147,7 +147,7 @@ def body(shown: Shown) -> str:
         through = (0.5 * skin + 0.5 * picture.shade(solid, camera)).astype(np.uint8) if solid else skin
         figures.append(figure(through, f"collision proxies, {name}"))
     text = f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
-    regions = d.body_regions(fit, shown.actor, shown.job.segmentation())
+    regions = d.body_regions(fit, shown.actor, shown.job.results.segmentation())
     text += table(
         ["bone", "body surface, cm²", "seen as skin, %", "skin to body, mm", "expected error, mm"],
         [
@@ -162,7 +162,7 @@ def body(shown: Shown) -> str:
         ],
     )
     if proxies:
-        found = d.proxy_statistics(proxies, fit, shown.actor, shown.job.segmentation())
+        found = d.proxy_statistics(proxies, fit, shown.actor, shown.job.results.segmentation())
         lengths = ("mean_distance", "percentile95", "largest_bulge", "cloth_clearance")
         text += table(
             [
@@ -183,10 +183,10 @@ def fit(shown: Shown) -> str:
 
 
 def side_by_side(shown: Shown) -> str:
-    dressed = shown.job.dressed
+    dressed = shown.job.results.dressed
     colours = picture.cloth_colours(dressed.segmentation.clothness)
     faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
-    captured = shown.job.dressed_performance().surface.frames
+    captured = shown.job.results.dressed_performance().surface.frames
     camera, figures = shown.session.rig[0], []
     for i in spread(len(shown.captured), 4):
         frame = shown.performance.frames[i]
@@ -209,7 +209,7 @@ class Track:
 
 
 def follow(shown: Shown) -> Track:
-    dressed, looked_at = shown.job.dressed, []
+    dressed, looked_at = shown.job.results.dressed, []
     faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
     for row in spread(len(shown.captured), FRAMES_LOOKED_AT):
         masks = {c: mask > 0 for c, mask in enumerate(shown.masks(row)) if mask.size}
@@ -220,7 +220,7 @@ def follow(shown: Shown) -> Track:
     cloth = dressed.segmentation.clothness > 0.5
     if not cloth.any():
         return Track(*overlaps, np.zeros(0), np.zeros(0))
-    captured = shown.job.dressed_performance().surface.frames
+    captured = shown.job.results.dressed_performance().surface.frames
     error = 100 * np.linalg.norm(np.asarray(shown.simulated)[:, cloth] - captured[:, cloth], axis=-1)
     return Track(*overlaps, np.sqrt(np.square(error).mean(axis=1)), np.percentile(error, 95, axis=1))
 

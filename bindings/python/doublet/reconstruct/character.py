@@ -6,27 +6,29 @@ import numpy as np
 
 from .. import _doublet as d
 from ..session.first_frame import camera_views
+from . import simulation
+from .workspace import Workspace
 
 
-def build_character(job) -> dict:
+def build_character(job: Workspace) -> dict:
     """Re-animates the reference motion (simulated.npz) and writes character.glb."""
-    solver = job.solver_settings()
+    solver = simulation.solver_settings(job)
     materials = d.read_materials(job.path("material.json"), solver)
-    regions = job.dressed.segmentation.region_count
+    regions = job.results.dressed.segmentation.region_count
     if len(materials) != regions:
         file = job.path("material.json")
         raise RuntimeError(f"{file}: expected a material for each of {regions} cloth regions, found {len(materials)}")
-    performance = job.dressed_performance()
+    performance = job.results.dressed_performance()
     simulated = d.simulate_reference(
-        job.simulator(), performance, materials, solver.dt, job.options["energy"].settle_frames, job.context
+        simulation.simulator(job), performance, materials, solver.dt, job.options["energy"].settle_frames, job.context
     )
-    dressed = job.dressed
+    dressed = job.results.dressed
     display = d.make_display(dressed.actor, dressed.segmentation, d.read_mesh(job.path("template_high.ply")))
     character = d.make_character(
         dressed.actor,
         dressed.segmentation,
-        d.read_body(job.path("body.npz")),
-        d.read_proxies(job.path("proxies.json"), job.actor.skeleton),
+        job.results.body(),
+        job.results.proxies(),
         materials,
         solver,
         display.mesh,
@@ -35,7 +37,7 @@ def build_character(job) -> dict:
     )
     character.name = job.session.name
     seen = bake_first_frame(character, job, performance)
-    d.write_simulated(job.path("simulated.npz"), simulated, len(job.actor.mesh.vertices))
+    d.write_simulated(job.path("simulated.npz"), simulated, len(job.results.actor.mesh.vertices))
     character.write(job.path("character.glb"))
     cloth = dressed.segmentation.clothness > 0.5
     if not cloth.any():
@@ -44,7 +46,7 @@ def build_character(job) -> dict:
     return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean())), "texture_seen": seen}
 
 
-def bake_first_frame(character: d.Character, job, performance: d.ReferencePerformance) -> float:
+def bake_first_frame(character: d.Character, job: Workspace, performance: d.ReferencePerformance) -> float:
     """Texture from the images of the first captured frame; 0 for a session without images."""
     images, masks = camera_views(job.session, performance.frames[0], job.silhouettes)
     if not any(image.size for image in images):

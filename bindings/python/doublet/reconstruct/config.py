@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import __version__
 from ..common.files import read_toml, write_text
-from . import stages as pipeline
+from .options import OPTION_GROUPS, is_derived, make_options, plain, takes_pairs
 
 HEAD = """# Options of doublet {version}: `doublet reconstruct SESSION -o OUT --config THIS_FILE`.
 # A flag on the command line beats this file; what is left out of it has its default. A key is a flag's name: `diffusion` of
@@ -34,8 +34,8 @@ def written(chosen: dict, seed: int, body_model: Path | None, in_words) -> str:
         defaults, described = type(options)().to_dict(), options.described()
         lines += ["", f"[{group}]  # {type(options).__doc__.splitlines()[0]}"]
         for name, value in options.to_dict().items():
-            if not pipeline.is_derived(group, name, value):
-                lines += [f"# {in_words(described[name], defaults[name])}", f"{name} = {as_toml(pipeline.plain(value))}"]
+            if not is_derived(group, name, value):
+                lines += [f"# {in_words(described[name], defaults[name])}", f"{name} = {as_toml(plain(value))}"]
     return "\n".join(lines) + "\n"
 
 
@@ -67,8 +67,8 @@ def read(path: Path) -> dict:
                 raise RuntimeError(f"{path}: seed: expected a whole number of at least 0, found {value}")
         elif key == "body_model":
             values[key] = path.parent / checked(path, key, value, "")
-        elif key not in pipeline.OPTION_GROUPS:
-            expected = ", ".join(["seed", "body_model", *(f"[{group}]" for group in pipeline.OPTION_GROUPS)])
+        elif key not in OPTION_GROUPS:
+            expected = ", ".join(["seed", "body_model", *(f"[{group}]" for group in OPTION_GROUPS)])
             raise RuntimeError(f"{path}: expected one of {expected}, found '{key}'")
         else:
             values.update({f"{key}.{name}": x for name, x in group_of(path, key, value).items()})
@@ -77,16 +77,16 @@ def read(path: Path) -> dict:
 
 def group_of(path: Path, group: str, table) -> dict:
     """The options that a table names, as their class takes them."""
-    options_class = pipeline.OPTION_GROUPS[group]
+    options_class = OPTION_GROUPS[group]
     defaults, described = options_class().to_dict(), options_class.described()
-    names = [name for name, default in defaults.items() if not pipeline.is_derived(group, name, default)]
+    names = [name for name, default in defaults.items() if not is_derived(group, name, default)]
     chosen = {}
     for name, value in checked(path, group, table, {}).items():
         if name not in names:
             raise RuntimeError(f"{path}: {group}.{name}: expected one of {', '.join(names)}, found '{name}'")
         chosen[name] = option_of(path, f"{group}.{name}", value, defaults[name], described[name])
     try:
-        pipeline.make_options(group, options_class, **chosen)
+        make_options(group, options_class, **chosen)
     except (TypeError, ValueError) as error:
         text = str(error).splitlines()[0].removeprefix(f"{options_class.__name__}: ")
         raise RuntimeError(f"{path}: {group}.{text}") from error
@@ -95,8 +95,8 @@ def group_of(path: Path, group: str, table) -> dict:
 
 def option_of(path: Path, key: str, value, default, described: dict):
     """A value of the kind of the default."""
-    if pipeline.takes_pairs(default):
-        known = pipeline.plain(default)
+    if takes_pairs(default):
+        known = plain(default)
         for name, x in checked(path, key, value, {}).items():
             if name not in known:
                 raise RuntimeError(f"{path}: {key}.{name}: expected one of {', '.join(known)}, found '{name}'")

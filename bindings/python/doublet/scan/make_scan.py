@@ -11,7 +11,7 @@ import numpy as np
 from .. import _doublet as d
 from ..common.files import write_json
 from ..common.quality_checks import Finding
-from ..reconstruct import stages as pipeline
+from ..reconstruct import OPTION_GROUPS, Workspace
 from ..session import check as session_check
 from .alignment import align_scan
 from .keypoints import triangulated
@@ -21,7 +21,7 @@ GROUPS = {
     "scan": d.ViewScanOptions,
     "body": d.BodyFitOptions,
     "rest": d.RestPoseOptions,
-    **{name: pipeline.OPTION_GROUPS[name] for name in ("silhouette", "key", "background")},
+    **{name: OPTION_GROUPS[name] for name in ("silhouette", "key", "background")},
 }
 BEST = "best"
 SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
@@ -51,7 +51,7 @@ class Made:
 
 
 def scan_session(
-    job: pipeline.Job,
+    job: Workspace,
     options: d.ViewScanOptions | None = None,
     force: bool = False,
     frame: int | str = 0,
@@ -96,7 +96,7 @@ def scan_session(
     return looked_at(job, made, rival)
 
 
-def write_marks(job: pipeline.Job, keypoints: Path | None, force: bool) -> float:
+def write_marks(job: Workspace, keypoints: Path | None, force: bool) -> float:
     """Writes joints.json; how nearly as likely the other facing is."""
     seen = triangulated(job.session, keypoints, 0) if keypoints else {}
     marks = marks_of(job, seen)
@@ -104,13 +104,13 @@ def write_marks(job: pipeline.Job, keypoints: Path | None, force: bool) -> float
     return marks.rival
 
 
-def looked_at(job: pipeline.Job, made: list[Path], rival: float) -> Made:
+def looked_at(job: Workspace, made: list[Path], rival: float) -> Made:
     picture = job.session_folder / PICTURE
     evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
     return Made([*made, picture], [*facing(rival), *session_check.look(evidence, picture)])
 
 
-def refine_scan(job: pipeline.Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> Made:
+def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> Made:
     """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
     `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
     kept as FIRST_SCAN, joints that this command had found are found anew."""
@@ -148,7 +148,7 @@ def found_here(marks: Path) -> bool:
     return marks.exists() and json.loads(marks.read_text(encoding="utf-8")).get("comment", "").startswith(FOUND)
 
 
-def require_motion_after(job: pipeline.Job, frame: int) -> None:
+def require_motion_after(job: Workspace, frame: int) -> None:
     last = max(job.session.frame_count - 2, 0)  # a motion has two frames
     if not 0 <= frame <= last:
         raise RuntimeError(f"--frame: expected 0 to {last}, for a motion to be left, found {frame}")
@@ -164,12 +164,12 @@ def begin_at(description: dict, frame: int) -> None:
             camera["first_frame"] = camera.get("first_frame", 0) + frame
 
 
-def save(job: pipeline.Job, description: dict) -> None:
+def save(job: Workspace, description: dict) -> None:
     write_json(job.session_folder / "session.json", description)
-    job.__dict__.pop("session", None)  # read again
+    job.read_session_again()
 
 
-def best_frame(job: pipeline.Job) -> int:
+def best_frame(job: Workspace) -> int:
     """The frame, of MOST_TRIED evenly spread over the first nine tenths, whose coarse hull is most like a standing body."""
     frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.body_model)
     tried = np.unique(np.linspace(0, 0.9 * (job.session.frame_count - 1), MOST_TRIED).astype(int))
@@ -190,7 +190,7 @@ def best_frame(job: pipeline.Job) -> int:
     return min(costs, key=costs.get)
 
 
-def views_at(job: pipeline.Job, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
+def views_at(job: Workspace, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
     return [d.read_view(frames, camera, frame, job.silhouettes) for camera in range(frames.camera_count)]
 
 
@@ -205,12 +205,12 @@ def claimed(path: Path, force: bool) -> Path:
     return path
 
 
-def scan_of(job: pipeline.Job, options: d.ViewScanOptions, frame: int) -> d.Mesh:
+def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int) -> d.Mesh:
     views = views_at(job, d.FrameSource.open(job.session), frame)
     return d.scan_from_views(job.session.rig, views, options, job.context)
 
 
-def corrected(marks: dict, seen: dict[str, np.ndarray], job: pipeline.Job) -> dict:
+def corrected(marks: dict, seen: dict[str, np.ndarray], job: Workspace) -> dict:
     """joints.json with the joints that keypoints see somewhere else put there; what the model says of landmarks beyond them does
     not count then."""
     joints, landmarks = marks["joints"], marks["landmarks"]
@@ -229,7 +229,7 @@ def rounded(point) -> list[float]:
     return [round(float(x), 4) for x in np.ravel(point)]
 
 
-def aligned(job: pipeline.Job, given: Path, frame: int) -> d.Mesh:
+def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
     found = align_scan(d.read_mesh(given), scan_of(job, COARSE, frame))
     floor = ", without its floor" if found.floor else ""
     off = f"{1000 * found.distance:.0f} mm from what the cameras see"
@@ -237,7 +237,7 @@ def aligned(job: pipeline.Job, given: Path, frame: int) -> d.Mesh:
     return found.mesh
 
 
-def marks_of(job: pipeline.Job, seen: dict[str, np.ndarray]) -> d.BodyMarks:
+def marks_of(job: Workspace, seen: dict[str, np.ndarray]) -> d.BodyMarks:
     surface = d.build_template(d.read_mesh(job.session.scan), d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
     model = d.BodyModel.read(job.body_model)
     return d.find_body_marks(surface.mesh, surface.face_valid, model, job.group("body"), seen, job.context)
