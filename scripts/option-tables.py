@@ -5,7 +5,7 @@ from pathlib import Path
 
 import doublet as d
 from doublet import reconstruct
-from doublet.cli import shown
+from doublet.cli.option_flags import to_text
 from doublet.reconstruct.options import plain
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
@@ -15,7 +15,7 @@ GROUPS = {c.__name__: g for g, c in {**reconstruct.OPTION_GROUPS, "retarget": d.
 
 
 def as_text(value) -> str:
-    text = f"{value:g}" if isinstance(value, float) else shown(value)
+    text = f"{value:g}" if isinstance(value, float) else to_text(value)
     return {"True": "on", "False": "off"}.get(text, text)
 
 

@@ -14,6 +14,7 @@ import doublet as d
 import numpy as np
 import pytest
 from bad_input import make_folder
+from doublet.cli import option_flags
 from doublet.cli import program as cli
 from doublet.common.files import write_json
 from doublet.evaluation.study import local_workers
@@ -308,7 +309,7 @@ def test_commands_are_understood(block, words, stand_ins, tmp_path, monkeypatch)
             assert not re.match(r"(examples|tests)/", word) or (ROOT / word).exists(), word
         return
     parsed = PARSER.parse_args(words[1:])
-    cli.chosen_options(parsed)
+    option_flags.chosen_options(parsed)
     if words[1] in CHEAP or "--write-config" in words:
         shutil.copytree(stand_ins, tmp_path, dirs_exist_ok=True)
         monkeypatch.chdir(tmp_path)

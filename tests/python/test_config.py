@@ -7,6 +7,7 @@ from pathlib import Path
 import doublet as d
 import pytest
 from doublet import reconstruct
+from doublet.cli import commands, jobs, option_flags
 from doublet.cli import program as cli
 from doublet.reconstruct import config
 from doublet.reconstruct.options import plain
@@ -27,7 +28,7 @@ def write(path, *flags):
 def options_of(*words) -> tuple[dict, int]:
     """Of a command line: the option objects, and the seed."""
     arguments = PARSER.parse_args(["reconstruct", "session", "-o", "out", *map(str, words)])
-    job = cli.make_job(arguments, arguments.session)
+    job = jobs.make_job(arguments, arguments.session)
     return {group: plain(options) for group, options in job.options.items()}, job.seed
 
 
@@ -59,7 +60,7 @@ def test_every_option_comes_back_from_the_file(group, name, tmp_path):
     options, _ = options_of("--config", path)
     assert options[group] == plain(changed)
     all_of_them = {g: GROUPS[g]() for g in reconstruct.OPTION_GROUPS} | {group: changed}
-    path.write_text(config.written(all_of_them, 3, None, cli.in_words))
+    path.write_text(config.written(all_of_them, 3, None, option_flags.describe_option))
     assert options_of("--config", path) == (options, 3)
 
 
@@ -79,7 +80,7 @@ def test_a_body_model_is_seen_from_the_file(tmp_path):
     path.parent.mkdir()
     path.write_text('body_model = "model.npz"\n')
     arguments = cli.build_parser().parse_args(["body", "out", "--config", str(path)])
-    assert cli.make_job(arguments, Path("session")).body_model == path.with_name("model.npz")
+    assert jobs.make_job(arguments, Path("session")).body_model == path.with_name("model.npz")
 
 
 @pytest.fixture
@@ -128,7 +129,7 @@ def test_help_is_split(capsys):
     flags = {
         f"--{g}-{n.replace('_', '-')}" for g, n in CONFIGURED if not reconstruct.options.is_derived(g, n, getattr(GROUPS[g](), n))
     }
-    usual = {f"--{name.replace('.', '-').replace('_', '-')}" for name in cli.USUAL}
+    usual = {f"--{name.replace('.', '-').replace('_', '-')}" for name in commands.reconstruct.USUAL}
     assert usual < flags
     short, full = help_of(capsys, "--help"), help_of(capsys, "--help-all")
     shown = {flag for flag in flags if f"{flag} " in short or f"{flag}," in short}

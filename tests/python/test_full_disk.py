@@ -11,6 +11,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
+from doublet.cli import commands
 from doublet.cli import program as cli
 from doublet.common.console import Console
 from doublet.common.files import write_json, written_atomically
@@ -191,7 +192,7 @@ def test_memory_that_a_thread_has_not(monkeypatch, capsys):
     def run(parsed):
         raise RuntimeError("pthread_create has failed: Resource temporarily unavailable")
 
-    monkeypatch.setattr(cli, "run_stages", run)
+    monkeypatch.setattr(commands.stages, "run_stages", run)
     assert cli.main(["check", "session", "-o", "out"]) == 1
     assert capsys.readouterr().err.startswith(
         "doublet: expected more memory than this process may have (pthread_create has failed: Resource temporarily unavailable); "

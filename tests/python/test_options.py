@@ -9,7 +9,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet import reconstruct
-from doublet.cli import program as cli
+from doublet.cli import option_flags
 from doublet.reconstruct.options import plain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
@@ -99,13 +99,13 @@ def flag_words(group: str, name: str, value) -> list[str]:
 def test_a_flag_sets_its_option(group, name):
     options_class = GROUPS[group]
     parser = argparse.ArgumentParser()
-    cli.add_option_flags(parser, {group: options_class})
+    option_flags.add_option_flags(parser, {group: options_class})
     _, value = another(options_class, name)
     words = flag_words(group, name, value)
     if reconstruct.options.is_derived(group, name, getattr(options_class(), name)):
         assert f"{words[0]} " not in parser.format_help()
         return
-    chosen = cli.chosen_options(parser.parse_args(words), {group: options_class})[group]
+    chosen = option_flags.chosen_options(parser.parse_args(words), {group: options_class})[group]
     default = options_class()
     assert plain(chosen)[name] == plain(value)
     assert others(chosen, name) == others(default, name)

@@ -14,6 +14,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet import _doublet, reconstruct
+from doublet.cli.program import build_parser
 from doublet.pages.fit_page import sections
 
 ROOT = Path(__file__).parents[2]
@@ -136,8 +137,8 @@ def test_a_video_may_lie_elsewhere(world, tmp_path):
 
 ENDLESS = """
 import sys, time
-from doublet.cli import program as cli
-cli.run_stages = lambda arguments: (print("started", flush=True), [time.sleep(0.01) for _ in range(6000)])
+from doublet.cli import commands, program as cli
+commands.stages.run_stages = lambda arguments: (print("started", flush=True), [time.sleep(0.01) for _ in range(6000)])
 sys.exit(cli.main(["segment", "out"]))
 """
 
@@ -181,3 +182,26 @@ def test_links_lead_somewhere(page):
     """Those of docs/ are scripts/build-docs.sh's business."""
     links = re.findall(r"\]\(([^)#:]+)[^)]*\)", (ROOT / page).read_text(encoding="utf-8"))
     assert links and [link for link in links if not (ROOT / link).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ("fit A --threads 2 B C", "takes"),
+        ("study A B --seeds 1 2 --quiet C -o results.jsonl", "outs"),
+        ("new-session A --calibration cameras.toml B --masks M --copy C -o session", "videos"),
+    ],
+)
+def test_folders_stand_on_both_sides_of_an_option(words, name):
+    parsed = build_parser().parse_args(words.split())
+    assert [str(path) for path in getattr(parsed, name)] == [*"ABC"][-len(getattr(parsed, name)) :]
+    assert len(getattr(parsed, name)) == (2 if name == "takes" else 3)
+
+
+def test_an_option_that_is_none_is_refused_among_folders(capsys):
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["fit", "A", "--nonsense", "B"])
+    assert "unrecognized arguments: --nonsense" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["fit", "--threads", "2"])
+    assert capsys.readouterr().err.endswith("the following arguments are required: OUT\n")

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
-from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +10,10 @@ import numpy as np
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.drawing import overlap
-from ..common.files import array_of, arrays_of
 from ..common.video import read_image
 from ..export.animate import animate_exactly
+from .reconstruction import Animated, Reconstruction
+from .truth import Missing, Truth
 
 #: Name -> (unit, meaning); the order of the table.
 METRICS = {
@@ -35,180 +33,6 @@ METRICS = {
     "novel_cloth_cm": ("cm", "resim_cloth_cm on a motion that was not used"),
 }
 AZIMUTHS = 24  # bins around the pelvis
-MASK_NAME = re.compile(r"(?P<camera>.+)_(?P<frame>\d+)\.png")
-
-
-class Missing(Exception):
-    """A metric cannot be computed; the message says what is not there."""
-
-
-class Truth:
-    """A ground_truth folder: body and garment per frame, labels, joints, masks."""
-
-    def __init__(self, folder: Path):
-        self.folder = Path(folder)
-        if not (self.folder / "static.npz").exists() and not (self.folder.parent / "static.npz").exists():
-            raise FileNotFoundError(f"{self.folder / 'static.npz'} does not exist, so {self.folder} is no ground truth")
-        own = self.folder / "static.npz"
-        self.static = own if own.exists() else self.folder.parent / "static.npz"
-        with arrays_of(self.static) as static:
-            self.body_faces, self.cloth_faces = (
-                array_of(static, self.static, name, "iu", (None, 3)).astype(np.int32) for name in ("body_tris", "cloth_tris")
-            )
-        self._path: Path | None = None  # of the file that is open
-
-    @cached_property
-    def chunks(self) -> dict[int, tuple[Path, int]]:
-        """Frame -> (file, row)."""
-        found = {}
-        for path in sorted(self.folder.glob("frames_*.npz")):
-            with arrays_of(path) as chunk:
-                frames = self.frames_of(chunk, path, len(array_of(chunk, path, "cloth", "f", (None, None, 3))))
-            found.update({f: (path, row) for row, f in enumerate(frames)})
-        return found
-
-    @staticmethod
-    def frames_of(chunk, path: Path, count: int) -> list[int]:
-        """The video frames of a file's rows: an array of them, or where they begin."""
-        if "frames" in chunk:
-            return array_of(chunk, path, "frames", "iu", (count,)).tolist()
-        start = int(array_of(chunk, path, "start", "iu", ())) if "start" in chunk else 0
-        return list(range(start, start + count))
-
-    def frame(self, number: int) -> tuple[np.ndarray, np.ndarray]:
-        """(body, garment) vertices, m."""
-        path, row = self.chunks[number]
-        if self._path != path:
-            with arrays_of(path) as chunk:
-                cloth = array_of(chunk, path, "cloth", "f", (None, None, 3))
-                body = array_of(chunk, path, "body", "f", (len(cloth), None, 3))
-            self.require_vertices(path, body, cloth)
-            self._path, self._vertices = path, (body, cloth)
-        return tuple(vertices[row].astype(float) for vertices in self._vertices)
-
-    def require_vertices(self, path: Path, body: np.ndarray, cloth: np.ndarray) -> None:
-        """Those that the faces have."""
-        for name, faces, vertices in (("body", self.body_faces, body), ("cloth", self.cloth_faces, cloth)):
-            if faces.size and not 0 <= faces.min() <= faces.max() < vertices.shape[1]:
-                expected = f"'{name}_tris' of {vertices.shape[1]} vertices, as {path.name} has them"
-                raise RuntimeError(f"{self.static}: expected {expected}, found {faces.min()} to {faces.max()}")
-
-    def surface(self, number: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(vertices, faces, is_garment per face) of body and garment together."""
-        body, cloth = self.frame(number)
-        faces = np.vstack([self.body_faces, self.cloth_faces + len(body)])
-        return np.vstack([body, cloth]), faces, np.arange(len(faces)) >= len(self.body_faces)
-
-    def joints(self) -> tuple[list[str], dict[int, np.ndarray]]:
-        """Names, and frame -> (J, 3)."""
-        path = self.folder / "skeleton.npz"
-        if not path.exists():
-            raise Missing(f"{path} does not exist")
-        with arrays_of(path) as file:
-            names = [str(n) for n in array_of(file, path, "joint_names", "US", (None,))]
-            joints = array_of(file, path, "joints", "f", (None, len(names), 3)).astype(float)
-            return names, dict(zip(self.frames_of(file, path, len(joints)), joints))
-
-    def pelvis(self) -> dict[int, np.ndarray]:
-        """Frame -> (3) m."""
-        names, joints = self.joints()
-        return {frame: at[pelvis_index(names)] for frame, at in joints.items()}
-
-    def masks(self) -> list[tuple[str, int, Path]]:
-        """(camera name, frame, file)."""
-        matches = [(MASK_NAME.fullmatch(p.name), p) for p in sorted((self.folder / "masks").glob("*.png"))]
-        return [(m["camera"], int(m["frame"]), p) for m, p in matches if m]
-
-
-def pelvis_index(joint_names: list[str]) -> int:
-    """The joint of that name; the root, which comes first, if there is none."""
-    if not joint_names:
-        raise Missing("the skeleton has no joints")
-    return joint_names.index("pelvis") if "pelvis" in joint_names else 0
-
-
-@dataclass(frozen=True)
-class Animated:
-    """The character in motion, as it is compared with the true garment."""
-
-    surfaces: dict[int, np.ndarray]  #: frame -> (N, 3) m
-    faces: np.ndarray  #: (F, 3)
-    clothness: np.ndarray | None = None  #: (N) in [0, 1]
-
-    @cached_property
-    def cloth(self) -> np.ndarray:
-        """Indices of the cloth vertices that a face has."""
-        if self.clothness is None:
-            raise Missing("there is no segmentation.npz to say which vertices are cloth")
-        used = np.unique(self.faces)
-        cloth = used[self.clothness[used] > 0.5]
-        if not len(cloth):
-            raise Missing("the character has no cloth")
-        return cloth
-
-
-class Reconstruction:
-    """The files of an OUT folder, read when asked for."""
-
-    def __init__(self, out: Path):
-        self.out = Path(out)
-
-    def path(self, name: str) -> Path:
-        if not (self.out / name).exists():
-            raise Missing(f"{self.out / name} does not exist")
-        return self.out / name
-
-    @cached_property
-    def actor(self) -> d.RiggedMesh:
-        return d.read_actor(self.path("actor.npz"))
-
-    @cached_property
-    def faces(self) -> np.ndarray:
-        """Faces that the scan supports."""
-        return self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
-
-    @cached_property
-    def clothness(self) -> np.ndarray:
-        return d.read_segmentation(self.path("segmentation.npz")).clothness
-
-    @cached_property
-    def performance(self) -> d.ReferencePerformance:
-        return d.read_performance(self.path("performance.npz"), self.actor)
-
-    @cached_property
-    def reanimated(self) -> Animated:
-        """The reference motion (simulated.npz)."""
-        with arrays_of(self.path("simulated.npz")) as simulated:
-            vertices = simulated["vertices"].astype(float)
-            if "garment" not in simulated:
-                return self.animated(vertices)
-            garment = simulated["garment"].astype(float)
-        with arrays_of(self.path("garment.npz")) as own:
-            expected, found = (len(vertices), len(own["vertices"]), 3), garment.shape
-        if found != expected:
-            shape = "(frames of vertices, vertices of garment.npz, 3)"
-            raise d.Error(f"{self.out / 'simulated.npz'}: array 'garment': expected {expected} {shape}, found {found}")
-        return self.animated(np.concatenate([vertices, garment], axis=1))
-
-    def animated(self, surfaces: np.ndarray) -> Animated:
-        """The reference motion as surfaces of the actor (T, V, 3), or of the dressed one (T, V + G, 3): a garment with a mesh of
-        its own replaces the faces that it stands for."""
-        bare, by_frame = len(self.actor.mesh.vertices), dict(zip(self.performance.frames, surfaces))
-        if surfaces.shape[1] == bare:
-            clothness = self.clothness if (self.out / "segmentation.npz").exists() else None
-            return Animated(by_frame, self.faces, clothness)
-        with arrays_of(self.path("garment.npz")) as garment:
-            faces, covers = garment["faces"].astype(np.int32), garment["covers"].astype(bool)
-        skin = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool) & ~covers]
-        return Animated(by_frame, np.vstack([skin, faces + bare]), np.repeat([0.0, 1.0], [bare, surfaces.shape[1] - bare]))
-
-    def rows(self, truth_frames, every: int) -> list[tuple[int, int]]:
-        """(row, video frame) for which there is truth."""
-        known = set(truth_frames)
-        rows = [(row, f) for row, f in enumerate(self.performance.frames) if f in known][::every]
-        if not rows:
-            raise Missing("no captured frame has a true one")
-        return rows
 
 
 def seen_faces(vertices: np.ndarray, faces: np.ndarray, cameras) -> np.ndarray:

@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 
-from .metrics import Missing, Reconstruction, Truth, attempt, azimuth_bins, horizontal, pelvis_index, shared_frames
+from .metrics import attempt, azimuth_bins, horizontal, shared_frames
+from .reconstruction import Reconstruction
+from .truth import Missing, Truth, pelvis_index
 
 #: Name -> (unit, meaning); the order of the table.
 MEASURES = {

@@ -43,7 +43,7 @@ MARKS_DEPTH = 8
 
 
 @dataclass
-class Made:
+class ScanResult:
     """What was written, and what is doubtful about it."""
 
     files: list[Path]
@@ -57,7 +57,7 @@ def scan_session(
     frame: int | str = 0,
     keypoints: Path | None = None,
     given: Path | None = None,
-) -> Made:
+) -> ScanResult:
     """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
     both. A session that has scan and joints is refused.
 
@@ -104,13 +104,13 @@ def write_marks(job: Workspace, keypoints: Path | None, force: bool) -> float:
     return marks.rival
 
 
-def looked_at(job: Workspace, made: list[Path], rival: float) -> Made:
+def looked_at(job: Workspace, made: list[Path], rival: float) -> ScanResult:
     picture = job.session_folder / PICTURE
     evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    return Made([*made, picture], [*facing(rival), *session_check.look(evidence, picture)])
+    return ScanResult([*made, picture], [*facing(rival), *session_check.look(evidence, picture)])
 
 
-def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> Made:
+def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
     """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
     `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
     kept as FIRST_SCAN, joints that this command had found are found anew."""

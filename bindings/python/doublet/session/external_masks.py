@@ -23,7 +23,7 @@ KINDS = {
 
 
 @dataclass(frozen=True)
-class ReadyMasks:
+class ExternalMasks:
     """Masks of one camera, one for each frame of its video."""
 
     source: VideoFile | ImageSeries
@@ -44,12 +44,12 @@ class ReadyMasks:
             yield np.asarray(Image.fromarray(mask).resize(size)) if size else mask
 
 
-def read_masks(path: Path, images: tuple[Path, ...] = ()) -> ReadyMasks:
+def read_masks(path: Path, images: tuple[Path, ...] = ()) -> ExternalMasks:
     """A video, or the images of a series. Raises FileNotFoundError or RuntimeError naming the file."""
     if not images:
-        return ReadyMasks(read_video(path), "grey")
+        return ExternalMasks(read_video(path), "grey")
     chosen = np.unique(np.linspace(0, len(images) - 1, LOOKED_AT).round().astype(int))
-    return ReadyMasks(ImageSeries(path, images, fps=1), kind_of([read_image(images[i]) for i in chosen]))
+    return ExternalMasks(ImageSeries(path, images, fps=1), kind_of([read_image(images[i]) for i in chosen]))
 
 
 def kind_of(images: list[Image.Image]) -> str:
@@ -89,7 +89,7 @@ def require_size(found: tuple[int, int], wanted: tuple[int, int], where: str) ->
         )
 
 
-def require_count(masks: ReadyMasks, frames: int) -> None:
+def require_count(masks: ExternalMasks, frames: int) -> None:
     if masks.count != frames:
         raise ValueError(f"{masks.source.path}: expected {frames} masks, one for each frame of the video, found {masks.count}")
 
