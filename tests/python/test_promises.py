@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import json
+import pydoc
 import re
 import signal
 import subprocess
@@ -13,7 +14,8 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import _doublet, reconstruct
+from doublet import _doublet, reconstruct, testing
+from doublet._lazy import DEPRECATED_MODULES
 from doublet.cli.program import build_parser
 from doublet.pages.fit_page import sections
 
@@ -60,13 +62,39 @@ def test_every_context_has_a_default():
 
 def test_modules_that_help_names_are_there():
     """In a fresh process, where nobody has imported them yet."""
-    named = set(re.findall(r"`doublet\.(\w+)", d.__doc__))
-    assert named >= {"pipeline", "evaluate"}
-    program = "import doublet\n" + "\n".join(f"doublet.{name}" for name in sorted(named)) + "\ndoublet.evaluate.evaluate"
+    named = set(re.findall(r"`doublet\.([\w.]+)`", d.__doc__))
+    assert named == {"reconstruct", "evaluation.metrics"}
+    program = (
+        "import doublet\n" + "\n".join(f"doublet.{name}" for name in sorted(named)) + "\ndoublet.evaluation.metrics.evaluate"
+    )
     subprocess.run([sys.executable, "-c", program], check=True)
     assert {importlib.import_module(f"doublet.{n}").__name__ for n in d.MODULES} <= {f"doublet.{n}" for n in dir(d)}
     with pytest.raises(AttributeError, match="nonsense"):
         d.nonsense  # noqa: B018
+
+
+def test_help_fits_a_screen_and_names_what_is_there():
+    lines = pydoc.plain(pydoc.render_doc(d)).splitlines()
+    assert len(lines) <= 60 and max(map(len, lines)) <= 135
+    groups = re.findall(r"^  (\w+) +(\w+(?:, \w+)+)$", d.__doc__, re.MULTILINE)
+    assert len(groups) > 8
+    assert [name for _, names in groups for name in names.split(", ") if not hasattr(_doublet, name)] == []
+
+
+@pytest.mark.parametrize("old", DEPRECATED_MODULES)
+def test_a_module_has_its_old_name_for_a_version(old):
+    """In a fresh process: a warning comes once."""
+    new = f"doublet.{DEPRECATED_MODULES[old]}"
+    program = f"import doublet.{old}; from doublet import {old}; import {new} as new; assert {old} is new is doublet.{old}"
+    done = subprocess.run([sys.executable, "-W", "always", "-c", program], capture_output=True, text=True, check=True)
+    assert f"doublet.{old} is deprecated: use {new}" in done.stderr
+
+
+def test_a_kit_has_its_old_name_for_a_version():
+    for name in testing.__all__:
+        with pytest.warns(DeprecationWarning, match=rf"use doublet\.testing\.{name}"):
+            assert getattr(d, name) is getattr(testing, name)
+    assert {n for n in dir(_doublet) if n.endswith("_violations")} == set(testing.__all__)
 
 
 def test_a_source_motion_from_arrays_is_the_one_that_was_read(world, tmp_path):

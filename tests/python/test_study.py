@@ -93,6 +93,13 @@ def test_fits_are_those_of_one_process_even_if_one_is_killed_in_the_middle(bell,
     assert not list((tmp_path / "checkpoints").glob("*.json"))
 
 
+def test_results_of_a_function_under_its_former_name_count(tmp_path):
+    row = {"function": "doublet.study.energy", "job": {"x": 1}, "result": [3.0], "seconds": 1.0}
+    (tmp_path / "rows.jsonl").write_text(json.dumps(row) + "\n")
+    (known,) = study.run(study.energy, [{"x": 1}], study.local_workers(1), tmp_path / "rows.jsonl")
+    assert known == {**row, "function": "doublet.evaluation.study.energy"}
+
+
 def test_energies_of_given_materials(bell):
     truth = d.Material(d_n=4, d_t=4.9, k_bend=0.3, k_stretch=0.999)
     other = {**truth.to_dict(), "d_n": 20.0}

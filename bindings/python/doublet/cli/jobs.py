@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .. import body_model_path
+from ..common.packaged import body_model_path
 from ..common.quality_checks import DOUBTFUL
 from ..reconstruct import Job, config
 from .common_flags import common_flags, make_console

@@ -6,7 +6,7 @@ import argparse
 import signal
 import sys
 
-from .. import __version__
+from .._doublet import __version__
 from .commands import COMMANDS
 from .parsing import CommandParser
 from .signals import stopped_by_signals

@@ -27,6 +27,8 @@ from ..common.files import hash_files, write_text
 from ..reconstruct import OPTION_GROUPS, Job, make_options, recorded_session, simulation
 from ..reconstruct.fit import fit_options
 
+#: Of this module in files of results of doublet 0.1, and now: a study goes on with them.
+FORMER_NAME = ("doublet.study.", f"{__name__}.")
 INPUTS = ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "proxies.json", "garment.npz")
 
 
@@ -92,6 +94,7 @@ def read_rows(path: Path) -> dict[str, dict]:
         except ValueError:
             continue
         if "error" not in row:
+            row["function"] = row["function"].replace(*FORMER_NAME)
             rows[key_of(row["function"], row["job"])] = row
     write_text(path, "".join(json.dumps(row) + "\n" for row in rows.values()))
     return rows

@@ -11,9 +11,9 @@ import numpy as np
 from PIL import Image, ImageFilter
 
 from .. import _doublet as d
-from .. import body_model_path
 from ..common.console import Console
 from ..common.files import write_json, written_atomically
+from ..common.packaged import body_model_path
 from ..common.video import VideoWriter
 
 FRAMES_A_CHUNK = 32  # of ground_truth/frames_*.npz: bounds memory while writing and reading

@@ -12,9 +12,10 @@ from PIL import Image
 
 from .. import _doublet as d
 from ..common.files import write_json
+from ..common.packaged import DATA
 from .page_server import LocalPage
 
-PAGE = Path(__file__).parents[1] / "data" / "edit_joints.html"
+PAGE = DATA / "edit_joints.html"
 SHOWN_SIZE = 720  # px, larger side of an image on the page
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from .. import _doublet as d
+from ..common.packaged import DATA
 from ..corrections import segmentation_paint
 from .page_server import LocalPage, surface_page
 
-PAGE = Path(__file__).parents[1] / "data" / "edit_segmentation.html"
+PAGE = DATA / "edit_segmentation.html"
 FRAMES = 24  # of the captured motion, shown on demand
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from .. import _doublet as d
+from ..common.packaged import DATA
 from ..corrections import template_mask
 from .page_server import LocalPage, surface_page
 
-PAGE = Path(__file__).parents[1] / "data" / "edit_template.html"
+PAGE = DATA / "edit_template.html"
 
 
 def template_json(out: Path) -> bytes:

@@ -8,8 +8,10 @@ from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
+from ..common.packaged import DATA
+
 HOST = "127.0.0.1"
-SURFACE_PAGE = Path(__file__).parents[1] / "data" / "surface_page.js"
+SURFACE_PAGE = DATA / "surface_page.js"
 
 
 def surface_page() -> dict[str, tuple[str, bytes]]:

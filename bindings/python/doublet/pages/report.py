@@ -9,8 +9,8 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import __version__
 from .. import _doublet as d
+from .._doublet import __version__
 from ..common import drawing as picture
 from ..common.files import arrays_of, write_text
 from ..common.quality_checks import LIMITS, findings

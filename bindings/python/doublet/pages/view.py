@@ -12,9 +12,10 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import write_text, written_atomically
+from ..common.packaged import DATA
 from ..export.clips import read_motion
 
-PACKAGED = Path(__file__).parents[1] / "data" / "viewer"
+PACKAGED = DATA / "viewer"
 #: Of the page <- of the bundle.
 FILES = {"index.html": "page.html", "viewer.css": "viewer.css", "viewer.js": "viewer.js"}
 TURN_SECONDS, TURN_ANGLE = 4.0, 0.9 * np.pi  # of the motion that a page without clips shows

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import __version__
+from .._doublet import __version__
 from ..common.files import read_toml, write_text
 from .options import OPTION_GROUPS, is_derived, make_options, plain, takes_pairs
 

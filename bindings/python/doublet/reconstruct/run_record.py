@@ -8,7 +8,7 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from .. import __version__
+from .._doublet import __version__
 from ..common.files import hash_files, write_json
 
 FORMAT = 1  # of run.json; a file without one is of 1

@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import Path
 
 from .. import _doublet as d
-from .. import body_model_path
 from ..common.console import Console
+from ..common.packaged import body_model_path
 from .options import OPTION_GROUPS
 from .results import Results
 from .run_record import RunRecord

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ... import body_model_path
+from ...common.packaged import body_model_path
 from ...reconstruct import Workspace
 from ...scan import refine_scan, scan_session
 from ...scan.make_scan import GROUPS
