@@ -71,7 +71,7 @@ def table1(out: Path, session, how: Filming, work: Path, workers: int):
     with what was filmed. (1a and 1b are one skirt in two motions: the paper calls them the same material.)"""
     sets, jobs = table_1(), []
     base = plain_job(out, session)
-    fps, regions = base["fps"], study.reconstruction(base).dressed.segmentation.region_count
+    fps, regions = base["fps"], study.reconstruction(base).results.dressed.segmentation.region_count
     for truth in sets.values():
         folder, options = filmed(out, session, truth, how, work)
         jobs.append(energy_job(study.plain_job(folder, options, fps, 1), [[m] * regions for m in sets.values()]))

@@ -1,7 +1,9 @@
 """Every option of every stage, set to another valid value, arrives wherever it should."""
 
 import argparse
+import copy
 import json
+import pickle
 import sys
 from pathlib import Path
 
@@ -166,3 +168,31 @@ def test_whatever_the_energy_depends_on_changes_its_fingerprint(world):
         for name in options_class.described():
             prints[f"{keyword}.{name}"] = fingerprint(**{keyword: another(options_class, name)[0]})
     assert len(set(prints.values())) == len(prints), prints
+
+
+@pytest.mark.parametrize(("options_class", "name"), FIELDS, ids=lambda x: getattr(x, "__name__", x))
+def test_options_compare_copy_pickle_and_read_back(options_class, name):
+    changed, default = another(options_class, name)[0], options_class()
+    assert changed != default and default == options_class() and changed != 3
+    for same in (copy.copy(changed), copy.deepcopy(changed), pickle.loads(pickle.dumps(changed))):
+        assert same == changed and same is not changed
+        setattr(same, name, getattr(default, name))
+        assert same == default != changed  # its own
+    assert repr(default) == f"{options_class.__name__}()"
+    assert repr(changed).startswith(f"{options_class.__name__}({name}=")
+    assert eval(repr(changed), vars(d)) == changed
+
+
+def test_what_is_no_option_is_compared_and_pickled_too(tmp_path):
+    options = d.FitOptions(checkpoint=tmp_path / "a", seed=2)
+    assert options != d.FitOptions(seed=2) and pickle.loads(pickle.dumps(options)) == options
+    first = d.CmaEsOptions(first=np.zeros((4, 3)))
+    assert first == d.CmaEsOptions(first=np.zeros((4, 3))) != d.CmaEsOptions(first=np.zeros((6, 2)))
+    assert pickle.loads(pickle.dumps(first)) == first
+    options.on_generation = print
+    assert options == options and options != copy.copy(options)  # functions are like no other
+    assert "on_generation=..." in repr(options)
+    with pytest.raises(TypeError, match="FitOptions: cannot be pickled with 'on_generation'"):
+        pickle.dumps(options)
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(options)

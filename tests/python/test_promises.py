@@ -54,6 +54,41 @@ def test_everything_that_is_bound_is_documented():
             assert (member.__doc__ or "").strip(), f"{name} has no docstring"
 
 
+def bound_properties():
+    for name in dir(_doublet):
+        if inspect.isclass(getattr(_doublet, name)):
+            for key, member in vars(getattr(_doublet, name)).items():
+                if isinstance(member, property):
+                    yield f"{name}.{key}", member
+
+
+def test_every_property_is_documented():
+    assert [name for name, member in bound_properties() if not (member.__doc__ or "").strip()] == []
+
+
+def test_every_argument_has_a_name():
+    setters = [(name, member.fset) for name, member in bound_properties() if member.fset]
+    assert len(setters) > 300
+    for name, member in [*bound_callables(), *setters]:
+        assert not re.search(r"\barg\d+:", member.__doc__ or ""), f"{name}: {member.__doc__}"
+
+
+def test_masks_and_numbers_are_arrays(world):
+    valid = world.actor.face_valid
+    assert valid.dtype == np.uint8 and valid.shape == (len(world.actor.mesh.faces),)
+    with pytest.raises(ValueError, match="read-only"):
+        valid[0] = 0  # of a copy
+    actor = d.RiggedMesh(world.actor.mesh, valid > 0, world.actor.weights, world.actor.skeleton)
+    np.testing.assert_array_equal(actor.face_valid, valid)
+    for wrong in (valid.astype(float), valid[None], valid.astype(int) + 256, [-1], "1"):
+        with pytest.raises(TypeError):
+            actor.face_valid = wrong
+    performance = d.ReferencePerformance()
+    performance.frames = range(3, 6)
+    assert performance.frames.tolist() == [3, 4, 5] and not performance.frames.flags.writeable
+    assert d.self_intersecting_faces(world.actor.mesh).flags.writeable
+
+
 def test_every_context_has_a_default():
     for name, member in bound_callables():
         for signature in re.findall(r"context: [^,)]*", member.__doc__ or ""):
@@ -106,7 +141,7 @@ def test_a_source_motion_from_arrays_is_the_one_that_was_read(world, tmp_path):
         read.joint_names, read.joint_parents, read.offsets, read.positions, read.rotations, read.fps, read.source
     )
     for name in ("joint_names", "joint_parents", "fps", "source"):
-        assert getattr(made, name) == getattr(read, name)
+        np.testing.assert_array_equal(getattr(made, name), getattr(read, name))
     for name in ("offsets", "positions", "rotations"):
         np.testing.assert_array_equal(getattr(made, name), getattr(read, name))
     with pytest.raises(ValueError, match="unit quaternions"):

@@ -49,7 +49,7 @@ class Limit:
             return None
         return Finding(beyond(self.impossible), f"{self.meaning}: {self.expected}, found {value:.3g}; {self.advice}")
 
-    def praise(self, value: float) -> str:
+    def passed_text(self, value: float) -> str:
         """That the number is as it should be; empty if it is not."""
         return "" if self.finding(value) else f"{self.meaning}: {value:.3g} ({self.expected})"
 

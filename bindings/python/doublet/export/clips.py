@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,7 @@ def read_motion(
     if dofs is None:
         clip = read_clip(path)
         if bone_map:
-            retargeting = d.RetargetOptions(**retargeting.to_dict())
+            retargeting = copy.copy(retargeting)
             retargeting.joint_names = {**bone_maps.read(bone_map, clip), **retargeting.joint_names}
         return d.retarget(clip, character.actor.skeleton, retargeting, context)
     if bone_map:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _doublet as d
 from .._doublet import __version__
-from ..common import drawing as picture
+from ..common import drawing
 from ..common.files import arrays_of, write_text
 from ..common.quality_checks import LIMITS, findings
 from . import fit_page
@@ -22,7 +22,7 @@ FRAMES_LOOKED_AT = 32  # for the overlap with the silhouettes: all cameras of ea
 
 def figure(image: np.ndarray, caption: str) -> str:
     text = html.escape(caption)
-    return f'<figure><img src="{picture.data_uri(image)}" alt="{text}"><figcaption>{text}</figcaption></figure>'
+    return f'<figure><img src="{drawing.data_uri(image)}" alt="{text}"><figcaption>{text}</figcaption></figure>'
 
 
 def row(figures) -> str:
@@ -78,7 +78,7 @@ def template(shown: Shown) -> str:
     figures = []
     for name, azimuth, elevation in views:
         camera = d.orbit_camera((low + high) / 2, 0.52 * np.linalg.norm(high - low), azimuth, elevation, 480, 480)
-        figures.append(figure(picture.shade(surfaces, camera), name))
+        figures.append(figure(drawing.shade(surfaces, camera), name))
     stages = shown.job.record.data["stages"]
     summary = {**stages.get("template", {}).get("summary", {}), **stages.get("rig", {}).get("summary", {})}
     rows = [[k.replace("_", " "), v] for k, v in summary.items()]
@@ -90,9 +90,9 @@ def overlays(shown: Shown) -> str:
     for i in spread(len(shown.captured), 4):
         for c in spread(len(shown.session.rig), 3)[: 3 if i else 2]:
             camera, frame = shown.session.rig[c], shown.performance.frames[i]
-            edge = picture.outline(shown.captured[i], shown.faces, camera)
-            drawn = picture.draw_outline(shown.photo(c, frame), edge)
-            figures.append(figure(drawn[picture.crop_box(shown.captured[i], camera)], f"{camera.name}, frame {frame}"))
+            edge = drawing.outline(shown.captured[i], shown.faces, camera)
+            drawn = drawing.draw_outline(shown.photo(c, frame), edge)
+            figures.append(figure(drawn[drawing.crop_box(shown.captured[i], camera)], f"{camera.name}, frame {frame}"))
     seen = "<p>Outline of the captured surface on the video, on the mask where there is none.</p>" + row(figures)
     return seen + ("" if shown.matches else "<p>No feature matches: captured from silhouettes alone.</p>")
 
@@ -100,8 +100,8 @@ def overlays(shown: Shown) -> str:
 def segmentation(shown: Shown) -> str:
     segmentation = shown.job.results.segmentation()
     mesh = shown.actor.mesh
-    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=picture.cloth_colours(segmentation.clothness))
-    views = [picture.shade([surface], picture.around(mesh.vertices, a)) for a in (0.0, np.pi)]
+    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=drawing.cloth_colours(segmentation.clothness))
+    views = [drawing.shade([surface], drawing.around(mesh.vertices, a)) for a in (0.0, np.pi)]
     pictures = row([figure(v, n) for v, n in zip(views, ("front", "back"))])
     if not segmentation.region_count:
         return pictures + "<p>No cloth found: the character is skinned only.</p>"
@@ -117,13 +117,13 @@ def garment(shown: Shown) -> str:
         return "<p>No cloth, so there is no garment.</p>"
     if not worn.region_count:
         return "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
-    faces, colours = worn.mesh.faces, picture.cloth_colours(worn.clothness)
+    faces, colours = worn.mesh.faces, drawing.cloth_colours(worn.clothness)
     shapes = (("scan pose", worn.mesh.vertices), ("rest shape", worn.rest))
-    camera, figures = picture.around(np.vstack([vertices for _, vertices in shapes]), 0.0, size=800), []  # at one scale
+    camera, figures = drawing.around(np.vstack([vertices for _, vertices in shapes]), 0.0, size=800), []  # at one scale
     for name, vertices in shapes:
-        solid = picture.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
-        drawn = picture.draw_outline(solid, picture.edges(vertices, faces, camera), (90, 50, 50))
-        figures.append(figure(drawn[picture.crop_box(vertices, camera)], name))
+        solid = drawing.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
+        drawn = drawing.draw_outline(solid, drawing.edges(vertices, faces, camera), (90, 50, 50))
+        figures.append(figure(drawn[drawing.crop_box(vertices, camera)], name))
     summary = shown.job.record.data["stages"].get("garment", {}).get("summary", {})
     rows = [[k.replace("_", " "), v] for k, v in summary.items()]
     rows += [[f"area in the {name}, m²", float(d.face_areas(vertices, faces).sum())] for name, vertices in shapes]
@@ -135,16 +135,16 @@ def body(shown: Shown) -> str:
     fit = d.read_body(shown.job.path("body.npz"))
     proxies = shown.job.results.proxies()
     rest = shown.actor.skeleton.joint_rest
-    naked = d.RenderMesh(fit.body.vertices, fit.body.faces, picture.SKIN)
+    naked = d.RenderMesh(fit.body.vertices, fit.body.faces, drawing.SKIN)
     capsules = [d.capsule_mesh(rest[p.joint] + p.p0, rest[p.joint] + p.p1, p.r0, p.r1) for p in proxies]
-    solid = [d.RenderMesh(mesh.vertices, mesh.faces, picture.PROXY) for mesh in capsules]
+    solid = [d.RenderMesh(mesh.vertices, mesh.faces, drawing.PROXY) for mesh in capsules]
     figures = []
     for azimuth, name in ((0.0, "front"), (np.pi / 2, "side")):
-        camera = picture.around(shown.actor.mesh.vertices, azimuth)
-        skin = picture.shade([naked], camera)
-        edge = picture.outline(shown.actor.mesh.vertices, shown.faces, camera)
-        figures.append(figure(picture.draw_outline(skin, edge, (150, 150, 150)), f"body and outline of the scan, {name}"))
-        through = (0.5 * skin + 0.5 * picture.shade(solid, camera)).astype(np.uint8) if solid else skin
+        camera = drawing.around(shown.actor.mesh.vertices, azimuth)
+        skin = drawing.shade([naked], camera)
+        edge = drawing.outline(shown.actor.mesh.vertices, shown.faces, camera)
+        figures.append(figure(drawing.draw_outline(skin, edge, (150, 150, 150)), f"body and outline of the scan, {name}"))
+        through = (0.5 * skin + 0.5 * drawing.shade(solid, camera)).astype(np.uint8) if solid else skin
         figures.append(figure(through, f"collision proxies, {name}"))
     text = f"<p>Model {html.escape(fit.model)}; mean distance of the skin to the body {1000 * fit.residual:.1f} mm.</p>"
     regions = d.body_regions(fit, shown.actor, shown.job.results.segmentation())
@@ -184,15 +184,15 @@ def fit(shown: Shown) -> str:
 
 def side_by_side(shown: Shown) -> str:
     dressed = shown.job.results.dressed
-    colours = picture.cloth_colours(dressed.segmentation.clothness)
+    colours = drawing.cloth_colours(dressed.segmentation.clothness)
     faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
     captured = shown.job.results.dressed_performance().surface.frames
     camera, figures = shown.session.rig[0], []
     for i in spread(len(shown.captured), 4):
         frame = shown.performance.frames[i]
         surfaces = [d.RenderMesh(v[i], faces, colours=colours) for v in (captured, shown.simulated)]
-        views = [shown.photo(0, frame), *(picture.shade([surface], camera) for surface in surfaces)]
-        box = picture.crop_box(np.vstack([captured[i], shown.simulated[i]]), camera)
+        views = [shown.photo(0, frame), *(drawing.shade([surface], camera) for surface in surfaces)]
+        box = drawing.crop_box(np.vstack([captured[i], shown.simulated[i]]), camera)
         figures.append(figure(np.hstack([v[box] for v in views]), f"frame {frame}: video, captured, simulated"))
     return row(figures)
 
@@ -228,7 +228,7 @@ def follow(shown: Shown) -> Track:
 def mean_overlap(shown: Shown, masks: dict[int, np.ndarray], vertices, faces) -> float:
     """Of a surface with the masks (H, W) bool of the cameras that have one."""
     cameras = shown.session.rig
-    return np.mean([picture.overlap(d.rasterize(vertices, faces, cameras[c])[0] >= 0, mask) for c, mask in masks.items()])
+    return np.mean([drawing.overlap(d.rasterize(vertices, faces, cameras[c])[0] >= 0, mask) for c, mask in masks.items()])
 
 
 def overlap_in_words(track: Track) -> str:
@@ -326,11 +326,11 @@ def good_of(shown: Shown) -> list[str]:
     good = []
     for name, limits in LIMITS.items():
         summary = stages.get(name, {}).get("summary", {})
-        good += [limit.praise(summary[limit.name]) for limit in limits if limit.name in summary]
+        good += [limit.passed_text(summary[limit.name]) for limit in limits if limit.name in summary]
     return [text for text in good if text]
 
 
-def listing(items: list[str]) -> str:
+def html_list(items: list[str]) -> str:
     return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
 
 
@@ -342,12 +342,12 @@ def verdict(shown: Shown) -> str:
     parts = [f"<p><b>The reconstruction is complete; {count if doubts else 'nothing doubtful was found'}.</b></p>"]
     parts.append(f"<p>{html.escape(overlap_in_words(shown.track))}</p>")
     if good:
-        parts.append(f"<p>Good:</p>{listing([html.escape(text) for text in good])}")
+        parts.append(f"<p>Good:</p>{html_list([html.escape(text) for text in good])}")
     if doubts:
         items = [f"<b>{html.escape(doubt.stage)}</b>: {html.escape(doubt.text)}" for doubt in doubts]
-        parts.append(f'<div class="doubt"><p>Doubtful:</p>{listing(items)}</div>')
+        parts.append(f'<div class="doubt"><p>Doubtful:</p>{html_list(items)}</div>')
     if todo:
-        parts.append(f"<p>To do:</p>{listing([html.escape(text) for text in todo])}")
+        parts.append(f"<p>To do:</p>{html_list([html.escape(text) for text in todo])}")
     return "".join(parts)
 
 

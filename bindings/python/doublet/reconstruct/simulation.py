@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 from .. import _doublet as d
 from .workspace import Workspace
 
@@ -12,7 +14,9 @@ def solver_settings(job: Workspace) -> d.SolverSettings:
 
 
 def energy_options(job: Workspace) -> d.EnergyOptions:
-    return d.EnergyOptions(**{**job.options["energy"].to_dict(), "dt": solver_settings(job).dt})
+    options = copy.copy(job.options["energy"])
+    options.dt = solver_settings(job).dt
+    return options
 
 
 def simulator(job: Workspace, dressed: d.DressedActor | None = None) -> d.CharacterSimulator:

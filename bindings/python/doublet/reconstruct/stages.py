@@ -11,7 +11,7 @@ from .. import _doublet as d
 from ..common.quality_checks import Finding
 from ..corrections import segmentation_paint, template_mask
 from ..pages.report import write_report
-from ..session import check as session_check
+from ..session import check
 from ..session.first_frame import first_colours
 from .character import build_character
 from .fit import CHECKPOINT, run_fit
@@ -22,9 +22,9 @@ CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
 
 
 def run_check(job: Workspace) -> dict:
-    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes, job.context)
-    found = session_check.look(evidence, job.path("check.png"))
-    if words := session_check.where_it_begins(evidence):
+    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes, job.context)
+    found = check.check_and_draw(evidence, job.path("check.png"))
+    if words := check.describe_start(evidence):
         job.console.finish()
         job.console.say(f"check: {words}")
     return {"findings": [asdict(finding) for finding in found], "frame": evidence.shown_frame}
@@ -62,7 +62,7 @@ def run_rig(job: Workspace) -> dict:
     surface = d.Template()
     surface.mesh = d.read_mesh(job.path("template.ply"))
     mask = template_mask.read(job.out)
-    surface.face_valid = mask.tolist()
+    surface.face_valid = mask
     actor = d.rig_template(surface, job.session.joints, job.context)
     d.write_actor(job.path("actor.npz"), actor)
     job.results.forget("actor")
@@ -110,7 +110,7 @@ def run_segment(job: Workspace) -> dict:
     if options.skin_colour > 0 or options.cloth_colour > 0:
         performance.surface.colours = first_colours(job.results.actor, performance, job.session, job.silhouettes, job.context)
     found = d.segment_performance(job.results.actor, performance, segmenter, fullness, job.context)
-    result = with_paint(job, found)
+    result = apply_corrections(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
     areas = d.vertex_areas(job.results.actor.mesh.vertices, job.results.actor.mesh.faces)
     cloth = result.clothness > 0.5
@@ -127,7 +127,7 @@ def run_segment(job: Workspace) -> dict:
     }
 
 
-def with_paint(job: Workspace, found: d.Segmentation) -> d.Segmentation:
+def apply_corrections(job: Workspace, found: d.Segmentation) -> d.Segmentation:
     """Corrected as a person painted it, if anybody did; what was found is then kept beside it, for the page that edits it."""
     painted = segmentation_paint.read(job.out, len(found.clothness))
     if painted is None:

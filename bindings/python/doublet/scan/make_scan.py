@@ -12,7 +12,7 @@ from .. import _doublet as d
 from ..common.files import write_json
 from ..common.quality_checks import Finding
 from ..reconstruct import OPTION_GROUPS, Workspace
-from ..session import check as session_check
+from ..session import check
 from .alignment import align_scan
 from .keypoints import triangulated
 
@@ -82,10 +82,10 @@ def scan_session(
         require_motion_after(job, chosen)
         options = options or d.ViewScanOptions()
         mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen)
-        d.write_mesh(claimed(folder / SCAN, force), mesh)
+        d.write_mesh(require_free(folder / SCAN, force), mesh)
         made.append(folder / SCAN)
         description["scan"] = SCAN
-        begin_at(description, chosen)
+        set_first_frame(description, chosen)
         save(job, description)
     rival = 0.0
     if "markers" in wanted:
@@ -93,21 +93,21 @@ def scan_session(
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
-    return looked_at(job, made, rival)
+    return with_check_picture(job, made, rival)
 
 
 def write_marks(job: Workspace, keypoints: Path | None, force: bool) -> float:
     """Writes joints.json; how nearly as likely the other facing is."""
     seen = triangulated(job.session, keypoints, 0) if keypoints else {}
     marks = marks_of(job, seen)
-    write_json(claimed(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
+    write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
     return marks.rival
 
 
-def looked_at(job: Workspace, made: list[Path], rival: float) -> ScanResult:
+def with_check_picture(job: Workspace, made: list[Path], rival: float) -> ScanResult:
     picture = job.session_folder / PICTURE
-    evidence = session_check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    return ScanResult([*made, picture], [*facing(rival), *session_check.look(evidence, picture)])
+    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
+    return ScanResult([*made, picture], [*facing_finding(rival), *check.check_and_draw(evidence, picture)])
 
 
 def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
@@ -132,7 +132,7 @@ def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = N
     if found_here(job.session_folder / MARKS):
         rival = write_marks(job, keypoints, force=True)
         made.append(job.session_folder / MARKS)
-    return looked_at(job, made, rival)
+    return with_check_picture(job, made, rival)
 
 
 def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) -> None:
@@ -156,7 +156,7 @@ def require_motion_after(job: Workspace, frame: int) -> None:
         job.console.say(f"scan: the session begins at what was frame {frame} ({frame / job.session.fps:.2f} s)")
 
 
-def begin_at(description: dict, frame: int) -> None:
+def set_first_frame(description: dict, frame: int) -> None:
     """The session's frame 0 becomes this one of its frames."""
     if frame:
         description["frame_count"] -= frame
@@ -199,7 +199,7 @@ def read_description(folder: Path) -> dict:
     return json.loads((folder / "session.json").read_text(encoding="utf-8"))
 
 
-def claimed(path: Path, force: bool) -> Path:
+def require_free(path: Path, force: bool) -> Path:
     if path.exists() and not force:
         raise FileExistsError(f"{path} exists, but session.json does not name it; --force overwrites it")
     return path
@@ -252,7 +252,7 @@ def joints_file(marks: d.BodyMarks) -> dict:
     }
 
 
-def facing(rival: float) -> list[Finding]:
+def facing_finding(rival: float) -> list[Finding]:
     if rival <= LIKELY_RIVAL:
         return []
     return [Finding(False, f"the joints: front and back of the person were hard to tell apart (ratio {rival:.2f})")]

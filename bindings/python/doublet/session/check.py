@@ -12,7 +12,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from .. import _doublet as d
-from ..common import drawing as picture
+from ..common import drawing
 from ..common.files import written_atomically
 from ..common.quality_checks import Finding
 
@@ -260,7 +260,7 @@ def check_start(evidence: Evidence) -> Iterator[Finding]:
     yield Finding(True, text + "; do scan, calibration and time belong together?")
 
 
-def where_it_begins(evidence: Evidence) -> str:
+def describe_start(evidence: Evidence) -> str:
     """In words; empty if the scan fits frame 0 as it stands."""
     start = evidence.start
     if start is None or not start.in_scan_pose:
@@ -321,10 +321,10 @@ def draw(evidence: Evidence) -> np.ndarray:
         if image.size:
             photo = np.asarray(Image.fromarray(image[..., ::-1]).resize(shape[::-1]))
         if evidence.masks[c].size:
-            photo = picture.draw_outline(photo, picture.mask_outline(resized(evidence.masks[c], shape)), (0, 220, 60))
+            photo = drawing.draw_outline(photo, drawing.mask_outline(resized(evidence.masks[c], shape)), (0, 220, 60))
         text = full.name
         if evidence.scanned:
-            photo = picture.draw_outline(photo, picture.mask_outline(evidence.shadows[c]))
+            photo = drawing.draw_outline(photo, drawing.mask_outline(evidence.shadows[c]))
             text += f"  overlap {evidence.overlaps[c, c]:.2f}"
         for mark in evidence.session.joints:
             dot(photo, camera.project(evidence.in_place(np.asarray(mark.position))))
@@ -349,7 +349,7 @@ def dot(image: np.ndarray, place) -> None:
         image[max(0, y - 2) : y + 3, max(0, x - 2) : x + 3] = (255, 220, 0)
 
 
-def look(evidence: Evidence, path: Path) -> list[Finding]:
+def check_and_draw(evidence: Evidence, path: Path) -> list[Finding]:
     """Every check, and the picture of it."""
     found = check_session(evidence)
     write_picture(path, draw(evidence))

@@ -70,4 +70,4 @@ def draw_check_picture(session: d.Session, path: Path, console: Console, message
     extractor = d.session_silhouettes(session, frames, d.SilhouetteOptions(), context)
     console.finish()
     evidence = check.Evidence(session, frames, extractor)
-    return check.look(evidence, path)
+    return check.check_and_draw(evidence, path)

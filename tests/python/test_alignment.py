@@ -4,7 +4,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.cli import main
-from doublet.scan import alignment as given_scan
+from doublet.scan import alignment
 from test_scan import FAST, Person, model, write_session  # noqa: F401
 
 PLACES = [("mm", "+z", True, 2.1), ("m", "-y", False, 0.4), ("inches", "+x", True, 4.9), ("cm", "+y", False, 3.0)]
@@ -20,16 +20,16 @@ def spoilt(mesh: d.Mesh, unit: str, up: str, floor: bool, heading: float) -> d.M
         corners = np.array([i * 16 + j for i in range(15) for j in range(15)])
         squares = np.vstack([corners + [[0], [1], [17]], corners + [[0], [17], [16]]]).reshape(2, 3, -1)
         vertices, faces = np.vstack([vertices, grid]), np.vstack([faces, *(len(vertices) + s.T for s in squares)])
-    turned = (vertices - [0.4, 0, 0.1]) @ given_scan.about_y(heading).T
-    turned = turned @ given_scan.upright(np.array(given_scan.AXES[up], float))
-    return d.Mesh(turned / given_scan.UNITS[unit] + 7, faces.astype(np.int32))
+    turned = (vertices - [0.4, 0, 0.1]) @ alignment.about_y(heading).T
+    turned = turned @ alignment.upright(np.array(alignment.AXES[up], float))
+    return d.Mesh(turned / alignment.UNITS[unit] + 7, faces.astype(np.int32))
 
 
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: f"{place[0]} {place[1]}")
 def test_it_is_brought_back(model, place):  # noqa: F811
     person = Person(model, 0.7, 3)
     unit, up, floor, _ = place
-    found = given_scan.align_scan(spoilt(person.mesh, *place), person.mesh)
+    found = alignment.align_scan(spoilt(person.mesh, *place), person.mesh)
     assert (found.unit, found.up, found.floor) == (unit, up, floor)
     assert found.distance < 0.002
     _, off, _ = d.RayScene(person.mesh).closest(found.mesh.vertices)
@@ -42,10 +42,10 @@ def test_another_person_or_pose_is_refused(model):  # noqa: F811
     with pytest.raises(
         ValueError, match="scan: expected the person and the pose that the cameras see, found it .* mm from there"
     ):
-        given_scan.align_scan(ball, person.mesh)
+        alignment.align_scan(ball, person.mesh)
     far = d.Mesh(7 * np.asarray(ball.vertices), ball.faces)
     with pytest.raises(ValueError, match="scan: expected a person as high as the cameras see, .* found 4.2, 11.2, 4.2 units"):
-        given_scan.align_scan(far, person.mesh)
+        alignment.align_scan(far, person.mesh)
 
 
 def test_the_command_takes_a_given_scan(model, tmp_path, capsys):  # noqa: F811
