@@ -18,7 +18,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from display_hem import Drawn
-from doublet.console import Console
+from doublet.common.console import Console
 
 ON_FLOOR, SHORTEST = 0.01, 0.002  # m
 TOO_LONG = 3  # times

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import picture
+from doublet.common import drawing
 from PIL import Image
 
 FRAME = 1 / 40  # s
@@ -88,11 +88,11 @@ def draw(shots, azimuth, elevation, size=360):
     for positions, faces, capsules in shots:
         low, high = positions.min(0), positions.max(0)
         camera = d.orbit_camera((low + high) / 2, 0.5 * np.linalg.norm(high - low), azimuth, elevation, size, size)
-        meshes = [d.RenderMesh(positions, faces, picture.CLOTH)]
+        meshes = [d.RenderMesh(positions, faces, drawing.CLOTH)]
         for c in capsules:
             solid = d.capsule_mesh(c.p0, c.p1, c.r0, c.r1)
-            meshes.append(d.RenderMesh(solid.vertices, solid.faces, picture.PROXY))
-        pictures.append(picture.shade(meshes, camera))
+            meshes.append(d.RenderMesh(solid.vertices, solid.faces, drawing.PROXY))
+        pictures.append(drawing.shade(meshes, camera))
     return Image.fromarray(np.hstack(pictures))
 
 

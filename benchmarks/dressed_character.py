@@ -16,7 +16,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from body_subjects import join, smooth_normals
-from doublet.synthesize import ring_of_cameras
+from doublet.evaluation.synthesize import ring_of_cameras
 
 FPS = 40.0
 BAND = 0.04  # m, of the cloth that is fastened

@@ -10,7 +10,7 @@ import argparse
 from pathlib import Path
 from threading import Thread
 
-from doublet import edit_segmentation, edit_template
+from doublet.pages import edit_segmentation, edit_template
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
 from selenium.webdriver.common.by import By

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, pipeline
-from doublet.console import Console
+from doublet import reconstruct
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
 from sect7.reconstructions import random_materials
 
 #: Of the energy: the paper's form, in which a miss is free; nothing free; the same with features weighted less, the default.
@@ -39,10 +40,10 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
 
-    job = pipeline.Job(pipeline.recorded_session(arguments.out), arguments.out)
-    simulator, performance, dt = job.simulator(), job.dressed_performance(), 1 / job.session.fps
+    job = reconstruct.Job(reconstruct.recorded_session(arguments.out), arguments.out)
+    simulator, performance, dt = reconstruct.simulation.simulator(job), job.results.dressed_performance(), 1 / job.session.fps
     made, truth, context = evaluate.Reconstruction(arguments.out), evaluate.Truth(arguments.truth), Console(quiet=True).context()
-    regions = job.dressed.segmentation.region_count
+    regions = job.results.dressed.segmentation.region_count
     materials, distances = random_materials(arguments.materials, arguments.seed), []
     for material in materials:
         settle = job.options["energy"].settle_frames
@@ -54,7 +55,7 @@ def main() -> None:
     print(f"{len(materials)} materials: resim_cloth_cm {one.min():.2f} to {one.max():.2f}")
     observations = d.read_observations(job.path("observations.npz"))
     for name, changed in ENERGIES.items():
-        options = d.EnergyOptions(**{**job.energy_options().to_dict(), **changed})
+        options = d.EnergyOptions(**{**reconstruct.simulation.energy_options(job).to_dict(), **changed})
         objective = d.MaterialObjective(simulator, performance, observations, options)
         energies = np.sum(objective.energies([[m] * regions for m in materials], d.Context()), axis=1)
         print(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate
+from doublet.evaluation import metrics as evaluate
 
 RESTS = 0.02  #: m, true cloth nearer to the true body rests on it
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet.evaluate import Truth
+from doublet.evaluation.metrics import Truth
 
 
 def border(faces: np.ndarray) -> np.ndarray:

@@ -11,12 +11,13 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, pipeline
+from doublet import reconstruct
+from doublet.evaluation import metrics as evaluate
 
 
-def dressed_faces(job: pipeline.Job) -> tuple[np.ndarray, np.ndarray]:
+def dressed_faces(job: reconstruct.Job) -> tuple[np.ndarray, np.ndarray]:
     """Faces of the actor in the garment, and how loose its vertices are."""
-    actor, bare = job.dressed.actor, len(job.actor.mesh.vertices)
+    actor, bare = job.results.dressed.actor, len(job.results.actor.mesh.vertices)
     faces = actor.mesh.faces[np.asarray(actor.face_valid, bool)]
     return faces, np.repeat([0.0, 1.0], [bare, len(actor.mesh.vertices) - bare])
 
@@ -42,12 +43,18 @@ def main() -> None:
     materials = [space.material(unit) for unit in box]
     lowest = arguments.materials // 4
     for value in arguments.values:
-        job = pipeline.Job(pipeline.recorded_session(arguments.out), arguments.out)
+        job = reconstruct.Job(reconstruct.recorded_session(arguments.out), arguments.out)
         chosen = {"spreads": [0.25], arguments.option: [value] if arguments.option == "spreads" else value}
         options = d.GarmentOptions(**{**job.options["garment"].to_dict(), **chosen})
-        body, captured = d.read_body(job.path("body.npz")).body, job.performance().surface
-        job.offered_garment = d.GarmentMesher.create(options).mesh(job.actor, job.segmentation(), body, captured, context)
-        simulator, performance, energy = job.simulator(), job.dressed_performance(), job.energy_options()
+        body, captured = d.read_body(job.path("body.npz")).body, job.results.performance().surface
+        job.results.offered_garment = d.GarmentMesher.create(options).mesh(
+            job.results.actor, job.results.segmentation(), body, captured, context
+        )
+        simulator, performance, energy = (
+            reconstruct.simulation.simulator(job),
+            job.results.dressed_performance(),
+            reconstruct.simulation.energy_options(job),
+        )
         observations = d.read_observations(job.path("observations.npz"))
         objective = d.MaterialObjective(simulator, performance, observations, energy, space)
         each = [[material] * simulator.region_count for material in materials]

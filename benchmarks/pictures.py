@@ -19,9 +19,11 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, picture, pipeline
-from doublet.character import bake_first_frame
-from doublet.console import Console
+from doublet import reconstruct
+from doublet.common import drawing
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.reconstruct.character import bake_first_frame
 from PIL import Image
 
 HEIGHT = 720  # px, of a panel
@@ -56,17 +58,17 @@ def frames_of(character: d.Character, motion: d.Motion, wanted: list[int]) -> di
 
 
 def overview(chosen: argparse.Namespace) -> np.ndarray:
-    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
     character = d.Character.read(job.path("character.glb"))
-    performance, camera, row = job.performance(), job.session.rig[chosen.camera], chosen.frame
+    performance, camera, row = job.results.performance(), job.session.rig[chosen.camera], chosen.frame
     captured = performance.surface.frames[row]
-    faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
-    box = picture.crop_box(captured, camera, margin=25)
+    faces = job.results.actor.mesh.faces[np.asarray(job.results.actor.face_valid, bool)]
+    box = drawing.crop_box(captured, camera, margin=25)
 
     photo = d.FrameSource.open(job.session).image(chosen.camera, performance.frames[row])[..., ::-1]
-    filmed = picture.draw_outline(photo, picture.outline(captured, faces, camera))
-    colours = picture.cloth_colours(job.segmentation().clothness)
-    tracked = picture.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
+    filmed = drawing.draw_outline(photo, drawing.outline(captured, faces, camera))
+    colours = drawing.cloth_colours(job.results.segmentation().clothness)
+    tracked = drawing.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
     renderer, white = d.CharacterRenderer(character), d.RenderOptions(background=[1, 1, 1], floor=False)
     again = frames_of(character, d.Motion(job.session.fps, performance.dofs), [row])[row]
     panels = [view[box] for view in (filmed, tracked, renderer.render(*again[:3], camera, white)[..., ::-1])]
@@ -101,26 +103,26 @@ def dance(chosen: argparse.Namespace) -> np.ndarray:
                 surfaces, faces, clothness = cloth_of[name]
                 cloth = (clothness[faces] > 0.5).any(axis=1)
                 meshes = [d.RenderMesh(surfaces[frame], faces[m], np.array(c)) for m, c in ((~cloth, BODY), (cloth, colour))]
-            column.append(narrowed(picture.shade(meshes, camera), 0.9))
+            column.append(narrowed(drawing.shade(meshes, camera), 0.9))
         columns.append(np.vstack(column))
     return np.hstack(columns)
 
 
 def captured(chosen: argparse.Namespace) -> np.ndarray:
     """Film, and the captured surface on it, by clothness; a frame and a camera each."""
-    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
-    performance, film = job.performance(), d.FrameSource.open(job.session)
-    faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
-    colours = picture.cloth_colours(job.segmentation().clothness)
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
+    performance, film = job.results.performance(), d.FrameSource.open(job.session)
+    faces = job.results.actor.mesh.faces[np.asarray(job.results.actor.face_valid, bool)]
+    colours = drawing.cloth_colours(job.results.segmentation().clothness)
     panels = []
     for number, row in enumerate(chosen.frames):
         c = chosen.cameras[number % len(chosen.cameras)]
         camera, surface = job.session.rig[c], performance.surface.frames[row]
         photo = film.image(c, performance.frames[row])[..., ::-1]
         covered = d.rasterize(surface, faces, camera)[0] >= 0
-        shaded = picture.shade([d.RenderMesh(surface, faces, colours=colours)], camera)
+        shaded = drawing.shade([d.RenderMesh(surface, faces, colours=colours)], camera)
         mixed = np.where(covered[..., None], 0.4 * photo + 0.6 * shaded, photo).astype(np.uint8)
-        box = picture.crop_box(surface, camera, margin=25)
+        box = drawing.crop_box(surface, camera, margin=25)
         panels += [scaled(photo[box], HEIGHT // 2), scaled(mixed[box], HEIGHT // 2)]
     middle = 2 * ((len(chosen.frames) + 1) // 2)
     rows = [np.hstack(part) for part in (panels[:middle], panels[middle:]) if part]
@@ -135,9 +137,9 @@ def template(chosen: argparse.Namespace) -> np.ndarray:
     parts = [d.RenderMesh(mesh.vertices, mesh.faces[m], np.array(c)) for m, c in ((valid, (0.7,) * 3), (~valid, (0.8, 0.1, 0.1)))]
     middle = mesh.vertices[mesh.faces[~valid]].mean(axis=(0, 1))  # the sheet under a hem, most of it
     size = HEIGHT // 2
-    cameras = [picture.around(mesh.vertices, 0.0, size)]
+    cameras = [drawing.around(mesh.vertices, 0.0, size)]
     cameras += [d.orbit_camera(middle, 0.5, 0.0, elevation, size, size) for elevation in (-0.15, -0.8)]
-    return np.hstack([picture.shade(parts, camera) for camera in cameras])
+    return np.hstack([drawing.shade(parts, camera) for camera in cameras])
 
 
 def segmentation(chosen: argparse.Namespace) -> np.ndarray:
@@ -148,32 +150,32 @@ def segmentation(chosen: argparse.Namespace) -> np.ndarray:
     share = np.nan_to_num(np.clip(found.sigma / 0.03, 0, 1))[:, None]
     deviation = (1 - share) * np.array([0.95, 0.95, 0.95]) + share * np.array([0.75, 0.1, 0.1])
     panels = []
-    for colours in (deviation, picture.cloth_colours(found.clothness)):
+    for colours in (deviation, drawing.cloth_colours(found.clothness)):
         for azimuth in (0.4, 0.4 + np.pi):
-            camera = picture.around(actor.mesh.vertices, azimuth, HEIGHT // 2)
-            panels.append(narrowed(picture.shade([d.RenderMesh(actor.mesh.vertices, valid, colours=colours)], camera), 0.8))
+            camera = drawing.around(actor.mesh.vertices, azimuth, HEIGHT // 2)
+            panels.append(narrowed(drawing.shade([d.RenderMesh(actor.mesh.vertices, valid, colours=colours)], camera), 0.8))
     return np.hstack(panels)
 
 
 def garment(chosen: argparse.Namespace) -> np.ndarray:
     """In the scan pose, and its rest shape: at one scale, with the triangles' edges."""
     worn = d.read_garment(chosen.out / "garment.npz", d.read_actor(chosen.out / "actor.npz"))
-    faces, colours = worn.mesh.faces, picture.cloth_colours(worn.clothness)
-    camera = picture.around(np.vstack([worn.mesh.vertices, worn.rest]), 0.0, 960)
+    faces, colours = worn.mesh.faces, drawing.cloth_colours(worn.clothness)
+    camera = drawing.around(np.vstack([worn.mesh.vertices, worn.rest]), 0.0, 960)
     panels = []
     for vertices in (worn.mesh.vertices, worn.rest):
-        solid = picture.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
-        drawn = picture.draw_outline(solid, picture.edges(vertices, faces, camera), (90, 50, 50))
-        panels.append(drawn[picture.crop_box(vertices, camera)])
+        solid = drawing.shade([d.RenderMesh(vertices, faces, colours=colours)], camera)
+        drawn = drawing.draw_outline(solid, drawing.edges(vertices, faces, camera), (90, 50, 50))
+        panels.append(drawn[drawing.crop_box(vertices, camera)])
     height = max(panel.shape[0] for panel in panels)
     return np.hstack([np.pad(p, ((0, height - p.shape[0]), (20, 20), (0, 0)), constant_values=255) for p in panels])
 
 
-def with_the_scans_triangles(job: pipeline.Job) -> d.Character:
+def with_the_scans_triangles(job: reconstruct.Job) -> d.Character:
     """The character of `job`, its cloth drawn by what was scanned in the place of the garment's own mesh."""
     character = d.Character.read(job.path("character.glb"))
     scanned = d.read_mesh(job.path("template_high.ply"))
-    valid = d.make_display(job.actor, job.segmentation(), scanned).valid  # of the actor: it wears no garment
+    valid = d.make_display(job.results.actor, job.results.segmentation(), scanned).valid  # of the actor: it wears no garment
     made = d.make_character(
         character.actor,
         character.segmentation,
@@ -184,13 +186,13 @@ def with_the_scans_triangles(job: pipeline.Job) -> d.Character:
         scanned,
         valid,
     )
-    bake_first_frame(made, job, job.dressed_performance())
+    bake_first_frame(made, job, job.results.dressed_performance())
     return made
 
 
 def hem(chosen: argparse.Namespace) -> np.ndarray:
     """Columns: the front of the garment, from below, its seam. Rows: drawn by the scan's triangles, and by the garment's own."""
-    job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out, console=Console(quiet=True))
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out, console=Console(quiet=True))
     rows = []
     for character in (with_the_scans_triangles(job), d.Character.read(job.path("character.glb"))):
         retargeting = d.RetargetOptions(fps=1 / character.solver.dt)

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import study
+from doublet.evaluation import study
 
 sys.path.insert(0, str(Path(__file__).parent / "sect7"))
 from filmed import Filming, filmed  # noqa: E402

@@ -14,8 +14,8 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet.appearance import first_colours
-from doublet.evaluate import Reconstruction, Truth, cloth_iou, seen_faces
+from doublet.evaluation.metrics import Reconstruction, Truth, cloth_iou, seen_faces
+from doublet.session.first_frame import first_colours
 
 
 def barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet.appearance import camera_views
-from doublet.evaluate import Truth
-from doublet.pipeline import Job
+from doublet.evaluation.metrics import Truth
+from doublet.reconstruct import Job
+from doublet.session.first_frame import camera_views
 from PIL import Image
 
 OFF = 12  # in a, b of Lab
@@ -90,7 +90,7 @@ def main() -> None:
     parser.add_argument("--label-reach", type=float, nargs="+", default=[0.0, d.TextureOptions().label_reach], help="m")
     options = parser.parse_args()
     job, truth = Job(options.session, options.out), Truth(options.session / "ground_truth")
-    performance, character = job.dressed_performance(), d.Character.read(options.out / "character.glb")
+    performance, character = job.results.dressed_performance(), d.Character.read(options.out / "character.glb")
     frame, surface = performance.frames[0], performance.surface.frames[0]
     images, masks = camera_views(job.session, frame, job.silhouettes)
     true = TrueColours(truth, frame, job.session.rig, images, masks)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate
+from doublet.evaluation import metrics as evaluate
 
 NAMES = ("resim_cloth_cm", "resim_two_sided_cm", "hem_height_cm", "flare_cm")
 

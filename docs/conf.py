@@ -33,6 +33,13 @@ breathe_show_include = False
 #: Every header opens the namespace again; a link to a file of the sources is a copy of it.
 suppress_warnings = ["duplicate_declaration.cpp"]
 
+#: Modules of Python that others build on (stability.md).
+MODULES = (
+    "common.console", "corrections.segmentation_paint", "corrections.template_mask", "evaluation.metrics",
+    "evaluation.motion_metrics", "evaluation.study", "evaluation.synthesize", "export.animate", "export.bone_map", "export.clips",
+    "export.usd", "optimizers", "pages.report", "reconstruct", "scan", "session.new_session", "testing",
+)  # fmt: skip
+
 #: Folder of a library -> what its page says.
 ROOMS = {
     "core": "Meshes, skeleton, skinning, cameras, z-buffer",
@@ -114,7 +121,7 @@ def python_page(room: str, names: list[str]) -> str:
 
 def modules_page() -> str:
     lines = ["# Python: modules", "", "What is written in Python, behind the command line.", "", "```{eval-rst}"]
-    for name in doublet.MODULES:
+    for name in MODULES:
         lines += [f"doublet.{name}", "-" * (8 + len(name)), "", f".. automodule:: doublet.{name}", "   :members:", ""]
     return "\n".join([*lines, "```", ""])
 
@@ -154,7 +161,7 @@ def signature(app, what, name, obj, options, arguments, result):
 def write_api_pages(app) -> None:
     run_doxygen()
     API.mkdir(exist_ok=True)
-    names = [name for name in dir(_doublet) if not name.startswith("_")]
+    names = [name for name in dir(_doublet) if not name.startswith("_") and name not in doublet.testing.__all__]
     rooms = {name: room_of(name) for name in names}
     for room in ROOMS:
         (API / f"cpp-{room}.md").write_text(cpp_page(room), encoding="utf-8")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
+from doublet import testing
 
 
 def dot(a, b):
@@ -144,7 +145,7 @@ def main(out, frames=40):
     naked = d.read_actor(out / "actor.npz")
     performance = d.dress(d.read_performance(out / "performance.npz", naked), naked, d.read_garment(out / "garment.npz", naked))
 
-    broken = d.cloth_solver_violations(NumpySolver)
+    broken = testing.cloth_solver_violations(NumpySolver)
     print("rules broken:", broken or "none")
 
     dt = character.solver.dt

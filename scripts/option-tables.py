@@ -4,18 +4,18 @@ import re
 from pathlib import Path
 
 import doublet as d
-from doublet import pipeline
-from doublet.cli import shown
-from doublet.pipeline import plain
+from doublet import reconstruct
+from doublet.cli.option_flags import to_text
+from doublet.reconstruct.options import plain
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 MARKED = re.compile(r"(<!-- options (\w+) -->\n).*?(<!-- /options -->)", re.DOTALL)
 #: Name on the command line (`--GROUP-OPTION`) of the classes that are there.
-GROUPS = {c.__name__: g for g, c in {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
+GROUPS = {c.__name__: g for g, c in {**reconstruct.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}.items()}
 
 
 def as_text(value) -> str:
-    text = f"{value:g}" if isinstance(value, float) else shown(value)
+    text = f"{value:g}" if isinstance(value, float) else to_text(value)
     return {"True": "on", "False": "off"}.get(text, text)
 
 

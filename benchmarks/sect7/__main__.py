@@ -20,7 +20,7 @@ from pathlib import Path
 
 import comparisons
 import searches
-from doublet import evaluate
+from doublet.evaluation import metrics as evaluate
 from filmed import Filming
 from reconstructions import material
 

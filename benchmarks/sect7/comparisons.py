@@ -4,9 +4,11 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import evaluate, pipeline, study
-from doublet.character import exact_motion
-from doublet.console import Console
+from doublet import reconstruct
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.evaluation import study
+from doublet.export.animate import exact_motion
 from filmed import Filming, filmed
 from reconstructions import (
     NAMES,
@@ -69,7 +71,7 @@ def table1(out: Path, session, how: Filming, work: Path, workers: int):
     with what was filmed. (1a and 1b are one skirt in two motions: the paper calls them the same material.)"""
     sets, jobs = table_1(), []
     base = plain_job(out, session)
-    fps, regions = base["fps"], study.reconstruction(base).dressed.segmentation.region_count
+    fps, regions = base["fps"], study.reconstruction(base).results.dressed.segmentation.region_count
     for truth in sets.values():
         folder, options = filmed(out, session, truth, how, work)
         jobs.append(energy_job(study.plain_job(folder, options, fps, 1), [[m] * regions for m in sets.values()]))
@@ -118,7 +120,7 @@ def rivals(out: Path, session, truth_folder: Path, every: int, seeds: int, count
     samples.update({name: [m] * len(own) for name, m in others.items()})
     found = {}
     surfaces = {name: simulate(made, materials) for name, materials in samples.items()}
-    dressed = made.dressed.actor
+    dressed = made.results.dressed.actor
     surfaces["skinned, no cloth"] = np.array([d.pose_surface(dressed, dofs) for dofs in recon.performance.dofs])
     for name, sequence in surfaces.items():
         found[name] = [evaluate.cloth_rms_cm(recon.animated(sequence), truth, every, context, name), ""]
@@ -196,7 +198,7 @@ def iterations(out: Path, session):
 def apart_from(out: Path, session, materials: list[d.Material], steps: tuple[int, int]):
     """RMS cm to `materials` under sweeps x substeps `steps`, as a function of other steps and materials."""
 
-    def made_with(steps: tuple[int, int]) -> pipeline.Job:
+    def made_with(steps: tuple[int, int]) -> reconstruct.Job:
         return study.reconstruction(plain_job(out, session, cloth={"iterations": steps[0], "substeps": steps[1]}))
 
     reference = simulate(made_with(steps), materials)

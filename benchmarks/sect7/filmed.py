@@ -1,5 +1,5 @@
 """Sect. 7, the artificial data set: a reconstructed character is given a material, animated on its own motion and filmed.
-What an estimation needs of it lies in a folder of its own, a reconstruction for `doublet.study`."""
+What an estimation needs of it lies in a folder of its own, a reconstruction for `doublet.evaluation.study`."""
 
 import hashlib
 import json
@@ -9,11 +9,12 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import pipeline, study
-from doublet.console import Console
-from doublet.files import hash_files, write_json
-from doublet.motions import read_motion
-from doublet.synthesize import Surfaces, SynthesisOptions, synthesize
+from doublet import reconstruct
+from doublet.common.console import Console
+from doublet.common.files import hash_files, write_json
+from doublet.evaluation import study
+from doublet.evaluation.synthesize import Surfaces, SynthesisOptions, synthesize
+from doublet.export.clips import read_motion
 from reconstructions import plain_job
 
 MARKS = 1500  # points on the surface that perfect observations follow
@@ -52,7 +53,7 @@ class ExpectedSurface(d.SurfaceRefiner):
         return estimate
 
 
-def seen_in_images(made: pipeline.Job, dofs: np.ndarray) -> d.Observations:
+def seen_in_images(made: reconstruct.Job, dofs: np.ndarray) -> d.Observations:
     """Contours and feature matches of made.session's images, by the pipeline's own capture with the poses given: neither
     depends on pose or surface."""
     once = {"second_pass": False, "ends_turn": 0.0}  # the poses are given, one a frame, of the actor as it is
@@ -60,7 +61,7 @@ def seen_in_images(made: pipeline.Job, dofs: np.ndarray) -> d.Observations:
     options.features = made.options["features"]
     capture = d.PerformanceCapture.create(options, d.CaptureParts(pose=GivenPose(dofs), surface=ExpectedSurface()))
     frames = d.FrameSource.open(made.session)
-    return capture.capture(made.actor, made.session.rig, frames, made.silhouettes, made.context).observations
+    return capture.capture(made.results.actor, made.session.rig, frames, made.silhouettes, made.context).observations
 
 
 class PerfectViews:
@@ -103,13 +104,13 @@ class PerfectViews:
         return result
 
 
-def known_motion(made: pipeline.Job, frames: int) -> d.ReferencePerformance:
+def known_motion(made: reconstruct.Job, frames: int) -> d.ReferencePerformance:
     """The poses of OUT, of the bare actor. Cloth starts as that of an animation does: the loose part of the template from the
     skinned surface, a garment with a mesh of its own from its rest shape. The captured surfaces after it only say where images
     matter."""
-    performance = made.performance()
+    performance = made.results.performance()
     dofs, surfaces = performance.dofs[:frames], performance.surface.frames[:frames]
-    surfaces[0] = d.pose_surface(made.actor, dofs[0])
+    surfaces[0] = d.pose_surface(made.results.actor, dofs[0])
     result = d.ReferencePerformance()
     result.dofs, result.frames, result.joints = dofs, list(range(len(dofs))), performance.joints[:frames]
     result.surface = d.MeshSequence(performance.surface.faces, surfaces)
@@ -128,7 +129,7 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     options under which it is compared as it was animated. A folder that is there already is used."""
     base = plain_job(out, session_folder)
     made = study.reconstruction(base)
-    session = d.Session(session_folder or pipeline.recorded_session(out))
+    session = d.Session(session_folder or reconstruct.recorded_session(out))
     settle = round(d.AnimateOptions().settle_seconds * base["fps"])
     options = {**base["options"], "energy.settle_frames": settle}
     request = {"of": base, "character": hash_files(out / "character.glb"), "truth": truth.to_dict(), "filming": asdict(how)}

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import pipeline, study
-from doublet.run_record import RunRecord
+from doublet import reconstruct
+from doublet.evaluation import study
+from doublet.reconstruct.run_record import RunRecord
 
 NAMES = ("d_n", "d_t", "k_bend", "k_stretch", "k_friction")  # in the paper's order
 #: Table 1. Its column "d_t (x 10^3)" is read as it stands, see docs/results.md.
@@ -73,15 +74,17 @@ def plain_job(out: Path, session: Path | None = None, threads: int = 1, **change
     return study.plain_job(out, options, fps, threads)
 
 
-def simulate(made: pipeline.Job, materials: list[d.Material]) -> np.ndarray:
+def simulate(made: reconstruct.Job, materials: list[d.Material]) -> np.ndarray:
     """(T, V, 3) m: the reference motion, animated again."""
     settle = made.options["energy"].settle_frames
-    return d.simulate_reference(made.simulator(), made.dressed_performance(), materials, 1 / made.fps, settle)
+    return d.simulate_reference(
+        reconstruct.simulation.simulator(made), made.results.dressed_performance(), materials, 1 / made.fps, settle
+    )
 
 
-def rms_cm(a: np.ndarray, b: np.ndarray, made: pipeline.Job) -> float:
+def rms_cm(a: np.ndarray, b: np.ndarray, made: reconstruct.Job) -> float:
     """Over the cloth's vertices (clothness > 0.5) and all frames."""
-    apart = (a - b)[:, made.dressed.segmentation.clothness > 0.5]
+    apart = (a - b)[:, made.results.dressed.segmentation.clothness > 0.5]
     return 100 * float(np.sqrt(np.square(apart).sum(axis=2).mean()))
 
 

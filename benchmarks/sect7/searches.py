@@ -8,8 +8,10 @@ from pathlib import Path
 import doublet as d
 import matplotlib
 import numpy as np
-from doublet import evaluate, pipeline, study
-from doublet.console import Console
+from doublet import reconstruct
+from doublet.common.console import Console
+from doublet.evaluation import metrics as evaluate
+from doublet.evaluation import study
 from reconstructions import NAMES, energies, energy_job, estimate, markdown, plain_job, run, simulate
 
 matplotlib.use("Agg")
@@ -31,10 +33,10 @@ def search(job: dict) -> dict:
     """An estimation: study.fit, and the first region's evaluations, best energy so far and mean (box units) after every
     generation. job["start"] and job["sigma"], if there: the first distribution of CMA-ES, box units."""
     made = study.reconstruction(job)
-    options = pipeline.fit_options(made)
+    options = reconstruct.fit.fit_options(made)
     if "start" in job:
         options.make_optimizer = lambda n, seed: cma_from(job["start"], job["sigma"], seed, options)
-    take, context = made.take(), d.Context(threads=job["threads"])
+    take, context = reconstruct.simulation.take(made), d.Context(threads=job["threads"])
     start = time.monotonic()
     result = d.estimate_material([take], options, context)
     seconds = time.monotonic() - start

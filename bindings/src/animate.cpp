@@ -70,44 +70,47 @@ py::array_t<double> as_quaternions(const SourceMotion &motion) {
 }
 
 void bind_character(py::module_ &m) {
-  py::class_<Character>(m, "Character", "The animatable character: everything that a new animation needs (character.glb).")
+  Class<Character>(m, "Character", "The animatable character: everything that a new animation needs (character.glb).")
       .def_static("read", &read_character, py::arg("path"), Release(),
                   "character.glb. Raises FileNotFoundError, or Error naming the file; other files are never followed.")
       .def(
           "write", [](const Character &character, const std::filesystem::path &path) { write_character(path, character); },
           py::arg("path"), Release(), "character.glb, complete or not at all.")
-      .def_readwrite("name", &Character::name)
-      .def_readwrite("actor", &Character::actor)
-      .def_readwrite("segmentation", &Character::segmentation)
-      .def_readwrite("proxies", &Character::proxies)
-      .def_readwrite("materials", &Character::materials)
-      .def_readwrite("solver", &Character::solver)
-      .def_readwrite("body", &Character::body)
+      .def_readwrite("name", &Character::name, "of the character")
+      .def_readwrite("actor", &Character::actor, "RiggedMesh: surface, skeleton, skin weights")
+      .def_readwrite("segmentation", &Character::segmentation, "what of the surface is cloth")
+      .def_readwrite("proxies", &Character::proxies, "TaperedCapsules that the cloth collides with")
+      .def_readwrite("materials", &Character::materials, "one a cloth region")
+      .def_readwrite("solver", &Character::solver, "SolverSettings, without which the materials mean nothing")
+      .def_readwrite("body", &Character::body, "the body under the clothes, scan pose; may be empty")
       .def_readwrite("body_shown", &Character::body_shown, "(FB) 1 = hidden under cloth in the scan, must be drawn")
       .def_readwrite("body_colour", &Character::body_colour, "linear RGB in [0, 1]")
-      .def_readwrite("high", &Character::high)
-      .def_readwrite("high_valid", &Character::high_valid)
+      .def_readwrite("high", &Character::high, "M_high, what is displayed, scan pose; may be empty: then M is")
+      .def_readwrite("high_valid", &Character::high_valid, "(FH) 0 = a face of M_high that is not drawn")
       .def_readwrite("garment_subdivisions", &Character::garment_subdivisions, "of the garment in `high`; -1 = none is")
       .def_readwrite("texcoords", &Character::texcoords, "(3 FH, 2) per corner of `high`")
-      .def_property_readonly("texture", [](const Character &character) {
-        return py::bytes(reinterpret_cast<const char *>(character.texture.data()), character.texture.size());
-      });
+      .def_property_readonly(
+          "texture",
+          [](const Character &character) {
+            return py::bytes(reinterpret_cast<const char *>(character.texture.data()), character.texture.size());
+          },
+          "a PNG or JPEG file as bytes; empty = none");
   m.def("make_character", &make_character, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("proxies"),
-        py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{}, py::arg("high_valid") = std::vector<std::uint8_t>{},
-        py::arg("garment_subdivisions") = -1, Release(),
+        py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{},
+        py::arg_v("high_valid", std::vector<std::uint8_t>{}, "[]"), py::arg("garment_subdivisions") = -1, Release(),
         "Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.");
 }
 
 void bind_motion(py::module_ &m) {
-  py::class_<Motion>(m, "Motion", "Poses of a character's skeleton at a constant rate.")
+  Class<Motion>(m, "Motion", "Poses of a character's skeleton at a constant rate.")
       .def(py::init([](double fps, MatrixRM dofs) {
              return Motion{fps, std::move(dofs)};
            }),
            py::arg("fps"), py::arg("dofs"))
-      .def_readwrite("fps", &Motion::fps)
+      .def_readwrite("fps", &Motion::fps, "frames a second")
       .def_readwrite("dofs", &Motion::dofs, "(T, D) rad and m")
       .def("__len__", [](const Motion &motion) { return motion.dofs.rows(); });
-  py::class_<SourceMotion>(m, "SourceMotion", "A motion capture clip on its own skeleton.")
+  Class<SourceMotion>(m, "SourceMotion", "A motion capture clip on its own skeleton.")
       .def_static(
           "read",
           [](const std::filesystem::path &path, const std::optional<std::filesystem::path> &skeleton) {
@@ -120,23 +123,27 @@ void bind_motion(py::module_ &m) {
            "3) "
            "in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
            "length.")
-      .def_readonly("source", &SourceMotion::source)
-      .def_readonly("fps", &SourceMotion::fps)
-      .def_property_readonly("frame_count", &SourceMotion::frame_count)
-      .def_property_readonly("joint_names",
-                             [](const SourceMotion &motion) {
-                               std::vector<std::string> names;
-                               for (const SourceJoint &joint : motion.joints)
-                                 names.push_back(joint.name);
-                               return names;
-                             })
-      .def_property_readonly("joint_parents",
-                             [](const SourceMotion &motion) {
-                               std::vector<int> parents;
-                               for (const SourceJoint &joint : motion.joints)
-                                 parents.push_back(joint.parent);
-                               return parents;
-                             })
+      .def_readonly("source", &SourceMotion::source, "file name, for messages")
+      .def_readonly("fps", &SourceMotion::fps, "frames a second")
+      .def_property_readonly("frame_count", &SourceMotion::frame_count, "T")
+      .def_property_readonly(
+          "joint_names",
+          [](const SourceMotion &motion) {
+            std::vector<std::string> names;
+            for (const SourceJoint &joint : motion.joints)
+              names.push_back(joint.name);
+            return names;
+          },
+          "(J) as the file has them")
+      .def_property_readonly(
+          "joint_parents",
+          [](const SourceMotion &motion) {
+            Eigen::VectorXi parents(static_cast<Eigen::Index>(motion.joints.size()));
+            for (Eigen::Index j = 0; j < parents.size(); ++j)
+              parents[j] = motion.joints[static_cast<std::size_t>(j)].parent;
+            return parents;
+          },
+          "(J) indices, -1 = none")
       .def_property_readonly(
           "offsets",
           [](const SourceMotion &motion) {
@@ -153,16 +160,16 @@ void bind_motion(py::module_ &m) {
   m.def("retarget", &retarget, py::arg("clip"), py::arg("skeleton"), py::arg("options") = RetargetOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.");
-  py::class_<JointMatch>(m, "JointMatch", "Which joint of a clip plays one of our joints, and why.")
+  Class<JointMatch>(m, "JointMatch", "Which joint of a clip plays one of our joints, and why.")
       .def_readonly("part", &JointMatch::part, "our joint")
       .def_readonly("joint", &JointMatch::joint, "index into the clip's joint_names; -1 = none")
-      .def_readonly("reason", &JointMatch::reason);
+      .def_readonly("reason", &JointMatch::reason, "why, in words");
   m.def("explain_match", &explain_match, py::arg("clip"), py::arg("given") = std::map<std::string, std::string>{},
         "A JointMatch for each of our joints. given: our joint -> name in the clip, '' = none.");
   m.def("resample", &resample, py::arg("skeleton"), py::arg("motion"), py::arg("fps"),
         "The same Motion at another rate; first and last pose stay (the last as far as the new rate reaches it).");
   OptionsClass<PlantOptions>(m, "Options of plant_feet and find_contacts.");
-  py::class_<FootContacts>(m, "FootContacts", "When one foot of a motion stands.")
+  Class<FootContacts>(m, "FootContacts", "When one foot of a motion stands.")
       .def_readonly("ankle", &FootContacts::ankle, "joint")
       .def_property_readonly(
           "heel", [](const FootContacts &foot) { return flags(foot.heel); }, "(T,) bool")
@@ -178,9 +185,9 @@ void bind_motion(py::module_ &m) {
 
 void bind_animator(py::module_ &m) {
   OptionsClass<AnimateOptions>(m, "Options of animate.");
-  py::class_<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
-                              "An animation in memory; an array is put together at its first access, and kept.")
-      .def_readonly("fps", &AnimationResult::fps)
+  Class<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
+                         "An animation in memory; an array is put together at its first access, and kept.")
+      .def_readonly("fps", &AnimationResult::fps, "frames a second, the character's")
       .def_readonly("dofs", &AnimationResult::dofs, "(T, D)")
       .def_property_readonly(
           "surface",
@@ -211,8 +218,8 @@ void bind_animator(py::module_ &m) {
 }
 
 void bind_streaming(py::module_ &m) {
-  py::class_<AnimationFrame>(m, "AnimationFrame", "One frame of an animation; keep copies, the arrays are gone after the call.")
-      .def_readonly("index", &AnimationFrame::index)
+  Class<AnimationFrame>(m, "AnimationFrame", "One frame of an animation; keep copies, the arrays are gone after the call.")
+      .def_readonly("index", &AnimationFrame::index, "of the animation, from 0")
       .def_readonly("dofs", &AnimationFrame::dofs, "(D)")
       .def_readonly("joints", &AnimationFrame::joints, "(J, 3) m")
       .def_readonly("surface", &AnimationFrame::surface, "(V, 3) m")
@@ -242,9 +249,9 @@ void bind_streaming(py::module_ &m) {
 /// What the player returns is its own: a view, which the next step writes over.
 void bind_player(py::module_ &m) {
   constexpr auto kView = py::return_value_policy::reference_internal;
-  py::class_<Player>(m, "Player",
-                     "A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the "
-                     "AnimationFrame that it returns are views, which the next step writes over: copy what you keep.")
+  Class<Player>(m, "Player",
+                "A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the "
+                "AnimationFrame that it returns are views, which the next step writes over: copy what you keep.")
       .def(py::init([](const Character &character, const AnimateOptions &options, const py::object &make_solver) {
              const pbd::ClothSolverFactory make = solver_factory(make_solver);
              const py::gil_scoped_release release;
@@ -266,7 +273,7 @@ void bind_player(py::module_ &m) {
       .def("teleport", &Player::teleport, py::arg("dofs"), kView, Release(),
            "Stands in this pose (D) at once; the cloth is carried along with the root, with its speed.")
       .def_property_readonly("frame", &Player::frame, kView, "The last AnimationFrame.")
-      .def_property_readonly("character", &Player::character, kView)
+      .def_property_readonly("character", &Player::character, kView, "Character that is played")
       .def_property("materials", &Player::materials, &Player::set_materials, py::return_value_policy::copy,
                     "One a cloth region; assign a list to change them.")
       .def_property("wind", &Player::wind, &Player::set_wind, py::return_value_policy::copy, "(3) m/s")
@@ -289,7 +296,7 @@ void bind_player(py::module_ &m) {
 }
 
 void bind_pictures(py::module_ &m) {
-  py::class_<RenderMesh>(m, "RenderMesh", "One mesh of a picture; colours in [0, 1], RGB.")
+  Class<RenderMesh>(m, "RenderMesh", "One mesh of a picture; colours in [0, 1], RGB.")
       .def(py::init([](Vertices vertices, Faces faces, const Eigen::Vector3d &colour, const std::optional<Vertices> &colours,
                        std::vector<std::uint8_t> face_valid) {
              RenderMesh mesh;
@@ -302,16 +309,16 @@ void bind_pictures(py::module_ &m) {
              return mesh;
            }),
            py::arg("vertices"), py::arg("faces"), py::arg("colour") = Eigen::Vector3d(0.75, 0.75, 0.75),
-           py::arg("colours") = std::nullopt, py::arg("face_valid") = std::vector<std::uint8_t>{})
-      .def_readwrite("vertices", &RenderMesh::vertices)
-      .def_readwrite("faces", &RenderMesh::faces)
-      .def_readwrite("colour", &RenderMesh::colour);
+           py::arg("colours") = std::nullopt, py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"))
+      .def_readwrite("vertices", &RenderMesh::vertices, "(V, 3) m")
+      .def_readwrite("faces", &RenderMesh::faces, "(F, 3)")
+      .def_readwrite("colour", &RenderMesh::colour, "(3) B G R in [0, 1]");
   OptionsClass<RenderOptions>(m, "Options of render.");
   m.def("render", &render, py::arg("meshes"), py::arg("camera"), py::arg("options") = RenderOptions{}, Release(),
         "(H, W, 3) uint8, BGR");
   m.def("orbit_camera", &orbit_camera, py::arg("target"), py::arg("radius"), py::arg("azimuth"), py::arg("elevation"),
         py::arg("width"), py::arg("height"), "Looks at target from azimuth (rad, 0 = from +Z) and elevation.");
-  py::class_<CharacterRenderer>(m, "CharacterRenderer", "Pictures of one character in many frames; safe from many threads.")
+  Class<CharacterRenderer>(m, "CharacterRenderer", "Pictures of one character in many frames; safe from many threads.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
       .def("meshes", &CharacterRenderer::meshes, py::arg("surface"), py::arg("high"), py::arg("body"), Release(),
            "The RenderMesh objects of a frame.")
@@ -330,18 +337,18 @@ void bind_texture(py::module_ &m) {
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "(10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for MeshSequence.colours.");
-  py::class_<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
-      .def_readonly("mesh", &Display::mesh)
+  Class<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
+      .def_readonly("mesh", &Display::mesh, "M_high, scan pose")
       .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")
       .def_readonly("garment_subdivisions", &Display::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
   m.def("make_display", &make_display, py::arg("actor"), py::arg("segmentation"), py::arg("high"), Release(),
         "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
-  py::class_<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
+  Class<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
       .def(py::init<const Character &>(), py::arg("character"), Release())
       .def("apply", py::overload_cast<const Vertices &>(&DisplaySurface::apply, py::const_), py::arg("surface"), Release(),
            "(VH, 3) for the vertices (V, 3) of M")
       .def("sample", &DisplaySurface::sample, py::arg("values"), Release(), "(VH, C) values of M's vertices (V, C)");
-  py::class_<SurfaceTransfer>(m, "SurfaceTransfer", "A fine mesh that follows a coarse one.")
+  Class<SurfaceTransfer>(m, "SurfaceTransfer", "A fine mesh that follows a coarse one.")
       .def(py::init<const Mesh &, const std::vector<std::uint8_t> &, const Mesh &, const std::vector<std::uint8_t> &>(),
            py::arg("coarse"), py::arg("coarse_valid"), py::arg("fine"), py::arg("fine_valid"), Release())
       .def("apply", py::overload_cast<const Vertices &>(&SurfaceTransfer::apply, py::const_), py::arg("coarse"), Release(),

@@ -108,7 +108,7 @@ public:
 };
 
 void bind_marks(py::module_ &m) {
-  py::class_<BodyMarks>(m, "BodyMarks", "Joints and landmarks of a person that nobody marked.")
+  Class<BodyMarks>(m, "BodyMarks", "Joints and landmarks of a person that nobody marked.")
       .def_readonly("joints", &BodyMarks::joints, "the standard joints, JointMark")
       .def_readonly("landmarks", &BodyMarks::landmarks, "name -> point on the body, m")
       .def_readonly("fit", &BodyMarks::fit, "the body that they were read from")
@@ -123,7 +123,7 @@ void bind_marks(py::module_ &m) {
 }
 
 void bind_regions(py::module_ &m) {
-  py::class_<BodyRegion>(m, "BodyRegion", "How far a fit can be trusted along one bone.")
+  Class<BodyRegion>(m, "BodyRegion", "How far a fit can be trusted along one bone.")
       .def_readonly("joint", &BodyRegion::joint, "that the bone hangs from")
       .def_readonly("area", &BodyRegion::area, "m^2 of the body")
       .def_readonly("exposed", &BodyRegion::exposed, "share of it whose nearest surface is skin")
@@ -134,23 +134,26 @@ void bind_regions(py::module_ &m) {
 }
 
 void bind_proxy_statistics(py::module_ &m) {
-  py::class_<ProxyStatistics>(m, "ProxyStatistics", "How well the capsules stand for the body under cloth, m.")
-      .def_readonly("capsules", &ProxyStatistics::capsules)
-      .def_readonly("samples", &ProxyStatistics::samples)
-      .def_readonly("mean_distance", &ProxyStatistics::mean_distance)
-      .def_readonly("percentile95", &ProxyStatistics::percentile95)
-      .def_readonly("largest_bulge", &ProxyStatistics::largest_bulge)
-      .def_readonly("cloth_clearance", &ProxyStatistics::cloth_clearance);
+  Class<ProxyStatistics>(m, "ProxyStatistics", "How well the capsules stand for the body under cloth, m.")
+      .def_readonly("capsules", &ProxyStatistics::capsules, "their number")
+      .def_readonly("samples", &ProxyStatistics::samples, "body vertices under cloth")
+      .def_readonly("mean_distance", &ProxyStatistics::mean_distance,
+                    "m, mean |signed distance| of body vertices under cloth to the union of capsules")
+      .def_readonly("percentile95", &ProxyStatistics::percentile95, "m, 95 % of the same")
+      .def_readonly("largest_bulge", &ProxyStatistics::largest_bulge,
+                    "m, how far a capsule stands out of the body at most; 0 = nowhere")
+      .def_readonly("cloth_clearance", &ProxyStatistics::cloth_clearance,
+                    "m, smallest signed distance of the resting cloth to the capsules; negative = pushed");
   m.def("proxy_statistics", &proxy_statistics, py::arg("capsules"), py::arg("fit"), py::arg("actor"), py::arg("segmentation"),
         Release(), "How far capsules and body are apart under the cloth.");
 }
 
 void bind_training(py::module_ &m) {
   OptionsClass<TrainOptions>(m, "Options of train_body_model.");
-  py::class_<TrainSummary>(m, "TrainSummary", "What a training kept.")
-      .def_readonly("meshes", &TrainSummary::meshes)
-      .def_readonly("vertices", &TrainSummary::vertices)
-      .def_readonly("components", &TrainSummary::components)
+  Class<TrainSummary>(m, "TrainSummary", "What a training kept.")
+      .def_readonly("meshes", &TrainSummary::meshes, "of the population")
+      .def_readonly("vertices", &TrainSummary::vertices, "of each")
+      .def_readonly("components", &TrainSummary::components, "of shape that were kept")
       .def_readonly("variance_kept", &TrainSummary::variance_kept, "fraction")
       .def_readonly("reconstruction_mm", &TrainSummary::reconstruction_mm, "mean vertex error of the training set");
   m.def("train_body_model", &train_body_model, py::arg("population"), py::arg("out"), py::arg("options") = TrainOptions{},
@@ -161,7 +164,7 @@ void bind_training(py::module_ &m) {
 } // namespace
 
 void bind_bodymodel(py::module_ &m) {
-  py::class_<BodyModel, PyBodyModel, std::shared_ptr<BodyModel>>(
+  Class<BodyModel, PyBodyModel, std::shared_ptr<BodyModel>>(
       m, "BodyModel",
       "vertices = mean + components s, s ~ N(0, I). To replace it, define vertices(coefficients) and component(k) in a subclass; "
       "a "
@@ -176,11 +179,11 @@ void bind_bodymodel(py::module_ &m) {
           "read", [](const std::filesystem::path &path) { return std::const_pointer_cast<BodyModel>(BodyModel::read(path)); },
           py::arg("path"), Release(),
           "A model in this library's format or SMPL's (.npz). Raises FileNotFoundError, or Error naming file and array.")
-      .def_property_readonly("vertex_count", &BodyModel::vertex_count)
-      .def_property_readonly("component_count", &BodyModel::component_count)
+      .def_property_readonly("vertex_count", &BodyModel::vertex_count, "B")
+      .def_property_readonly("component_count", &BodyModel::component_count, "C, of shape")
       .def_property_readonly("shape_count", &BodyModel::shape_count, "the first coefficients; the others are the pose")
-      .def_property_readonly("faces", &BodyModel::faces)
-      .def_property_readonly("landmarks", &BodyModel::landmarks)
+      .def_property_readonly("faces", &BodyModel::faces, "(FB, 3)")
+      .def_property_readonly("landmarks", &BodyModel::landmarks, "name -> vertex of the body")
       .def_property_readonly("name", &BodyModel::name, "name and hash of the file")
       .def_property_readonly("joint_names", &BodyModel::joint_names, "of the model's own skeleton; empty = none")
       .def("vertices", &BodyModel::vertices, py::arg("coefficients"), Release(), "(B, 3) m")
@@ -204,17 +207,19 @@ void bind_bodymodel(py::module_ &m) {
         "One sentence for each rule that a BodyModel breaks: counts, indices, derivatives, the same bits twice, refusals.");
   OptionsClass<BodyFitOptions>(m, "Options of BodyFitter.");
   OptionsClass<ProxyOptions>(m, "Options of fit_proxies.");
-  py::class_<DressedScan>(m, "DressedScan", "One of several scans of the same person.")
+  Class<DressedScan>(m, "DressedScan", "One of several scans of the same person.")
       .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const Landmarks &landmarks) {
              return DressedScan{&actor, &segmentation, landmarks};
            }),
            py::arg("actor"), py::arg("segmentation"), py::arg("landmarks"), py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
       .def_property_readonly(
-          "actor", [](const DressedScan &scan) { return scan.actor; }, py::return_value_policy::reference)
+          "actor", [](const DressedScan &scan) { return scan.actor; }, py::return_value_policy::reference,
+          "RiggedMesh in the scan pose")
       .def_property_readonly(
-          "segmentation", [](const DressedScan &scan) { return scan.segmentation; }, py::return_value_policy::reference)
+          "segmentation", [](const DressedScan &scan) { return scan.segmentation; }, py::return_value_policy::reference,
+          "what of it is cloth")
       .def_readonly("landmarks", &DressedScan::landmarks, "name -> point on the surface, m");
-  py::class_<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
+  Class<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{}, "The built-in fitter.")
       .def("fit", &BodyFitter::fit, py::arg("actor"), py::arg("segmentation"), py::arg("model"), py::arg("landmarks"),

@@ -46,18 +46,18 @@ public:
 
 void bind_calibration(py::module_ &m) {
   OptionsClass<CalibrationOptions>(m, "Options of read_calibration.");
-  py::class_<Lens>(m, "Lens", "What Camera.distortion cannot describe: undone when a session reads images.")
+  Class<Lens>(m, "Lens", "What Camera.distortion cannot describe: undone when a session reads images.")
       .def(py::init<>())
       .def_readwrite("fisheye", &Lens::fisheye, "OpenCV's fisheye model; otherwise its extensions of Brown's")
       .def_readwrite("distortion", &Lens::distortion, "fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none")
       .def_property_readonly("undone", &Lens::undone, "whether there is anything to undo");
-  py::class_<CalibratedCamera>(m, "CalibratedCamera", "A camera as it was calibrated, and its lens.")
+  Class<CalibratedCamera>(m, "CalibratedCamera", "A camera as it was calibrated, and its lens.")
       .def(py::init([](Camera camera, Lens lens) {
              return CalibratedCamera{std::move(camera), std::move(lens)};
            }),
            py::arg("camera"), py::arg("lens") = Lens{})
-      .def_readwrite("camera", &CalibratedCamera::camera)
-      .def_readwrite("lens", &CalibratedCamera::lens)
+      .def_readwrite("camera", &CalibratedCamera::camera, "its distortion is zero where the lens is undone")
+      .def_readwrite("lens", &CalibratedCamera::lens, "what is undone when frames are read")
       .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.");
   py::implicitly_convertible<Camera, CalibratedCamera>();
   m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{}, Release(),
@@ -68,41 +68,41 @@ void bind_calibration(py::module_ &m) {
 }
 
 void bind_session(py::module_ &m) {
-  py::class_<SessionCamera>(m, "SessionCamera", "One camera of a session and its files.")
+  Class<SessionCamera>(m, "SessionCamera", "One camera of a session and its files.")
       .def(py::init<>())
-      .def_readwrite("name", &SessionCamera::name)
+      .def_readwrite("name", &SessionCamera::name, "of the camera")
       .def_readwrite("video", &SessionCamera::video, "mp4 or printf pattern of images; empty if there are only masks")
       .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video")
       .def_readwrite("background", &SessionCamera::background, "image of the empty stage or pattern of several; empty = none")
       .def_readwrite("first_frame", &SessionCamera::first_frame, "of video and masks: frame 0 of the session")
       .def_readonly("video_fps", &SessionCamera::video_fps, "what the video's container says; 0 = nothing");
-  py::class_<Session>(m, "Session", "A capture session on disk, checked as a whole.")
+  Class<Session>(m, "Session", "A capture session on disk, checked as a whole.")
       .def(py::init(&read_session), py::arg("folder"), Release())
-      .def_readonly("folder", &Session::folder)
-      .def_readonly("name", &Session::name)
-      .def_readonly("fps", &Session::fps)
-      .def_readonly("frame_count", &Session::frame_count)
-      .def_readonly("cameras", &Session::cameras)
-      .def_readonly("rig", &Session::rig)
+      .def_readonly("folder", &Session::folder, "absolute")
+      .def_readonly("name", &Session::name, "of the session")
+      .def_readonly("fps", &Session::fps, "frames a second")
+      .def_readonly("frame_count", &Session::frame_count, "of every camera")
+      .def_readonly("cameras", &Session::cameras, "SessionCameras")
+      .def_readonly("rig", &Session::rig, "a Camera for each of `cameras`")
       .def_readonly("lenses", &Session::lenses, "undone when images are read; one for each camera")
-      .def_readonly("scan", &Session::scan)
-      .def_readonly("calibration", &Session::calibration)
-      .def_readonly("markers", &Session::markers)
-      .def_readonly("joints", &Session::joints)
-      .def_readonly("landmarks", &Session::landmarks)
-      .def_readonly("new_motion", &Session::new_motion);
-  py::class_<FrameSource, PyFrameSource>(m, "FrameSource", "Swap point: where the images and masks come from.")
+      .def_readonly("scan", &Session::scan, "absolute; empty if there is none")
+      .def_readonly("calibration", &Session::calibration, "absolute")
+      .def_readonly("markers", &Session::markers, "joints.json, absolute; empty if there is none")
+      .def_readonly("joints", &Session::joints, "JointMarks of joints.json")
+      .def_readonly("landmarks", &Session::landmarks, "name -> (3) m, clicked on the body's surface")
+      .def_readonly("new_motion", &Session::new_motion, "absolute; empty if there is none");
+  Class<FrameSource, PyFrameSource>(m, "FrameSource", "Swap point: where the images and masks come from.")
       .def(py::init<>())
       .def_static("open", &FrameSource::open, py::arg("session"), Release(),
                   "Images and masks of a session, read as they are asked for.")
-      .def_property_readonly("frame_count", &FrameSource::frame_count)
-      .def_property_readonly("camera_count", &FrameSource::camera_count)
+      .def_property_readonly("frame_count", &FrameSource::frame_count, "of each camera")
+      .def_property_readonly("camera_count", &FrameSource::camera_count, "of the session")
       .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
       .def("mask", &FrameSource::mask, py::arg("camera"), py::arg("frame"), Release(), "(H, W) uint8, 255 = actor");
   OptionsClass<ChromaKeyOptions>(m, "Options of the built-in SilhouetteExtractor.");
   OptionsClass<BackgroundOptions>(m, "Options of silhouettes by the difference to a background.");
   OptionsClass<SilhouetteOptions>(m, "How silhouettes of a session are found.");
-  py::class_<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
+  Class<SilhouetteExtractor, PySilhouetteExtractor>(m, "SilhouetteExtractor", "Swap point: image -> mask (255 = actor).")
       .def(py::init<>())
       .def_static("create", py::overload_cast<const ChromaKeyOptions &>(&SilhouetteExtractor::create),
                   py::arg("options") = ChromaKeyOptions{}, "By a key colour.")
@@ -115,7 +115,7 @@ void bind_session(py::module_ &m) {
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
         "A trained extractor for the cameras without ready masks; None if all have some.");
   m.def("require_scanned", &require_scanned, py::arg("session"), "Raises if the session has no scan or no joints.");
-  py::class_<CameraView>(m, "CameraView", "What a camera shows at a frame.")
+  Class<CameraView>(m, "CameraView", "What a camera shows at a frame.")
       .def(py::init([](Image image, Image mask) {
              return CameraView{std::move(image), std::move(mask)};
            }),
@@ -126,8 +126,8 @@ void bind_session(py::module_ &m) {
           "mask", [](const CameraView &view) { return view.mask; }, "(H, W) uint8, 255 = actor; (0, 0) = none");
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
         Release(), "The image, and the ready mask or, where there is none, the extractor's -> CameraView.");
-  py::class_<StartFrame>(m, "StartFrame", "Where a take is most like the scan.")
-      .def_readonly("frame", &StartFrame::frame)
+  Class<StartFrame>(m, "StartFrame", "Where a take is most like the scan.")
+      .def_readonly("frame", &StartFrame::frame, "of the frame source")
       .def_readonly("overlap", &StartFrame::overlap, "with the silhouettes there, mean over the cameras")
       .def_readonly("first_overlap", &StartFrame::first_overlap, "the same in frame 0")
       .def_property_readonly("in_scan_pose", &StartFrame::in_scan_pose, "tracking begins there at once: overlap 0.8")
@@ -155,14 +155,14 @@ void bind_session(py::module_ &m) {
 void bind_template(py::module_ &m) {
   OptionsClass<TemplateOptions>(m, "Options of build_template.");
   OptionsClass<HeatWeightOptions>(m, "Options of heat_weights.");
-  py::class_<Template>(m, "Template", "The closed surface of a scan, its two decimations and the invented faces.")
+  Class<Template>(m, "Template", "The closed surface of a scan, its two decimations and the invented faces.")
       .def(py::init<>())
-      .def_readwrite("mesh", &Template::mesh)
-      .def_readwrite("high", &Template::high)
-      .def_readwrite("face_valid", &Template::face_valid)
-      .def_readwrite("high_face_valid", &Template::high_face_valid);
-  py::class_<SurfaceQuality>(m, "SurfaceQuality", "What can disappoint about a surface of the template.")
-      .def_readonly("triangles", &SurfaceQuality::triangles)
+      .def_readwrite("mesh", &Template::mesh, "M, what is tracked and simulated")
+      .def_readwrite("high", &Template::high, "M_high, what is displayed")
+      .def_readwrite("face_valid", &Template::face_valid, "(F) 0 = suggested as invented over a large hole")
+      .def_readwrite("high_face_valid", &Template::high_face_valid, "(FH) the same of M_high");
+  Class<SurfaceQuality>(m, "SurfaceQuality", "What can disappoint about a surface of the template.")
+      .def_readonly("triangles", &SurfaceQuality::triangles, "of the surface")
       .def_readonly("self_intersections", &SurfaceQuality::self_intersections, "triangles that pass through another one")
       .def_readonly("invalid_area", &SurfaceQuality::invalid_area, "m^2")
       .def_readonly("smallest_angle", &SurfaceQuality::smallest_angle, "degrees, over all triangles")
@@ -172,9 +172,9 @@ void bind_template(py::module_ &m) {
       .def_readonly("scan_max", &SurfaceQuality::scan_max, "m, the largest of them")
       .def_readonly("mean_to_scan", &SurfaceQuality::mean_to_scan, "m, distance of the valid surface to the scan")
       .def_readonly("max_to_scan", &SurfaceQuality::max_to_scan, "m, the largest of them");
-  py::class_<TemplateSummary>(m, "TemplateSummary", "Quality of both surfaces of a template.")
-      .def_readonly("mesh", &TemplateSummary::mesh)
-      .def_readonly("high", &TemplateSummary::high);
+  Class<TemplateSummary>(m, "TemplateSummary", "Quality of both surfaces of a template.")
+      .def_readonly("mesh", &TemplateSummary::mesh, "SurfaceQuality of M")
+      .def_readonly("high", &TemplateSummary::high, "SurfaceQuality of M_high");
   m.def("build_template", &build_template, py::arg("scan"), py::arg("options") = TemplateOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "The closed surface of a scan, its two decimations and the faces that were invented over holes.");
@@ -200,42 +200,42 @@ void bind_performance(py::module_ &m) {
       .get()
       .def_readwrite("checkpoint", &CaptureOptions::checkpoint,
                      "a file that a capture which was stopped goes on from, to the same bits; empty = none");
-  py::class_<LostLimb>(m, "LostLimb", "A limb that the local optimisation had lost.")
+  Class<LostLimb>(m, "LostLimb", "A limb that the local optimisation had lost.")
       .def(py::init<>())
       .def_readwrite("frame", &LostLimb::frame, "video frame number")
       .def_readwrite("limb", &LostLimb::limb, "name of its first joint")
       .def_readwrite("before", &LostLimb::before, "m, error after the local optimisation")
       .def_readwrite("after", &LostLimb::after, "m, error of the pose that was kept")
-      .def_readwrite("recovered", &LostLimb::recovered);
-  py::class_<JointSight>(m, "JointSight", "In how many frames a joint's bone was seen, inferred, lost.")
+      .def_readwrite("recovered", &LostLimb::recovered, "was it found again?");
+  Class<JointSight>(m, "JointSight", "In how many frames a joint's bone was seen, inferred, lost.")
       .def(py::init<>())
-      .def_readwrite("joint", &JointSight::joint)
+      .def_readwrite("joint", &JointSight::joint, "name of one with degrees of freedom")
       .def_readwrite("seen", &JointSight::seen, "enough of it visible that moves with the skeleton")
       .def_readwrite("inferred", &JointSight::inferred, "hidden; it follows from the joints before and after it")
       .def_readwrite("lost", &JointSight::lost, "its limb was lost and not found again");
-  py::class_<CaptureSummary>(m, "CaptureSummary", "What can disappoint about a capture.")
+  Class<CaptureSummary>(m, "CaptureSummary", "What can disappoint about a capture.")
       .def(py::init<>())
       .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
       .def_readwrite("sift_px", &CaptureSummary::sift_px, "(T) mean residual of the features, pixels")
       .def_readwrite("silhouette_iou", &CaptureSummary::silhouette_iou, "(T) mean over cameras, against the measured masks")
-      .def_readwrite("views", &CaptureSummary::views, "(T) cameras that took part")
+      .def_numbers_readwrite("views", &CaptureSummary::views, "(T) cameras that took part")
       .def_readwrite("jitter_before", &CaptureSummary::jitter_before, "rad, mean |second difference| of the joint angles")
       .def_readwrite("jitter_after", &CaptureSummary::jitter_after, "the same after smoothing")
       .def_readwrite("lost_limbs", &CaptureSummary::lost_limbs, "in the order of frames")
       .def_readwrite("start_frame", &CaptureSummary::start_frame, "video frame from which tracking went both ways")
       .def_readwrite("joints", &CaptureSummary::joints, "those with degrees of freedom")
-      .def_readwrite("measure_seconds", &CaptureSummary::measure_seconds)
-      .def_readwrite("map_seconds", &CaptureSummary::map_seconds)
-      .def_readwrite("pose_seconds", &CaptureSummary::pose_seconds)
-      .def_readwrite("limb_seconds", &CaptureSummary::limb_seconds)
-      .def_readwrite("surface_seconds", &CaptureSummary::surface_seconds)
-      .def_readwrite("seconds_per_frame", &CaptureSummary::seconds_per_frame);
-  py::class_<CaptureResult>(m, "CaptureResult", "Performance, observations and summary of a capture.")
+      .def_readwrite("measure_seconds", &CaptureSummary::measure_seconds, "s: images to outlines, features and their matches")
+      .def_readwrite("map_seconds", &CaptureSummary::map_seconds, "s: features lifted to the surface and found by the map")
+      .def_readwrite("pose_seconds", &CaptureSummary::pose_seconds, "s: poses")
+      .def_readwrite("limb_seconds", &CaptureSummary::limb_seconds, "s: the check of limbs and the search for lost ones")
+      .def_readwrite("surface_seconds", &CaptureSummary::surface_seconds, "s: surfaces")
+      .def_readwrite("seconds_per_frame", &CaptureSummary::seconds_per_frame, "s, of the whole run");
+  Class<CaptureResult>(m, "CaptureResult", "Performance, observations and summary of a capture.")
       .def(py::init<>())
-      .def_readwrite("performance", &CaptureResult::performance)
-      .def_readwrite("observations", &CaptureResult::observations)
-      .def_readwrite("summary", &CaptureResult::summary);
-  py::class_<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
+      .def_readwrite("performance", &CaptureResult::performance, "ReferencePerformance")
+      .def_readwrite("observations", &CaptureResult::observations, "what was measured in the images")
+      .def_readwrite("summary", &CaptureResult::summary, "CaptureSummary");
+  Class<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
       .def(py::init<>())
       .def_static(
           "create",

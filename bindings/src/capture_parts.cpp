@@ -96,12 +96,12 @@ Features make_features(const Floats2 &points, MatrixRM descriptors) {
 
 void bind_features(py::module_ &m) {
   OptionsClass<FeatureTrackerOptions>(m, "Options of the SIFT feature tracker.");
-  py::class_<Features>(m, "Features", "Features of one image.")
+  Class<Features>(m, "Features", "Features of one image.")
       .def(py::init(&make_features), py::arg("points"), py::arg("descriptors"))
       .def_property_readonly(
           "points", [](const Features &f) { return as_rows(f.points); }, "(N, 2) pixels")
       .def_readonly("descriptors", &Features::descriptors, "(N, C); closeness is Euclidean distance");
-  py::class_<FeatureTracker, PyFeatureTracker>(m, "FeatureTracker", "Swap point: image -> features, features -> matches.")
+  Class<FeatureTracker, PyFeatureTracker>(m, "FeatureTracker", "Swap point: image -> features, features -> matches.")
       .def(py::init<>())
       .def_static("create", &FeatureTracker::create, py::arg("options") = FeatureTrackerOptions{}, "The built-in tracker (SIFT).")
       .def("detect", &FeatureTracker::detect, py::arg("image"), py::arg("mask"), Release(),
@@ -111,37 +111,41 @@ void bind_features(py::module_ &m) {
 }
 
 void bind_problems(py::module_ &m) {
-  py::class_<Outline>(m, "Outline", "Boundary of a mask, N points.")
+  Class<Outline>(m, "Outline", "Boundary of a mask, N points.")
       .def_property_readonly(
           "points", [](const Outline &o) { return as_rows(o.points); }, "(N, 2) pixels")
       .def_property_readonly(
           "normals", [](const Outline &o) { return as_rows(o.normals); }, "(N, 2) unit, out of the mask");
   m.def("trace_outline", &trace_outline, py::arg("mask"), py::arg("margin") = 2, Release(), "Boundary of a mask (H, W).");
-  py::class_<SurfaceTrack>(m, "SurfaceTrack", "A surface point and the pixel where it is seen.")
-      .def_readonly("view", &SurfaceTrack::view)
-      .def_property_readonly("face", [](const SurfaceTrack &track) { return track.surface.face; })
-      .def_property_readonly("barycentric", [](const SurfaceTrack &track) { return track.surface.barycentric; })
-      .def_readonly("pixel", &SurfaceTrack::pixel)
-      .def_readonly("weight", &SurfaceTrack::weight);
-  py::class_<PoseProblem>(m, "PoseProblem", "What one frame says about the pose. Lives as long as the call it was given to.")
+  Class<SurfaceTrack>(m, "SurfaceTrack", "A surface point and the pixel where it is seen.")
+      .def_readonly("view", &SurfaceTrack::view, "camera")
+      .def_property_readonly(
+          "face", [](const SurfaceTrack &track) { return track.surface.face; }, "of the surface")
+      .def_property_readonly(
+          "barycentric", [](const SurfaceTrack &track) { return track.surface.barycentric; }, "(3) of that face's corners")
+      .def_readonly("pixel", &SurfaceTrack::pixel, "(2) where the point is seen")
+      .def_readonly("weight", &SurfaceTrack::weight, "against the other tracks");
+  Class<PoseProblem>(m, "PoseProblem", "What one frame says about the pose. Lives as long as the call it was given to.")
       .def_property_readonly(
           "actor", [](const PoseProblem &p) { return pointed(p.actor); }, "a copy")
-      .def_property_readonly("rig", [](const PoseProblem &p) { return pointed(p.rig); })
+      .def_property_readonly(
+          "rig", [](const PoseProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
           "outlines", [](const PoseProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
-      .def_readonly("tracks", &PoseProblem::tracks)
+      .def_readonly("tracks", &PoseProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
       .def_readonly("offset", &PoseProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
       .def_readonly("reliability", &PoseProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &PoseProblem::predicted, "(D)")
       .def_readonly("start", &PoseProblem::start, "(D)")
       .def_readonly("first", &PoseProblem::first, "nothing is known yet");
-  py::class_<SurfaceProblem>(m, "SurfaceProblem", "What one frame says about the surface. Lives as long as the call.")
+  Class<SurfaceProblem>(m, "SurfaceProblem", "What one frame says about the surface. Lives as long as the call.")
       .def_property_readonly(
           "actor", [](const SurfaceProblem &p) { return pointed(p.actor); }, "a copy")
-      .def_property_readonly("rig", [](const SurfaceProblem &p) { return pointed(p.rig); })
+      .def_property_readonly(
+          "rig", [](const SurfaceProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
           "outlines", [](const SurfaceProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
-      .def_readonly("tracks", &SurfaceProblem::tracks)
+      .def_readonly("tracks", &SurfaceProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
       .def_readonly("base", &SurfaceProblem::base, "(V, 3) m, the surface expected")
       .def_readonly("skinned", &SurfaceProblem::skinned, "(V, 3) m, posed without any offset")
       .def_readonly("reliability", &SurfaceProblem::reliability, "(V) in [0, 1], low on loose cloth");
@@ -149,14 +153,14 @@ void bind_problems(py::module_ &m) {
 
 void bind_pose(py::module_ &m) {
   OptionsClass<PoseOptions>(m, "Options of the pose optimiser.");
-  py::class_<PoseEstimate>(m, "PoseEstimate", "A pose and how well it explains its frame.")
+  Class<PoseEstimate>(m, "PoseEstimate", "A pose and how well it explains its frame.")
       .def(py::init<>())
       .def_readwrite("dofs", &PoseEstimate::dofs, "(D)")
       .def_readwrite("rim_px", &PoseEstimate::rim_px, "mean residual of the outlines, pixels")
       .def_readwrite("sift_px", &PoseEstimate::sift_px, "mean residual of the features, pixels")
       .def_readwrite("energy", &PoseEstimate::energy, "robust mean, in [0, 1]")
-      .def_readwrite("iterations", &PoseEstimate::iterations);
-  py::class_<PoseOptimizer, PyPoseOptimizer>(m, "PoseOptimizer", "Swap point: one frame's correspondences -> pose.")
+      .def_readwrite("iterations", &PoseEstimate::iterations, "that were made");
+  Class<PoseOptimizer, PyPoseOptimizer>(m, "PoseOptimizer", "Swap point: one frame's correspondences -> pose.")
       .def(py::init<>())
       .def_static("create", &PoseOptimizer::create, py::arg("options") = PoseOptions{},
                   "The built-in optimiser (Gauss-Newton on rims and tracks).")
@@ -180,21 +184,22 @@ void bind_pose(py::module_ &m) {
 void bind_limbs(py::module_ &m) {
   OptionsClass<ParticleAnnealingOptions>(m, "Options of the interacting simulated annealing of lost limbs.");
   OptionsClass<LimbSearchOptions>(m, "Options of the search for lost limbs.");
-  py::class_<Limb>(m, "Limb", "A chain of the skeleton between two forks, or from a fork to an end.")
+  Class<Limb>(m, "Limb", "A chain of the skeleton between two forks, or from a fork to an end.")
       .def_readonly("name", &Limb::name, "of its first joint")
-      .def_readonly("joints", &Limb::joints, "indices, parents first")
-      .def_readonly("dofs", &Limb::dofs, "indices");
+      .def_numbers("joints", &Limb::joints, "indices, parents first")
+      .def_numbers("dofs", &Limb::dofs, "indices");
   m.def("find_limbs", &find_limbs, py::arg("skeleton"), "The limbs of a skeleton by its topology.");
-  py::class_<LimbProblem>(m, "LimbProblem", "A frame in which limbs were lost. Lives as long as the call it was given to.")
+  Class<LimbProblem>(m, "LimbProblem", "A frame in which limbs were lost. Lives as long as the call it was given to.")
       .def_property_readonly(
           "actor", [](const LimbProblem &p) { return pointed(p.actor); }, "a copy")
-      .def_property_readonly("rig", [](const LimbProblem &p) { return pointed(p.rig); })
+      .def_property_readonly(
+          "rig", [](const LimbProblem &p) { return pointed(p.rig); }, "cameras")
       .def_property_readonly(
           "masks", [](const LimbProblem &p) { return pointed(p.masks); }, "measured, one a camera; empty = no part")
       .def_readonly("offset", &LimbProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
       .def_readonly("reliability", &LimbProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &LimbProblem::predicted, "(D)");
-  py::class_<LimbSearch, PyLimbSearch>(m, "LimbSearch", "Swap point: a pose with lost limbs -> a better one.")
+  Class<LimbSearch, PyLimbSearch>(m, "LimbSearch", "Swap point: a pose with lost limbs -> a better one.")
       .def(py::init<>())
       .def_static("create", &LimbSearch::create, py::arg("options") = LimbSearchOptions{},
                   "The built-in search (interacting simulated annealing).")
@@ -211,12 +216,12 @@ void bind_limbs(py::module_ &m) {
 
 void bind_surface(py::module_ &m) {
   OptionsClass<SurfaceOptions>(m, "Options of the surface refiner.");
-  py::class_<SurfaceEstimate>(m, "SurfaceEstimate", "A surface and how well it explains its frame.")
+  Class<SurfaceEstimate>(m, "SurfaceEstimate", "A surface and how well it explains its frame.")
       .def(py::init<>())
       .def_readwrite("vertices", &SurfaceEstimate::vertices, "(V, 3) m")
       .def_readwrite("rim_px", &SurfaceEstimate::rim_px, "mean residual of the outlines, pixels")
       .def_readwrite("sift_px", &SurfaceEstimate::sift_px, "mean residual of the features, pixels");
-  py::class_<SurfaceRefiner, PySurfaceRefiner>(m, "SurfaceRefiner", "Swap point: posed surface and correspondences -> surface.")
+  Class<SurfaceRefiner, PySurfaceRefiner>(m, "SurfaceRefiner", "Swap point: posed surface and correspondences -> surface.")
       .def(py::init<>())
       .def_static("create", &SurfaceRefiner::create, py::arg("options") = SurfaceOptions{},
                   "The built-in refiner (Laplacian deformation).")
@@ -231,10 +236,11 @@ void bind_surface(py::module_ &m) {
 }
 
 /// One piece as a property that keeps a Python subclass alive.
-template <class T> void bind_piece(py::class_<CaptureParts> &parts, const char *name, std::shared_ptr<T> CaptureParts::*piece) {
+template <class T> void bind_piece(Class<CaptureParts> &parts, const char *name, std::shared_ptr<T> CaptureParts::*piece) {
   parts.def_property(
       name, [piece](const CaptureParts &self) { return py::cast((self.*piece).get(), py::return_value_policy::reference); },
-      [piece](CaptureParts &self, const py::object &object) { self.*piece = kept<T>(object); });
+      [piece](CaptureParts &self, const py::object &object) { self.*piece = kept<T>(object); },
+      "an object of that interface; None = the built-in one");
 }
 
 void bind_capture_kits(py::module_ &m) {
@@ -263,7 +269,7 @@ void bind_capture_parts(py::module_ &m) {
   bind_pose(m);
   bind_limbs(m);
   bind_surface(m);
-  py::class_<CaptureParts> parts(m, "CaptureParts", "The pieces of a capture; None = the built-in one, made from the options.");
+  Class<CaptureParts> parts(m, "CaptureParts", "The pieces of a capture; None = the built-in one, made from the options.");
   parts.def(py::init([](const py::object &features, const py::object &pose, const py::object &limbs, const py::object &surface) {
               return CaptureParts{kept<FeatureTracker>(features), kept<PoseOptimizer>(pose), kept<LimbSearch>(limbs),
                                   kept<SurfaceRefiner>(surface)};

@@ -49,6 +49,45 @@ template <> struct type_caster<doublet::Image> {
   }
 };
 
+/// Masks and labels (N) <-> numpy uint8; any sequence of whole numbers or bools in [0, 255] is taken. A member of a class is a
+/// copy that cannot be written to: what one would write to it would be lost.
+template <> struct type_caster<std::vector<std::uint8_t>> {
+#if PYBIND11_VERSION_HEX >= 0x03000000
+  PYBIND11_TYPE_CASTER(std::vector<std::uint8_t>, io_name("numpy.typing.ArrayLike", "numpy.typing.NDArray[numpy.uint8]"));
+#else
+  PYBIND11_TYPE_CASTER(std::vector<std::uint8_t>, const_name("numpy.typing.NDArray[numpy.uint8]"));
+#endif
+
+  bool load(handle source, bool convert) {
+    if (!isinstance<array>(source)) {
+      list_caster<std::vector<std::uint8_t>, std::uint8_t> list;
+      if (!list.load(source, convert))
+        return false;
+      value = std::move(static_cast<std::vector<std::uint8_t> &>(list));
+      return true;
+    }
+    const auto given = reinterpret_borrow<array>(source);
+    const char kind = given.dtype().kind();
+    if (given.ndim() != 1 || (given.size() && kind != 'b' && kind != 'i' && kind != 'u'))
+      return false;
+    const auto numbers = array_t<std::int64_t, array::c_style | array::forcecast>::ensure(given);
+    value.assign(numbers.size(), 0);
+    for (ssize_t i = 0; i < numbers.size(); ++i) {
+      value[i] = static_cast<std::uint8_t>(numbers.at(i));
+      if (value[i] != numbers.at(i))
+        return false;
+    }
+    return true;
+  }
+
+  static handle cast(const std::vector<std::uint8_t> &values, return_value_policy policy, handle) {
+    array_t<std::uint8_t> result(static_cast<ssize_t>(values.size()), values.data());
+    if (policy == return_value_policy::reference_internal)
+      array_proxy(result.ptr())->flags &= ~npy_api::NPY_ARRAY_WRITEABLE_;
+    return result.release();
+  }
+};
+
 } // namespace pybind11::detail
 
 namespace doublet::python {
@@ -128,6 +167,60 @@ py::array_t<double> stack(const std::vector<Vertices> &frames);
 /// T x (V, 3) from (T, V, 3); throws ValueError naming `what` for another shape.
 std::vector<Vertices> unstack(const py::array_t<double, py::array::c_style | py::array::forcecast> &frames, const char *what);
 
+/// A class of the module whose setters have a named argument, which pybind11's have not.
+template <class T, class... Extra> class Class : public py::class_<T, Extra...> {
+public:
+  using Base = py::class_<T, Extra...>;
+  using Base::Base;
+
+  template <class... Arguments> Class &def(Arguments &&...arguments) {
+    Base::def(std::forward<Arguments>(arguments)...);
+    return *this;
+  }
+  template <class... Arguments> Class &def_static(Arguments &&...arguments) {
+    Base::def_static(std::forward<Arguments>(arguments)...);
+    return *this;
+  }
+  template <class... Arguments> Class &def_readonly(Arguments &&...arguments) {
+    Base::def_readonly(std::forward<Arguments>(arguments)...);
+    return *this;
+  }
+  template <class... Arguments> Class &def_property_readonly(Arguments &&...arguments) {
+    Base::def_property_readonly(std::forward<Arguments>(arguments)...);
+    return *this;
+  }
+  template <class Getter, class Setter, class... More>
+  Class &def_property(const char *name, const Getter &getter, Setter setter, const More &...more) {
+    Base::def_property(name, getter, py::cpp_function(std::move(setter), py::name(name), py::is_method(*this), py::arg("value")),
+                       more...);
+    return *this;
+  }
+  template <class C, class Value, class... More> Class &def_readwrite(const char *name, Value C::*member, const More &...more) {
+    const py::cpp_function get([member](const T &self) -> const Value & { return self.*member; }, py::is_method(*this),
+                               py::return_value_policy::reference_internal);
+    return def_property(
+        name, get, [member](T &self, const Value &value) { self.*member = value; }, more...);
+  }
+  /// Numbers (N) as an array, like a member of bytes: a copy that cannot be written to.
+  template <class C> Class &def_numbers(const char *name, std::vector<int> C::*member, const char *doc) {
+    Base::def_property_readonly(
+        name, [member](const T &self) { return read_only(self.*member); }, doc);
+    return *this;
+  }
+  template <class C> Class &def_numbers_readwrite(const char *name, std::vector<int> C::*member, const char *doc) {
+    return def_property(
+        name, [member](const T &self) { return read_only(self.*member); },
+        [member](T &self, std::vector<int> value) { self.*member = std::move(value); }, doc);
+  }
+
+private:
+  static py::array_t<int> read_only(const std::vector<int> &values) {
+    py::array_t<int> result(static_cast<py::ssize_t>(values.size()), values.data());
+    result.attr("flags").attr("writeable") = false;
+    return result;
+  }
+};
+
 /// "m, kept between cloth and proxies: a number in [0, 1]".
 template <class Field> std::string docstring(const Field &field) {
   std::string text = *field.unit ? std::string(field.unit) + ", " + field.meaning : field.meaning;
@@ -153,37 +246,64 @@ template <class Field> py::dict described_field(const Field &field) {
   return result;
 }
 
-/// A struct of options (doublet/options/options.h) with keyword construction: Options(field=value, ...), which is validated, a
-/// repr and a dict.
+template <class> inline constexpr bool kIsFunction = false;
+template <class Signature> inline constexpr bool kIsFunction<std::function<Signature>> = true;
+
+/// Are two members of an options struct the same, if they are no options? A function is like no other.
+template <class Value> bool same_value(const Value &one, const Value &other) {
+  if constexpr (kIsFunction<Value>)
+    return !one && !other;
+  else if constexpr (requires { one.rows(); })
+    return one.rows() == other.rows() && one.cols() == other.cols() && one == other;
+  else
+    return one == other;
+}
+
+template <class T> bool same_fields(const T &one, const T &other);
+
+template <class Field, class T> bool same_field(const Field &field, const T &one, const T &other) {
+  using Value = std::remove_cvref_t<decltype(one.*field.member)>;
+  if constexpr (std::is_same_v<decltype(field.allowed), options::NoOption>)
+    return same_value(one.*field.member, other.*field.member);
+  else if constexpr (options::Described<Value>)
+    return same_fields(one.*field.member, other.*field.member);
+  else
+    return options::detail::text_of(field, one.*field.member) == options::detail::text_of(field, other.*field.member);
+}
+
+/// By their description: options of the same bits, and the same paths, samples ... beside them.
+template <class T> bool same_fields(const T &one, const T &other) {
+  return std::apply([&](const auto &...field) { return (same_field(field, one, other) && ...); }, T::describe().fields);
+}
+
+/// A struct of options (doublet/options/options.h) with keyword construction: Options(field=value, ...), which is validated. What
+/// follows from its description: a dict, comparison, copies, pickles, and a repr of what is not as by default.
 template <class T> class OptionsClass {
 public:
   OptionsClass(py::module_ &m, const char *doc) : class_(m, T::describe().name, doc) {
     class_.def(py::init([](const py::kwargs &fields) {
-                 T object;
-                 const py::object self = py::cast(&object, py::return_value_policy::reference);
-                 for (const auto &[key, value] : fields) {
-                   if (!py::hasattr(self, key))
-                     throw py::type_error(py::str("{} has no option '{}'").format(py::type::of(self).attr("__name__"), key));
-                   py::setattr(self, key, value);
-                 }
+                 const T object = from_dict(fields);
                  options::validate(object);
                  return object;
                }),
                "Every field may be given by keyword.");
     T defaults;
     options::each(defaults, [this](const auto &field, auto &) { bind(field); });
-    class_.def("__repr__", [](const py::object &self) {
-      return py::str("{}({})").format(py::type::of(self).attr("__name__"), self.attr("to_dict")());
-    });
+    class_.def("__repr__", &text);
+    class_.def("to_dict", &to_dict, "Name -> value of every option.");
     class_.def(
-        "to_dict",
-        [](const py::object &self) {
-          py::dict values;
-          options::each(self.cast<const T &>(),
-                        [&](const auto &field, const auto &) { values[field.name] = self.attr(field.name); });
-          return values;
+        "__eq__",
+        [](const T &self, const py::object &other) -> py::object {
+          if (!py::isinstance<T>(other))
+            return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+          const T &options = other.cast<const T &>();
+          return py::bool_(&self == &options || same_fields(self, options));
         },
-        "Name -> value of every option.");
+        py::arg("other"));
+    class_.def("__copy__", [](const T &self) { return self; });
+    class_.def(
+        "__deepcopy__", [](const T &self, const py::dict &) { return self; }, py::arg("memo"));
+    class_.def(py::pickle(&pickled, &from_dict), py::arg("state"));
     if constexpr (requires { T::paper(); })
       class_.def_static("paper", &T::paper, "The settings of the paper.");
     class_.def_static(
@@ -196,9 +316,64 @@ public:
         },
         "Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.");
   }
-  py::class_<T> &get() { return class_; }
+  Class<T> &get() { return class_; }
 
 private:
+  /// Not validated. Throws TypeError for what is no option.
+  static T from_dict(const py::dict &fields) {
+    T object;
+    const py::object self = py::cast(&object, py::return_value_policy::reference);
+    for (const auto &[key, value] : fields) {
+      if (!py::hasattr(self, key))
+        throw py::type_error(py::str("{} has no option '{}'").format(T::describe().name, key));
+      py::setattr(self, key, value);
+    }
+    return object;
+  }
+
+  static py::dict to_dict(const py::object &self) {
+    py::dict values;
+    options::each(self.cast<const T &>(), [&](const auto &field, const auto &) { values[field.name] = self.attr(field.name); });
+    return values;
+  }
+
+  template <class Field> static constexpr bool is_function(const Field &field) {
+    return kIsFunction<std::remove_cvref_t<decltype(std::declval<T &>().*field.member)>>;
+  }
+
+  /// visit(field) for every field that differs from the default.
+  template <class Visit> static void each_chosen(const T &object, Visit &&visit) {
+    const T defaults;
+    const auto one = [&](const auto &field) {
+      if (!same_field(field, object, defaults))
+        visit(field);
+    };
+    std::apply([&](const auto &...field) { (one(field), ...); }, T::describe().fields);
+  }
+
+  /// "ClothOptions(iterations=8)": reads back as equal options, but for functions, which are shown as "...".
+  static std::string text(const py::object &self) {
+    std::string list;
+    each_chosen(self.cast<const T &>(), [&](const auto &field) {
+      py::object value = self.attr(field.name);
+      if (py::isinstance<py::array>(value))
+        value = value.attr("tolist")(); // with every digit
+      const std::string shown = is_function(field) ? "..." : py::repr(value).template cast<std::string>();
+      list += (list.empty() ? "" : ", ") + std::string(field.name) + "=" + shown;
+    });
+    return T::describe().name + ("(" + list + ")");
+  }
+
+  static py::dict pickled(const py::object &self) {
+    py::dict state;
+    each_chosen(self.cast<const T &>(), [&](const auto &field) {
+      if (is_function(field))
+        throw py::type_error(std::string(T::describe().name) + ": cannot be pickled with '" + field.name + "'");
+      state[field.name] = self.attr(field.name);
+    });
+    return state;
+  }
+
   template <class Value, class Allowed> void bind(const options::Field<T, Value, Allowed> &field) {
     if constexpr (std::is_enum_v<Value>)
       class_.def_property(
@@ -211,7 +386,7 @@ private:
     else
       class_.def_readwrite(field.name, field.member, docstring(field).c_str());
   }
-  py::class_<T> class_;
+  Class<T> class_;
 };
 
 void bind_core(py::module_ &m);

@@ -89,7 +89,7 @@ void bind_errors(py::module_ &m) {
 }
 
 void bind_context(py::module_ &m) {
-  py::class_<Context>(m, "Context", "Progress, log, cancellation and threads of a long call. Ctrl-C always works.")
+  Class<Context>(m, "Context", "Progress, log, cancellation and threads of a long call. Ctrl-C always works.")
       .def(py::init([](std::function<void(const std::string &, double)> progress, std::function<void(const std::string &)> log,
                        int threads) {
              Context context = interruptible_context();
@@ -100,42 +100,46 @@ void bind_context(py::module_ &m) {
            }),
            py::kw_only(), py::arg("progress") = nullptr, py::arg("log") = nullptr, py::arg("threads") = 0,
            "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.")
-      .def_readwrite("threads", &Context::threads)
+      .def_readwrite("threads", &Context::threads, "0 = one a core; results do not depend on it")
       .def("report", &Context::report, py::arg("stage"), py::arg("fraction"), Release(),
            "Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.")
-      .def("say", &Context::say, py::arg("line"), Release(), "Hands a line to log.");
+      .def("say", &Context::say, py::arg("line"), Release(), "Hands a line to log.")
+      .def("__repr__", [](const Context &context) {
+        return context.threads ? "Context(threads=" + std::to_string(context.threads) + ")" : std::string("Context()");
+      });
 }
 
 void bind_mesh(py::module_ &m) {
-  py::class_<MeshReport>(m, "MeshReport", "What is wrong, or right, with a mesh.")
-      .def_readonly("vertices", &MeshReport::vertices)
-      .def_readonly("faces", &MeshReport::faces)
-      .def_readonly("non_finite_vertices", &MeshReport::non_finite_vertices)
-      .def_readonly("out_of_range_faces", &MeshReport::out_of_range_faces)
-      .def_readonly("degenerate_faces", &MeshReport::degenerate_faces)
-      .def_readonly("boundary_edges", &MeshReport::boundary_edges)
-      .def_readonly("non_manifold_edges", &MeshReport::non_manifold_edges)
-      .def_readonly("unused_vertices", &MeshReport::unused_vertices)
-      .def_readonly("components", &MeshReport::components)
-      .def_property_readonly("closed", &MeshReport::closed)
-      .def_property_readonly("usable", &MeshReport::usable)
+  Class<MeshReport>(m, "MeshReport", "What is wrong, or right, with a mesh.")
+      .def_readonly("vertices", &MeshReport::vertices, "V")
+      .def_readonly("faces", &MeshReport::faces, "F")
+      .def_readonly("non_finite_vertices", &MeshReport::non_finite_vertices, "with NaN or infinity")
+      .def_readonly("out_of_range_faces", &MeshReport::out_of_range_faces, "a corner index < 0 or >= V")
+      .def_readonly("degenerate_faces", &MeshReport::degenerate_faces, "a repeated corner, or an area below 1e-14 m^2")
+      .def_readonly("boundary_edges", &MeshReport::boundary_edges, "edges of one face")
+      .def_readonly("non_manifold_edges", &MeshReport::non_manifold_edges,
+                    "edges of more than two faces, or of two in the same direction")
+      .def_readonly("unused_vertices", &MeshReport::unused_vertices, "of no face")
+      .def_readonly("components", &MeshReport::components, "connected components of faces")
+      .def_property_readonly("closed", &MeshReport::closed, "no boundary, and manifold")
+      .def_property_readonly("usable", &MeshReport::usable, "finite, in range, not empty: what no stage can do without")
       .def("__repr__", &MeshReport::to_string);
-  py::class_<Mesh>(m, "Mesh", "Triangle mesh: vertices (V, 3) m, faces (F, 3).")
+  Class<Mesh>(m, "Mesh", "Triangle mesh: vertices (V, 3) m, faces (F, 3).")
       .def(py::init<>())
       .def(py::init([](Vertices vertices, Faces faces) {
              return Mesh{std::move(vertices), std::move(faces)};
            }),
            py::arg("vertices"), py::arg("faces"))
-      .def_readwrite("vertices", &Mesh::vertices)
-      .def_readwrite("faces", &Mesh::faces)
+      .def_readwrite("vertices", &Mesh::vertices, "(V, 3) m")
+      .def_readwrite("faces", &Mesh::faces, "(F, 3) indices of vertices")
       .def("report", &report_mesh, "What is wrong, or right, with the mesh.");
-  py::class_<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
+  Class<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
       .def(py::init<>())
       .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
              return MeshSequence{std::move(faces), unstack(frames, "frames")};
            }),
            py::arg("faces"), py::arg("frames"))
-      .def_readwrite("faces", &MeshSequence::faces)
+      .def_readwrite("faces", &MeshSequence::faces, "(F, 3)")
       .def_property(
           "frames", [](const MeshSequence &s) { return stack(s.frames); },
           [](MeshSequence &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
@@ -161,16 +165,16 @@ void bind_mesh(py::module_ &m) {
 }
 
 void bind_camera(py::module_ &m) {
-  py::class_<Camera>(m, "Camera", "Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.")
+  Class<Camera>(m, "Camera", "Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.")
       .def(py::init<>())
-      .def_readwrite("name", &Camera::name)
-      .def_readwrite("K", &Camera::K)
+      .def_readwrite("name", &Camera::name, "of the camera, as files have it")
+      .def_readwrite("K", &Camera::K, "(3, 3) pixels: focal lengths and principal point")
       .def_readwrite("distortion", &Camera::distortion, "k1 k2 p1 p2 k3")
-      .def_readwrite("R", &Camera::R)
-      .def_readwrite("t", &Camera::t)
-      .def_readwrite("width", &Camera::width)
-      .def_readwrite("height", &Camera::height)
-      .def_property_readonly("centre", &Camera::centre)
+      .def_readwrite("R", &Camera::R, "(3, 3) of cam_from_world")
+      .def_readwrite("t", &Camera::t, "(3) m, of cam_from_world")
+      .def_readwrite("width", &Camera::width, "of the images, pixels")
+      .def_readwrite("height", &Camera::height, "of the images, pixels")
+      .def_property_readonly("centre", &Camera::centre, "(3) m, where the camera stands")
       .def("project", &Camera::project, py::arg("point"), "Pixel of a world point.")
       .def("resized", &Camera::resized, py::arg("width"), py::arg("height"), "The same camera for images of another size.");
   m.def(
@@ -184,46 +188,52 @@ void bind_camera(py::module_ &m) {
         const std::vector<py::ssize_t> shape{buffer.height, buffer.width};
         return py::make_tuple(move_to_array(std::move(buffer.face), shape), move_to_array(std::move(buffer.depth), shape));
       },
-      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg("face_valid") = std::vector<std::uint8_t>{},
+      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"),
       "(face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).");
 }
 
 void bind_skeleton(py::module_ &m) {
-  py::class_<JointMark>(m, "JointMark", "A joint as the user marks it.")
+  Class<JointMark>(m, "JointMark", "A joint as the user marks it.")
       .def(py::init([](std::string name, std::string parent, Eigen::Vector3d position, std::optional<int> dof) {
              return JointMark{std::move(name), std::move(parent), position, dof};
            }),
            py::arg("name"), py::arg("parent"), py::arg("position"), py::arg("dof") = std::nullopt)
-      .def_readwrite("name", &JointMark::name)
-      .def_readwrite("parent", &JointMark::parent)
-      .def_readwrite("position", &JointMark::position)
-      .def_readwrite("dof", &JointMark::dof);
-  py::class_<Skeleton>(m, "Skeleton", "Kinematic skeleton; joints are sorted parents first.")
+      .def_readwrite("name", &JointMark::name, "of the joint")
+      .def_readwrite("parent", &JointMark::parent, "name of the joint that carries it; empty = the root")
+      .def_readwrite("position", &JointMark::position, "(3) m")
+      .def_readwrite("dof", &JointMark::dof, "rotational degrees of freedom; None = as usual for a joint of this name");
+  Class<Skeleton>(m, "Skeleton", "Kinematic skeleton; joints are sorted parents first.")
       .def(py::init(&make_skeleton), py::arg("marks"))
-      .def_property_readonly("joint_names",
-                             [](const Skeleton &s) {
-                               std::vector<std::string> names;
-                               for (const Joint &joint : s.joints)
-                                 names.push_back(joint.name);
-                               return names;
-                             })
-      .def_property_readonly("joint_parents",
-                             [](const Skeleton &s) {
-                               Eigen::VectorXi parents(s.joint_count());
-                               for (int j = 0; j < s.joint_count(); ++j)
-                                 parents[j] = s.joints[j].parent;
-                               return parents;
-                             })
-      .def_property_readonly("joint_rest",
-                             [](const Skeleton &s) {
-                               Vertices rest(s.joint_count(), 3);
-                               for (int j = 0; j < s.joint_count(); ++j)
-                                 rest.row(j) = s.joints[j].rest;
-                               return rest;
-                             })
-      .def_readonly("dof_names", &Skeleton::dof_names)
-      .def_readonly("lower", &Skeleton::lower)
-      .def_readonly("upper", &Skeleton::upper)
+      .def_property_readonly(
+          "joint_names",
+          [](const Skeleton &s) {
+            std::vector<std::string> names;
+            for (const Joint &joint : s.joints)
+              names.push_back(joint.name);
+            return names;
+          },
+          "(J)")
+      .def_property_readonly(
+          "joint_parents",
+          [](const Skeleton &s) {
+            Eigen::VectorXi parents(s.joint_count());
+            for (int j = 0; j < s.joint_count(); ++j)
+              parents[j] = s.joints[j].parent;
+            return parents;
+          },
+          "(J) indices, -1 = none")
+      .def_property_readonly(
+          "joint_rest",
+          [](const Skeleton &s) {
+            Vertices rest(s.joint_count(), 3);
+            for (int j = 0; j < s.joint_count(); ++j)
+              rest.row(j) = s.joints[j].rest;
+            return rest;
+          },
+          "(J, 3) m, scan pose")
+      .def_readonly("dof_names", &Skeleton::dof_names, "(D)")
+      .def_readonly("lower", &Skeleton::lower, "(D) least value of each degree of freedom, rad or m")
+      .def_readonly("upper", &Skeleton::upper, "(D) greatest value")
       .def("find", &Skeleton::find, py::arg("name"), "Index of a joint; raises Error if there is none of that name.")
       .def(
           "forward_kinematics",
@@ -246,7 +256,7 @@ void bind_skeleton(py::module_ &m) {
 }
 
 void bind_observations(py::module_ &m) {
-  py::class_<ViewObservation>(m, "ViewObservation", "2D data of one camera at one frame, pixels.")
+  Class<ViewObservation>(m, "ViewObservation", "2D data of one camera at one frame, pixels.")
       .def(py::init([](const Floats2 &contour, const Floats4 &matches) {
              if (!contour.allFinite() || !matches.allFinite())
                throw std::invalid_argument("ViewObservation: expected finite pixels, found NaN or infinity");
@@ -276,26 +286,26 @@ void bind_observations(py::module_ &m) {
             return points;
           },
           "(N, 4) features at t-1 (x, y) and t (x, y)");
-  py::class_<Observations>(m, "Observations", "2D data of the whole sequence (observations.npz).")
+  Class<Observations>(m, "Observations", "2D data of the whole sequence (observations.npz).")
       .def(py::init<>())
-      .def_readwrite("cameras", &Observations::cameras)
-      .def_readwrite("frames", &Observations::frames)
+      .def_readwrite("cameras", &Observations::cameras, "names")
+      .def_numbers_readwrite("frames", &Observations::frames, "(T) video frame numbers")
       .def_readwrite("views", &Observations::views, "[frame][camera]; a copy");
 }
 
 void bind_stage_values(py::module_ &m) {
-  py::class_<RiggedMesh>(m, "RiggedMesh", "Surface in the scan pose, skeleton and skin weights (actor.npz).")
+  Class<RiggedMesh>(m, "RiggedMesh", "Surface in the scan pose, skeleton and skin weights (actor.npz).")
       .def(py::init([](Mesh mesh, std::vector<std::uint8_t> face_valid, MatrixRM weights, Skeleton skeleton) {
              return RiggedMesh{std::move(mesh), std::move(face_valid), std::move(weights), std::move(skeleton)};
            }),
            py::arg("mesh"), py::arg("face_valid"), py::arg("weights"), py::arg("skeleton"))
-      .def_readwrite("mesh", &RiggedMesh::mesh)
+      .def_readwrite("mesh", &RiggedMesh::mesh, "scan pose, m")
       .def_readwrite("face_valid", &RiggedMesh::face_valid, "(F) 0 = invented over a large hole")
       .def_readwrite("weights", &RiggedMesh::weights, "(V, J)")
-      .def_readwrite("skeleton", &RiggedMesh::skeleton);
-  py::class_<ReferencePerformance>(m, "ReferencePerformance", "The captured performance (performance.npz).")
+      .def_readwrite("skeleton", &RiggedMesh::skeleton, "Skeleton");
+  Class<ReferencePerformance>(m, "ReferencePerformance", "The captured performance (performance.npz).")
       .def(py::init<>())
-      .def_readwrite("surface", &ReferencePerformance::surface)
+      .def_readwrite("surface", &ReferencePerformance::surface, "MeshSequence of the captured surface")
       .def_readwrite("dofs", &ReferencePerformance::dofs, "(T, D)")
       .def_property(
           "joints", [](const ReferencePerformance &p) { return stack(p.joints); },
@@ -303,7 +313,7 @@ void bind_stage_values(py::module_ &m) {
             p.joints = unstack(joints, "joints");
           },
           "(T, J, 3) m; a copy")
-      .def_readwrite("frames", &ReferencePerformance::frames, "(T) video frame numbers");
+      .def_numbers_readwrite("frames", &ReferencePerformance::frames, "(T) video frame numbers");
   m.def(
       "unposed_frames",
       [](const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
@@ -316,7 +326,7 @@ void bind_stage_values(py::module_ &m) {
       },
       py::arg("actor"), py::arg("performance"), py::arg("context") = interruptible_context(),
       "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
-  py::class_<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
+  Class<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
       .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region, Eigen::VectorXd fullness) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
@@ -329,8 +339,8 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
       .def_readwrite("fullness", &Segmentation::fullness, "(V) width across gravity over the scan's; empty = 1")
       .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
-      .def_readwrite("region_count", &Segmentation::region_count);
-  py::class_<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
+      .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");
+  Class<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
       .def(py::init<>())
       .def_readwrite("mesh", &Garment::mesh, "scan pose, m")
       .def_readwrite("region", &Garment::region, "(G)")
@@ -341,7 +351,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("widths", &Garment::widths,
                      "[K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone")
       .def_readwrite("covers", &Garment::covers, "(F) faces of the actor that the garment stands for")
-      .def_readwrite("region_count", &Garment::region_count);
+      .def_readwrite("region_count", &Garment::region_count, "cloth regions");
   m.def("worn", &worn, py::arg("garment"), py::arg("chosen") = std::vector<double>{}, Release(),
         "The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, "
         "in its "
@@ -349,24 +359,24 @@ void bind_stage_values(py::module_ &m) {
   m.def("common_widths", &common_widths, py::arg("garments"), py::arg("count"), Release(),
         "[garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.");
   m.def("offered", &offered, py::arg("garment"), Release(), "The garment in each of the widths that it offers.");
-  py::class_<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
+  Class<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
       .def_readwrite("actor", &DressedActor::actor, "V + G vertices: the actor's, then the garment's")
-      .def_readwrite("segmentation", &DressedActor::segmentation);
+      .def_readwrite("segmentation", &DressedActor::segmentation, "of the V + G vertices");
   m.def("dress", py::overload_cast<const RiggedMesh &, const Segmentation &, const Garment &>(&dress), py::arg("actor"),
         py::arg("segmentation"), py::arg("garment"), Release(), "The actor in the garment.");
   m.def("dress", py::overload_cast<const ReferencePerformance &, const RiggedMesh &, const Garment &>(&dress),
         py::arg("performance"), py::arg("actor"), py::arg("garment"), Release(),
         "The captured surface on the dressed actor's mesh.");
-  py::class_<TaperedCapsule>(m, "TaperedCapsule", "Collision proxy carried by a joint.")
+  Class<TaperedCapsule>(m, "TaperedCapsule", "Collision proxy carried by a joint.")
       .def(py::init([](int joint, Eigen::Vector3d p0, Eigen::Vector3d p1, double r0, double r1) {
              return TaperedCapsule{joint, p0, p1, r0, r1};
            }),
            py::arg("joint"), py::arg("p0"), py::arg("p1"), py::arg("r0"), py::arg("r1"))
-      .def_readwrite("joint", &TaperedCapsule::joint)
-      .def_readwrite("p0", &TaperedCapsule::p0)
-      .def_readwrite("p1", &TaperedCapsule::p1)
-      .def_readwrite("r0", &TaperedCapsule::r0)
-      .def_readwrite("r1", &TaperedCapsule::r1);
+      .def_readwrite("joint", &TaperedCapsule::joint, "index of the joint that carries it")
+      .def_readwrite("p0", &TaperedCapsule::p0, "(3) m, one end of the axis, scan pose")
+      .def_readwrite("p1", &TaperedCapsule::p1, "(3) m, the other end")
+      .def_readwrite("r0", &TaperedCapsule::r0, "m, radius at p0")
+      .def_readwrite("r1", &TaperedCapsule::r1, "m, radius at p1");
   m.def(
       "capsule_mesh",
       [](const Eigen::Vector3d &p0, const Eigen::Vector3d &p1, double r0, double r1) {
@@ -374,11 +384,11 @@ void bind_stage_values(py::module_ &m) {
       },
       py::arg("p0"), py::arg("p1"), py::arg("r0"), py::arg("r1"),
       "Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.");
-  py::class_<BodyFit>(m, "BodyFit", "The body under the clothes, scan pose (body.npz).")
+  Class<BodyFit>(m, "BodyFit", "The body under the clothes, scan pose (body.npz).")
       .def(py::init<>())
-      .def_readwrite("body", &BodyFit::body)
-      .def_readwrite("coefficients", &BodyFit::coefficients)
-      .def_readwrite("model", &BodyFit::model)
+      .def_readwrite("body", &BodyFit::body, "the body's mesh, scan pose, m")
+      .def_readwrite("coefficients", &BodyFit::coefficients, "of the statistical model")
+      .def_readwrite("model", &BodyFit::model, "name and hash of the statistical model")
       .def_readwrite("residual", &BodyFit::residual, "m")
       .def_readwrite("deviation", &BodyFit::deviation, "(B) m, expected RMS error of each vertex; empty = not known");
 }

@@ -57,16 +57,17 @@ OptimizerFactory optimizer_factory(const py::object &make) {
 }
 
 void bind_optimizers(py::module_ &m) {
-  py::class_<OptimizerResult>(m, "OptimizerResult", "Where an optimiser stands.")
+  Class<OptimizerResult>(m, "OptimizerResult", "Where an optimiser stands.")
       .def(py::init<>())
-      .def_readwrite("answer", &OptimizerResult::answer)
-      .def_readwrite("best", &OptimizerResult::best)
-      .def_readwrite("best_energy", &OptimizerResult::best_energy)
-      .def_readwrite("deviations", &OptimizerResult::deviations)
-      .def_readwrite("evaluations", &OptimizerResult::evaluations)
-      .def_readwrite("generations", &OptimizerResult::generations)
-      .def_readwrite("stop_reason", &OptimizerResult::stop_reason);
-  py::class_<Optimizer, PyOptimizer>(m, "Optimizer", "Swap point: ask() a generation, tell() its energies. Box [0, 1]^n.")
+      .def_readwrite("answer", &OptimizerResult::answer,
+                     "(n) what the method returns: CMA-ES the mean of its distribution, annealing the best sample")
+      .def_readwrite("best", &OptimizerResult::best, "(n) best sample so far")
+      .def_readwrite("best_energy", &OptimizerResult::best_energy, "its energy; means nothing while evaluations is 0")
+      .def_readwrite("deviations", &OptimizerResult::deviations, "(n) standard deviation of the search along each axis")
+      .def_readwrite("evaluations", &OptimizerResult::evaluations, "samples told so far")
+      .def_readwrite("generations", &OptimizerResult::generations, "told so far")
+      .def_readwrite("stop_reason", &OptimizerResult::stop_reason, "empty while it runs");
+  Class<Optimizer, PyOptimizer>(m, "Optimizer", "Swap point: ask() a generation, tell() its energies. Box [0, 1]^n.")
       .def(py::init<>())
       .def("ask", &Optimizer::ask, Release(), "(S, n) the next generation.")
       .def("tell", &Optimizer::tell, py::arg("samples"), py::arg("energies"), Release(),
@@ -90,21 +91,21 @@ void bind_optimizers(py::module_ &m) {
 }
 
 void bind_minimise(py::module_ &m) {
-  py::class_<GenerationRow>(m, "GenerationRow", "One generation of one part.")
-      .def_readonly("part", &GenerationRow::part)
-      .def_readonly("generation", &GenerationRow::generation)
-      .def_readonly("evaluations", &GenerationRow::evaluations)
-      .def_readonly("best", &GenerationRow::best)
-      .def_readonly("generation_best", &GenerationRow::generation_best)
-      .def_readonly("mean", &GenerationRow::mean)
-      .def_readonly("deviation", &GenerationRow::deviation)
-      .def_readonly("seconds", &GenerationRow::seconds);
-  py::class_<MinimiseResult>(m, "MinimiseResult", "Where all optimisers ended, and the way there.")
-      .def_readonly("parts", &MinimiseResult::parts)
+  Class<GenerationRow>(m, "GenerationRow", "One generation of one part.")
+      .def_readonly("part", &GenerationRow::part, "of the objective")
+      .def_readonly("generation", &GenerationRow::generation, "from 0")
+      .def_readonly("evaluations", &GenerationRow::evaluations, "so far")
+      .def_readonly("best", &GenerationRow::best, "lowest energy so far")
+      .def_readonly("generation_best", &GenerationRow::generation_best, "lowest energy of this generation")
+      .def_readonly("mean", &GenerationRow::mean, "(n) the optimiser's answer so far, in [0, 1]")
+      .def_readonly("deviation", &GenerationRow::deviation, "(n) standard deviation of the search along each axis")
+      .def_readonly("seconds", &GenerationRow::seconds, "s since the start, earlier runs of a resumed one included");
+  Class<MinimiseResult>(m, "MinimiseResult", "Where all optimisers ended, and the way there.")
+      .def_readonly("parts", &MinimiseResult::parts, "OptimizerResult of each part")
       .def_readonly("penalties", &MinimiseResult::penalties, "(parts) added for each unit of squared distance from the box")
-      .def_readonly("log", &MinimiseResult::log)
-      .def_readonly("seconds", &MinimiseResult::seconds);
-  py::class_<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
+      .def_readonly("log", &MinimiseResult::log, "GenerationRows")
+      .def_readonly("seconds", &MinimiseResult::seconds, "s, earlier runs of a resumed one included");
+  Class<Objective, PyObjective>(m, "Objective", "Swap point: energies of a whole generation in one call.")
       .def(py::init<>())
       .def("parameter_count", &Objective::parameter_count, "n, of one part.")
       .def("part_count", &Objective::part_count, "Independent parts, each with n parameters and an energy of its own.")
@@ -144,7 +145,7 @@ void bind_conformance(py::module_ &m) {
 }
 
 void bind_posterior(py::module_ &m) {
-  py::class_<Posterior>(m, "Posterior", "How likely every answer is: draws from a Gibbs posterior.")
+  Class<Posterior>(m, "Posterior", "How likely every answer is: draws from a Gibbs posterior.")
       .def_readonly("draws", &Posterior::draws, "(D, n) box units")
       .def_readonly("interval", &Posterior::interval, "(n, 2) the shortest interval with 90 % of the draws, box units")
       .def_readonly("correlation", &Posterior::correlation, "(n, n) of the draws");
@@ -197,7 +198,7 @@ void bind_energy(py::module_ &m) {
       .get()
       .def("material", &ParameterSpace::material, py::arg("unit"), "The Material at a point (n) of the box.")
       .def("unit", &ParameterSpace::unit, py::arg("material"), "(n) the point of the box at which a material lies.");
-  py::class_<MaterialObjective, Objective>(m, "MaterialObjective", "E_fit of Sect. 6.2 over the box of the parameter space.")
+  Class<MaterialObjective, Objective>(m, "MaterialObjective", "E_fit of Sect. 6.2 over the box of the parameter space.")
       .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const EnergyOptions &,
                     const ParameterSpace &, const Context &>(),
            py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
@@ -210,7 +211,7 @@ void bind_energy(py::module_ &m) {
            }),
            py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
            py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>())
-      .def_property_readonly("width_count", &MaterialObjective::width_count)
+      .def_property_readonly("width_count", &MaterialObjective::width_count, "widths of the garment to choose from")
       .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
            Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")
       .def(
@@ -232,11 +233,11 @@ void bind_energy(py::module_ &m) {
            "(regions) E_fit of such surfaces, pixels^2")
       .def_property_readonly("worst_energy", &MaterialObjective::worst_energy, "pixels^2: no sample costs more")
       .def_property_readonly("fingerprint", &MaterialObjective::fingerprint, "hash of everything the energy depends on")
-      .def_property_readonly("space", &MaterialObjective::space);
+      .def_property_readonly("space", &MaterialObjective::space, "ParameterSpace: which parameters are searched");
 }
 
 void bind_findings(py::module_ &m) {
-  py::class_<FitFinding>(m, "FitFinding", "What is doubtful about a parameter of an answer.")
+  Class<FitFinding>(m, "FitFinding", "What is doubtful about a parameter of an answer.")
       .def(py::init([](const std::string &kind, const std::string &parameter, double value, double low, double high) {
              if (!std::isfinite(value) || !std::isfinite(low) || !std::isfinite(high))
                throw std::invalid_argument("FitFinding: expected finite numbers, found NaN or infinity");
@@ -249,7 +250,7 @@ void bind_findings(py::module_ &m) {
       .def_readonly("parameter", &FitFinding::parameter, "its name")
       .def_readonly("value", &FitFinding::value, "the answer")
       .def_readonly("low", &FitFinding::low, "bounds: of the box; a guess: of its 90 % interval; seeds: of the answers")
-      .def_readonly("high", &FitFinding::high)
+      .def_readonly("high", &FitFinding::high, "upper bound, as `low`")
       .def("text", &FitFinding::text, "One sentence.");
 }
 
@@ -308,19 +309,30 @@ void bind_fit(py::module_ &m) {
   OptionsClass<FitOptions>(m, "Options of estimate_material.")
       .get()
       .def_readwrite("on_generation", &FitOptions::on_generation, "called with the FitResult so far, after every generation")
-      .def_readwrite("checkpoint", &FitOptions::checkpoint)
-      .def_readwrite("log", &FitOptions::log)
+      .def_readwrite("checkpoint", &FitOptions::checkpoint, "a killed run goes on from it, to the same bits; empty = none")
+      .def_readwrite("log", &FitOptions::log, "fit_log.csv, rewritten after every generation; empty = none")
       .def_property(
           "make_optimizer", [](const FitOptions &) { return py::none(); },
           [](FitOptions &options, const py::object &make) { options.make_optimizer = optimizer_factory(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.");
-  py::class_<PyTake>(m, "Take", "One film of a character: simulators (one a width of its garment), what was captured and seen.")
+  Class<PyTake>(m, "Take", "One film of a character: simulators (one a width of its garment), what was captured and seen.")
       .def(py::init([](const py::list &widths, const py::object &performance, const py::object &observations, double dt) {
              PyTake take{widths, performance, observations, dt};
              take.take(); // wrong types are found now
              return take;
            }),
            py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("dt") = 1.0 / 40);
+  Class<FitResult>(m, "FitResult", "The estimated material of every region.")
+      .def_property_readonly("materials", &FitResult::materials, "one a region")
+      .def_property_readonly("chosen_widths", &FitResult::chosen_widths,
+                             "position of the garment's width, one a region; may be empty")
+      .def("at_positions", &FitResult::at_positions, py::arg("positions"),
+           "The same for a garment whose positions the widths of a take were (see common_widths).")
+      .def_readonly("log", &FitResult::log, "GenerationRows; part = region")
+      .def_readonly("solver", &FitResult::solver, "SolverSettings, without which the materials mean nothing")
+      .def_readonly("seconds", &FitResult::seconds, "s, earlier runs of a resumed one included")
+      .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
+      .def("to_dict", &result_dict, "Everything as plain values.");
   m.def(
       "estimate_material",
       [](const std::vector<const PyTake *> &takes, const FitOptions &options, const Context &context) {
@@ -332,17 +344,6 @@ void bind_fit(py::module_ &m) {
       },
       py::arg("takes"), py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(),
       "The material, and the width of the garment, under which several takes are explained together -> FitResult.");
-  py::class_<FitResult>(m, "FitResult", "The estimated material of every region.")
-      .def_property_readonly("materials", &FitResult::materials, "one a region")
-      .def_property_readonly("chosen_widths", &FitResult::chosen_widths,
-                             "position of the garment's width, one a region; may be empty")
-      .def("at_positions", &FitResult::at_positions, py::arg("positions"),
-           "The same for a garment whose positions the widths of a take were (see common_widths).")
-      .def_readonly("log", &FitResult::log)
-      .def_readonly("solver", &FitResult::solver)
-      .def_readonly("seconds", &FitResult::seconds)
-      .def_readonly("interrupted", &FitResult::interrupted, "the search was not over: the materials are the best samples so far")
-      .def("to_dict", &result_dict, "Everything as plain values.");
   m.def("estimate_material",
         py::overload_cast<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const FitOptions &,
                           const Context &>(&estimate_material),

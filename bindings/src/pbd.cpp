@@ -126,27 +126,28 @@ void replace(Vertices &values, const Vertices &with, const char *name) {
 }
 
 void bind_state(py::module_ &m) {
-  py::class_<Capsule>(m, "Capsule", "Tapered capsule in the world, m.")
+  Class<Capsule>(m, "Capsule", "Tapered capsule in the world, m.")
       .def(py::init([](Eigen::Vector3d p0, Eigen::Vector3d p1, double r0, double r1) {
              return Capsule{p0, p1, r0, r1};
            }),
            py::arg("p0"), py::arg("p1"), py::arg("r0"), py::arg("r1"))
-      .def_readwrite("p0", &Capsule::p0)
-      .def_readwrite("p1", &Capsule::p1)
-      .def_readwrite("r0", &Capsule::r0)
-      .def_readwrite("r1", &Capsule::r1);
-  py::class_<ClothState>(m, "ClothState", "Positions (N, 3) m and velocities (N, 3) m/s; copy() saves it.")
+      .def_readwrite("p0", &Capsule::p0, "(3) m, one end of the axis")
+      .def_readwrite("p1", &Capsule::p1, "(3) m, the other end")
+      .def_readwrite("r0", &Capsule::r0, "m, radius at p0")
+      .def_readwrite("r1", &Capsule::r1, "m, radius at p1");
+  Class<ClothState>(m, "ClothState", "Positions (N, 3) m and velocities (N, 3) m/s; copy() saves it.")
       .def(py::init(&pbd::initial_state), py::arg("positions"))
       // Through a plain reference, so that the arrays may be written to in place.
       .def_property(
           "positions", [](ClothState &state) -> Vertices & { return state.positions; },
-          [](ClothState &state, const Vertices &positions) { replace(state.positions, positions, "positions"); })
+          [](ClothState &state, const Vertices &positions) { replace(state.positions, positions, "positions"); }, "(N, 3) m")
       .def_property(
           "velocities", [](ClothState &state) -> Vertices & { return state.velocities; },
-          [](ClothState &state, const Vertices &velocities) { replace(state.velocities, velocities, "velocities"); })
+          [](ClothState &state, const Vertices &velocities) { replace(state.velocities, velocities, "velocities"); },
+          "(N, 3) m/s")
       .def(
           "copy", [](const ClothState &state) { return state; }, "A state of its own.");
-  py::class_<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
+  Class<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,
                        std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind,
                        const std::optional<Eigen::Vector3d> &gravity) {
@@ -161,10 +162,10 @@ void bind_state(py::module_ &m) {
            py::kw_only(), py::arg("targets") = Vertices(0, 3), py::arg("previous_targets") = Vertices(0, 3),
            py::arg("capsules") = std::vector<Capsule>{}, py::arg("previous_capsules") = std::vector<Capsule>{},
            py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0), py::arg("gravity") = std::nullopt)
-      .def_readwrite("targets", &OwnedInputs::targets)
-      .def_readwrite("previous_targets", &OwnedInputs::previous_targets)
-      .def_readwrite("capsules", &OwnedInputs::capsules)
-      .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules)
+      .def_readwrite("targets", &OwnedInputs::targets, "(N, 3) m, skinned positions at the end of the frame")
+      .def_readwrite("previous_targets", &OwnedInputs::previous_targets, "(N, 3) m, at its start")
+      .def_readwrite("capsules", &OwnedInputs::capsules, "proxies at the end of the frame")
+      .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules, "proxies at its start, in the same order")
       .def_readwrite("dt", &OwnedInputs::dt, "s")
       .def_readwrite("wind", &OwnedInputs::wind, "m/s")
       .def_readwrite("gravity", &OwnedInputs::gravity, "m/s^2; None = the model's");
@@ -176,15 +177,14 @@ void bind_pbd(py::module_ &m) {
   bind_material(m);
   bind_state(m);
   OptionsClass<ClothOptions>(m, "Settings of the cloth solver.");
-  py::class_<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel",
-                                                      "What a piece of cloth is: arrays that cannot be written to.")
+  Class<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "What a piece of cloth is: arrays that cannot be written to.")
       .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
                        const Eigen::VectorXd &fullness) {
              return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options, fullness));
            }),
            py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{},
            py::arg("fullness") = Eigen::VectorXd(), Release())
-      .def_property_readonly("vertex_count", &ClothModel::vertex_count)
+      .def_property_readonly("vertex_count", &ClothModel::vertex_count, "N")
       .def_property_readonly("rest", &ClothModel::rest, "(N, 3) m: rest lengths and angles come from here")
       .def_property_readonly("faces", &ClothModel::faces, "(F, 3)")
       .def_property_readonly("clothness", &ClothModel::clothness, "(N) in [0, 1]: 0 = follows its target, 1 = free")
@@ -194,7 +194,7 @@ void bind_pbd(py::module_ &m) {
       .def_property_readonly(
           "options", [](const ClothModel &model) { return model.options(); }, "A copy.")
       .def_property_readonly("inverse_masses", &ClothModel::inverse_masses, "(N) 1/m^2, 0 = pinned");
-  py::class_<ClothSolver, PyClothSolver, std::shared_ptr<ClothSolver>>(
+  Class<ClothSolver, PyClothSolver, std::shared_ptr<ClothSolver>>(
       m, "ClothSolver",
       "Advances simulations of one model by a frame. To replace it, define advance(states, inputs, materials, threads) in a "
       "subclass: one of each for every simulation, checked; it changes the states in place, and may return the indices of those "
@@ -204,7 +204,7 @@ void bind_pbd(py::module_ &m) {
           "create",
           [](std::shared_ptr<ClothModel> model) { return std::shared_ptr<ClothSolver>(ClothSolver::create(std::move(model))); },
           py::arg("model"), "The built-in solver.")
-      .def_property_readonly("model", &ClothSolver::model)
+      .def_property_readonly("model", &ClothSolver::model, "ClothModel that it was made for")
       .def(
           "step",
           [](const ClothSolver &solver, ClothState &state, const OwnedInputs &inputs, const Material &material) {

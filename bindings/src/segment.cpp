@@ -37,8 +37,7 @@ void bind_segment(py::module_ &m) {
   m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("segmentation"),
         py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
-  py::class_<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter",
-                                               "Stage: mesh sequence -> segmentation. Subclass to replace it.")
+  Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: mesh sequence -> segmentation. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")
       .def("segment", &ClothSegmenter::segment, py::arg("sequence"), py::arg("face_valid"),
@@ -60,8 +59,7 @@ void bind_segment(py::module_ &m) {
   m.def("cloth_segmenter_violations", &testing::cloth_segmenter_violations, py::arg("segmenter"), Release(),
         "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");
-  py::class_<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher",
-                                             "Stage: segmentation -> the garment's mesh. Subclass to replace it.")
+  Class<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher", "Stage: segmentation -> the garment's mesh. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &GarmentMesher::create, py::arg("options") = GarmentOptions{}, "The built-in mesher.")
       .def("mesh", &GarmentMesher::mesh, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("captured"),
@@ -72,10 +70,10 @@ void bind_segment(py::module_ &m) {
   m.def("mesh_garment", &mesh_garment, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("captured"),
         py::arg("options") = GarmentOptions{}, py::arg("context") = interruptible_context(), Release(),
         "All cloth of the actor as a mesh of its own, in one call.");
-  py::class_<GarmentSummary>(m, "GarmentSummary", "What the mesher made.")
-      .def_readonly("vertices", &GarmentSummary::vertices)
-      .def_readonly("faces", &GarmentSummary::faces)
-      .def_readonly("regions", &GarmentSummary::regions)
+  Class<GarmentSummary>(m, "GarmentSummary", "What the mesher made.")
+      .def_readonly("vertices", &GarmentSummary::vertices, "of the garment's mesh")
+      .def_readonly("faces", &GarmentSummary::faces, "of the garment's mesh")
+      .def_readonly("regions", &GarmentSummary::regions, "cloth regions")
       .def_readonly("loops", &GarmentSummary::loops, "boundaries; a skirt has two")
       .def_readonly("hanging_loops", &GarmentSummary::hanging_loops, "that hang on the skeleton, at least in part")
       .def_readonly("mean_edge", &GarmentSummary::mean_edge, "m")

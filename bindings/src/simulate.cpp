@@ -11,14 +11,14 @@ void bind_simulate(py::module_ &m) {
              return SolverSettings{dt, cloth};
            }),
            py::arg("dt"), py::arg("cloth") = pbd::ClothOptions{});
-  py::class_<PosedFrame>(m, "PosedFrame", "A pose worked out once: skinned surface and proxies.")
+  Class<PosedFrame>(m, "PosedFrame", "A pose worked out once: skinned surface and proxies.")
       .def_readonly("skinned", &PosedFrame::skinned, "(V, 3) m")
-      .def_readonly("capsules", &PosedFrame::capsules);
-  py::class_<CharacterState>(m, "CharacterState", "Simulated state of all cloth regions; copy() saves it.")
-      .def_readwrite("regions", &CharacterState::regions)
+      .def_readonly("capsules", &PosedFrame::capsules, "proxies in the pose");
+  Class<CharacterState>(m, "CharacterState", "Simulated state of all cloth regions; copy() saves it.")
+      .def_readwrite("regions", &CharacterState::regions, "ClothState of each cloth region")
       .def(
           "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
-  py::class_<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
+  Class<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
       .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const std::vector<TaperedCapsule> &proxies,
                        const pbd::ClothOptions &options, const py::object &make_solver) {
              const pbd::ClothSolverFactory make = solver_factory(make_solver);
@@ -28,8 +28,9 @@ void bind_simulate(py::module_ &m) {
            py::arg("actor"), py::arg("segmentation"), py::arg("proxies"), py::arg("options") = pbd::ClothOptions{},
            py::arg("make_solver") = py::none(),
            "make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.")
-      .def_property_readonly("region_count", [](const CharacterSimulator &s) { return s.regions().size(); })
-      .def_property_readonly("actor", &CharacterSimulator::actor)
+      .def_property_readonly(
+          "region_count", [](const CharacterSimulator &s) { return s.regions().size(); }, "cloth regions")
+      .def_property_readonly("actor", &CharacterSimulator::actor, "RiggedMesh that is simulated")
       .def("pose", py::overload_cast<const Eigen::VectorXd &>(&CharacterSimulator::pose, py::const_), py::arg("dofs"), Release(),
            "The PosedFrame of a pose (D).")
       .def(

@@ -7,6 +7,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import numpy.typing as npt
+from doublet import testing
 
 QUIET = d.Context()
 
@@ -29,4 +30,4 @@ def surfaces(character_file: Path, clip: Path) -> npt.NDArray[np.float32]:
 
 
 if __name__ == "__main__":
-    print(d.__version__, d.cloth_segmenter_violations(BelowTheNavel(1.0)))
+    print(d.__version__, testing.cloth_segmenter_violations(BelowTheNavel(1.0)))

@@ -10,7 +10,7 @@ from functools import partial
 import doublet as d
 import numpy as np
 import pytest
-from doublet import edit_joints
+from doublet.pages import edit_joints
 
 webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402

@@ -12,15 +12,16 @@ import doublet as d
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet import pipeline, segmentation_paint
-from doublet.console import Console
+from doublet import reconstruct
+from doublet.common.console import Console
+from doublet.corrections import segmentation_paint
 
 pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 from test_edit_template import browser, press, stroke, wait_for_status  # noqa: E402, F401
 
-SEGMENT = next(s for s in pipeline.STAGES if s.name == "segment")
+SEGMENT = next(s for s in reconstruct.STAGES if s.name == "segment")
 AROUND, ROWS, HEIGHT, RADIUS = 24, 25, 1.2, 0.15
 
 
@@ -62,9 +63,9 @@ def out(tmp_path_factory):
 def job(out, tmp_path):
     (out / segmentation_paint.PAINTED).unlink(missing_ok=True)
     by_motion_alone = d.SegmentOptions(skin_colour=0, cloth_colour=0)  # there are no videos
-    job = pipeline.Job(tmp_path, out, {"segment": by_motion_alone}, console=Console(quiet=True))
+    job = reconstruct.Job(tmp_path, out, {"segment": by_motion_alone}, console=Console(quiet=True))
     job.session = type("Session", (), {"folder": tmp_path})
-    pipeline.run_stage(job, SEGMENT)
+    reconstruct.run_stage(job, SEGMENT)
     return job
 
 
@@ -91,7 +92,7 @@ def test_a_seam_all_around_parts_two_regions(out, job, served, browser):  # noqa
     url, process = served
     browser.get(url)
     wait_for_status(browser, "Ready")
-    assert job.segmentation().region_count == 1
+    assert job.results.segmentation().region_count == 1
     wait_for_regions(browser, "1 region")
     press(browser, "seam")
     across(browser)
@@ -110,9 +111,9 @@ def test_a_seam_all_around_parts_two_regions(out, job, served, browser):  # noqa
     shown, errors = process.communicate(timeout=30)
     assert process.returncode == 0 and errors == "" and "uses it" in shown
 
-    found = job.segmentation()
-    assert pipeline.run_stage(job, SEGMENT) and not pipeline.run_stage(job, SEGMENT)
-    corrected, height = job.segmentation(), tube(np.full(ROWS, RADIUS))[:, 1]
+    found = job.results.segmentation()
+    assert reconstruct.run_stage(job, SEGMENT) and not reconstruct.run_stage(job, SEGMENT)
+    corrected, height = job.results.segmentation(), tube(np.full(ROWS, RADIUS))[:, 1]
     assert corrected.region_count == 2 and (corrected.clothness == found.clothness).all()
     seam = height[segmentation_paint.read(out, len(height)) == segmentation_paint.SEAM]
     assert len(seam) > AROUND and (np.abs(seam - HEIGHT / 2) < 0.1).all()
@@ -122,8 +123,8 @@ def test_a_seam_all_around_parts_two_regions(out, job, served, browser):  # noqa
     assert len(corrected.fullness) == len(height)
 
     (out / segmentation_paint.PAINTED).unlink()
-    assert pipeline.run_stage(job, SEGMENT)
-    assert job.segmentation().region_count == 1 and not (out / segmentation_paint.FOUND).exists()
+    assert reconstruct.run_stage(job, SEGMENT)
+    assert job.results.segmentation().region_count == 1 and not (out / segmentation_paint.FOUND).exists()
 
 
 def test_skin_and_cloth_are_painted_in_any_frame(out, job, served, browser):  # noqa: F811
@@ -135,11 +136,11 @@ def test_skin_and_cloth_are_painted_in_any_frame(out, job, served, browser):  # 
     stroke(browser, (0, -20))
     press(browser, "save")
     wait_for_status(browser, "Saved")
-    found, painted = job.segmentation().clothness, segmentation_paint.read(out, ROWS * AROUND)
+    found, painted = job.results.segmentation().clothness, segmentation_paint.read(out, ROWS * AROUND)
     skin = painted == segmentation_paint.SKIN
     assert skin.any() and (found[skin] == 1).all() and (tube(np.full(ROWS, RADIUS))[skin, 2] > 0).all()
-    assert pipeline.run_stage(job, SEGMENT)
-    corrected = job.segmentation().clothness
+    assert reconstruct.run_stage(job, SEGMENT)
+    corrected = job.results.segmentation().clothness
     assert (corrected[skin] == 0).all() and (corrected[~skin] == found[~skin]).all()
     # The page goes on from what was painted, and "as found" is what was found, not what came of it.
     shown = json.loads(urllib.request.urlopen(url + "segmentation.json", timeout=30).read())
@@ -180,7 +181,7 @@ def test_what_is_no_paint_is_refused(out, served):
 def test_a_file_that_does_not_fit_stops_the_stage(out, job, arrays, said):
     np.savez(out / segmentation_paint.PAINTED, **arrays)
     with pytest.raises(RuntimeError, match=said) as caught:
-        pipeline.run_stage(job, SEGMENT)
+        reconstruct.run_stage(job, SEGMENT)
     assert segmentation_paint.PAINTED in str(caught.value)
 
 

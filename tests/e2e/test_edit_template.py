@@ -14,7 +14,7 @@ import doublet as d
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet import template_mask
+from doublet.corrections import template_mask
 
 webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402

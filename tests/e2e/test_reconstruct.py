@@ -17,7 +17,7 @@ import nbformat
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet import pipeline
+from doublet import reconstruct
 from nbclient import NotebookClient
 from PIL import Image
 
@@ -326,6 +326,6 @@ def test_the_notebook_runs(made, shipped, tmp_path, monkeypatch):
     cells = NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(path.parent)}}).execute().cells
     outputs = [output for cell in cells for output in cell.get("outputs", [])]
     said = "".join(output.get("text", "") for output in outputs)
-    assert "running" not in said and said.count("up to date") == len(pipeline.STAGES), said
+    assert "running" not in said and said.count("up to date") == len(reconstruct.STAGES), said
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 7
     assert "joint_mm" in said

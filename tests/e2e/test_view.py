@@ -9,7 +9,7 @@ import doublet as d
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet import view
+from doublet.pages import view
 from PIL import Image
 
 webdriver = pytest.importorskip("selenium.webdriver")

@@ -9,11 +9,14 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from calibrations import write_all
-from doublet import bone_map, config, keypoints, segmentation_paint, template_mask
-from doublet.evaluate import Truth
-from doublet.motions import read_clip, read_motion
-from doublet.run_record import RunRecord
-from doublet.video import read_image
+from doublet.common.video import read_image
+from doublet.corrections import segmentation_paint, template_mask
+from doublet.evaluation.metrics import Truth
+from doublet.export import bone_map
+from doublet.export.clips import read_clip, read_motion
+from doublet.reconstruct import config
+from doublet.reconstruct.run_record import RunRecord
+from doublet.scan import keypoints
 from PIL import Image
 
 FPS = 40.0

@@ -20,10 +20,10 @@ from typing import Callable, NamedTuple
 
 import doublet as d
 import numpy as np
-from doublet import cli
-from doublet.console import Console
-from doublet.files import write_json
-from doublet.video import VideoWriter
+from doublet.cli import program as cli
+from doublet.common.console import Console
+from doublet.common.files import write_json
+from doublet.common.video import VideoWriter
 from PIL import Image
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,7 @@ import os
 import signal
 from pathlib import Path
 
-from doublet import study
+from doublet.evaluation import study
 
 
 def square(job):

@@ -37,7 +37,7 @@ MAY = (
     (".*", "sequence|captured|motion", "(frames|dofs) (shorter|longer|empty)"),  # any number of frames
     (".*", "performance", "(surface faces|frames first:|dofs a column less).*"),  # the actor's count
     (".*", "captured|sequence", "faces .*"),  # likewise
-    (".*", "observations", "frames first: .*"),  # video frame numbers
+    (".*", "observations|performance", "frames (first:|index) .*"),  # video frame numbers
     ("(face|vertex)_(normals|areas)|rasterize|visible_vertices", "vertices", "nan|-?inf"),  # such a face is degenerate, not drawn
     ("pose_surface|unposed_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone
     ("dress performance|simulate_reference", "performance", "surface frames (shorter|longer|empty)|(dofs|joints|frames) .*"),

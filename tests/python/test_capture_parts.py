@@ -8,6 +8,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
+from doublet import testing
 
 EXAMPLE = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "own_parts.py"))
 FRAMES = 3
@@ -239,8 +240,8 @@ class Kit(d.LimbSearch):
         self.inner, self.found, self.wild = d.LimbSearch.create(), [], []
 
     def search(self, problem, dofs, lost, context):
-        self.found += d.limb_search_violations(self.inner, problem, dofs, lost)
-        self.wild += d.limb_search_violations(Everything(), problem, dofs, lost)
+        self.found += testing.limb_search_violations(self.inner, problem, dofs, lost)
+        self.wild += testing.limb_search_violations(Everything(), problem, dofs, lost)
         return self.inner.search(problem, dofs, lost, context)
 
 
@@ -273,5 +274,5 @@ def test_the_kits_try_what_python_makes(scene):
             self.later += 1
             return super().capture(*arguments)
 
-    assert d.performance_capture_violations(Passing(), actor, rig, stage, extractor) == []
-    assert d.performance_capture_violations(Restless(), actor, rig, stage, extractor) == ["a second call gives other bits"]
+    assert testing.performance_capture_violations(Passing(), actor, rig, stage, extractor) == []
+    assert testing.performance_capture_violations(Restless(), actor, rig, stage, extractor) == ["a second call gives other bits"]

@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from doublet.pipeline import cloth_ends
+from doublet.reconstruct.stages import cloth_ends
 
 
 def test_a_foot_or_a_hand_of_cloth_is_named():

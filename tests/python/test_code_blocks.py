@@ -14,9 +14,11 @@ import doublet as d
 import numpy as np
 import pytest
 from bad_input import make_folder
-from doublet import cli, config
-from doublet.files import write_json
-from doublet.study import local_workers
+from doublet.cli import option_flags
+from doublet.cli import program as cli
+from doublet.common.files import write_json
+from doublet.evaluation.study import local_workers
+from doublet.reconstruct import config
 
 ROOT = Path(__file__).parents[2]
 SESSION = ROOT / "examples" / "data" / "session"
@@ -142,7 +144,7 @@ def names_of(page: str, world: World) -> dict:
     import cma
     import nevergrad
     import optuna
-    from doublet import study
+    from doublet.evaluation import study
 
     actor = {"actor": world.actor, "clothness": world.segmentation, "proxies": world.proxies, "options": d.ClothOptions()}
     return {
@@ -170,7 +172,7 @@ def names_of(page: str, world: World) -> dict:
 @pytest.fixture
 def small_searches(monkeypatch):
     """A search ends after a few evaluations, a study has as many workers as there are cores here."""
-    from doublet import study
+    from doublet.evaluation import study
 
     monkeypatch.setattr(study, "local_workers", lambda count: local_workers(2))
     few = {"fit.max_evaluations": 4, "fit.population": 4, "fit.first_samples": 4, "space.names": ["d_n"]}
@@ -307,7 +309,7 @@ def test_commands_are_understood(block, words, stand_ins, tmp_path, monkeypatch)
             assert not re.match(r"(examples|tests)/", word) or (ROOT / word).exists(), word
         return
     parsed = PARSER.parse_args(words[1:])
-    cli.chosen_options(parsed)
+    option_flags.chosen_options(parsed)
     if words[1] in CHEAP or "--write-config" in words:
         shutil.copytree(stand_ins, tmp_path, dirs_exist_ok=True)
         monkeypatch.chdir(tmp_path)

@@ -6,15 +6,18 @@ from pathlib import Path
 
 import doublet as d
 import pytest
-from doublet import cli, config, pipeline
-from doublet.pipeline import plain
+from doublet import reconstruct
+from doublet.cli import commands, jobs, option_flags
+from doublet.cli import program as cli
+from doublet.reconstruct import config
+from doublet.reconstruct.options import plain
 from test_options import FLAGS, GROUPS, another
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World, write_session  # noqa: E402
 
 PARSER = cli.build_parser()
-CONFIGURED = [(g, n) for g, n in FLAGS if g in pipeline.OPTION_GROUPS]
+CONFIGURED = [(g, n) for g, n in FLAGS if g in reconstruct.OPTION_GROUPS]
 
 
 def write(path, *flags):
@@ -25,7 +28,7 @@ def write(path, *flags):
 def options_of(*words) -> tuple[dict, int]:
     """Of a command line: the option objects, and the seed."""
     arguments = PARSER.parse_args(["reconstruct", "session", "-o", "out", *map(str, words)])
-    job = cli.make_job(arguments, arguments.session)
+    job = jobs.make_job(arguments, arguments.session)
     return {group: plain(options) for group, options in job.options.items()}, job.seed
 
 
@@ -39,7 +42,7 @@ def test_the_file_that_is_written_has_the_defaults(defaults):
     text = defaults.read_text()
     for group, name in CONFIGURED:
         default = getattr(GROUPS[group](), name)
-        if pipeline.is_derived(group, name, default):
+        if reconstruct.options.is_derived(group, name, default):
             continue
         told = GROUPS[group].described()[name]
         comment = text.split(f"\n[{group}]")[1].split(f"\n{name} = ")[0].splitlines()[-1]
@@ -50,14 +53,14 @@ def test_the_file_that_is_written_has_the_defaults(defaults):
 @pytest.mark.parametrize(("group", "name"), CONFIGURED)
 def test_every_option_comes_back_from_the_file(group, name, tmp_path):
     changed, value = another(GROUPS[group], name)
-    if pipeline.is_derived(group, name, getattr(GROUPS[group](), name)):
+    if reconstruct.options.is_derived(group, name, getattr(GROUPS[group](), name)):
         return
     path = tmp_path / "one.toml"
     path.write_text(f"[{group}]\n{name} = {config.as_toml(plain(value))}\n")
     options, _ = options_of("--config", path)
     assert options[group] == plain(changed)
-    all_of_them = {g: GROUPS[g]() for g in pipeline.OPTION_GROUPS} | {group: changed}
-    path.write_text(config.written(all_of_them, 3, None, cli.in_words))
+    all_of_them = {g: GROUPS[g]() for g in reconstruct.OPTION_GROUPS} | {group: changed}
+    path.write_text(config.written(all_of_them, 3, None, option_flags.describe_option))
     assert options_of("--config", path) == (options, 3)
 
 
@@ -77,7 +80,7 @@ def test_a_body_model_is_seen_from_the_file(tmp_path):
     path.parent.mkdir()
     path.write_text('body_model = "model.npz"\n')
     arguments = cli.build_parser().parse_args(["body", "out", "--config", str(path)])
-    assert cli.make_job(arguments, Path("session")).body_model == path.with_name("model.npz")
+    assert jobs.make_job(arguments, Path("session")).body_model == path.with_name("model.npz")
 
 
 @pytest.fixture
@@ -123,8 +126,10 @@ def help_of(capsys, *words):
 
 def test_help_is_split(capsys):
     """What most people need, and everything."""
-    flags = {f"--{g}-{n.replace('_', '-')}" for g, n in CONFIGURED if not pipeline.is_derived(g, n, getattr(GROUPS[g](), n))}
-    usual = {f"--{name.replace('.', '-').replace('_', '-')}" for name in cli.USUAL}
+    flags = {
+        f"--{g}-{n.replace('_', '-')}" for g, n in CONFIGURED if not reconstruct.options.is_derived(g, n, getattr(GROUPS[g](), n))
+    }
+    usual = {f"--{name.replace('.', '-').replace('_', '-')}" for name in commands.reconstruct.USUAL}
     assert usual < flags
     short, full = help_of(capsys, "--help"), help_of(capsys, "--help-all")
     shown = {flag for flag in flags if f"{flag} " in short or f"{flag}," in short}

@@ -6,9 +6,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import cli
-from doublet import evaluate as e
-from doublet.console import Console
+from doublet.cli import program as cli
+from doublet.common.console import Console
+from doublet.evaluation import metrics as e
 from PIL import Image
 
 FRAMES = 3
@@ -271,7 +271,7 @@ def test_new_motion_is_measured_on_the_characters_own_mesh(scene, monkeypatch):
     d.make_character(dressed, clothness, d.BodyFit(), [], [d.Material()], d.SolverSettings(1 / 40)).write(
         scene["out"] / "character.glb"
     )
-    monkeypatch.setattr("doublet.evaluate.animate_exactly", lambda character, *_: character.actor.mesh.vertices[None])
+    monkeypatch.setattr("doublet.evaluation.metrics.animate_exactly", lambda character, *_: character.actor.mesh.vertices[None])
     moving, there = e.new_motion(e.Reconstruction(scene["out"]), truth, 40, QUIET)
     assert there.folder == novel and len(moving.faces) == len(faces) - 1
     assert moving.cloth.tolist() == np.flatnonzero(is_cloth(scene)).tolist()

@@ -8,9 +8,10 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import bone_map, cli
-from doublet.motions import read_clip, read_motion
-from doublet.usd import identifier, texture_path, write_usdc
+from doublet.cli import program as cli
+from doublet.export import bone_map
+from doublet.export.clips import read_clip, read_motion
+from doublet.export.usd import identifier, texture_path, write_usdc
 from test_motions import actor_skeleton
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))

@@ -10,8 +10,8 @@ import time
 from functools import partial
 
 import pytest
-from doublet.console import Console
-from doublet.fit_page import in_words
+from doublet.common.console import Console
+from doublet.pages.fit_page import in_words
 
 OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--cloth-stiffness", "sweeps", "--cloth-rest-curvature", "1"]
 OPTIONS += ["--fit-max-evaluations", "56", "--fit-first-samples", "16", "--fit-population", "8", "--fit-smallest-gain", "0"]
@@ -30,9 +30,9 @@ def out(bell, tmp_path):
 def fit():
     """Starts `doublet fit` without the checks of a whole session."""
     program = (
-        "import sys; from doublet import cli, pipeline\n"
-        "pipeline.d.require_scanned = lambda session: None\n"
-        "pipeline.Job.session = type('S', (), {'fps': 40.0, 'folder': pipeline.Path('session'), 'name': 'bell'})()\n"
+        "import sys; from pathlib import Path; from doublet.cli import program as cli; from doublet import reconstruct\n"
+        "reconstruct.running.d.require_scanned = lambda session: None\n"
+        "reconstruct.Job.session = type('S', (), {'fps': 40.0, 'folder': Path('session'), 'name': 'bell'})()\n"
         "sys.exit(cli.main(sys.argv[1:]))"
     )
     started = []

@@ -11,12 +11,13 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import cli
-from doublet.console import Console
-from doublet.files import write_json, written_atomically
-from doublet.usd import usd_modules, write_usdc
-from doublet.video import VideoWriter
-from doublet.view import FILES, write_view
+from doublet.cli import commands
+from doublet.cli import program as cli
+from doublet.common.console import Console
+from doublet.common.files import write_json, written_atomically
+from doublet.common.video import VideoWriter
+from doublet.export.usd import usd_modules, write_usdc
+from doublet.pages.view import FILES, write_view
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from children import outcomes  # noqa: E402
@@ -191,7 +192,7 @@ def test_memory_that_a_thread_has_not(monkeypatch, capsys):
     def run(parsed):
         raise RuntimeError("pthread_create has failed: Resource temporarily unavailable")
 
-    monkeypatch.setattr(cli, "run_stages", run)
+    monkeypatch.setattr(commands.stages, "run_stages", run)
     assert cli.main(["check", "session", "-o", "out"]) == 1
     assert capsys.readouterr().err.startswith(
         "doublet: expected more memory than this process may have (pthread_create has failed: Resource temporarily unavailable); "

@@ -3,8 +3,8 @@
 import doublet as d
 import numpy as np
 import pytest
-from doublet import evaluate as e
-from doublet import garment_motion as g
+from doublet.evaluation import metrics as e
+from doublet.evaluation import motion_metrics as g
 
 FPS, COUNT = 40.0, 120
 TIMES = np.arange(COUNT) / FPS

@@ -1,5 +1,6 @@
 """The rules of the house: who may include and link whom, and what stays out of public headers."""
 
+import ast
 import re
 from functools import cache
 from pathlib import Path
@@ -100,17 +101,84 @@ def test_every_room_has_tests():
         assert list((ROOT / "tests" / room).glob("*.cpp")), f"tests/{room} is empty"
 
 
+# --- the Python package
+
+PACKAGE = ROOT / "bindings" / "python" / "doublet"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+ALONE = {"optimizers", "testing"}  # modules that are rooms of their own
+
+
+def room_table() -> dict[str, set[str]]:
+    """Room -> rooms that it may import: the table of docs/architecture.md."""
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = text.split("## Rooms of the Python package")[1].split("\n## ")[0]
+    rows = re.findall(r"^\| `(\w+)` \| .* \| ([^|]*) \|$", table, re.MULTILINE)
+    rooms = [room for room, _ in rows]
+    return {room: set(rooms) if may == "all" else set(re.findall(r"\w+", may)) - {"nothing"} for room, may in rows}
+
+
+def name_of(path: Path) -> str:
+    """reconstruct.stages; a package by its own name."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def imported(path: Path) -> frozenset[str]:
+    """What of the package a module imports, wherever the import stands: names of modules, "" = the package itself."""
+    here = path.relative_to(PACKAGE).parent.parts
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {a.name.partition(".")[2] for a in node.names if a.name.split(".")[0] == "doublet"}
+        if not isinstance(node, ast.ImportFrom) or (node.level == 0 and (node.module or "").split(".")[0] != "doublet"):
+            continue
+        base = here[: len(here) - node.level + 1] if node.level else ()
+        inside = (node.module or "").split(".")[0 if node.level else 1 :]
+        at = [*base, *(part for part in inside if part)]
+        for alias in node.names:
+            whole = ".".join([*at, alias.name])
+            found.add(whole if whole in KNOWN else ".".join(at))
+    return frozenset(found)
+
+
+KNOWN = {name_of(path) for path in MODULES} | {"_doublet"}
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name_of)
+def test_no_python_module_or_class_is_too_long(path):
+    text = path.read_text(encoding="utf-8")
+    assert text.count("\n") <= 400
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ClassDef):
+            assert node.end_lineno - node.lineno < 300, node.name
+
+
+def test_the_table_of_rooms_is_that_of_the_folders_and_has_no_circle():
+    table, above = room_table(), set()
+    assert table.keys() == {p.parent.name for p in PACKAGE.glob("*/__init__.py")}
+    assert {p.stem for p in PACKAGE.glob("*.py") if not p.stem.startswith("_")} == ALONE
+    for room, may in table.items():
+        assert may - {room} <= above, f"{room} may import what stands below it"
+        above.add(room)
+
+
+@pytest.mark.parametrize("path", [p for p in MODULES if p.parent != PACKAGE], ids=name_of)
+def test_a_room_of_the_package_imports_what_it_may(path):
+    room = name_of(path).split(".")[0]
+    for name in imported(path) - {"_doublet", "_lazy"}:
+        used = name.split(".")[0]
+        assert used, "the package itself"
+        assert used in room_table()[room] | {room}, f"{name_of(path)} imports {name}"
+
+
 def test_python_modules_do_not_import_in_circles():
-    """Wherever in the module the import stands; what the package itself exports is none of them."""
-    folder = ROOT / "bindings" / "python" / "doublet"
-    modules = {p.stem: p.read_text(encoding="utf-8") for p in folder.glob("*.py") if not p.stem.startswith("__")}
-    pattern = re.compile(r"^\s*from (?:\.(\w+) import|\. import ([\w, ]+))", re.MULTILINE)
-    uses = {name: set(re.findall(r"\w+", str(pattern.findall(text)))) & modules.keys() for name, text in modules.items()}
-    for start in modules:
+    uses = {name_of(path): imported(path) - {"_doublet", ""} for path in MODULES}
+    for start in uses:
         reached, left = set(), list(uses[start])
         while left:
             name = left.pop()
             if name not in reached:
                 reached.add(name)
-                left += uses[name]
-        assert start not in reached, f"{start}.py imports itself by way of others"
+                left += uses.get(name, ())
+        assert start not in reached, f"{start} imports itself by way of others"

@@ -8,7 +8,7 @@ from types import ModuleType, SimpleNamespace
 import doublet as d
 import numpy as np
 import pytest
-from doublet import cli
+from doublet.cli import program as cli
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "tests" / "fuzz"))

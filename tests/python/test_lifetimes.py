@@ -11,7 +11,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet.console import Console
+from doublet.common.console import Console
 from tqdm import tqdm
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))

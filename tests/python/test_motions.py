@@ -6,7 +6,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet.motions import JOINTS, read_motion, read_smpl_motion
+from doublet.export.clips import JOINTS, read_motion, read_smpl_motion
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World  # noqa: E402

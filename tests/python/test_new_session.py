@@ -9,11 +9,11 @@ import wave
 import doublet as d
 import numpy as np
 import pytest
-from doublet import new_session, synchronise
-from doublet.camera_files import CameraFile, match
 from doublet.cli import main
-from doublet.new_session import PICTURE, Request
-from doublet.video import VideoWriter, read_video
+from doublet.common.video import VideoWriter, read_video
+from doublet.session import new_session, synchronise
+from doublet.session.camera_files import CameraFile, match
+from doublet.session.new_session import PICTURE, Request
 from PIL import Image
 
 SIZE, FPS, SECONDS, CAMERAS = 96, 30.0, 4.0, 4

@@ -1,20 +1,23 @@
 """Every option of every stage, set to another valid value, arrives wherever it should."""
 
 import argparse
+import copy
 import json
+import pickle
 import sys
 from pathlib import Path
 
 import doublet as d
 import numpy as np
 import pytest
-from doublet import cli, pipeline
-from doublet.pipeline import plain
+from doublet import reconstruct
+from doublet.cli import option_flags
+from doublet.reconstruct.options import plain
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "fuzz"))
 from seeds import World  # noqa: E402
 
-GROUPS = {**pipeline.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}
+GROUPS = {**reconstruct.OPTION_GROUPS, "retarget": d.RetargetOptions, "train": d.TrainOptions}
 CLASSES = [c for c in vars(d).values() if hasattr(c, "described")]
 FIELDS = [(c, name) for c in CLASSES for name in c.described()]
 FLAGS = [(group, name) for group, c in GROUPS.items() for name in c.described()]
@@ -98,13 +101,13 @@ def flag_words(group: str, name: str, value) -> list[str]:
 def test_a_flag_sets_its_option(group, name):
     options_class = GROUPS[group]
     parser = argparse.ArgumentParser()
-    cli.add_option_flags(parser, {group: options_class})
+    option_flags.add_option_flags(parser, {group: options_class})
     _, value = another(options_class, name)
     words = flag_words(group, name, value)
-    if pipeline.is_derived(group, name, getattr(options_class(), name)):
+    if reconstruct.options.is_derived(group, name, getattr(options_class(), name)):
         assert f"{words[0]} " not in parser.format_help()
         return
-    chosen = cli.chosen_options(parser.parse_args(words), {group: options_class})[group]
+    chosen = option_flags.chosen_options(parser.parse_args(words), {group: options_class})[group]
     default = options_class()
     assert plain(chosen)[name] == plain(value)
     assert others(chosen, name) == others(default, name)
@@ -112,7 +115,7 @@ def test_a_flag_sets_its_option(group, name):
 
 def test_groups_inside_groups_take_the_groups_options(tmp_path):
     """`annealing` reaches the search for lost limbs inside the capture."""
-    job = pipeline.Job(tmp_path, tmp_path)
+    job = reconstruct.Job(tmp_path, tmp_path)
     job.options["annealing"] = d.ParticleAnnealingOptions(particles=7)
     job.options["opposite"] = d.OppositeOptions(rays=1)
     job.options["space"] = d.ParameterSpace(names=["d_n"])
@@ -165,3 +168,31 @@ def test_whatever_the_energy_depends_on_changes_its_fingerprint(world):
         for name in options_class.described():
             prints[f"{keyword}.{name}"] = fingerprint(**{keyword: another(options_class, name)[0]})
     assert len(set(prints.values())) == len(prints), prints
+
+
+@pytest.mark.parametrize(("options_class", "name"), FIELDS, ids=lambda x: getattr(x, "__name__", x))
+def test_options_compare_copy_pickle_and_read_back(options_class, name):
+    changed, default = another(options_class, name)[0], options_class()
+    assert changed != default and default == options_class() and changed != 3
+    for same in (copy.copy(changed), copy.deepcopy(changed), pickle.loads(pickle.dumps(changed))):
+        assert same == changed and same is not changed
+        setattr(same, name, getattr(default, name))
+        assert same == default != changed  # its own
+    assert repr(default) == f"{options_class.__name__}()"
+    assert repr(changed).startswith(f"{options_class.__name__}({name}=")
+    assert eval(repr(changed), vars(d)) == changed
+
+
+def test_what_is_no_option_is_compared_and_pickled_too(tmp_path):
+    options = d.FitOptions(checkpoint=tmp_path / "a", seed=2)
+    assert options != d.FitOptions(seed=2) and pickle.loads(pickle.dumps(options)) == options
+    first = d.CmaEsOptions(first=np.zeros((4, 3)))
+    assert first == d.CmaEsOptions(first=np.zeros((4, 3))) != d.CmaEsOptions(first=np.zeros((6, 2)))
+    assert pickle.loads(pickle.dumps(first)) == first
+    options.on_generation = print
+    assert options == options and options != copy.copy(options)  # functions are like no other
+    assert "on_generation=..." in repr(options)
+    with pytest.raises(TypeError, match="FitOptions: cannot be pickled with 'on_generation'"):
+        pickle.dumps(options)
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(options)

@@ -3,6 +3,7 @@
 import importlib
 import inspect
 import json
+import pydoc
 import re
 import signal
 import subprocess
@@ -13,8 +14,10 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import _doublet, pipeline
-from doublet.fit_page import sections
+from doublet import _doublet, reconstruct, testing
+from doublet._lazy import DEPRECATED_MODULES
+from doublet.cli.program import build_parser
+from doublet.pages.fit_page import sections
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "tests" / "fuzz"))
@@ -51,6 +54,41 @@ def test_everything_that_is_bound_is_documented():
             assert (member.__doc__ or "").strip(), f"{name} has no docstring"
 
 
+def bound_properties():
+    for name in dir(_doublet):
+        if inspect.isclass(getattr(_doublet, name)):
+            for key, member in vars(getattr(_doublet, name)).items():
+                if isinstance(member, property):
+                    yield f"{name}.{key}", member
+
+
+def test_every_property_is_documented():
+    assert [name for name, member in bound_properties() if not (member.__doc__ or "").strip()] == []
+
+
+def test_every_argument_has_a_name():
+    setters = [(name, member.fset) for name, member in bound_properties() if member.fset]
+    assert len(setters) > 300
+    for name, member in [*bound_callables(), *setters]:
+        assert not re.search(r"\barg\d+:", member.__doc__ or ""), f"{name}: {member.__doc__}"
+
+
+def test_masks_and_numbers_are_arrays(world):
+    valid = world.actor.face_valid
+    assert valid.dtype == np.uint8 and valid.shape == (len(world.actor.mesh.faces),)
+    with pytest.raises(ValueError, match="read-only"):
+        valid[0] = 0  # of a copy
+    actor = d.RiggedMesh(world.actor.mesh, valid > 0, world.actor.weights, world.actor.skeleton)
+    np.testing.assert_array_equal(actor.face_valid, valid)
+    for wrong in (valid.astype(float), valid[None], valid.astype(int) + 256, [-1], "1"):
+        with pytest.raises(TypeError):
+            actor.face_valid = wrong
+    performance = d.ReferencePerformance()
+    performance.frames = range(3, 6)
+    assert performance.frames.tolist() == [3, 4, 5] and not performance.frames.flags.writeable
+    assert d.self_intersecting_faces(world.actor.mesh).flags.writeable
+
+
 def test_every_context_has_a_default():
     for name, member in bound_callables():
         for signature in re.findall(r"context: [^,)]*", member.__doc__ or ""):
@@ -59,13 +97,39 @@ def test_every_context_has_a_default():
 
 def test_modules_that_help_names_are_there():
     """In a fresh process, where nobody has imported them yet."""
-    named = set(re.findall(r"`doublet\.(\w+)", d.__doc__))
-    assert named >= {"pipeline", "evaluate"}
-    program = "import doublet\n" + "\n".join(f"doublet.{name}" for name in sorted(named)) + "\ndoublet.evaluate.evaluate"
+    named = set(re.findall(r"`doublet\.([\w.]+)`", d.__doc__))
+    assert named == {"reconstruct", "evaluation.metrics"}
+    program = (
+        "import doublet\n" + "\n".join(f"doublet.{name}" for name in sorted(named)) + "\ndoublet.evaluation.metrics.evaluate"
+    )
     subprocess.run([sys.executable, "-c", program], check=True)
     assert {importlib.import_module(f"doublet.{n}").__name__ for n in d.MODULES} <= {f"doublet.{n}" for n in dir(d)}
     with pytest.raises(AttributeError, match="nonsense"):
         d.nonsense  # noqa: B018
+
+
+def test_help_fits_a_screen_and_names_what_is_there():
+    lines = pydoc.plain(pydoc.render_doc(d)).splitlines()
+    assert len(lines) <= 60 and max(map(len, lines)) <= 135
+    groups = re.findall(r"^  (\w+) +(\w+(?:, \w+)+)$", d.__doc__, re.MULTILINE)
+    assert len(groups) > 8
+    assert [name for _, names in groups for name in names.split(", ") if not hasattr(_doublet, name)] == []
+
+
+@pytest.mark.parametrize("old", DEPRECATED_MODULES)
+def test_a_module_has_its_old_name_for_a_version(old):
+    """In a fresh process: a warning comes once."""
+    new = f"doublet.{DEPRECATED_MODULES[old]}"
+    program = f"import doublet.{old}; from doublet import {old}; import {new} as new; assert {old} is new is doublet.{old}"
+    done = subprocess.run([sys.executable, "-W", "always", "-c", program], capture_output=True, text=True, check=True)
+    assert f"doublet.{old} is deprecated: use {new}" in done.stderr
+
+
+def test_a_kit_has_its_old_name_for_a_version():
+    for name in testing.__all__:
+        with pytest.warns(DeprecationWarning, match=rf"use doublet\.testing\.{name}"):
+            assert getattr(d, name) is getattr(testing, name)
+    assert {n for n in dir(_doublet) if n.endswith("_violations")} == set(testing.__all__)
 
 
 def test_a_source_motion_from_arrays_is_the_one_that_was_read(world, tmp_path):
@@ -77,7 +141,7 @@ def test_a_source_motion_from_arrays_is_the_one_that_was_read(world, tmp_path):
         read.joint_names, read.joint_parents, read.offsets, read.positions, read.rotations, read.fps, read.source
     )
     for name in ("joint_names", "joint_parents", "fps", "source"):
-        assert getattr(made, name) == getattr(read, name)
+        np.testing.assert_array_equal(getattr(made, name), getattr(read, name))
     for name in ("offsets", "positions", "rotations"):
         np.testing.assert_array_equal(getattr(made, name), getattr(read, name))
     with pytest.raises(ValueError, match="unit quaternions"):
@@ -125,19 +189,19 @@ def test_a_video_may_lie_elsewhere(world, tmp_path):
     path = folder / "session.json"
     path.write_text(path.read_text().replace("masks/", f"{elsewhere}/"))
     session = d.Session(folder)
-    names = [str(pipeline.name_in_session(session, p)) for p in pipeline.image_files(session)]
+    names = [str(reconstruct.running.name_in_session(session, p)) for p in reconstruct.stages.image_files(session)]
     assert names == [str(elsewhere)] * 2
-    assert str(pipeline.name_in_session(session, folder / "scan.ply")) == "scan.ply"
-    job = pipeline.Job(folder, tmp_path / "out")
+    assert str(reconstruct.running.name_in_session(session, folder / "scan.ply")) == "scan.ply"
+    job = reconstruct.Job(folder, tmp_path / "out")
     d.write_actor(tmp_path / "out" / "actor.npz", world.actor)
-    stage = next(s for s in pipeline.STAGES if s.name == "performance")
-    assert f"session/{elsewhere}" in pipeline.stage_inputs(job, stage)
+    stage = next(s for s in reconstruct.STAGES if s.name == "performance")
+    assert f"session/{elsewhere}" in reconstruct.running.stage_inputs(job, stage)
 
 
 ENDLESS = """
 import sys, time
-from doublet import cli
-cli.run_stages = lambda arguments: (print("started", flush=True), [time.sleep(0.01) for _ in range(6000)])
+from doublet.cli import commands, program as cli
+commands.stages.run_stages = lambda arguments: (print("started", flush=True), [time.sleep(0.01) for _ in range(6000)])
 sys.exit(cli.main(["segment", "out"]))
 """
 
@@ -162,7 +226,7 @@ def test_signals_end_a_command_as_ctrl_c_does(number, ignored):
 def test_a_page_that_is_not_json_is_refused(tmp_path):
     (tmp_path / "run.json").write_text(json.dumps([]))
     with pytest.raises(RuntimeError, match=r"run\.json"):
-        pipeline.recorded_session(tmp_path)
+        reconstruct.recorded_session(tmp_path)
 
 
 @pytest.mark.parametrize("damaged", ["part,cost\n1,2\n", "region,evaluations\nx,y\n", "\x8f", None])
@@ -181,3 +245,26 @@ def test_links_lead_somewhere(page):
     """Those of docs/ are scripts/build-docs.sh's business."""
     links = re.findall(r"\]\(([^)#:]+)[^)]*\)", (ROOT / page).read_text(encoding="utf-8"))
     assert links and [link for link in links if not (ROOT / link).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("words", "name"),
+    [
+        ("fit A --threads 2 B C", "takes"),
+        ("study A B --seeds 1 2 --quiet C -o results.jsonl", "outs"),
+        ("new-session A --calibration cameras.toml B --masks M --copy C -o session", "videos"),
+    ],
+)
+def test_folders_stand_on_both_sides_of_an_option(words, name):
+    parsed = build_parser().parse_args(words.split())
+    assert [str(path) for path in getattr(parsed, name)] == [*"ABC"][-len(getattr(parsed, name)) :]
+    assert len(getattr(parsed, name)) == (2 if name == "takes" else 3)
+
+
+def test_an_option_that_is_none_is_refused_among_folders(capsys):
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["fit", "A", "--nonsense", "B"])
+    assert "unrecognized arguments: --nonsense" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["fit", "--threads", "2"])
+    assert capsys.readouterr().err.endswith("the following arguments are required: OUT\n")

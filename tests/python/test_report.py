@@ -8,8 +8,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import fit_page, pipeline, report
-from doublet.page import page, table
+from doublet import reconstruct
+from doublet.pages import fit_page, report
+from doublet.pages.html_document import page, table
 
 ROOT = Path(__file__).parents[2]
 GUESS = {"kind": "guess", "parameter": "d_t", "value": 0.18, "low": 0.1, "high": 25}
@@ -90,17 +91,17 @@ def test_what_is_not_seen_has_no_distance_and_what_is_nested_no_braces():
 @pytest.fixture(scope="module")
 def followed(bell, shapes):
     """The bell, filmed as it was captured, with its cloth 3 cm aside from frame 10 on when simulated."""
-    job = pipeline.Job(bell, bell)
-    captured = job.performance().surface.frames
-    cloth = job.segmentation().clothness > 0.5
+    job = reconstruct.Job(bell, bell)
+    captured = job.results.performance().surface.frames
+    cloth = job.results.segmentation().clothness > 0.5
     aside = np.array(captured)
     aside[10:, cloth] += [0.03, 0, 0]
     cameras = [shapes["camera"](a, size=120, height=1.0) for a in (0, 2.1)]
 
     class Filmed:
         session = type("Session", (), {"rig": cameras, "fps": 40.0})
-        actor, performance, simulated = job.actor, job.performance(), aside
-        faces = job.actor.mesh.faces
+        actor, performance, simulated = job.results.actor, job.results.performance(), aside
+        faces = job.results.actor.mesh.faces
 
         def masks(self, row):
             return [np.uint8(255 * (d.rasterize(captured[row], self.faces, c)[0] >= 0)) for c in cameras] + [np.zeros((0, 0))]

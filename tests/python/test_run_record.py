@@ -1,7 +1,7 @@
 """What run.json makes run again, and what not."""
 
 import pytest
-from doublet.run_record import RunRecord
+from doublet.reconstruct.run_record import RunRecord
 
 OPTIONS, INPUTS = {"segment.diffusion": 0.02}, {"actor.npz": "abc"}
 

@@ -6,8 +6,9 @@ import re
 import doublet as d
 import numpy as np
 import pytest
-from doublet import body_model_path, keypoints
+from doublet import body_model_path
 from doublet.cli import main
+from doublet.scan import keypoints
 from PIL import Image
 
 FAST = ["--body-iterations", "6", "--scan-cell", "0.012", "--scan-poisson-depth", "7", "--scan-search-depth", "0", "--quiet"]

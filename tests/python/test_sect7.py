@@ -10,9 +10,9 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
-from doublet import study
-from doublet.console import Console
-from doublet.synthesize import SynthesisOptions, synthesize
+from doublet.common.console import Console
+from doublet.evaluation import study
+from doublet.evaluation.synthesize import SynthesisOptions, synthesize
 
 FOLDER = Path(__file__).parents[2] / "benchmarks" / "sect7"
 STEPS = {"cloth.iterations": 12, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}
@@ -148,7 +148,7 @@ def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch, cap
     swing[:, 0] = 0.02 * np.arange(12) ** 1.5
     monkeypatch.setattr(comparisons, "exact_motion", lambda *_: d.Motion(FPS, swing))  # clips are read for humans only
     made, novel = study.reconstruction(plain_job(either)), tmp_path / "novel"
-    faces, cloth = made.actor.mesh.faces, made.dressed.segmentation.clothness > 0.5
+    faces, cloth = made.results.actor.mesh.faces, made.results.dressed.segmentation.clothness > 0.5
     write_truth(tmp_path, faces, simulate(made, estimate(either)), cloth)
     novel.mkdir()
     (novel / "motion.bvh").touch()

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import doublet as d
 import numpy as np
 import pytest
-from doublet import session_check
+from doublet.session import check as session_check
 from PIL import Image
 
 SIZE, CAMERAS = 160, 4
@@ -248,7 +248,7 @@ def test_a_take_that_begins_in_another_pose_begins_where_it_is_the_scans(scene):
     take(scene, (12, 13))
     evidence = scene.evidence()
     assert session_check.check_session(evidence) == []
-    words = session_check.where_it_begins(evidence)
+    words = session_check.describe_start(evidence)
     assert "frame 0 is not in the scan's pose" in words and "frame 12 is (" in words
     image = session_check.draw(evidence)  # of frame 12, with the scan where the person stands
     assert all(evidence.overlaps[c, c] > session_check.FITS for c in range(CAMERAS))
@@ -259,7 +259,7 @@ def test_a_take_that_begins_elsewhere_begins_there(scene):
     take(scene, range(20))
     evidence = scene.evidence()
     assert session_check.check_session(evidence) == []
-    assert "elsewhere" in session_check.where_it_begins(evidence)
+    assert "elsewhere" in session_check.describe_start(evidence)
 
 
 def test_a_take_that_is_never_in_the_scans_pose_is_doubtful(scene):

@@ -23,3 +23,18 @@ def test_stubs_are_up_to_date():
     for name, described in classes.items():
         missing = {m for m in vars(getattr(_doublet, name)) if not m.startswith("_")} - described
         assert not missing, f"{name}: {missing} are not in the stubs"
+
+
+def test_every_option_is_a_typed_keyword_with_its_default():
+    """Of the constructor, for editors and type checkers."""
+    tree = ast.parse(STUBS.read_text(encoding="utf-8"))
+    for node in (n for n in tree.body if isinstance(n, ast.ClassDef) and hasattr(getattr(d, n.name), "described")):
+        options_class = getattr(d, node.name)
+        made = [n for n in node.body if isinstance(n, ast.FunctionDef) and n.name == "__init__" and n.args.kwonlyargs]
+        (arguments,) = [n.args for n in made]
+        given = [a.arg for a in arguments.kwonlyargs]
+        assert given[: len(options_class.described())] == list(options_class.described()), node.name
+        assert all(a.annotation for a in arguments.kwonlyargs)
+        for name, default in zip(given, arguments.kw_defaults):
+            if ast.unparse(default) != "...":
+                assert ast.literal_eval(default) == options_class().to_dict()[name], f"{node.name}.{name}"

@@ -11,7 +11,7 @@ import doublet as d
 import numpy as np
 import pytest
 import study_jobs
-from doublet import study
+from doublet.evaluation import study
 
 #: The solver of the truth.
 BELLS = {"cloth.iterations": 24, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}
@@ -91,6 +91,13 @@ def test_fits_are_those_of_one_process_even_if_one_is_killed_in_the_middle(bell,
         assert row["result"] == study.fit(job)
     assert rows[0]["result"] != rows[1]["result"]
     assert not list((tmp_path / "checkpoints").glob("*.json"))
+
+
+def test_results_of_a_function_under_its_former_name_count(tmp_path):
+    row = {"function": "doublet.study.energy", "job": {"x": 1}, "result": [3.0], "seconds": 1.0}
+    (tmp_path / "rows.jsonl").write_text(json.dumps(row) + "\n")
+    (known,) = study.run(study.energy, [{"x": 1}], study.local_workers(1), tmp_path / "rows.jsonl")
+    assert known == {**row, "function": "doublet.evaluation.study.energy"}
 
 
 def test_energies_of_given_materials(bell):

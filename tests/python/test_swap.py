@@ -7,6 +7,7 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 import pytest
+from doublet import testing
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "tests" / "fuzz"))
@@ -46,7 +47,7 @@ def played(world, make_solver):
 
 @pytest.mark.parametrize("make", [None, NumpySolver, Passing, lambda model: d.ClothSolver.create(model)])
 def test_solvers_keep_the_rules(make):
-    assert d.cloth_solver_violations(make) == []
+    assert testing.cloth_solver_violations(make) == []
 
 
 def test_a_solver_that_passes_the_call_on_gives_the_same_bits(world):
@@ -211,12 +212,12 @@ def body(tmp_path_factory):
 
 
 def test_body_models_keep_the_rules(body):
-    assert d.body_model_violations(body) == []
-    assert d.body_model_violations(OwnBody(body)) == []
+    assert testing.body_model_violations(body) == []
+    assert testing.body_model_violations(OwnBody(body)) == []
 
 
 def test_wrong_derivatives_are_caught(body):
-    broken = d.body_model_violations(Straight(body))
+    broken = testing.body_model_violations(Straight(body))
     assert any("jacobian of linearise()" in sentence for sentence in broken)
     assert any("joints() has another number" in sentence for sentence in broken)
 
@@ -236,8 +237,8 @@ def test_wrong_derivatives_are_caught(body):
         def component(self, k):
             return 2 * np.eye(3)
 
-    assert d.body_model_violations(Linear()) == []
-    assert any("not the derivative" in sentence for sentence in d.body_model_violations(Wrong()))
+    assert testing.body_model_violations(Linear()) == []
+    assert any("not the derivative" in sentence for sentence in testing.body_model_violations(Wrong()))
 
 
 @pytest.mark.parametrize(
@@ -266,19 +267,19 @@ def test_a_body_model_of_the_wrong_size_gets_a_sentence():
 
     with pytest.raises(ValueError, match="BodyModel.vertices must return 3 points, found 2"):
         d.BodyModel.vertices(Short(), np.zeros(1))
-    assert any("must return 3 points" in s for s in d.body_model_violations(Short()))
+    assert any("must return 3 points" in s for s in testing.body_model_violations(Short()))
 
 
 def test_the_other_kits(world):
-    assert d.cloth_segmenter_violations(d.ClothSegmenter.create()) == []
-    assert d.garment_mesher_violations(d.GarmentMesher.create(), world.actor, world.segmentation) == []
-    assert d.optimizer_violations(lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(seed=seed))) == []
+    assert testing.cloth_segmenter_violations(d.ClothSegmenter.create()) == []
+    assert testing.garment_mesher_violations(d.GarmentMesher.create(), world.actor, world.segmentation) == []
+    assert testing.optimizer_violations(lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(seed=seed))) == []
 
     class Wrong(d.ClothSegmenter):
         def segment(self, sequence, face_valid, context):
             return "cloth"
 
-    assert any("ClothSegmenter.segment must return a Segmentation" in s for s in d.cloth_segmenter_violations(Wrong()))
+    assert any("ClothSegmenter.segment must return a Segmentation" in s for s in testing.cloth_segmenter_violations(Wrong()))
 
 
 class Distance(d.Objective):
@@ -299,5 +300,5 @@ class Distance(d.Objective):
 
 
 def test_the_kit_for_objectives():
-    assert d.objective_violations(Distance(shared=False)) == []
-    assert d.objective_violations(Distance(shared=True)) == ["a sample alone has another energy than among others"]
+    assert testing.objective_violations(Distance(shared=False)) == []
+    assert testing.objective_violations(Distance(shared=True)) == ["a sample alone has another energy than among others"]

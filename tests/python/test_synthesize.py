@@ -3,11 +3,11 @@
 import doublet as d
 import numpy as np
 import pytest
-from doublet.console import Console
-from doublet.evaluate import Truth
-from doublet.motions import read_motion
-from doublet.pipeline import with_pairs
-from doublet.synthesize import Surfaces, SynthesisOptions, photograph, ring_of_cameras, synthesize
+from doublet.common.console import Console
+from doublet.evaluation.metrics import Truth
+from doublet.evaluation.synthesize import Surfaces, SynthesisOptions, photograph, ring_of_cameras, synthesize
+from doublet.export.clips import read_motion
+from doublet.reconstruct.options import with_pairs
 
 MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
 FPS = 40.0

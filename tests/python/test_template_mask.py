@@ -5,10 +5,11 @@ import shutil
 import doublet as d
 import numpy as np
 import pytest
-from doublet import pipeline, template_mask
-from doublet.console import Console
+from doublet import reconstruct
+from doublet.common.console import Console
+from doublet.corrections import template_mask
 
-RIG = next(s for s in pipeline.STAGES if s.name == "rig")
+RIG = next(s for s in reconstruct.STAGES if s.name == "rig")
 
 
 @pytest.fixture
@@ -24,7 +25,7 @@ def job(tmp_path, shapes):
     surface = d.Template()
     surface.face_valid, surface.high_face_valid = [1] * len(faces), [1, 1]
     d.write_template_suggestion(out / template_mask.SUGGESTED, surface)
-    job = pipeline.Job(session, out, console=Console(quiet=True))
+    job = reconstruct.Job(session, out, console=Console(quiet=True))
     marks = {"markers": session / "joints.json", "joints": [d.JointMark("pelvis", "", [0, 0.5, 0], 6)]}
     job.session = type("Session", (), {"folder": session, **marks})
     return job
@@ -38,20 +39,20 @@ def half(job):
 
 def test_without_a_mask_the_suggestion_counts(job):
     assert template_mask.read(job.out).all()
-    assert pipeline.run_rig(job)["mask"] == "suggested"
-    assert all(job.actor.face_valid)
+    assert reconstruct.stages.run_rig(job)["mask"] == "suggested"
+    assert all(job.results.actor.face_valid)
 
 
 def test_the_mask_goes_before_the_suggestion_and_the_rig_runs_again(job):
-    assert pipeline.run_stage(job, RIG) and not pipeline.run_stage(job, RIG)
+    assert reconstruct.run_stage(job, RIG) and not reconstruct.run_stage(job, RIG)
     template_mask.write(job.out, half(job))
-    assert pipeline.run_stage(job, RIG) and not pipeline.run_stage(job, RIG)
-    assert (np.asarray(job.actor.face_valid, bool) == half(job)).all()
+    assert reconstruct.run_stage(job, RIG) and not reconstruct.run_stage(job, RIG)
+    assert (np.asarray(job.results.actor.face_valid, bool) == half(job)).all()
     summary = job.record.data["stages"]["rig"]["summary"]
     assert summary["mask"] == "edited" and summary["invalid_area_m2"] == pytest.approx(np.pi * 0.1, rel=0.02)
     (job.out / template_mask.EDITED).unlink()
-    assert pipeline.run_stage(job, RIG)
-    assert all(job.actor.face_valid)
+    assert reconstruct.run_stage(job, RIG)
+    assert all(job.results.actor.face_valid)
 
 
 def test_masks_of_other_programs(job):

@@ -31,7 +31,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import pipeline
+from doublet import reconstruct
 from PIL import Image
 
 SHIPPED = Path(__file__).resolve().parents[2] / "examples" / "data" / "session"
@@ -54,7 +54,7 @@ WAYS = (*SIGNALS, "full", "memory", "readonly")
 MEMORY = 16 << 20  # bytes
 TIMES = {"seconds", "peak_memory_mb", "peak_memory_scope", "seconds_per_frame", "interrupted", "threads"}
 TIMED = {"material.json", "fit_log.csv", "report.html", "fit_checkpoint.txt"}
-STAGES = {stage.name: stage for stage in pipeline.STAGES}
+STAGES = {stage.name: stage for stage in reconstruct.STAGES}
 
 
 # --- the session
@@ -94,7 +94,8 @@ def make_session(folder: Path) -> None:
 
 
 #: The command line, with the first stages alone.
-PROGRAM = "import sys; from doublet import cli, pipeline; n = int(sys.argv.pop(1)); pipeline.STAGES = pipeline.STAGES[:n]; "
+PROGRAM = "import sys; from doublet.cli import program as cli; from doublet import reconstruct; "
+PROGRAM += "n = int(sys.argv.pop(1)); reconstruct.job.STAGES = reconstruct.STAGES[:n]; "
 PROGRAM += "sys.exit(cli.main(sys.argv[1:]))"
 
 
@@ -215,7 +216,7 @@ def comparable(path: Path):
         text = re.sub(r"<h2>Time and memory</h2><table>.*?</table>", "", path.read_text(), flags=re.DOTALL)
         text = re.sub(rf"<td>({'|'.join(TIMES)})</td><td[^>]*>[^<]*</td>", "", text)
         return re.sub(r"\b\d+(\.\d+)? (s|MB|min)\b", "", text)
-    if path.name == pipeline.CHECKPOINT:
+    if path.name == reconstruct.fit.CHECKPOINT:
         search = without_times(json.loads(path.read_text()))
         return {**search, "log": [row[:-1] for row in search["log"]]}
     return path.read_bytes()

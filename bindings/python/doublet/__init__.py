@@ -1,46 +1,35 @@
 """Animatable doubles of people in loose clothing, from video.
 
-Stages (each callable alone): build_template / rig_template, PerformanceCapture, ClothSegmenter, BodyFitter, fit_proxies,
-CharacterSimulator, estimate_material. `doublet.pipeline.reconstruct` runs them all, `doublet.evaluate.evaluate` measures what
-comes out.
-Arrays are NumPy; metres, seconds, radians, +Y up. Stages release the GIL, report progress through `Context`, and stop at Ctrl-C.
+Names of this module, by what they are for; each has its own help:
+
+  session        Session, Camera, FrameSource, SilhouetteExtractor, read_calibration
+  template       read_mesh, build_template, rig_template, RiggedMesh, Skeleton, scan_from_views
+  capture        PerformanceCapture, CaptureOptions, ReferencePerformance, Observations
+  segmentation   ClothSegmenter, SegmentOptions, segment_performance, Segmentation
+  body           BodyModel, BodyFitter, fit_proxies, TaperedCapsule
+  garment        GarmentMesher, GarmentOptions, worn, dress
+  cloth          ClothModel, ClothState, ClothSolver, ClothOptions, Material
+  fit            estimate_material, FitOptions, MaterialObjective, Optimizer, Take
+  character      make_character, Character, CharacterSimulator, Player, animate
+  motion         SourceMotion, retarget, RetargetOptions, Motion, plant_feet
+  pictures       render, rasterize, RenderMesh, orbit_camera
+
+`doublet.reconstruct` runs all stages, `doublet.evaluation.metrics` measures what comes of it; the other packages are below.
+Options describe themselves: ClothOptions.described(), and paper() where the paper has other values.
+Arrays are NumPy; metres, seconds, radians, +Y up. Stages release the GIL, report progress through Context, stop at Ctrl-C.
 """
 
-import importlib
-from pathlib import Path
-
-from . import _doublet
 from ._doublet import *  # noqa: F403
 from ._doublet import __version__ as __version__
+from ._lazy import DEPRECATED_MODULES, DEPRECATED_NAMES, find_deprecated_modules, lazy_modules
+from .common.packaged import body_model_path as body_model_path
 
-__all__ = [name for name in dir(_doublet) if not name.startswith("_")] + ["__version__", "body_model_path"]
-
-#: Modules that are loaded when they are first named.
-MODULES = (
-    "character",
-    "evaluate",
-    "garment_motion",
-    "motions",
-    "optimizers",
-    "pipeline",
-    "report",
-    "segmentation_paint",
-    "study",
-    "synthesize",
-    "template_mask",
-)
+#: Packages and modules, loaded when they are first named.
+MODULES = ("corrections", "evaluation", "export", "optimizers", "pages", "reconstruct", "scan", "session", "testing")
+__all__ = list(MODULES)  # what help() goes through, too: classes and functions each have their own
 
 
-def __getattr__(name: str):
-    if name in MODULES:
-        return importlib.import_module(f"{__name__}.{name}")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *MODULES})
-
-
-def body_model_path() -> Path:
-    """The statistical body model that ships with the package."""
-    return Path(__file__).parent / "data" / "body_model.npz"
+for _name in DEPRECATED_NAMES:
+    del globals()[_name]  # still found, with a warning
+find_deprecated_modules()
+__getattr__, __dir__ = lazy_modules(__name__, (*MODULES, *DEPRECATED_MODULES), DEPRECATED_NAMES)

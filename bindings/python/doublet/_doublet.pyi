@@ -15,11 +15,13 @@ class Context:
     """
     Progress, log, cancellation and threads of a long call. Ctrl-C always works.
     """
-    def __init__(self, *, progress: collections.abc.Callable[[str, float], None] = None, log: collections.abc.Callable[[str], None] = None, threads: typing.SupportsInt | typing.SupportsIndex = 0) -> None:
+    def __init__(self, *, progress: collections.abc.Callable[[str, float], None] = None, log: collections.abc.Callable[[str], None] = None, threads: int = 0) -> None:
         """
         progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.
         """
-    def report(self, stage: str, fraction: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __repr__(self) -> str:
+        ...
+    def report(self, stage: str, fraction: float) -> None:
         """
         Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.
         """
@@ -29,9 +31,11 @@ class Context:
         """
     @property
     def threads(self) -> int:
-        ...
+        """
+        0 = one a core; results do not depend on it
+        """
     @threads.setter
-    def threads(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def threads(self, value: int) -> None:
         ...
 class MeshReport:
     """
@@ -41,37 +45,59 @@ class MeshReport:
         ...
     @property
     def boundary_edges(self) -> int:
-        ...
+        """
+        edges of one face
+        """
     @property
     def closed(self) -> bool:
-        ...
+        """
+        no boundary, and manifold
+        """
     @property
     def components(self) -> int:
-        ...
+        """
+        connected components of faces
+        """
     @property
     def degenerate_faces(self) -> int:
-        ...
+        """
+        a repeated corner, or an area below 1e-14 m^2
+        """
     @property
     def faces(self) -> int:
-        ...
+        """
+        F
+        """
     @property
     def non_finite_vertices(self) -> int:
-        ...
+        """
+        with NaN or infinity
+        """
     @property
     def non_manifold_edges(self) -> int:
-        ...
+        """
+        edges of more than two faces, or of two in the same direction
+        """
     @property
     def out_of_range_faces(self) -> int:
-        ...
+        """
+        a corner index < 0 or >= V
+        """
     @property
     def unused_vertices(self) -> int:
-        ...
+        """
+        of no face
+        """
     @property
     def usable(self) -> bool:
-        ...
+        """
+        finite, in range, not empty: what no stage can do without
+        """
     @property
     def vertices(self) -> int:
-        ...
+        """
+        V
+        """
 class Mesh:
     """
     Triangle mesh: vertices (V, 3) m, faces (F, 3).
@@ -88,15 +114,19 @@ class Mesh:
         """
     @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
-        ...
+        """
+        (F, 3) indices of vertices
+        """
     @faces.setter
-    def faces(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+    def faces(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
         ...
     @property
     def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (V, 3) m
+        """
     @vertices.setter
-    def vertices(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def vertices(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
 class MeshSequence:
     """
@@ -116,13 +146,15 @@ class MeshSequence:
         (F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.
         """
     @colours.setter
-    def colours(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def colours(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
-        ...
+        """
+        (F, 3)
+        """
     @faces.setter
-    def faces(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+    def faces(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
         ...
     @property
     def frames(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -130,7 +162,7 @@ class MeshSequence:
         (T, V, 3) m; a copy
         """
     @frames.setter
-    def frames(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+    def frames(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
     @property
     def unposed(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -138,83 +170,120 @@ class MeshSequence:
         (T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy
         """
     @unposed.setter
-    def unposed(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+    def unposed(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
 class Camera:
     """
     Pinhole camera, OpenCV's conventions: x_cam = R x_world + t.
     """
-    name: str
     def __init__(self) -> None:
         ...
     def project(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
         """
         Pixel of a world point.
         """
-    def resized(self, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
+    def resized(self, width: int, height: int) -> Camera:
         """
         The same camera for images of another size.
         """
     @property
     def K(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
-        ...
+        """
+        (3, 3) pixels: focal lengths and principal point
+        """
     @K.setter
-    def K(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None:
+    def K(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None:
         ...
     @property
     def R(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 3]"]:
-        ...
+        """
+        (3, 3) of cam_from_world
+        """
     @R.setter
-    def R(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None:
+    def R(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 3]"]) -> None:
         ...
     @property
     def centre(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m, where the camera stands
+        """
     @property
     def distortion(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[5, 1]"]:
         """
         k1 k2 p1 p2 k3
         """
     @distortion.setter
-    def distortion(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[5, 1]"]) -> None:
+    def distortion(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[5, 1]"]) -> None:
         ...
     @property
     def height(self) -> int:
-        ...
+        """
+        of the images, pixels
+        """
     @height.setter
-    def height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def height(self, value: int) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        of the camera, as files have it
+        """
+    @name.setter
+    def name(self, value: str) -> None:
         ...
     @property
     def t(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m, of cam_from_world
+        """
     @t.setter
-    def t(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def t(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def width(self) -> int:
-        ...
+        """
+        of the images, pixels
+        """
     @width.setter
-    def width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def width(self, value: int) -> None:
         ...
 class JointMark:
     """
     A joint as the user marks it.
     """
-    name: str
-    parent: str
-    def __init__(self, name: str, parent: str, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], dof: typing.SupportsInt | typing.SupportsIndex | None = None) -> None:
+    def __init__(self, name: str, parent: str, position: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], dof: int | None = None) -> None:
         ...
     @property
     def dof(self) -> int | None:
-        ...
+        """
+        rotational degrees of freedom; None = as usual for a joint of this name
+        """
     @dof.setter
-    def dof(self, arg0: typing.SupportsInt | typing.SupportsIndex | None) -> None:
+    def dof(self, value: int | None) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        of the joint
+        """
+    @name.setter
+    def name(self, value: str) -> None:
+        ...
+    @property
+    def parent(self) -> str:
+        """
+        name of the joint that carries it; empty = the root
+        """
+    @parent.setter
+    def parent(self, value: str) -> None:
         ...
     @property
     def position(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m
+        """
     @position.setter
-    def position(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def position(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
 class Skeleton:
     """
@@ -236,22 +305,34 @@ class Skeleton:
         """
     @property
     def dof_names(self) -> list[str]:
-        ...
+        """
+        (D)
+        """
     @property
     def joint_names(self) -> list[str]:
-        ...
+        """
+        (J)
+        """
     @property
     def joint_parents(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
-        ...
+        """
+        (J) indices, -1 = none
+        """
     @property
     def joint_rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (J, 3) m, scan pose
+        """
     @property
     def lower(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (D) least value of each degree of freedom, rad or m
+        """
     @property
     def upper(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (D) greatest value
+        """
 class ViewObservation:
     """
     2D data of one camera at one frame, pixels.
@@ -276,15 +357,19 @@ class Observations:
         ...
     @property
     def cameras(self) -> list[Camera]:
-        ...
+        """
+        names
+        """
     @cameras.setter
-    def cameras(self, arg0: collections.abc.Sequence[Camera]) -> None:
+    def cameras(self, value: collections.abc.Sequence[Camera]) -> None:
         ...
     @property
-    def frames(self) -> list[int]:
-        ...
+    def frames(self) -> numpy.typing.NDArray[numpy.int32]:
+        """
+        (T) video frame numbers
+        """
     @frames.setter
-    def frames(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def frames(self, value: collections.abc.Sequence[int]) -> None:
         ...
     @property
     def views(self) -> list[list[ViewObservation]]:
@@ -292,23 +377,37 @@ class Observations:
         [frame][camera]; a copy
         """
     @views.setter
-    def views(self, arg0: collections.abc.Sequence[collections.abc.Sequence[ViewObservation]]) -> None:
+    def views(self, value: collections.abc.Sequence[collections.abc.Sequence[ViewObservation]]) -> None:
         ...
 class RiggedMesh:
     """
     Surface in the scan pose, skeleton and skin weights (actor.npz).
     """
-    mesh: Mesh
-    skeleton: Skeleton
-    def __init__(self, mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], skeleton: Skeleton) -> None:
+    def __init__(self, mesh: Mesh, face_valid: numpy.typing.ArrayLike, weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], skeleton: Skeleton) -> None:
         ...
     @property
-    def face_valid(self) -> list[int]:
+    def face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (F) 0 = invented over a large hole
         """
     @face_valid.setter
-    def face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def face_valid(self, value: numpy.typing.ArrayLike) -> None:
+        ...
+    @property
+    def mesh(self) -> Mesh:
+        """
+        scan pose, m
+        """
+    @mesh.setter
+    def mesh(self, value: Mesh) -> None:
+        ...
+    @property
+    def skeleton(self) -> Skeleton:
+        """
+        Skeleton
+        """
+    @skeleton.setter
+    def skeleton(self, value: Skeleton) -> None:
         ...
     @property
     def weights(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
@@ -316,13 +415,12 @@ class RiggedMesh:
         (V, J)
         """
     @weights.setter
-    def weights(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+    def weights(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
         ...
 class ReferencePerformance:
     """
     The captured performance (performance.npz).
     """
-    surface: MeshSequence
     def __init__(self) -> None:
         ...
     @property
@@ -331,15 +429,15 @@ class ReferencePerformance:
         (T, D)
         """
     @dofs.setter
-    def dofs(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+    def dofs(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
         ...
     @property
-    def frames(self) -> list[int]:
+    def frames(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         (T) video frame numbers
         """
     @frames.setter
-    def frames(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def frames(self, value: collections.abc.Sequence[int]) -> None:
         ...
     @property
     def joints(self) -> numpy.typing.NDArray[numpy.float64]:
@@ -347,7 +445,15 @@ class ReferencePerformance:
         (T, J, 3) m; a copy
         """
     @joints.setter
-    def joints(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+    def joints(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+    @property
+    def surface(self) -> MeshSequence:
+        """
+        MeshSequence of the captured surface
+        """
+    @surface.setter
+    def surface(self, value: MeshSequence) -> None:
         ...
 class Segmentation:
     """
@@ -365,7 +471,7 @@ class Segmentation:
         (V) in [0, 1]
         """
     @clothness.setter
-    def clothness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def clothness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def fullness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -373,7 +479,7 @@ class Segmentation:
         (V) width across gravity over the scan's; empty = 1
         """
     @fullness.setter
-    def fullness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def fullness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def region(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
@@ -381,13 +487,15 @@ class Segmentation:
         (V), -1 = rigid
         """
     @region.setter
-    def region(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+    def region(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
         ...
     @property
     def region_count(self) -> int:
-        ...
+        """
+        cloth regions
+        """
     @region_count.setter
-    def region_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def region_count(self, value: int) -> None:
         ...
     @property
     def rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
@@ -395,7 +503,7 @@ class Segmentation:
         (V, 3) m, the shape that lengths and masses come from; empty = the scan pose
         """
     @rest.setter
-    def rest(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def rest(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def sigma(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -403,7 +511,7 @@ class Segmentation:
         (V) m
         """
     @sigma.setter
-    def sigma(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def sigma(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
 class Garment:
     """
@@ -417,7 +525,7 @@ class Garment:
         (G) face of the actor on which the vertex lies
         """
     @actor_face.setter
-    def actor_face(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+    def actor_face(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
         ...
     @property
     def barycentric(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
@@ -425,7 +533,7 @@ class Garment:
         (G, 3) of that face's corners
         """
     @barycentric.setter
-    def barycentric(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def barycentric(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -433,15 +541,15 @@ class Garment:
         (G) 0 = hangs on the skeleton, 1 = free
         """
     @clothness.setter
-    def clothness(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def clothness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
-    def covers(self) -> list[int]:
+    def covers(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (F) faces of the actor that the garment stands for
         """
     @covers.setter
-    def covers(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def covers(self, value: numpy.typing.ArrayLike) -> None:
         ...
     @property
     def mesh(self) -> Mesh:
@@ -449,7 +557,7 @@ class Garment:
         scan pose, m
         """
     @mesh.setter
-    def mesh(self, arg0: Mesh) -> None:
+    def mesh(self, value: Mesh) -> None:
         ...
     @property
     def region(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
@@ -457,13 +565,15 @@ class Garment:
         (G)
         """
     @region.setter
-    def region(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
+    def region(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
         ...
     @property
     def region_count(self) -> int:
-        ...
+        """
+        cloth regions
+        """
     @region_count.setter
-    def region_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def region_count(self, value: int) -> None:
         ...
     @property
     def rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
@@ -471,7 +581,7 @@ class Garment:
         (G, 3) m, the shape that lengths and masses come from
         """
     @rest.setter
-    def rest(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def rest(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def widths(self) -> list[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]]:
@@ -479,70 +589,95 @@ class Garment:
         [K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone
         """
     @widths.setter
-    def widths(self, arg0: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> None:
+    def widths(self, value: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]]) -> None:
         ...
 class DressedActor:
     """
     The actor in a garment of its own mesh.
     """
-    segmentation: Segmentation
     @property
     def actor(self) -> RiggedMesh:
         """
         V + G vertices: the actor's, then the garment's
         """
     @actor.setter
-    def actor(self, arg0: RiggedMesh) -> None:
+    def actor(self, value: RiggedMesh) -> None:
+        ...
+    @property
+    def segmentation(self) -> Segmentation:
+        """
+        of the V + G vertices
+        """
+    @segmentation.setter
+    def segmentation(self, value: Segmentation) -> None:
         ...
 class TaperedCapsule:
     """
     Collision proxy carried by a joint.
     """
-    def __init__(self, joint: typing.SupportsInt | typing.SupportsIndex, p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: typing.SupportsFloat | typing.SupportsIndex, r1: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, joint: int, p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: float, r1: float) -> None:
         ...
     @property
     def joint(self) -> int:
-        ...
+        """
+        index of the joint that carries it
+        """
     @joint.setter
-    def joint(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def joint(self, value: int) -> None:
         ...
     @property
     def p0(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m, one end of the axis, scan pose
+        """
     @p0.setter
-    def p0(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def p0(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def p1(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m, the other end
+        """
     @p1.setter
-    def p1(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def p1(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def r0(self) -> float:
-        ...
+        """
+        m, radius at p0
+        """
     @r0.setter
-    def r0(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def r0(self, value: float) -> None:
         ...
     @property
     def r1(self) -> float:
-        ...
+        """
+        m, radius at p1
+        """
     @r1.setter
-    def r1(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def r1(self, value: float) -> None:
         ...
 class BodyFit:
     """
     The body under the clothes, scan pose (body.npz).
     """
-    body: Mesh
-    model: str
     def __init__(self) -> None:
         ...
     @property
-    def coefficients(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    def body(self) -> Mesh:
+        """
+        the body's mesh, scan pose, m
+        """
+    @body.setter
+    def body(self, value: Mesh) -> None:
         ...
+    @property
+    def coefficients(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        of the statistical model
+        """
     @coefficients.setter
-    def coefficients(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def coefficients(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def deviation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -550,7 +685,15 @@ class BodyFit:
         (B) m, expected RMS error of each vertex; empty = not known
         """
     @deviation.setter
-    def deviation(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def deviation(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def model(self) -> str:
+        """
+        name and hash of the statistical model
+        """
+    @model.setter
+    def model(self, value: str) -> None:
         ...
     @property
     def residual(self) -> float:
@@ -558,15 +701,15 @@ class BodyFit:
         m
         """
     @residual.setter
-    def residual(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def residual(self, value: float) -> None:
         ...
 class RayScene:
     """
     Rays and closest points against one mesh.
     """
-    def __init__(self, mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+    def __init__(self, mesh: Mesh, face_valid: numpy.typing.ArrayLike = []) -> None:
         ...
-    def cast(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], min_distance: typing.SupportsFloat | typing.SupportsIndex = 0.0) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
+    def cast(self, origins: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], directions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], min_distance: float = 0.0) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]]:
         """
         (face, distance) of the first hits of N rays; face -1 and distance inf where there is none.
         """
@@ -578,16 +721,27 @@ class CalibrationOptions:
     """
     Options of read_calibration.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> CalibrationOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> CalibrationOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, format: typing.Literal['found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys'] = 'found', units: str = 'found', up: typing.Literal['found', 'x', '-x', 'y', '-y', 'z', '-z'] = 'found', image_width: int = 0, image_height: int = 0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -599,7 +753,7 @@ class CalibrationOptions:
         of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys'
         """
     @format.setter
-    def format(self, arg0: str) -> None:
+    def format(self, value: str) -> None:
         ...
     @property
     def image_height(self) -> int:
@@ -607,7 +761,7 @@ class CalibrationOptions:
         px, where the format has no size; 0 = it has: a number of at least 0
         """
     @image_height.setter
-    def image_height(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def image_height(self, value: int) -> None:
         ...
     @property
     def image_width(self) -> int:
@@ -615,7 +769,7 @@ class CalibrationOptions:
         px, where the format has no size; 0 = it has: a number of at least 0
         """
     @image_width.setter
-    def image_width(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def image_width(self, value: int) -> None:
         ...
     @property
     def units(self) -> str:
@@ -623,7 +777,7 @@ class CalibrationOptions:
         of the file: m, cm, mm, or how many metres one unit is; found = what the format usually has
         """
     @units.setter
-    def units(self, arg0: str) -> None:
+    def units(self, value: str) -> None:
         ...
     @property
     def up(self) -> str:
@@ -631,7 +785,7 @@ class CalibrationOptions:
         axis of the file that points up; found = what the format usually has, if cameras stand upright: one of 'found', 'x', '-x', 'y', '-y', 'z', '-z'
         """
     @up.setter
-    def up(self, arg0: str) -> None:
+    def up(self, value: str) -> None:
         ...
 class Lens:
     """
@@ -645,7 +799,7 @@ class Lens:
         fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none
         """
     @distortion.setter
-    def distortion(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def distortion(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def fisheye(self) -> bool:
@@ -653,7 +807,7 @@ class Lens:
         OpenCV's fisheye model; otherwise its extensions of Brown's
         """
     @fisheye.setter
-    def fisheye(self, arg0: bool) -> None:
+    def fisheye(self, value: bool) -> None:
         ...
     @property
     def undone(self) -> bool:
@@ -664,19 +818,32 @@ class CalibratedCamera:
     """
     A camera as it was calibrated, and its lens.
     """
-    camera: Camera
-    lens: Lens
     def __init__(self, camera: Camera, lens: Lens = ...) -> None:
         ...
     def project(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
         """
         Pixel of a world point in the image as it was filmed.
         """
+    @property
+    def camera(self) -> Camera:
+        """
+        its distortion is zero where the lens is undone
+        """
+    @camera.setter
+    def camera(self, value: Camera) -> None:
+        ...
+    @property
+    def lens(self) -> Lens:
+        """
+        what is undone when frames are read
+        """
+    @lens.setter
+    def lens(self, value: Lens) -> None:
+        ...
 class SessionCamera:
     """
     One camera of a session and its files.
     """
-    name: str
     def __init__(self) -> None:
         ...
     @property
@@ -685,7 +852,7 @@ class SessionCamera:
         image of the empty stage or pattern of several; empty = none
         """
     @background.setter
-    def background(self, arg0: os.PathLike | str | bytes) -> None:
+    def background(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def first_frame(self) -> int:
@@ -693,7 +860,7 @@ class SessionCamera:
         of video and masks: frame 0 of the session
         """
     @first_frame.setter
-    def first_frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def first_frame(self, value: int) -> None:
         ...
     @property
     def masks(self) -> pathlib.Path:
@@ -701,7 +868,15 @@ class SessionCamera:
         the same kinds; empty = key the video
         """
     @masks.setter
-    def masks(self, arg0: os.PathLike | str | bytes) -> None:
+    def masks(self, value: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        of the camera
+        """
+    @name.setter
+    def name(self, value: str) -> None:
         ...
     @property
     def video(self) -> pathlib.Path:
@@ -709,7 +884,7 @@ class SessionCamera:
         mp4 or printf pattern of images; empty if there are only masks
         """
     @video.setter
-    def video(self, arg0: os.PathLike | str | bytes) -> None:
+    def video(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def video_fps(self) -> float:
@@ -724,25 +899,39 @@ class Session:
         ...
     @property
     def calibration(self) -> pathlib.Path:
-        ...
+        """
+        absolute
+        """
     @property
     def cameras(self) -> list[SessionCamera]:
-        ...
+        """
+        SessionCameras
+        """
     @property
     def folder(self) -> pathlib.Path:
-        ...
+        """
+        absolute
+        """
     @property
     def fps(self) -> float:
-        ...
+        """
+        frames a second
+        """
     @property
     def frame_count(self) -> int:
-        ...
+        """
+        of every camera
+        """
     @property
     def joints(self) -> list[JointMark]:
-        ...
+        """
+        JointMarks of joints.json
+        """
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
-        ...
+        """
+        name -> (3) m, clicked on the body's surface
+        """
     @property
     def lenses(self) -> list[Lens]:
         """
@@ -750,19 +939,29 @@ class Session:
         """
     @property
     def markers(self) -> pathlib.Path:
-        ...
+        """
+        joints.json, absolute; empty if there is none
+        """
     @property
     def name(self) -> str:
-        ...
+        """
+        of the session
+        """
     @property
     def new_motion(self) -> pathlib.Path:
-        ...
+        """
+        absolute; empty if there is none
+        """
     @property
     def rig(self) -> list[Camera]:
-        ...
+        """
+        a Camera for each of `cameras`
+        """
     @property
     def scan(self) -> pathlib.Path:
-        ...
+        """
+        absolute; empty if there is none
+        """
 class FrameSource:
     """
     Swap point: where the images and masks come from.
@@ -774,34 +973,49 @@ class FrameSource:
         """
     def __init__(self) -> None:
         ...
-    def image(self, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def image(self, camera: int, frame: int) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
         """
         (H, W, 3) uint8, BGR
         """
-    def mask(self, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def mask(self, camera: int, frame: int) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
         """
         (H, W) uint8, 255 = actor
         """
     @property
     def camera_count(self) -> int:
-        ...
+        """
+        of the session
+        """
     @property
     def frame_count(self) -> int:
-        ...
+        """
+        of each camera
+        """
 class ChromaKeyOptions:
     """
     Options of the built-in SilhouetteExtractor.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> ChromaKeyOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> ChromaKeyOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, smallest_blob: int = 200, smallest_key_share: float = 0.5) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -813,7 +1027,7 @@ class ChromaKeyOptions:
         px, smaller foreground islands and background holes are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
         """
     @smallest_blob.setter
-    def smallest_blob(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def smallest_blob(self, value: int) -> None:
         ...
     @property
     def smallest_key_share(self) -> float:
@@ -821,22 +1035,33 @@ class ChromaKeyOptions:
         of the image border that must show one saturated hue, or there is no screen to key against: a number in (0, 1]
         """
     @smallest_key_share.setter
-    def smallest_key_share(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_key_share(self, value: float) -> None:
         ...
 class BackgroundOptions:
     """
     Options of silhouettes by the difference to a background.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> BackgroundOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> BackgroundOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, tolerance: float = 2.5, shadow: float = 0.55, highlight: float = 1.25, smallest_blob: int = 200) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -848,7 +1073,7 @@ class BackgroundOptions:
         brightest share of its brightness that still is background: a number of at least 1
         """
     @highlight.setter
-    def highlight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def highlight(self, value: float) -> None:
         ...
     @property
     def shadow(self) -> float:
@@ -856,7 +1081,7 @@ class BackgroundOptions:
         darkest share of its brightness at which the background counts as shadowed: a number in (0, 1]
         """
     @shadow.setter
-    def shadow(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def shadow(self, value: float) -> None:
         ...
     @property
     def smallest_blob(self) -> int:
@@ -864,7 +1089,7 @@ class BackgroundOptions:
         px, smaller islands and holes are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
         """
     @smallest_blob.setter
-    def smallest_blob(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def smallest_blob(self, value: int) -> None:
         ...
     @property
     def tolerance(self) -> float:
@@ -872,22 +1097,33 @@ class BackgroundOptions:
         standard deviations of the noise, which is measured in every image: a number above 0
         """
     @tolerance.setter
-    def tolerance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def tolerance(self, value: float) -> None:
         ...
 class SilhouetteOptions:
     """
     How silhouettes of a session are found.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> SilhouetteOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> SilhouetteOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, method: typing.Literal['auto', 'plates', 'key', 'median'] = 'auto', median_frames: int = 25, key: ChromaKeyOptions = ..., background: BackgroundOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -899,7 +1135,7 @@ class SilhouetteOptions:
         of the difference to a background
         """
     @background.setter
-    def background(self, arg0: BackgroundOptions) -> None:
+    def background(self, value: BackgroundOptions) -> None:
         ...
     @property
     def key(self) -> ChromaKeyOptions:
@@ -907,7 +1143,7 @@ class SilhouetteOptions:
         of the screen of one colour
         """
     @key.setter
-    def key(self, arg0: ChromaKeyOptions) -> None:
+    def key(self, value: ChromaKeyOptions) -> None:
         ...
     @property
     def median_frames(self) -> int:
@@ -915,7 +1151,7 @@ class SilhouetteOptions:
         frames that the median is taken of, spread over the session: a number of at least 1
         """
     @median_frames.setter
-    def median_frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def median_frames(self, value: int) -> None:
         ...
     @property
     def method(self) -> str:
@@ -923,7 +1159,7 @@ class SilhouetteOptions:
         plates (clean ones of the session), key (a screen of one colour), median (of the frames: the actor must move about); auto = for each camera the first of these that the session allows: one of 'auto', 'plates', 'key', 'median'
         """
     @method.setter
-    def method(self, arg0: str) -> None:
+    def method(self, value: str) -> None:
         ...
 class SilhouetteExtractor:
     """
@@ -943,11 +1179,11 @@ class SilhouetteExtractor:
         """
     def __init__(self) -> None:
         ...
-    def extract(self, camera: typing.SupportsInt | typing.SupportsIndex, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def extract(self, camera: int, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
         """
         Mask (H, W), 255 = actor.
         """
-    def train(self, camera: typing.SupportsInt | typing.SupportsIndex, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
+    def train(self, camera: int, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
         """
         Looks at images of one camera before the first mask is made.
         """
@@ -978,7 +1214,9 @@ class StartFrame:
         """
     @property
     def frame(self) -> int:
-        ...
+        """
+        of the frame source
+        """
     @property
     def in_scan_pose(self) -> bool:
         """
@@ -1003,16 +1241,27 @@ class ViewScanOptions:
     """
     Options of scan_from_views.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> ViewScanOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> ViewScanOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, cell: float = 0.006, poisson_depth: int = 9, outvoted: int = 0, search_depth: float = 0.08, patch: float = 0.035, smoothness: float = 0.3, grazing_angle: float = 80.0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1024,7 +1273,7 @@ class ViewScanOptions:
         m, of the grid that the visual hull is sampled on: a number in [0.001, 0.05]
         """
     @cell.setter
-    def cell(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cell(self, value: float) -> None:
         ...
     @property
     def grazing_angle(self) -> float:
@@ -1032,7 +1281,7 @@ class ViewScanOptions:
         degrees, surface that faces down and that every camera sees flatter than this, or not at all, is left out: under a hem: a number in [10, 90]
         """
     @grazing_angle.setter
-    def grazing_angle(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def grazing_angle(self, value: float) -> None:
         ...
     @property
     def outvoted(self) -> int:
@@ -1040,7 +1289,7 @@ class ViewScanOptions:
         cameras, that may miss a point which all others see: silhouettes with holes cut less, the hull gets thicker: a number in [0, 7]
         """
     @outvoted.setter
-    def outvoted(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def outvoted(self, value: int) -> None:
         ...
     @property
     def patch(self) -> float:
@@ -1048,7 +1297,7 @@ class ViewScanOptions:
         m, side of the square of surface that two cameras compare: a number in [0.01, 0.3]
         """
     @patch.setter
-    def patch(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def patch(self, value: float) -> None:
         ...
     @property
     def poisson_depth(self) -> int:
@@ -1056,7 +1305,7 @@ class ViewScanOptions:
         octree depth of the surface through the samples: a number in [5, 11]
         """
     @poisson_depth.setter
-    def poisson_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def poisson_depth(self, value: int) -> None:
         ...
     @property
     def search_depth(self) -> float:
@@ -1064,7 +1313,7 @@ class ViewScanOptions:
         m, how far inside the hull the surface is looked for; 0 = the hull itself: a number in [0, 0.3]
         """
     @search_depth.setter
-    def search_depth(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def search_depth(self, value: float) -> None:
         ...
     @property
     def smoothness(self) -> float:
@@ -1072,22 +1321,33 @@ class ViewScanOptions:
         correlation that a step of a centimetre between neighbours must gain: a number above 0
         """
     @smoothness.setter
-    def smoothness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smoothness(self, value: float) -> None:
         ...
 class RestPoseOptions:
     """
     Options of refine_rest_pose.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> RestPoseOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> RestPoseOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, frames: int = 8, most_bend: float = 15.0, smoothing: float = 0.015, reach: float = 0.05) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1099,7 +1359,7 @@ class RestPoseOptions:
         a vertex is where the median of so many frames has it, of those in which the joints around it are bent least: a number in [1, 1000]
         """
     @frames.setter
-    def frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def frames(self, value: int) -> None:
         ...
     @property
     def most_bend(self) -> float:
@@ -1107,7 +1367,7 @@ class RestPoseOptions:
         degrees, frames in which they are bent more than this, on average by skin weight, tell nothing of a vertex: a number in [0, 180]
         """
     @most_bend.setter
-    def most_bend(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def most_bend(self, value: float) -> None:
         ...
     @property
     def reach(self) -> float:
@@ -1115,7 +1375,7 @@ class RestPoseOptions:
         m, how far into cloth, which is not corrected, the correction of the skin beside it fades: a number in [0.001, 1]
         """
     @reach.setter
-    def reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def reach(self, value: float) -> None:
         ...
     @property
     def smoothing(self) -> float:
@@ -1123,22 +1383,33 @@ class RestPoseOptions:
         m, detail of the correction smaller than this is noise: a number in [0.001, 0.1]
         """
     @smoothing.setter
-    def smoothing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smoothing(self, value: float) -> None:
         ...
 class TemplateOptions:
     """
     Options of build_template.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> TemplateOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> TemplateOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, triangles: int = 5000, high_triangles: int = 25000, poisson_depth: int = 9, hole_gap: float = 0.004, density_drop: float = 0.5, narrow_hole: float = 0.03, large_hole: float = 0.025, sheet_hole: float = 0.005) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1150,7 +1421,7 @@ class TemplateOptions:
         octree levels, and the scan is this much sparser there than usual (one level = a quarter of the samples): a number of at least 0
         """
     @density_drop.setter
-    def density_drop(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def density_drop(self, value: float) -> None:
         ...
     @property
     def high_triangles(self) -> int:
@@ -1158,7 +1429,7 @@ class TemplateOptions:
         of M_high, for display; at least as many as triangles: a number of at least 100
         """
     @high_triangles.setter
-    def high_triangles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def high_triangles(self, value: int) -> None:
         ...
     @property
     def hole_gap(self) -> float:
@@ -1166,7 +1437,7 @@ class TemplateOptions:
         m, a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm): a number above 0
         """
     @hole_gap.setter
-    def hole_gap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def hole_gap(self, value: float) -> None:
         ...
     @property
     def large_hole(self) -> float:
@@ -1174,7 +1445,7 @@ class TemplateOptions:
         m^2, holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed: a number above 0
         """
     @large_hole.setter
-    def large_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def large_hole(self, value: float) -> None:
         ...
     @property
     def narrow_hole(self) -> float:
@@ -1182,7 +1453,7 @@ class TemplateOptions:
         m, folds narrower than this that run into the hem unseen stay valid: a number of at least 0
         """
     @narrow_hole.setter
-    def narrow_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def narrow_hole(self, value: float) -> None:
         ...
     @property
     def poisson_depth(self) -> int:
@@ -1190,7 +1461,7 @@ class TemplateOptions:
         octree depth of the Poisson reconstruction; 9 = cells of 3.6 mm for a person: a number in [4, 12]
         """
     @poisson_depth.setter
-    def poisson_depth(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def poisson_depth(self, value: int) -> None:
         ...
     @property
     def sheet_hole(self) -> float:
@@ -1198,7 +1469,7 @@ class TemplateOptions:
         m^2, so are holes from this size on that have two borders or more (garment and limb): a sheet at a hem: a number above 0
         """
     @sheet_hole.setter
-    def sheet_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def sheet_hole(self, value: float) -> None:
         ...
     @property
     def triangles(self) -> int:
@@ -1206,22 +1477,33 @@ class TemplateOptions:
         of M, as in the paper: a number of at least 100
         """
     @triangles.setter
-    def triangles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def triangles(self, value: int) -> None:
         ...
 class HeatWeightOptions:
     """
     Options of heat_weights.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> HeatWeightOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> HeatWeightOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, c: float = 1.0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1233,27 +1515,45 @@ class HeatWeightOptions:
         heat of the nearest visible bones, H_ii = c / d^2, Baran & Popovic 2007: a number above 0
         """
     @c.setter
-    def c(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def c(self, value: float) -> None:
         ...
 class Template:
     """
     The closed surface of a scan, its two decimations and the invented faces.
     """
-    high: Mesh
-    mesh: Mesh
     def __init__(self) -> None:
         ...
     @property
-    def face_valid(self) -> list[int]:
-        ...
+    def face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        (F) 0 = suggested as invented over a large hole
+        """
     @face_valid.setter
-    def face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def face_valid(self, value: numpy.typing.ArrayLike) -> None:
         ...
     @property
-    def high_face_valid(self) -> list[int]:
+    def high(self) -> Mesh:
+        """
+        M_high, what is displayed
+        """
+    @high.setter
+    def high(self, value: Mesh) -> None:
         ...
+    @property
+    def high_face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        (FH) the same of M_high
+        """
     @high_face_valid.setter
-    def high_face_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def high_face_valid(self, value: numpy.typing.ArrayLike) -> None:
+        ...
+    @property
+    def mesh(self) -> Mesh:
+        """
+        M, what is tracked and simulated
+        """
+    @mesh.setter
+    def mesh(self, value: Mesh) -> None:
         ...
 class SurfaceQuality:
     """
@@ -1301,31 +1601,48 @@ class SurfaceQuality:
         """
     @property
     def triangles(self) -> int:
-        ...
+        """
+        of the surface
+        """
 class TemplateSummary:
     """
     Quality of both surfaces of a template.
     """
     @property
     def high(self) -> SurfaceQuality:
-        ...
+        """
+        SurfaceQuality of M_high
+        """
     @property
     def mesh(self) -> SurfaceQuality:
-        ...
+        """
+        SurfaceQuality of M
+        """
 class FeatureTrackerOptions:
     """
     Options of the SIFT feature tracker.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> FeatureTrackerOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> FeatureTrackerOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, budget: int = 500, erode: int = 3, ratio: float = 0.8, max_displacement: float = 0.1) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1337,7 +1654,7 @@ class FeatureTrackerOptions:
         strongest features kept per image; time is proportional (40-60 ms an image of 1004 x 1004), 500 do for the pose: a number of at least 1
         """
     @budget.setter
-    def budget(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def budget(self, value: int) -> None:
         ...
     @property
     def erode(self) -> int:
@@ -1345,7 +1662,7 @@ class FeatureTrackerOptions:
         px, at 1004 px image height; features closer to the silhouette see background: a number of at least 0
         """
     @erode.setter
-    def erode(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def erode(self, value: int) -> None:
         ...
     @property
     def max_displacement(self) -> float:
@@ -1353,7 +1670,7 @@ class FeatureTrackerOptions:
         of the silhouette's height between two frames; 0.1 = 7 m/s for a person at 40 fps: a number above 0
         """
     @max_displacement.setter
-    def max_displacement(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def max_displacement(self, value: float) -> None:
         ...
     @property
     def ratio(self) -> float:
@@ -1361,7 +1678,7 @@ class FeatureTrackerOptions:
         best / second best descriptor distance, Lowe 2004 Sect. 7.1: a number in (0, 1]
         """
     @ratio.setter
-    def ratio(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def ratio(self, value: float) -> None:
         ...
 class Features:
     """
@@ -1394,7 +1711,7 @@ class FeatureTracker:
         """
         Features of an image (H, W, 3) inside its mask (H, W). Called from many threads.
         """
-    def match(self, previous: Features, current: Features, reach: typing.SupportsFloat | typing.SupportsIndex) -> list[tuple[int, int]]:
+    def match(self, previous: Features, current: Features, reach: float) -> list[tuple[int, int]]:
         """
         Pairs (index in previous, index in current) no farther apart than `reach` pixels. Called from many threads.
         """
@@ -1418,19 +1735,29 @@ class SurfaceTrack:
     """
     @property
     def barycentric(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) of that face's corners
+        """
     @property
     def face(self) -> int:
-        ...
+        """
+        of the surface
+        """
     @property
     def pixel(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
-        ...
+        """
+        (2) where the point is seen
+        """
     @property
     def view(self) -> int:
-        ...
+        """
+        camera
+        """
     @property
     def weight(self) -> float:
-        ...
+        """
+        against the other tracks
+        """
 class PoseProblem:
     """
     What one frame says about the pose. Lives as long as the call it was given to.
@@ -1467,7 +1794,9 @@ class PoseProblem:
         """
     @property
     def rig(self) -> list[Camera]:
-        ...
+        """
+        cameras
+        """
     @property
     def start(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
@@ -1475,7 +1804,9 @@ class PoseProblem:
         """
     @property
     def tracks(self) -> list[SurfaceTrack]:
-        ...
+        """
+        SurfaceTracks: points of the surface and where they are seen
+        """
 class SurfaceProblem:
     """
     What one frame says about the surface. Lives as long as the call.
@@ -1502,7 +1833,9 @@ class SurfaceProblem:
         """
     @property
     def rig(self) -> list[Camera]:
-        ...
+        """
+        cameras
+        """
     @property
     def skinned(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
@@ -1510,21 +1843,34 @@ class SurfaceProblem:
         """
     @property
     def tracks(self) -> list[SurfaceTrack]:
-        ...
+        """
+        SurfaceTracks: points of the surface and where they are seen
+        """
 class PoseOptions:
     """
     Options of the pose optimiser.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> PoseOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> PoseOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, iterations: int = 8, first_iterations: int = 24, raster_size: int = 512, rims_per_view: int = 300, gate_start: float = 0.15, gate_end: float = 0.06, scale_start: float = 0.05, scale_end: float = 0.015, sift_weight: float = 1.0, prior_weight: float = 4.0, prior_angle: float = 0.15, prior_shift: float = 0.03, limit_weight: float = 400.0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1536,7 +1882,7 @@ class PoseOptions:
         the same for the first frame: a number of at least 1
         """
     @first_iterations.setter
-    def first_iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def first_iterations(self, value: int) -> None:
         ...
     @property
     def gate_end(self) -> float:
@@ -1544,7 +1890,7 @@ class PoseOptions:
         m, the same, last iteration: a number above 0
         """
     @gate_end.setter
-    def gate_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def gate_end(self, value: float) -> None:
         ...
     @property
     def gate_start(self) -> float:
@@ -1552,7 +1898,7 @@ class PoseOptions:
         m, rim matches farther away are dropped, first iteration: a number above 0
         """
     @gate_start.setter
-    def gate_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def gate_start(self, value: float) -> None:
         ...
     @property
     def iterations(self) -> int:
@@ -1560,7 +1906,7 @@ class PoseOptions:
         renderings with re-matching; a tracked frame moves below 1 mm after 6: a number of at least 1
         """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
     @property
     def limit_weight(self) -> float:
@@ -1568,7 +1914,7 @@ class PoseOptions:
         of a joint limit passed by prior_angle against one rim match: a number of at least 0
         """
     @limit_weight.setter
-    def limit_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def limit_weight(self, value: float) -> None:
         ...
     @property
     def prior_angle(self) -> float:
@@ -1576,7 +1922,7 @@ class PoseOptions:
         rad, expected error of the prediction: a number above 0
         """
     @prior_angle.setter
-    def prior_angle(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def prior_angle(self, value: float) -> None:
         ...
     @property
     def prior_shift(self) -> float:
@@ -1584,7 +1930,7 @@ class PoseOptions:
         m, the same for the root's translation: a number above 0
         """
     @prior_shift.setter
-    def prior_shift(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def prior_shift(self, value: float) -> None:
         ...
     @property
     def prior_weight(self) -> float:
@@ -1592,7 +1938,7 @@ class PoseOptions:
         of the prediction against one rim match, for a deviation of prior_angle or prior_shift: a number of at least 0
         """
     @prior_weight.setter
-    def prior_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def prior_weight(self, value: float) -> None:
         ...
     @property
     def raster_size(self) -> int:
@@ -1600,7 +1946,7 @@ class PoseOptions:
         px, longest side of the renderings in which rims are found; rims keep sub-pixel residuals: a number of at least 64
         """
     @raster_size.setter
-    def raster_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def raster_size(self, value: int) -> None:
         ...
     @property
     def rims_per_view(self) -> int:
@@ -1608,7 +1954,7 @@ class PoseOptions:
         correspondences per view and direction: a number of at least 10
         """
     @rims_per_view.setter
-    def rims_per_view(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def rims_per_view(self, value: int) -> None:
         ...
     @property
     def scale_end(self) -> float:
@@ -1616,7 +1962,7 @@ class PoseOptions:
         m, the same, last iteration: the size of skinning errors: a number above 0
         """
     @scale_end.setter
-    def scale_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def scale_end(self, value: float) -> None:
         ...
     @property
     def scale_start(self) -> float:
@@ -1624,7 +1970,7 @@ class PoseOptions:
         m, Geman-McClure scale of all residuals, first iteration: a number above 0
         """
     @scale_start.setter
-    def scale_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def scale_start(self, value: float) -> None:
         ...
     @property
     def sift_weight(self) -> float:
@@ -1632,7 +1978,7 @@ class PoseOptions:
         of one feature track against one rim match; at 5 a skirt's features, bound to the thigh, held a leg back: a number of at least 0
         """
     @sift_weight.setter
-    def sift_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def sift_weight(self, value: float) -> None:
         ...
 class PoseEstimate:
     """
@@ -1646,7 +1992,7 @@ class PoseEstimate:
         (D)
         """
     @dofs.setter
-    def dofs(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def dofs(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def energy(self) -> float:
@@ -1654,13 +2000,15 @@ class PoseEstimate:
         robust mean, in [0, 1]
         """
     @energy.setter
-    def energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def energy(self, value: float) -> None:
         ...
     @property
     def iterations(self) -> int:
-        ...
+        """
+        that were made
+        """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
     @property
     def rim_px(self) -> float:
@@ -1668,7 +2016,7 @@ class PoseEstimate:
         mean residual of the outlines, pixels
         """
     @rim_px.setter
-    def rim_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def rim_px(self, value: float) -> None:
         ...
     @property
     def sift_px(self) -> float:
@@ -1676,7 +2024,7 @@ class PoseEstimate:
         mean residual of the features, pixels
         """
     @sift_px.setter
-    def sift_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def sift_px(self, value: float) -> None:
         ...
 class PoseOptimizer:
     """
@@ -1697,16 +2045,27 @@ class ParticleAnnealingOptions:
     """
     Options of the interacting simulated annealing of lost limbs.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> ParticleAnnealingOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> ParticleAnnealingOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, particles: int = 100, iterations: int = 10, coldness: float = 10.0, power: float = 0.7, spread: float = 0.4, seed: int = 1) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1718,7 +2077,7 @@ class ParticleAnnealingOptions:
         beta_t = coldness (t + 1)^power; a difference in energy of 1 / beta_t makes a particle e times rarer: a number above 0
         """
     @coldness.setter
-    def coldness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def coldness(self, value: float) -> None:
         ...
     @property
     def iterations(self) -> int:
@@ -1726,7 +2085,7 @@ class ParticleAnnealingOptions:
         selections and moves; 100 particles and 10 take 0.5 s a lost limb: a number of at least 1
         """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
     @property
     def particles(self) -> int:
@@ -1734,7 +2093,7 @@ class ParticleAnnealingOptions:
         energies an iteration: a number of at least 2
         """
     @particles.setter
-    def particles(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def particles(self, value: int) -> None:
         ...
     @property
     def power(self) -> float:
@@ -1742,7 +2101,7 @@ class ParticleAnnealingOptions:
         of the schedule, Gall et al. 2007, Sect. 5.2: a number of at least 0
         """
     @power.setter
-    def power(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def power(self, value: float) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -1750,7 +2109,7 @@ class ParticleAnnealingOptions:
         of the random numbers: a number of at least 0
         """
     @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seed(self, value: int) -> None:
         ...
     @property
     def spread(self) -> float:
@@ -1758,22 +2117,33 @@ class ParticleAnnealingOptions:
         share of the particles' covariance with which they are moved after each selection (ibid., alpha): a number in (0, 1]
         """
     @spread.setter
-    def spread(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def spread(self, value: float) -> None:
         ...
 class LimbSearchOptions:
     """
     Options of the search for lost limbs.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> LimbSearchOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> LimbSearchOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, raster_size: int = 160, lost: float = 0.02, reach: float = 0.3, deviation: float = 0.7, smoothness: float = 0.02, annealing: ParticleAnnealingOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1785,7 +2155,7 @@ class LimbSearchOptions:
         of the particles
         """
     @annealing.setter
-    def annealing(self, arg0: ParticleAnnealingOptions) -> None:
+    def annealing(self, value: ParticleAnnealingOptions) -> None:
         ...
     @property
     def deviation(self) -> float:
@@ -1793,7 +2163,7 @@ class LimbSearchOptions:
         rad, of the first particles around the prediction: a number above 0
         """
     @deviation.setter
-    def deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def deviation(self, value: float) -> None:
         ...
     @property
     def lost(self) -> float:
@@ -1801,7 +2171,7 @@ class LimbSearchOptions:
         m, a limb with a larger error is lost; tracked ones have a few mm, an arm 30 degrees off 4 cm: a number above 0
         """
     @lost.setter
-    def lost(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def lost(self, value: float) -> None:
         ...
     @property
     def raster_size(self) -> int:
@@ -1809,7 +2179,7 @@ class LimbSearchOptions:
         px, longest side of the masks and renderings compared; an arm is 3 to 4 px wide: a number of at least 64
         """
     @raster_size.setter
-    def raster_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def raster_size(self, value: int) -> None:
         ...
     @property
     def reach(self) -> float:
@@ -1817,7 +2187,7 @@ class LimbSearchOptions:
         m, disagreements count at most so much: a number above 0
         """
     @reach.setter
-    def reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def reach(self, value: float) -> None:
         ...
     @property
     def smoothness(self) -> float:
@@ -1825,19 +2195,19 @@ class LimbSearchOptions:
         weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area: a number of at least 0
         """
     @smoothness.setter
-    def smoothness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smoothness(self, value: float) -> None:
         ...
 class Limb:
     """
     A chain of the skeleton between two forks, or from a fork to an end.
     """
     @property
-    def dofs(self) -> list[int]:
+    def dofs(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         indices
         """
     @property
-    def joints(self) -> list[int]:
+    def joints(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         indices, parents first
         """
@@ -1877,7 +2247,9 @@ class LimbProblem:
         """
     @property
     def rig(self) -> list[Camera]:
-        ...
+        """
+        cameras
+        """
 class LimbSearch:
     """
     Swap point: a pose with lost limbs -> a better one.
@@ -1897,16 +2269,27 @@ class SurfaceOptions:
     """
     Options of the surface refiner.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> SurfaceOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> SurfaceOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, iterations: int = 3, raster_size: int = 1024, rims_per_view: int = 500, gate_start: float = 0.1, gate_end: float = 0.04, scale_start: float = 0.04, scale_end: float = 0.02, sift_weight: float = 2.0, bending: float = 1.0, stretching: float = 0.02, memory: float = 1.0, anchor_cloth: float = 0.01, anchor_rigid: float = 0.5, loose: float = 0.02) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -1918,7 +2301,7 @@ class SurfaceOptions:
         pull of a loose vertex to its expected position, against one rim match: a number above 0
         """
     @anchor_cloth.setter
-    def anchor_cloth(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def anchor_cloth(self, value: float) -> None:
         ...
     @property
     def anchor_rigid(self) -> float:
@@ -1926,7 +2309,7 @@ class SurfaceOptions:
         the same for a vertex that moves with the skeleton, to its skinned position: a number above 0
         """
     @anchor_rigid.setter
-    def anchor_rigid(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def anchor_rigid(self, value: float) -> None:
         ...
     @property
     def bending(self) -> float:
@@ -1934,7 +2317,7 @@ class SurfaceOptions:
         weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints: a number above 0
         """
     @bending.setter
-    def bending(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def bending(self, value: float) -> None:
         ...
     @property
     def gate_end(self) -> float:
@@ -1942,7 +2325,7 @@ class SurfaceOptions:
         m, the same, last iteration: a number above 0
         """
     @gate_end.setter
-    def gate_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def gate_end(self, value: float) -> None:
         ...
     @property
     def gate_start(self) -> float:
@@ -1950,7 +2333,7 @@ class SurfaceOptions:
         m, rim matches farther away are dropped, first iteration; a hem moves up to 0.1 m between frames: a number above 0
         """
     @gate_start.setter
-    def gate_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def gate_start(self, value: float) -> None:
         ...
     @property
     def iterations(self) -> int:
@@ -1958,7 +2341,7 @@ class SurfaceOptions:
         renderings with re-matching: a number of at least 0
         """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
     @property
     def loose(self) -> float:
@@ -1966,7 +2349,7 @@ class SurfaceOptions:
         m, a vertex this far from its skinned position is held there with a quarter of anchor_rigid: a number above 0
         """
     @loose.setter
-    def loose(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def loose(self, value: float) -> None:
         ...
     @property
     def memory(self) -> float:
@@ -1974,7 +2357,7 @@ class SurfaceOptions:
         share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up: a number in [0, 1]
         """
     @memory.setter
-    def memory(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def memory(self, value: float) -> None:
         ...
     @property
     def raster_size(self) -> int:
@@ -1982,7 +2365,7 @@ class SurfaceOptions:
         px, longest side of the renderings in which rims are found: a number of at least 64
         """
     @raster_size.setter
-    def raster_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def raster_size(self, value: int) -> None:
         ...
     @property
     def rims_per_view(self) -> int:
@@ -1990,7 +2373,7 @@ class SurfaceOptions:
         correspondences per view and direction: a number of at least 10
         """
     @rims_per_view.setter
-    def rims_per_view(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def rims_per_view(self, value: int) -> None:
         ...
     @property
     def scale_end(self) -> float:
@@ -1998,7 +2381,7 @@ class SurfaceOptions:
         m, the same, last iteration: a number above 0
         """
     @scale_end.setter
-    def scale_end(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def scale_end(self, value: float) -> None:
         ...
     @property
     def scale_start(self) -> float:
@@ -2006,7 +2389,7 @@ class SurfaceOptions:
         m, Geman-McClure scale of the residuals, first iteration: a number above 0
         """
     @scale_start.setter
-    def scale_start(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def scale_start(self, value: float) -> None:
         ...
     @property
     def sift_weight(self) -> float:
@@ -2014,7 +2397,7 @@ class SurfaceOptions:
         of one feature track against one rim match; at 10 skin slides after tracks that are off by a pixel: a number of at least 0
         """
     @sift_weight.setter
-    def sift_weight(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def sift_weight(self, value: float) -> None:
         ...
     @property
     def stretching(self) -> float:
@@ -2022,7 +2405,7 @@ class SurfaceOptions:
         weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does: a number above 0
         """
     @stretching.setter
-    def stretching(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def stretching(self, value: float) -> None:
         ...
 class SurfaceEstimate:
     """
@@ -2036,7 +2419,7 @@ class SurfaceEstimate:
         mean residual of the outlines, pixels
         """
     @rim_px.setter
-    def rim_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def rim_px(self, value: float) -> None:
         ...
     @property
     def sift_px(self) -> float:
@@ -2044,7 +2427,7 @@ class SurfaceEstimate:
         mean residual of the features, pixels
         """
     @sift_px.setter
-    def sift_px(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def sift_px(self, value: float) -> None:
         ...
     @property
     def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
@@ -2052,7 +2435,7 @@ class SurfaceEstimate:
         (V, 3) m
         """
     @vertices.setter
-    def vertices(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def vertices(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
 class SurfaceRefiner:
     """
@@ -2073,26 +2456,65 @@ class CaptureParts:
     """
     The pieces of a capture; None = the built-in one, made from the options.
     """
-    features: typing.Any
-    limbs: typing.Any
-    pose: typing.Any
-    surface: typing.Any
     def __init__(self, features: typing.Any = None, pose: typing.Any = None, limbs: typing.Any = None, surface: typing.Any = None) -> None:
+        ...
+    @property
+    def features(self) -> typing.Any:
+        """
+        an object of that interface; None = the built-in one
+        """
+    @features.setter
+    def features(self, value: typing.Any) -> None:
+        ...
+    @property
+    def limbs(self) -> typing.Any:
+        """
+        an object of that interface; None = the built-in one
+        """
+    @limbs.setter
+    def limbs(self, value: typing.Any) -> None:
+        ...
+    @property
+    def pose(self) -> typing.Any:
+        """
+        an object of that interface; None = the built-in one
+        """
+    @pose.setter
+    def pose(self, value: typing.Any) -> None:
+        ...
+    @property
+    def surface(self) -> typing.Any:
+        """
+        an object of that interface; None = the built-in one
+        """
+    @surface.setter
+    def surface(self, value: typing.Any) -> None:
         ...
 class CaptureOptions:
     """
     Options of PerformanceCapture.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> CaptureOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> CaptureOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, first_frame: int = 0, frame_count: int = -1, start_frame: int = -1, cameras: collections.abc.Sequence[str] = ..., use_sift: bool = True, features: FeatureTrackerOptions = ..., pose: PoseOptions = ..., limbs: LimbSearchOptions = ..., surface: SurfaceOptions = ..., find_lost_limbs: bool = True, ends_turn: float = 0.8, second_pass: bool = True, use_feature_map: bool = True, map_reach: float = 0.05, velocity_damping: float = 0.8, acceleration: float = 0.3, offset_decay: float = 0.95, loose: float = 0.01, smooth_window: int = 5, smooth_order: int = 2, checkpoint: os.PathLike | str | bytes = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2104,7 +2526,7 @@ class CaptureOptions:
         share of the last change of velocity that is expected again: a number in [0, 1]
         """
     @acceleration.setter
-    def acceleration(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def acceleration(self, value: float) -> None:
         ...
     @property
     def cameras(self) -> list[str]:
@@ -2112,7 +2534,7 @@ class CaptureOptions:
         names of the cameras to use; none = all
         """
     @cameras.setter
-    def cameras(self, arg0: collections.abc.Sequence[str]) -> None:
+    def cameras(self, value: collections.abc.Sequence[str]) -> None:
         ...
     @property
     def checkpoint(self) -> pathlib.Path:
@@ -2120,7 +2542,7 @@ class CaptureOptions:
         a file that a capture which was stopped goes on from, to the same bits; empty = none
         """
     @checkpoint.setter
-    def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
+    def checkpoint(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def ends_turn(self) -> float:
@@ -2128,7 +2550,7 @@ class CaptureOptions:
         rad, what a limb ends with (a foot) may turn about the bone before it, each way; 0 = the session's hinge alone: a number of at least 0
         """
     @ends_turn.setter
-    def ends_turn(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def ends_turn(self, value: float) -> None:
         ...
     @property
     def features(self) -> FeatureTrackerOptions:
@@ -2136,7 +2558,7 @@ class CaptureOptions:
         of the feature tracker
         """
     @features.setter
-    def features(self, arg0: FeatureTrackerOptions) -> None:
+    def features(self, value: FeatureTrackerOptions) -> None:
         ...
     @property
     def find_lost_limbs(self) -> bool:
@@ -2144,7 +2566,7 @@ class CaptureOptions:
         seek limbs globally that the local optimisation has lost
         """
     @find_lost_limbs.setter
-    def find_lost_limbs(self, arg0: bool) -> None:
+    def find_lost_limbs(self, value: bool) -> None:
         ...
     @property
     def first_frame(self) -> int:
@@ -2152,7 +2574,7 @@ class CaptureOptions:
         first video frame: a number of at least 0
         """
     @first_frame.setter
-    def first_frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def first_frame(self, value: int) -> None:
         ...
     @property
     def frame_count(self) -> int:
@@ -2160,7 +2582,7 @@ class CaptureOptions:
         number of frames; -1 = to the end: a number of at least -1
         """
     @frame_count.setter
-    def frame_count(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def frame_count(self, value: int) -> None:
         ...
     @property
     def limbs(self) -> LimbSearchOptions:
@@ -2168,7 +2590,7 @@ class CaptureOptions:
         of the search for lost limbs
         """
     @limbs.setter
-    def limbs(self, arg0: LimbSearchOptions) -> None:
+    def limbs(self, value: LimbSearchOptions) -> None:
         ...
     @property
     def loose(self) -> float:
@@ -2176,7 +2598,7 @@ class CaptureOptions:
         m, a vertex that usually lies this far from its skinned position tells half as much about the pose: a number above 0
         """
     @loose.setter
-    def loose(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def loose(self, value: float) -> None:
         ...
     @property
     def map_reach(self) -> float:
@@ -2184,7 +2606,7 @@ class CaptureOptions:
         of the silhouette's height; how far from its expected place a mapped feature is sought: a number above 0
         """
     @map_reach.setter
-    def map_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def map_reach(self, value: float) -> None:
         ...
     @property
     def offset_decay(self) -> float:
@@ -2192,7 +2614,7 @@ class CaptureOptions:
         share of the non-rigid offset that is expected again in the next frame: a number in [0, 1]
         """
     @offset_decay.setter
-    def offset_decay(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def offset_decay(self, value: float) -> None:
         ...
     @property
     def pose(self) -> PoseOptions:
@@ -2200,7 +2622,7 @@ class CaptureOptions:
         of the pose optimiser
         """
     @pose.setter
-    def pose(self, arg0: PoseOptions) -> None:
+    def pose(self, value: PoseOptions) -> None:
         ...
     @property
     def second_pass(self) -> bool:
@@ -2208,7 +2630,7 @@ class CaptureOptions:
         track everything again, once it is known what is loose
         """
     @second_pass.setter
-    def second_pass(self, arg0: bool) -> None:
+    def second_pass(self, value: bool) -> None:
         ...
     @property
     def smooth_order(self) -> int:
@@ -2216,7 +2638,7 @@ class CaptureOptions:
         of the Savitzky-Golay filter: a number of at least 0
         """
     @smooth_order.setter
-    def smooth_order(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def smooth_order(self, value: int) -> None:
         ...
     @property
     def smooth_window(self) -> int:
@@ -2224,7 +2646,7 @@ class CaptureOptions:
         frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off: a number of at least 1
         """
     @smooth_window.setter
-    def smooth_window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def smooth_window(self, value: int) -> None:
         ...
     @property
     def start_frame(self) -> int:
@@ -2232,7 +2654,7 @@ class CaptureOptions:
         video frame in the scan's pose, or near it, from which tracking goes both ways; -1 = the first frame if it is in that pose, else it is sought: a number of at least -1
         """
     @start_frame.setter
-    def start_frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def start_frame(self, value: int) -> None:
         ...
     @property
     def surface(self) -> SurfaceOptions:
@@ -2240,7 +2662,7 @@ class CaptureOptions:
         of the surface refiner
         """
     @surface.setter
-    def surface(self, arg0: SurfaceOptions) -> None:
+    def surface(self, value: SurfaceOptions) -> None:
         ...
     @property
     def use_feature_map(self) -> bool:
@@ -2248,7 +2670,7 @@ class CaptureOptions:
         find the first frame's features again in every frame; without it, tracks drift
         """
     @use_feature_map.setter
-    def use_feature_map(self, arg0: bool) -> None:
+    def use_feature_map(self, value: bool) -> None:
         ...
     @property
     def use_sift(self) -> bool:
@@ -2256,7 +2678,7 @@ class CaptureOptions:
         texture features; off: silhouettes alone, features are neither detected nor matched
         """
     @use_sift.setter
-    def use_sift(self, arg0: bool) -> None:
+    def use_sift(self, value: bool) -> None:
         ...
     @property
     def velocity_damping(self) -> float:
@@ -2264,13 +2686,12 @@ class CaptureOptions:
         of the constant-velocity prediction; 0 = stay, 1 = go on as before. With acceleration 0.3, RMS errors on two motions fall from 1.18 and 0.58 degrees to 0.98 and 0.49: a number in [0, 1]
         """
     @velocity_damping.setter
-    def velocity_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def velocity_damping(self, value: float) -> None:
         ...
 class LostLimb:
     """
     A limb that the local optimisation had lost.
     """
-    recovered: bool
     def __init__(self) -> None:
         ...
     @property
@@ -2279,7 +2700,7 @@ class LostLimb:
         m, error of the pose that was kept
         """
     @after.setter
-    def after(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def after(self, value: float) -> None:
         ...
     @property
     def before(self) -> float:
@@ -2287,7 +2708,7 @@ class LostLimb:
         m, error after the local optimisation
         """
     @before.setter
-    def before(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def before(self, value: float) -> None:
         ...
     @property
     def frame(self) -> int:
@@ -2295,7 +2716,7 @@ class LostLimb:
         video frame number
         """
     @frame.setter
-    def frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def frame(self, value: int) -> None:
         ...
     @property
     def limb(self) -> str:
@@ -2303,13 +2724,20 @@ class LostLimb:
         name of its first joint
         """
     @limb.setter
-    def limb(self, arg0: str) -> None:
+    def limb(self, value: str) -> None:
+        ...
+    @property
+    def recovered(self) -> bool:
+        """
+        was it found again?
+        """
+    @recovered.setter
+    def recovered(self, value: bool) -> None:
         ...
 class JointSight:
     """
     In how many frames a joint's bone was seen, inferred, lost.
     """
-    joint: str
     def __init__(self) -> None:
         ...
     @property
@@ -2318,7 +2746,15 @@ class JointSight:
         hidden; it follows from the joints before and after it
         """
     @inferred.setter
-    def inferred(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def inferred(self, value: int) -> None:
+        ...
+    @property
+    def joint(self) -> str:
+        """
+        name of one with degrees of freedom
+        """
+    @joint.setter
+    def joint(self, value: str) -> None:
         ...
     @property
     def lost(self) -> int:
@@ -2326,7 +2762,7 @@ class JointSight:
         its limb was lost and not found again
         """
     @lost.setter
-    def lost(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def lost(self, value: int) -> None:
         ...
     @property
     def seen(self) -> int:
@@ -2334,7 +2770,7 @@ class JointSight:
         enough of it visible that moves with the skeleton
         """
     @seen.setter
-    def seen(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seen(self, value: int) -> None:
         ...
 class CaptureSummary:
     """
@@ -2348,7 +2784,7 @@ class CaptureSummary:
         the same after smoothing
         """
     @jitter_after.setter
-    def jitter_after(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def jitter_after(self, value: float) -> None:
         ...
     @property
     def jitter_before(self) -> float:
@@ -2356,7 +2792,7 @@ class CaptureSummary:
         rad, mean |second difference| of the joint angles
         """
     @jitter_before.setter
-    def jitter_before(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def jitter_before(self, value: float) -> None:
         ...
     @property
     def joints(self) -> list[JointSight]:
@@ -2364,13 +2800,15 @@ class CaptureSummary:
         those with degrees of freedom
         """
     @joints.setter
-    def joints(self, arg0: collections.abc.Sequence[JointSight]) -> None:
+    def joints(self, value: collections.abc.Sequence[JointSight]) -> None:
         ...
     @property
     def limb_seconds(self) -> float:
-        ...
+        """
+        s: the check of limbs and the search for lost ones
+        """
     @limb_seconds.setter
-    def limb_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def limb_seconds(self, value: float) -> None:
         ...
     @property
     def lost_limbs(self) -> list[LostLimb]:
@@ -2378,25 +2816,31 @@ class CaptureSummary:
         in the order of frames
         """
     @lost_limbs.setter
-    def lost_limbs(self, arg0: collections.abc.Sequence[LostLimb]) -> None:
+    def lost_limbs(self, value: collections.abc.Sequence[LostLimb]) -> None:
         ...
     @property
     def map_seconds(self) -> float:
-        ...
+        """
+        s: features lifted to the surface and found by the map
+        """
     @map_seconds.setter
-    def map_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def map_seconds(self, value: float) -> None:
         ...
     @property
     def measure_seconds(self) -> float:
-        ...
+        """
+        s: images to outlines, features and their matches
+        """
     @measure_seconds.setter
-    def measure_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def measure_seconds(self, value: float) -> None:
         ...
     @property
     def pose_seconds(self) -> float:
-        ...
+        """
+        s: poses
+        """
     @pose_seconds.setter
-    def pose_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def pose_seconds(self, value: float) -> None:
         ...
     @property
     def rim_px(self) -> list[float]:
@@ -2404,13 +2848,15 @@ class CaptureSummary:
         (T) mean residual of the outlines, pixels
         """
     @rim_px.setter
-    def rim_px(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def rim_px(self, value: collections.abc.Sequence[float]) -> None:
         ...
     @property
     def seconds_per_frame(self) -> float:
-        ...
+        """
+        s, of the whole run
+        """
     @seconds_per_frame.setter
-    def seconds_per_frame(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def seconds_per_frame(self, value: float) -> None:
         ...
     @property
     def sift_px(self) -> list[float]:
@@ -2418,7 +2864,7 @@ class CaptureSummary:
         (T) mean residual of the features, pixels
         """
     @sift_px.setter
-    def sift_px(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def sift_px(self, value: collections.abc.Sequence[float]) -> None:
         ...
     @property
     def silhouette_iou(self) -> list[float]:
@@ -2426,7 +2872,7 @@ class CaptureSummary:
         (T) mean over cameras, against the measured masks
         """
     @silhouette_iou.setter
-    def silhouette_iou(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def silhouette_iou(self, value: collections.abc.Sequence[float]) -> None:
         ...
     @property
     def start_frame(self) -> int:
@@ -2434,30 +2880,53 @@ class CaptureSummary:
         video frame from which tracking went both ways
         """
     @start_frame.setter
-    def start_frame(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def start_frame(self, value: int) -> None:
         ...
     @property
     def surface_seconds(self) -> float:
-        ...
+        """
+        s: surfaces
+        """
     @surface_seconds.setter
-    def surface_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def surface_seconds(self, value: float) -> None:
         ...
     @property
-    def views(self) -> list[int]:
+    def views(self) -> numpy.typing.NDArray[numpy.int32]:
         """
         (T) cameras that took part
         """
     @views.setter
-    def views(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def views(self, value: collections.abc.Sequence[int]) -> None:
         ...
 class CaptureResult:
     """
     Performance, observations and summary of a capture.
     """
-    observations: Observations
-    performance: ReferencePerformance
-    summary: CaptureSummary
     def __init__(self) -> None:
+        ...
+    @property
+    def observations(self) -> Observations:
+        """
+        what was measured in the images
+        """
+    @observations.setter
+    def observations(self, value: Observations) -> None:
+        ...
+    @property
+    def performance(self) -> ReferencePerformance:
+        """
+        ReferencePerformance
+        """
+    @performance.setter
+    def performance(self, value: ReferencePerformance) -> None:
+        ...
+    @property
+    def summary(self) -> CaptureSummary:
+        """
+        CaptureSummary
+        """
+    @summary.setter
+    def summary(self, value: CaptureSummary) -> None:
         ...
 class PerformanceCapture:
     """
@@ -2478,16 +2947,27 @@ class OppositeOptions:
     """
     The rays by which ClothSegmenter measures.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> OppositeOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> OppositeOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, rays: int = 13, cone: float = 0.35, min_distance: float = 0.005, min_cosine: float = 0.5, trim: float = 0.05) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2499,7 +2979,7 @@ class OppositeOptions:
         rad, half angle of the ring: a number in [0, 1.5)
         """
     @cone.setter
-    def cone(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cone(self, value: float) -> None:
         ...
     @property
     def min_cosine(self) -> float:
@@ -2507,7 +2987,7 @@ class OppositeOptions:
         between the ray and the outward normal where it leaves: a grazing hit slides along the surface: a number in [-1, 1)
         """
     @min_cosine.setter
-    def min_cosine(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def min_cosine(self, value: float) -> None:
         ...
     @property
     def min_distance(self) -> float:
@@ -2515,7 +2995,7 @@ class OppositeOptions:
         m, nearer hits are the vertex's own sheet (a fold), not the opposite side: a number of at least 0
         """
     @min_distance.setter
-    def min_distance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def min_distance(self, value: float) -> None:
         ...
     @property
     def rays(self) -> int:
@@ -2523,7 +3003,7 @@ class OppositeOptions:
         a vertex: the one along -n of the paper and a ring around it; the median of their deviations counts: a number in [1, 64]
         """
     @rays.setter
-    def rays(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def rays(self, value: int) -> None:
         ...
     @property
     def trim(self) -> float:
@@ -2531,22 +3011,33 @@ class OppositeOptions:
         share of the frames left out at either end of the sorted distances (lost tracking, extreme bends); 0 = the paper's: a number in [0, 0.5)
         """
     @trim.setter
-    def trim(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def trim(self, value: float) -> None:
         ...
 class SegmentOptions:
     """
     Options of ClothSegmenter.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> SegmentOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> SegmentOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, rigid_threshold: float = 0.0025, cloth_threshold: float = 0.006, diffusion: float = 0.03, smallest_region: float = 0.08, contrast: float = 1.5, skin_colour: float = 2.0, cloth_colour: float = 0.7, opposite: OppositeOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2558,7 +3049,7 @@ class SegmentOptions:
         surface that looks like cloth all over counts with exp(cloth_colour) of its deviation: less, for a tight top may be of the same fabric; 0 = off: a number in [0, 5]
         """
     @cloth_colour.setter
-    def cloth_colour(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cloth_colour(self, value: float) -> None:
         ...
     @property
     def cloth_threshold(self) -> float:
@@ -2566,7 +3057,7 @@ class SegmentOptions:
         m, t_cloth: above, a vertex is cloth; trouser legs, sleeves and the top of a skirt, which lie on the body, have 3 to 10 mm, loose cloth 20 mm and more: a number of at least 0
         """
     @cloth_threshold.setter
-    def cloth_threshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cloth_threshold(self, value: float) -> None:
         ...
     @property
     def contrast(self) -> float:
@@ -2574,7 +3065,7 @@ class SegmentOptions:
         beside cloth, what moves this many times as much as the skin around it is cloth, too; 1000 = off: a number of at least 1
         """
     @contrast.setter
-    def contrast(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def contrast(self, value: float) -> None:
         ...
     @property
     def diffusion(self) -> float:
@@ -2582,7 +3073,7 @@ class SegmentOptions:
         m, length scale of the implicit diffusion; about an edge of the 5000-triangle template: a number of at least 0
         """
     @diffusion.setter
-    def diffusion(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def diffusion(self, value: float) -> None:
         ...
     @property
     def opposite(self) -> OppositeOptions:
@@ -2590,7 +3081,7 @@ class SegmentOptions:
         the rays to the other side
         """
     @opposite.setter
-    def opposite(self, arg0: OppositeOptions) -> None:
+    def opposite(self, value: OppositeOptions) -> None:
         ...
     @property
     def rigid_threshold(self) -> float:
@@ -2598,7 +3089,7 @@ class SegmentOptions:
         m, t_rigid: below, a vertex is rigid; captured skin has 1 to 3 mm, at 1.75 mm it passes for cloth in two of nine sessions: a number of at least 0
         """
     @rigid_threshold.setter
-    def rigid_threshold(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def rigid_threshold(self, value: float) -> None:
         ...
     @property
     def skin_colour(self) -> float:
@@ -2606,7 +3097,7 @@ class SegmentOptions:
         surface that looks like skin all over counts with exp(-skin_colour) of its deviation: nobody's forearm is cloth; 0 = off: a number in [0, 5]
         """
     @skin_colour.setter
-    def skin_colour(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def skin_colour(self, value: float) -> None:
         ...
     @property
     def smallest_region(self) -> float:
@@ -2614,22 +3105,33 @@ class SegmentOptions:
         m^2, smaller islands of cloth are dropped and smaller holes filled; 28 x 28 cm, about a short sleeve: a number of at least 0
         """
     @smallest_region.setter
-    def smallest_region(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_region(self, value: float) -> None:
         ...
 class FullnessOptions:
     """
     Options of estimate_fullness.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> FullnessOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> FullnessOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, estimate: bool = True, quantile: float = 0.75, largest: float = 1.8, smoothing: float = 0.03) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2641,7 +3143,7 @@ class FullnessOptions:
         off: the cloth is as wide as the scan, as in the paper
         """
     @estimate.setter
-    def estimate(self, arg0: bool) -> None:
+    def estimate(self, value: bool) -> None:
         ...
     @property
     def largest(self) -> float:
@@ -2649,7 +3151,7 @@ class FullnessOptions:
         more is taken for a mistake of the tracking: a number of at least 1
         """
     @largest.setter
-    def largest(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def largest(self, value: float) -> None:
         ...
     @property
     def quantile(self) -> float:
@@ -2657,7 +3159,7 @@ class FullnessOptions:
         over time, of the width that counts: a skirt is spread in a part of the motion only, and widest where tracking is worst: a number in [0, 1]
         """
     @quantile.setter
-    def quantile(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def quantile(self, value: float) -> None:
         ...
     @property
     def smoothing(self) -> float:
@@ -2665,7 +3167,7 @@ class FullnessOptions:
         m, length scale of the diffusion over the surface; about an edge of the template: a number of at least 0
         """
     @smoothing.setter
-    def smoothing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smoothing(self, value: float) -> None:
         ...
 class ClothSegmenter:
     """
@@ -2678,7 +3180,7 @@ class ClothSegmenter:
         """
     def __init__(self) -> None:
         ...
-    def segment(self, sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], context: Context = ...) -> Segmentation:
+    def segment(self, sequence: MeshSequence, face_valid: numpy.typing.ArrayLike, context: Context = ...) -> Segmentation:
         """
         How loose every vertex of the sequence is. face_valid (F).
         """
@@ -2686,16 +3188,27 @@ class GarmentOptions:
     """
     Options of GarmentMesher.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> GarmentOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> GarmentOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, own_mesh: bool = True, vertices: int = 1400, closing: float = 0.015, smallest_hole: float = 0.02, smallest_piece: float = 0.08, smallest_edge: float = 0.15, spreads: collections.abc.Sequence[float] = ..., band: float = 0.0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2707,7 +3220,7 @@ class GarmentOptions:
         m, width of the attachment: across it cloth goes from following the skeleton to free; 0 = a seam: a number in [0, 1]
         """
     @band.setter
-    def band(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def band(self, value: float) -> None:
         ...
     @property
     def closing(self) -> float:
@@ -2715,7 +3228,7 @@ class GarmentOptions:
         m, length scale of the diffusion that decides what is garment: narrower slits are closed, hems come out smooth: a number in [0, 1]
         """
     @closing.setter
-    def closing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def closing(self, value: float) -> None:
         ...
     @property
     def own_mesh(self) -> bool:
@@ -2723,7 +3236,7 @@ class GarmentOptions:
         off: the cloth is the loose part of the template, as in the paper, and as wide as its fullness
         """
     @own_mesh.setter
-    def own_mesh(self, arg0: bool) -> None:
+    def own_mesh(self, value: bool) -> None:
         ...
     @property
     def smallest_edge(self) -> float:
@@ -2731,7 +3244,7 @@ class GarmentOptions:
         m, along the cut: shorter changes between hanging and free edge are noise of the template's mask: a number in [0, 10]
         """
     @smallest_edge.setter
-    def smallest_edge(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_edge(self, value: float) -> None:
         ...
     @property
     def smallest_hole(self) -> float:
@@ -2739,7 +3252,7 @@ class GarmentOptions:
         m^2, smaller holes are filled; 14 x 14 cm: a number in [0, 10]
         """
     @smallest_hole.setter
-    def smallest_hole(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_hole(self, value: float) -> None:
         ...
     @property
     def smallest_piece(self) -> float:
@@ -2747,7 +3260,7 @@ class GarmentOptions:
         m^2, smaller pieces move as skin; 28 x 28 cm, about a short sleeve: a number in [0, 10]
         """
     @smallest_piece.setter
-    def smallest_piece(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_piece(self, value: float) -> None:
         ...
     @property
     def spreads(self) -> list[float]:
@@ -2755,7 +3268,7 @@ class GarmentOptions:
         shares of the time that a length may be exceeded: a width each, of which the video chooses; more is narrower: a number in (0, 1)
         """
     @spreads.setter
-    def spreads(self, arg0: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> None:
+    def spreads(self, value: collections.abc.Sequence[float]) -> None:
         ...
     @property
     def vertices(self) -> int:
@@ -2763,7 +3276,7 @@ class GarmentOptions:
         about, of all regions together; more fold finer and cost more: a number in [50, 2e+05]
         """
     @vertices.setter
-    def vertices(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def vertices(self, value: int) -> None:
         ...
 class GarmentMesher:
     """
@@ -2786,7 +3299,9 @@ class GarmentSummary:
     """
     @property
     def faces(self) -> int:
-        ...
+        """
+        of the garment's mesh
+        """
     @property
     def hanging_loops(self) -> int:
         """
@@ -2804,7 +3319,9 @@ class GarmentSummary:
         """
     @property
     def regions(self) -> int:
-        ...
+        """
+        cloth regions
+        """
     @property
     def smallest_angle(self) -> float:
         """
@@ -2812,7 +3329,9 @@ class GarmentSummary:
         """
     @property
     def vertices(self) -> int:
-        ...
+        """
+        of the garment's mesh
+        """
 class BodyModel:
     """
     vertices = mean + components s, s ~ N(0, I). To replace it, define vertices(coefficients) and component(k) in a subclass; a model that is not linear also linearise(coefficients, chosen), one with a skeleton joints(coefficients).
@@ -2822,11 +3341,11 @@ class BodyModel:
         """
         A model in this library's format or SMPL's (.npz). Raises FileNotFoundError, or Error naming file and array.
         """
-    def __init__(self, *, vertex_count: typing.SupportsInt | typing.SupportsIndex, component_count: typing.SupportsInt | typing.SupportsIndex, faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], landmarks: collections.abc.Mapping[str, typing.SupportsInt | typing.SupportsIndex] = {}, name: str = 'python', shape_count: typing.SupportsInt | typing.SupportsIndex | None = None, joint_names: collections.abc.Sequence[str] = []) -> None:
+    def __init__(self, *, vertex_count: int, component_count: int, faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], landmarks: collections.abc.Mapping[str, int] = {}, name: str = 'python', shape_count: int | None = None, joint_names: collections.abc.Sequence[str] = []) -> None:
         """
         What a subclass is made of. faces (F, 3); landmarks: name -> vertex; shape_count: the first coefficients, None = all.
         """
-    def component(self, k: typing.SupportsInt | typing.SupportsIndex) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    def component(self, k: int) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
         (B, 3) m per standard deviation
         """
@@ -2834,7 +3353,7 @@ class BodyModel:
         """
         The same of the model's own joints, in the order of joint_names.
         """
-    def linearise(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], chosen: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+    def linearise(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], chosen: collections.abc.Sequence[int]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
         """
         The chosen vertices (n, 3) m and their derivatives (3n, K) m per standard deviation.
         """
@@ -2844,10 +3363,14 @@ class BodyModel:
         """
     @property
     def component_count(self) -> int:
-        ...
+        """
+        C, of shape
+        """
     @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
-        ...
+        """
+        (FB, 3)
+        """
     @property
     def joint_names(self) -> list[str]:
         """
@@ -2855,7 +3378,9 @@ class BodyModel:
         """
     @property
     def landmarks(self) -> dict[str, int]:
-        ...
+        """
+        name -> vertex of the body
+        """
     @property
     def name(self) -> str:
         """
@@ -2868,21 +3393,34 @@ class BodyModel:
         """
     @property
     def vertex_count(self) -> int:
-        ...
+        """
+        B
+        """
 class BodyFitOptions:
     """
     Options of BodyFitter.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> BodyFitOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> BodyFitOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, iterations: int = 20, landmark_deviation: float = 0.015, joint_deviation: float = 0.025, surface_deviation: float = 0.004, scale_deviation: float = 0.03, outlier_scale: float = 0.01, cloth_margin: float = 0.003, cloth_attraction: float = 0.03) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2894,7 +3432,7 @@ class BodyFitOptions:
         weight, against skin, of cloth within about outlier_scale of the body: it rests there: a number in [0, 1]
         """
     @cloth_attraction.setter
-    def cloth_attraction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cloth_attraction(self, value: float) -> None:
         ...
     @property
     def cloth_margin(self) -> float:
@@ -2902,7 +3440,7 @@ class BodyFitOptions:
         m, the body stays this far inside cloth: a number of at least 0
         """
     @cloth_margin.setter
-    def cloth_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cloth_margin(self, value: float) -> None:
         ...
     @property
     def iterations(self) -> int:
@@ -2910,7 +3448,7 @@ class BodyFitOptions:
         of ICP; the robust scale shrinks over the first two thirds: a number of at least 1
         """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
     @property
     def joint_deviation(self) -> float:
@@ -2918,7 +3456,7 @@ class BodyFitOptions:
         m, how far a marked joint is trusted: rigs differ in where a hip is: a number above 0
         """
     @joint_deviation.setter
-    def joint_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def joint_deviation(self, value: float) -> None:
         ...
     @property
     def landmark_deviation(self) -> float:
@@ -2926,7 +3464,7 @@ class BodyFitOptions:
         m, how far a clicked landmark is trusted; Cauchy weights beyond three of them: a number above 0
         """
     @landmark_deviation.setter
-    def landmark_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def landmark_deviation(self, value: float) -> None:
         ...
     @property
     def outlier_scale(self) -> float:
@@ -2934,7 +3472,7 @@ class BodyFitOptions:
         m, final scale of the Geman-McClure weights (hair, shoes): a number above 0
         """
     @outlier_scale.setter
-    def outlier_scale(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def outlier_scale(self, value: float) -> None:
         ...
     @property
     def scale_deviation(self) -> float:
@@ -2942,7 +3480,7 @@ class BodyFitOptions:
         relative, prior of the similarity's scale: stature is the model's, this is for units and children: a number above 0
         """
     @scale_deviation.setter
-    def scale_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def scale_deviation(self, value: float) -> None:
         ...
     @property
     def surface_deviation(self) -> float:
@@ -2950,22 +3488,33 @@ class BodyFitOptions:
         m, of skin around the model, per 4 cm^2 of surface (errors of the model are correlated): a number above 0
         """
     @surface_deviation.setter
-    def surface_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def surface_deviation(self, value: float) -> None:
         ...
 class ProxyOptions:
     """
     Options of fit_proxies.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> ProxyOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> ProxyOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, clearance: float = 0.0, cloth_margin: float = 0.004, capsules_per_bone: int = 2, iterations: int = 40) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -2977,7 +3526,7 @@ class ProxyOptions:
         tapered capsules along one bone: a number in [1, 3]
         """
     @capsules_per_bone.setter
-    def capsules_per_bone(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def capsules_per_bone(self, value: int) -> None:
         ...
     @property
     def clearance(self) -> float:
@@ -2985,7 +3534,7 @@ class ProxyOptions:
         m, the capsules stand this much inside the body on average: a number in (-0.1, 0.1)
         """
     @clearance.setter
-    def clearance(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def clearance(self, value: float) -> None:
         ...
     @property
     def cloth_margin(self) -> float:
@@ -2993,7 +3542,7 @@ class ProxyOptions:
         m, at least this far inside the cloth of the scan pose: resting cloth is never pushed: a number in [0, 0.1)
         """
     @cloth_margin.setter
-    def cloth_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def cloth_margin(self, value: float) -> None:
         ...
     @property
     def iterations(self) -> int:
@@ -3001,7 +3550,7 @@ class ProxyOptions:
         of the least squares: a number of at least 0
         """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
 class DressedScan:
     """
@@ -3011,7 +3560,9 @@ class DressedScan:
         ...
     @property
     def actor(self) -> RiggedMesh:
-        ...
+        """
+        RiggedMesh in the scan pose
+        """
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         """
@@ -3019,7 +3570,9 @@ class DressedScan:
         """
     @property
     def segmentation(self) -> Segmentation:
-        ...
+        """
+        what of it is cloth
+        """
 class BodyFitter:
     """
     Stage: dressed surface -> body underneath. Subclass to replace it.
@@ -3098,36 +3651,59 @@ class ProxyStatistics:
     """
     @property
     def capsules(self) -> int:
-        ...
+        """
+        their number
+        """
     @property
     def cloth_clearance(self) -> float:
-        ...
+        """
+        m, smallest signed distance of the resting cloth to the capsules; negative = pushed
+        """
     @property
     def largest_bulge(self) -> float:
-        ...
+        """
+        m, how far a capsule stands out of the body at most; 0 = nowhere
+        """
     @property
     def mean_distance(self) -> float:
-        ...
+        """
+        m, mean |signed distance| of body vertices under cloth to the union of capsules
+        """
     @property
     def percentile95(self) -> float:
-        ...
+        """
+        m, 95 % of the same
+        """
     @property
     def samples(self) -> int:
-        ...
+        """
+        body vertices under cloth
+        """
 class TrainOptions:
     """
     Options of train_body_model.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> TrainOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> TrainOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, components: int = 100, pose_floor: float = 0.07, individuals: collections.abc.Sequence[int] = ..., name: str = 'doublet-body', licence: str = 'CC0 1.0 Universal', command: str = '') -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -3139,7 +3715,7 @@ class TrainOptions:
         recorded in the file
         """
     @command.setter
-    def command(self, arg0: str) -> None:
+    def command(self, value: str) -> None:
         ...
     @property
     def components(self) -> int:
@@ -3147,7 +3723,7 @@ class TrainOptions:
         shape components kept, at most meshes - 1; 100 keep 99.99 % of the shipped population's variance: a number of at least 1
         """
     @components.setter
-    def components(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def components(self, value: int) -> None:
         ...
     @property
     def individuals(self) -> list[int]:
@@ -3155,7 +3731,7 @@ class TrainOptions:
         train on these only (empty = all); the others are for leave-out tests: a number of at least 0
         """
     @individuals.setter
-    def individuals(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def individuals(self, value: collections.abc.Sequence[int]) -> None:
         ...
     @property
     def licence(self) -> str:
@@ -3163,7 +3739,7 @@ class TrainOptions:
         of the population; copied into the file
         """
     @licence.setter
-    def licence(self, arg0: str) -> None:
+    def licence(self, value: str) -> None:
         ...
     @property
     def name(self) -> str:
@@ -3171,7 +3747,7 @@ class TrainOptions:
         of the model
         """
     @name.setter
-    def name(self, arg0: str) -> None:
+    def name(self, value: str) -> None:
         ...
     @property
     def pose_floor(self) -> float:
@@ -3179,7 +3755,7 @@ class TrainOptions:
         rad, added in quadrature to every pose deviation: joints that the population never bends sideways can follow a scan a little: a number above 0
         """
     @pose_floor.setter
-    def pose_floor(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def pose_floor(self, value: float) -> None:
         ...
 class TrainSummary:
     """
@@ -3187,10 +3763,14 @@ class TrainSummary:
     """
     @property
     def components(self) -> int:
-        ...
+        """
+        of shape that were kept
+        """
     @property
     def meshes(self) -> int:
-        ...
+        """
+        of the population
+        """
     @property
     def reconstruction_mm(self) -> float:
         """
@@ -3203,11 +3783,14 @@ class TrainSummary:
         """
     @property
     def vertices(self) -> int:
-        ...
+        """
+        of each
+        """
 class Material:
     """
     Material of a piece of cloth; see Material.described() for units and ranges.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def boxes() -> dict:
         """
@@ -3218,11 +3801,21 @@ class Material:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> Material:
+        ...
+    def __deepcopy__(self, memo: dict) -> Material:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, d_n: float = 4.0, d_t: float = 4.9, k_bend: float = 0.7, k_stretch: float = 1.0, k_friction: float = 0.5, k_damping: float = 0.0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -3234,7 +3827,7 @@ class Material:
         1/m, drag along the normal, quadratic: a number in [0, 32]
         """
     @d_n.setter
-    def d_n(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def d_n(self, value: float) -> None:
         ...
     @property
     def d_t(self) -> float:
@@ -3242,7 +3835,7 @@ class Material:
         1/s, drag along the surface, linear: a number in [0, 32]
         """
     @d_t.setter
-    def d_t(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def d_t(self, value: float) -> None:
         ...
     @property
     def k_bend(self) -> float:
@@ -3250,7 +3843,7 @@ class Material:
         bending stiffness: a number in [0, 1]
         """
     @k_bend.setter
-    def k_bend(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def k_bend(self, value: float) -> None:
         ...
     @property
     def k_damping(self) -> float:
@@ -3258,7 +3851,7 @@ class Material:
         velocity damping towards rigid motion: a number in [0, 1]
         """
     @k_damping.setter
-    def k_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def k_damping(self, value: float) -> None:
         ...
     @property
     def k_friction(self) -> float:
@@ -3266,7 +3859,7 @@ class Material:
         friction against proxies and itself: a number in [0, 1]
         """
     @k_friction.setter
-    def k_friction(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def k_friction(self, value: float) -> None:
         ...
     @property
     def k_stretch(self) -> float:
@@ -3274,37 +3867,45 @@ class Material:
         stretching stiffness; below 0.99 cloth hangs like rubber: a number in (0, 1]
         """
     @k_stretch.setter
-    def k_stretch(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def k_stretch(self, value: float) -> None:
         ...
 class Capsule:
     """
     Tapered capsule in the world, m.
     """
-    def __init__(self, p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: typing.SupportsFloat | typing.SupportsIndex, r1: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: float, r1: float) -> None:
         ...
     @property
     def p0(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m, one end of the axis
+        """
     @p0.setter
-    def p0(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def p0(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def p1(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) m, the other end
+        """
     @p1.setter
-    def p1(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def p1(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def r0(self) -> float:
-        ...
+        """
+        m, radius at p0
+        """
     @r0.setter
-    def r0(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def r0(self, value: float) -> None:
         ...
     @property
     def r1(self) -> float:
-        ...
+        """
+        m, radius at p1
+        """
     @r1.setter
-    def r1(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def r1(self, value: float) -> None:
         ...
 class ClothState:
     """
@@ -3318,27 +3919,33 @@ class ClothState:
         """
     @property
     def positions(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (N, 3) m
+        """
     @positions.setter
-    def positions(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def positions(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def velocities(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (N, 3) m/s
+        """
     @velocities.setter
-    def velocities(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def velocities(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
 class StepInputs:
     """
     What the world does during one frame.
     """
-    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: typing.SupportsFloat | typing.SupportsIndex = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None = None) -> None:
+    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: float = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None = None) -> None:
         ...
     @property
     def capsules(self) -> list[Capsule]:
-        ...
+        """
+        proxies at the end of the frame
+        """
     @capsules.setter
-    def capsules(self, arg0: collections.abc.Sequence[Capsule]) -> None:
+    def capsules(self, value: collections.abc.Sequence[Capsule]) -> None:
         ...
     @property
     def dt(self) -> float:
@@ -3346,7 +3953,7 @@ class StepInputs:
         s
         """
     @dt.setter
-    def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def dt(self, value: float) -> None:
         ...
     @property
     def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
@@ -3354,25 +3961,31 @@ class StepInputs:
         m/s^2; None = the model's
         """
     @gravity.setter
-    def gravity(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None) -> None:
+    def gravity(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None) -> None:
         ...
     @property
     def previous_capsules(self) -> list[Capsule]:
-        ...
+        """
+        proxies at its start, in the same order
+        """
     @previous_capsules.setter
-    def previous_capsules(self, arg0: collections.abc.Sequence[Capsule]) -> None:
+    def previous_capsules(self, value: collections.abc.Sequence[Capsule]) -> None:
         ...
     @property
     def previous_targets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (N, 3) m, at its start
+        """
     @previous_targets.setter
-    def previous_targets(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def previous_targets(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def targets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (N, 3) m, skinned positions at the end of the frame
+        """
     @targets.setter
-    def targets(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def targets(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
     def wind(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -3380,12 +3993,13 @@ class StepInputs:
         m/s
         """
     @wind.setter
-    def wind(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def wind(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
 class ClothOptions:
     """
     Settings of the cloth solver.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
@@ -3396,11 +4010,21 @@ class ClothOptions:
         """
         The settings of the paper.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> ClothOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> ClothOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, iterations: int = 6, substeps: int = 4, stiffness: typing.Literal['sweeps', 'compliance'] = 'compliance', over_relaxation: float = 1.5, rest_curvature: float = 0.0, gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[3, 1]'] = ..., restitution: float = 0.0, thickness: float = 0.012, self_thickness: float = 0.004, self_collision: bool = True, edge_collision: bool = False) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -3412,7 +4036,7 @@ class ClothOptions:
         edges collide with edges, too, where cloth collides with itself
         """
     @edge_collision.setter
-    def edge_collision(self, arg0: bool) -> None:
+    def edge_collision(self, value: bool) -> None:
         ...
     @property
     def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -3420,7 +4044,7 @@ class ClothOptions:
         m/s^2, acceleration of free cloth: a number in [-1000, 1000]
         """
     @gravity.setter
-    def gravity(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def gravity(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def iterations(self) -> int:
@@ -3428,7 +4052,7 @@ class ClothOptions:
         Gauss-Seidel sweeps a step; 24 as in the paper: a number in [1, 10000]
         """
     @iterations.setter
-    def iterations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def iterations(self, value: int) -> None:
         ...
     @property
     def over_relaxation(self) -> float:
@@ -3436,7 +4060,7 @@ class ClothOptions:
         every stretch correction times this, but at most times 1 + 16^(-1/iterations): the sweeps come further; under 'compliance' alone: a number in [1, 1.9]
         """
     @over_relaxation.setter
-    def over_relaxation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def over_relaxation(self, value: float) -> None:
         ...
     @property
     def rest_curvature(self) -> float:
@@ -3444,7 +4068,7 @@ class ClothOptions:
         share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not sewn so: a number in [0, 1]
         """
     @rest_curvature.setter
-    def rest_curvature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def rest_curvature(self, value: float) -> None:
         ...
     @property
     def restitution(self) -> float:
@@ -3452,7 +4076,7 @@ class ClothOptions:
         share of the normal velocity that a contact reflects, for what arrives faster than two steps of gravity; 0 = inelastic: a number in [0, 1]
         """
     @restitution.setter
-    def restitution(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def restitution(self, value: float) -> None:
         ...
     @property
     def self_collision(self) -> bool:
@@ -3460,7 +4084,7 @@ class ClothOptions:
         cloth collides with itself
         """
     @self_collision.setter
-    def self_collision(self, arg0: bool) -> None:
+    def self_collision(self, value: bool) -> None:
         ...
     @property
     def self_thickness(self) -> float:
@@ -3468,7 +4092,7 @@ class ClothOptions:
         m, kept between cloth and itself; pairs that rest closer are left alone: a number in [0, 1]
         """
     @self_thickness.setter
-    def self_thickness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def self_thickness(self, value: float) -> None:
         ...
     @property
     def stiffness(self) -> str:
@@ -3476,7 +4100,7 @@ class ClothOptions:
         what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper: one of 'sweeps', 'compliance'
         """
     @stiffness.setter
-    def stiffness(self, arg1: str) -> None:
+    def stiffness(self, value: str) -> None:
         ...
     @property
     def substeps(self) -> int:
@@ -3484,7 +4108,7 @@ class ClothOptions:
         steps a frame; targets and proxies are interpolated, friction and damping are shared out: a number in [1, 1000]
         """
     @substeps.setter
-    def substeps(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def substeps(self, value: int) -> None:
         ...
     @property
     def thickness(self) -> float:
@@ -3492,7 +4116,7 @@ class ClothOptions:
         m, kept between cloth and proxies: its own, the sag of an edge round a shin, and what the proxies are slimmer than the body: a number in [0, 1]
         """
     @thickness.setter
-    def thickness(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def thickness(self, value: float) -> None:
         ...
 class ClothModel:
     """
@@ -3537,7 +4161,9 @@ class ClothModel:
         """
     @property
     def vertex_count(self) -> int:
-        ...
+        """
+        N
+        """
 class ClothSolver:
     """
     Advances simulations of one model by a frame. To replace it, define advance(states, inputs, materials, threads) in a subclass: one of each for every simulation, checked; it changes the states in place, and may return the indices of those that came out not finite. What is not finite is left as it was.
@@ -3553,31 +4179,44 @@ class ClothSolver:
         """
         Advances the state by one frame.
         """
-    def step_each(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: typing.SupportsInt | typing.SupportsIndex = 1) -> list[int]:
+    def step_each(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: int = 1) -> list[int]:
         """
         step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were left as they were.
         """
     @property
     def model(self) -> ClothModel:
-        ...
+        """
+        ClothModel that it was made for
+        """
 class SolverSettings:
     """
     How the cloth was simulated when its material was estimated.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
+    def __copy__(self) -> SolverSettings:
+        ...
+    def __deepcopy__(self, memo: dict) -> SolverSettings:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
     @typing.overload
-    def __init__(self, **kwargs) -> None:
+    def __init__(self, *, dt: float = 0.025, cloth: ClothOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
     @typing.overload
-    def __init__(self, dt: typing.SupportsFloat | typing.SupportsIndex, cloth: ClothOptions = ...) -> None:
+    def __init__(self, dt: float, cloth: ClothOptions = ...) -> None:
         ...
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -3589,7 +4228,7 @@ class SolverSettings:
         of the solver
         """
     @cloth.setter
-    def cloth(self, arg0: ClothOptions) -> None:
+    def cloth(self, value: ClothOptions) -> None:
         ...
     @property
     def dt(self) -> float:
@@ -3597,7 +4236,7 @@ class SolverSettings:
         s, one frame: a number in (0, 1]
         """
     @dt.setter
-    def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def dt(self, value: float) -> None:
         ...
 class PosedFrame:
     """
@@ -3605,7 +4244,9 @@ class PosedFrame:
     """
     @property
     def capsules(self) -> list[Capsule]:
-        ...
+        """
+        proxies in the pose
+        """
     @property
     def skinned(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
@@ -3621,9 +4262,11 @@ class CharacterState:
         """
     @property
     def regions(self) -> list[ClothState]:
-        ...
+        """
+        ClothState of each cloth region
+        """
     @regions.setter
-    def regions(self, arg0: collections.abc.Sequence[ClothState]) -> None:
+    def regions(self, value: collections.abc.Sequence[ClothState]) -> None:
         ...
 class CharacterSimulator:
     """
@@ -3637,7 +4280,7 @@ class CharacterSimulator:
         """
         The PosedFrame of a pose (D).
         """
-    def settle(self, state: CharacterState, frame: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, frames: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def settle(self, state: CharacterState, frame: PosedFrame, materials: collections.abc.Sequence[Material], dt: float, frames: int) -> None:
         """
         Lets the cloth fall into place in a still pose for so many frames, then takes its velocity.
         """
@@ -3645,11 +4288,11 @@ class CharacterSimulator:
         """
         Cloth at rest: at `surface` (V, 3) if given, else at its rest shape or skinned position.
         """
-    def step(self, state: CharacterState, previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def step(self, state: CharacterState, previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[Material], dt: float) -> None:
         """
         Advances every cloth region from one posed frame to the next; materials: one a region.
         """
-    def step_each(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: typing.SupportsFloat | typing.SupportsIndex) -> list[tuple[int, int]]:
+    def step_each(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: float) -> list[tuple[int, int]]:
         """
         step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.
         """
@@ -3659,20 +4302,18 @@ class CharacterSimulator:
         """
     @property
     def actor(self) -> RiggedMesh:
-        ...
+        """
+        RiggedMesh that is simulated
+        """
     @property
     def region_count(self) -> int:
-        ...
+        """
+        cloth regions
+        """
 class Character:
     """
     The animatable character: everything that a new animation needs (character.glb).
     """
-    actor: RiggedMesh
-    body: Mesh
-    high: Mesh
-    name: str
-    segmentation: Segmentation
-    solver: SolverSettings
     @staticmethod
     def read(path: os.PathLike | str | bytes) -> Character:
         """
@@ -3683,20 +4324,36 @@ class Character:
         character.glb, complete or not at all.
         """
     @property
+    def actor(self) -> RiggedMesh:
+        """
+        RiggedMesh: surface, skeleton, skin weights
+        """
+    @actor.setter
+    def actor(self, value: RiggedMesh) -> None:
+        ...
+    @property
+    def body(self) -> Mesh:
+        """
+        the body under the clothes, scan pose; may be empty
+        """
+    @body.setter
+    def body(self, value: Mesh) -> None:
+        ...
+    @property
     def body_colour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
         linear RGB in [0, 1]
         """
     @body_colour.setter
-    def body_colour(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def body_colour(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
-    def body_shown(self) -> list[int]:
+    def body_shown(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (FB) 1 = hidden under cloth in the scan, must be drawn
         """
     @body_shown.setter
-    def body_shown(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def body_shown(self, value: numpy.typing.ArrayLike) -> None:
         ...
     @property
     def garment_subdivisions(self) -> int:
@@ -3704,25 +4361,63 @@ class Character:
         of the garment in `high`; -1 = none is
         """
     @garment_subdivisions.setter
-    def garment_subdivisions(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def garment_subdivisions(self, value: int) -> None:
         ...
     @property
-    def high_valid(self) -> list[int]:
+    def high(self) -> Mesh:
+        """
+        M_high, what is displayed, scan pose; may be empty: then M is
+        """
+    @high.setter
+    def high(self, value: Mesh) -> None:
         ...
+    @property
+    def high_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        (FH) 0 = a face of M_high that is not drawn
+        """
     @high_valid.setter
-    def high_valid(self, arg0: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def high_valid(self, value: numpy.typing.ArrayLike) -> None:
         ...
     @property
     def materials(self) -> list[Material]:
-        ...
+        """
+        one a cloth region
+        """
     @materials.setter
-    def materials(self, arg0: collections.abc.Sequence[Material]) -> None:
+    def materials(self, value: collections.abc.Sequence[Material]) -> None:
+        ...
+    @property
+    def name(self) -> str:
+        """
+        of the character
+        """
+    @name.setter
+    def name(self, value: str) -> None:
         ...
     @property
     def proxies(self) -> list[TaperedCapsule]:
-        ...
+        """
+        TaperedCapsules that the cloth collides with
+        """
     @proxies.setter
-    def proxies(self, arg0: collections.abc.Sequence[TaperedCapsule]) -> None:
+    def proxies(self, value: collections.abc.Sequence[TaperedCapsule]) -> None:
+        ...
+    @property
+    def segmentation(self) -> Segmentation:
+        """
+        what of the surface is cloth
+        """
+    @segmentation.setter
+    def segmentation(self, value: Segmentation) -> None:
+        ...
+    @property
+    def solver(self) -> SolverSettings:
+        """
+        SolverSettings, without which the materials mean nothing
+        """
+    @solver.setter
+    def solver(self, value: SolverSettings) -> None:
         ...
     @property
     def texcoords(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 2]"]:
@@ -3730,16 +4425,18 @@ class Character:
         (3 FH, 2) per corner of `high`
         """
     @texcoords.setter
-    def texcoords(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 2]"]) -> None:
+    def texcoords(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 2]"]) -> None:
         ...
     @property
     def texture(self) -> bytes:
-        ...
+        """
+        a PNG or JPEG file as bytes; empty = none
+        """
 class Motion:
     """
     Poses of a character's skeleton at a constant rate.
     """
-    def __init__(self, fps: typing.SupportsFloat | typing.SupportsIndex, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+    def __init__(self, fps: float, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
         ...
     def __len__(self) -> int:
         ...
@@ -3749,13 +4446,15 @@ class Motion:
         (T, D) rad and m
         """
     @dofs.setter
-    def dofs(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+    def dofs(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
         ...
     @property
     def fps(self) -> float:
-        ...
+        """
+        frames a second
+        """
     @fps.setter
-    def fps(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def fps(self, value: float) -> None:
         ...
 class SourceMotion:
     """
@@ -3766,22 +4465,30 @@ class SourceMotion:
         """
         .bvh, .amc or .glb; skeleton: the .asf of an .amc
         """
-    def __init__(self, joint_names: collections.abc.Sequence[str], joint_parents: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], offsets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], rotations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], fps: typing.SupportsFloat | typing.SupportsIndex, source: str = 'arrays') -> None:
+    def __init__(self, joint_names: collections.abc.Sequence[str], joint_parents: collections.abc.Sequence[int], offsets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], rotations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], fps: float, source: str = 'arrays') -> None:
         """
         From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, 3) in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of length.
         """
     @property
     def fps(self) -> float:
-        ...
+        """
+        frames a second
+        """
     @property
     def frame_count(self) -> int:
-        ...
+        """
+        T
+        """
     @property
     def joint_names(self) -> list[str]:
-        ...
+        """
+        (J) as the file has them
+        """
     @property
-    def joint_parents(self) -> list[int]:
-        ...
+    def joint_parents(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
+        """
+        (J) indices, -1 = none
+        """
     @property
     def offsets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
@@ -3799,21 +4506,34 @@ class SourceMotion:
         """
     @property
     def source(self) -> str:
-        ...
+        """
+        file name, for messages
+        """
 class RetargetOptions:
     """
     Options of retarget.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> RetargetOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> RetargetOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, fps: float = 0.0, first_second: float = 0.0, last_second: float = 1000000000.0, align_start: bool = True, apply_limits: bool = True, ground_feet: bool = True, plant_feet: bool = True, hold_seconds: float = 0.1, blend_seconds: float = 0.6, joint_names: collections.abc.Mapping[str, str] = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -3825,7 +4545,7 @@ class RetargetOptions:
         start where the actor stands in the rest pose, facing the same way
         """
     @align_start.setter
-    def align_start(self, arg0: bool) -> None:
+    def align_start(self, value: bool) -> None:
         ...
     @property
     def apply_limits(self) -> bool:
@@ -3833,7 +4553,7 @@ class RetargetOptions:
         keep hinges and balls inside the skeleton's limits
         """
     @apply_limits.setter
-    def apply_limits(self, arg0: bool) -> None:
+    def apply_limits(self, value: bool) -> None:
         ...
     @property
     def blend_seconds(self) -> float:
@@ -3841,7 +4561,7 @@ class RetargetOptions:
         s, from the rest pose to the first pose, so that cloth is not torn away; 0 with hold_seconds 0 = the clip alone: a number in [0, 60]
         """
     @blend_seconds.setter
-    def blend_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def blend_seconds(self, value: float) -> None:
         ...
     @property
     def first_second(self) -> float:
@@ -3849,7 +4569,7 @@ class RetargetOptions:
         s, where in the file to start: a number of at least 0
         """
     @first_second.setter
-    def first_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def first_second(self, value: float) -> None:
         ...
     @property
     def fps(self) -> float:
@@ -3857,7 +4577,7 @@ class RetargetOptions:
         1/s, of the result; give the character's 1/dt. 0 = that of the file: a number of at least 0
         """
     @fps.setter
-    def fps(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def fps(self, value: float) -> None:
         ...
     @property
     def ground_feet(self) -> bool:
@@ -3865,7 +4585,7 @@ class RetargetOptions:
         one height for the whole clip so that the feet reach the floor as in the rest pose, and not below
         """
     @ground_feet.setter
-    def ground_feet(self, arg0: bool) -> None:
+    def ground_feet(self, value: bool) -> None:
         ...
     @property
     def hold_seconds(self) -> float:
@@ -3873,7 +4593,7 @@ class RetargetOptions:
         s, in the rest pose before the motion, see blend_in(): a number in [0, 60]
         """
     @hold_seconds.setter
-    def hold_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def hold_seconds(self, value: float) -> None:
         ...
     @property
     def joint_names(self) -> dict[str, str]:
@@ -3881,7 +4601,7 @@ class RetargetOptions:
         our joint -> joint of the file, for names nobody guesses; CMU, Acclaim, iClone, Mixamo, Biped and our own need none
         """
     @joint_names.setter
-    def joint_names(self, arg0: collections.abc.Mapping[str, str]) -> None:
+    def joint_names(self, value: collections.abc.Mapping[str, str]) -> None:
         ...
     @property
     def last_second(self) -> float:
@@ -3889,7 +4609,7 @@ class RetargetOptions:
         s, where to stop: a number of at least 0
         """
     @last_second.setter
-    def last_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def last_second(self, value: float) -> None:
         ...
     @property
     def plant_feet(self) -> bool:
@@ -3897,7 +4617,7 @@ class RetargetOptions:
         feet stand where they stand and none is below the floor, see plant_feet()
         """
     @plant_feet.setter
-    def plant_feet(self, arg0: bool) -> None:
+    def plant_feet(self, value: bool) -> None:
         ...
 class JointMatch:
     """
@@ -3915,21 +4635,34 @@ class JointMatch:
         """
     @property
     def reason(self) -> str:
-        ...
+        """
+        why, in words
+        """
 class PlantOptions:
     """
     Options of plant_feet and find_contacts.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> PlantOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> PlantOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, contact_height: float = 0.05, contact_speed: float = 0.35, blend_seconds: float = 0.15, most_drop: float = 0.08, floor_height: float = 0.0) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -3941,7 +4674,7 @@ class PlantOptions:
         s, in which a foot comes from its own path to where it stands: a number in [0, 2]
         """
     @blend_seconds.setter
-    def blend_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def blend_seconds(self, value: float) -> None:
         ...
     @property
     def contact_height(self) -> float:
@@ -3949,7 +4682,7 @@ class PlantOptions:
         m, heel or ball this close to the lowest within 0.75 s may stand; a contact lasts up to 1.4 times it: a number in [0, 1]
         """
     @contact_height.setter
-    def contact_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def contact_height(self, value: float) -> None:
         ...
     @property
     def contact_speed(self) -> float:
@@ -3957,7 +4690,7 @@ class PlantOptions:
         m/s, heel or ball as slow as this may stand; a contact lasts up to 1.6 times it: a number in [0, 10]
         """
     @contact_speed.setter
-    def contact_speed(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def contact_speed(self, value: float) -> None:
         ...
     @property
     def floor_height(self) -> float:
@@ -3965,7 +4698,7 @@ class PlantOptions:
         m, of the floor that the feet stand on in the rest pose: a finite number
         """
     @floor_height.setter
-    def floor_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def floor_height(self, value: float) -> None:
         ...
     @property
     def most_drop(self) -> float:
@@ -3973,7 +4706,7 @@ class PlantOptions:
         m, the hips may go down by so much for feet to reach where they stand; beyond that the feet let go: a number in [0, 0.5]
         """
     @most_drop.setter
-    def most_drop(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def most_drop(self, value: float) -> None:
         ...
 class FootContacts:
     """
@@ -3998,16 +4731,27 @@ class AnimateOptions:
     """
     Options of animate.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> AnimateOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> AnimateOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, settle_seconds: float = 1.0, rest_damping: float = 6.0, edge_collision: bool = True, free_caught: bool = True, high: bool = True, body: bool = True, tuck_body: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4019,7 +4763,7 @@ class AnimateOptions:
         also the body under the clothes
         """
     @body.setter
-    def body(self, arg0: bool) -> None:
+    def body(self, value: bool) -> None:
         ...
     @property
     def edge_collision(self) -> bool:
@@ -4027,7 +4771,7 @@ class AnimateOptions:
         edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the character's solver says
         """
     @edge_collision.setter
-    def edge_collision(self, arg0: bool) -> None:
+    def edge_collision(self, value: bool) -> None:
         ...
     @property
     def free_caught(self) -> bool:
@@ -4035,7 +4779,7 @@ class AnimateOptions:
         when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s; in motion, cloth that is all in a knot for 0.5 s
         """
     @free_caught.setter
-    def free_caught(self, arg0: bool) -> None:
+    def free_caught(self, value: bool) -> None:
         ...
     @property
     def high(self) -> bool:
@@ -4043,7 +4787,7 @@ class AnimateOptions:
         also M_high
         """
     @high.setter
-    def high(self, arg0: bool) -> None:
+    def high(self, value: bool) -> None:
         ...
     @property
     def rest_damping(self) -> float:
@@ -4051,7 +4795,7 @@ class AnimateOptions:
         1/s, of the cloth while the pose is held, in still air: from 0.25 s after the last motion it grows to this within 1 s; 0 = off: a number in [0, 100]
         """
     @rest_damping.setter
-    def rest_damping(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def rest_damping(self, value: float) -> None:
         ...
     @property
     def settle_seconds(self) -> float:
@@ -4059,7 +4803,7 @@ class AnimateOptions:
         s, the cloth falls into place in the first pose before the animation starts: a number in [0, 60]
         """
     @settle_seconds.setter
-    def settle_seconds(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def settle_seconds(self, value: float) -> None:
         ...
     @property
     def tuck_body(self) -> bool:
@@ -4067,7 +4811,7 @@ class AnimateOptions:
         draw the body under the surface where it stands out: proxies are simpler, so cloth may rest a little inside it
         """
     @tuck_body.setter
-    def tuck_body(self, arg0: bool) -> None:
+    def tuck_body(self, value: bool) -> None:
         ...
 class AnimationResult:
     """
@@ -4085,7 +4829,9 @@ class AnimationResult:
         """
     @property
     def fps(self) -> float:
-        ...
+        """
+        frames a second, the character's
+        """
     @property
     def high(self) -> typing.Any:
         """
@@ -4122,7 +4868,9 @@ class AnimationFrame:
         """
     @property
     def index(self) -> int:
-        ...
+        """
+        of the animation, from 0
+        """
     @property
     def joints(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
@@ -4137,16 +4885,27 @@ class BakedGlbOptions:
     """
     Options of write_baked_glb.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> BakedGlbOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> BakedGlbOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, keys_per_second: float = 0.0, most_keys: int = 400) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4158,7 +4917,7 @@ class BakedGlbOptions:
         1/s, shapes that are stored; viewers blend between them, and at 10 loose cloth is up to 2 cm off. 0 = every frame: a number in [0, 1000]
         """
     @keys_per_second.setter
-    def keys_per_second(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def keys_per_second(self, value: float) -> None:
         ...
     @property
     def most_keys(self) -> int:
@@ -4166,7 +4925,7 @@ class BakedGlbOptions:
         a long clip gets fewer keys a second rather than a file of hundreds of megabytes: a number in [2, 5000]
         """
     @most_keys.setter
-    def most_keys(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def most_keys(self, value: int) -> None:
         ...
 class Player:
     """
@@ -4184,7 +4943,7 @@ class Player:
         """
         Begins anew in this pose (D): the cloth falls into place for AnimateOptions.settle_seconds.
         """
-    def step(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], seconds: typing.SupportsFloat | typing.SupportsIndex | None = None) -> AnimationFrame:
+    def step(self, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], seconds: float | None = None) -> AnimationFrame:
         """
         Goes on to this pose (D) in `seconds`, in (0, 1]; None = the character's own step. The cloth moves alike at every frame rate. Raises Error if it comes out not finite; it then stays as it was, and reset() helps.
         """
@@ -4194,7 +4953,9 @@ class Player:
         """
     @property
     def character(self) -> Character:
-        ...
+        """
+        Character that is played
+        """
     @property
     def frame(self) -> AnimationFrame:
         """
@@ -4206,7 +4967,7 @@ class Player:
         (3) m/s^2, within 1000
         """
     @gravity.setter
-    def gravity(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def gravity(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def materials(self) -> list[Material]:
@@ -4214,7 +4975,7 @@ class Player:
         One a cloth region; assign a list to change them.
         """
     @materials.setter
-    def materials(self, arg1: collections.abc.Sequence[Material]) -> None:
+    def materials(self, value: collections.abc.Sequence[Material]) -> None:
         ...
     @property
     def proxies(self) -> list[TaperedCapsule]:
@@ -4222,7 +4983,7 @@ class Player:
         Tapered capsules that the cloth collides with; assign a list to change them.
         """
     @proxies.setter
-    def proxies(self, arg1: collections.abc.Sequence[TaperedCapsule]) -> None:
+    def proxies(self, value: collections.abc.Sequence[TaperedCapsule]) -> None:
         ...
     @property
     def state(self) -> CharacterState:
@@ -4230,7 +4991,7 @@ class Player:
         A copy of the cloth's positions and velocities; assign it to go back.
         """
     @state.setter
-    def state(self, arg1: CharacterState) -> None:
+    def state(self, value: CharacterState) -> None:
         ...
     @property
     def wind(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -4238,46 +4999,63 @@ class Player:
         (3) m/s
         """
     @wind.setter
-    def wind(self, arg1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def wind(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
 class RenderMesh:
     """
     One mesh of a picture; colours in [0, 1], RGB.
     """
-    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], colour: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> None:
+    def __init__(self, vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], colour: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, face_valid: numpy.typing.ArrayLike = []) -> None:
         ...
     @property
     def colour(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        ...
+        """
+        (3) B G R in [0, 1]
+        """
     @colour.setter
-    def colour(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def colour(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
-        ...
+        """
+        (F, 3)
+        """
     @faces.setter
-    def faces(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
+    def faces(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> None:
         ...
     @property
     def vertices(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        ...
+        """
+        (V, 3) m
+        """
     @vertices.setter
-    def vertices(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+    def vertices(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
 class RenderOptions:
     """
     Options of render.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> RenderOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> RenderOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, background: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[3, 1]'] = ..., floor: bool = True, floor_height: float = 0.0, light: float = 0.75, light_direction: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[3, 1]'] = ..., supersample: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4289,7 +5067,7 @@ class RenderOptions:
         R G B: a number in [0, 1]
         """
     @background.setter
-    def background(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def background(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def floor(self) -> bool:
@@ -4297,7 +5075,7 @@ class RenderOptions:
         a grid at floor_height, with the meshes' soft shadow
         """
     @floor.setter
-    def floor(self, arg0: bool) -> None:
+    def floor(self, value: bool) -> None:
         ...
     @property
     def floor_height(self) -> float:
@@ -4305,7 +5083,7 @@ class RenderOptions:
         m, of the grid: a finite number
         """
     @floor_height.setter
-    def floor_height(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def floor_height(self, value: float) -> None:
         ...
     @property
     def light(self) -> float:
@@ -4313,7 +5091,7 @@ class RenderOptions:
         share of the key light; the rest is the sky: a number in [0, 1]
         """
     @light.setter
-    def light(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def light(self, value: float) -> None:
         ...
     @property
     def light_direction(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
@@ -4321,7 +5099,7 @@ class RenderOptions:
         to the light, world; of any length but 0: a finite number
         """
     @light_direction.setter
-    def light_direction(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
+    def light_direction(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
     def supersample(self) -> bool:
@@ -4329,7 +5107,7 @@ class RenderOptions:
         2 x 2 samples a pixel
         """
     @supersample.setter
-    def supersample(self, arg0: bool) -> None:
+    def supersample(self, value: bool) -> None:
         ...
 class CharacterRenderer:
     """
@@ -4349,16 +5127,27 @@ class TextureOptions:
     """
     Options of texture_character.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> TextureOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> TextureOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, size: int = 2048, facing_power: float = 4.0, grazing: float = 0.2, depth_margin: float = 0.01, edge_margin: float = 0.02, screen_reach: float = 0.025, label_reach: float = 0.05, albedo: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4370,7 +5159,7 @@ class TextureOptions:
         divide the light that the images were taken in out of the texture, so that whoever draws it can light it; off = as photographed
         """
     @albedo.setter
-    def albedo(self, arg0: bool) -> None:
+    def albedo(self, value: bool) -> None:
         ...
     @property
     def depth_margin(self) -> float:
@@ -4378,7 +5167,7 @@ class TextureOptions:
         m, a point this far behind the z-buffer's surface is hidden: a number above 0
         """
     @depth_margin.setter
-    def depth_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def depth_margin(self, value: float) -> None:
         ...
     @property
     def edge_margin(self) -> float:
@@ -4386,7 +5175,7 @@ class TextureOptions:
         m, a point this close to the edge of something in front of it does not count: legs at a hem: a number in [0, 1]
         """
     @edge_margin.setter
-    def edge_margin(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def edge_margin(self, value: float) -> None:
         ...
     @property
     def facing_power(self) -> float:
@@ -4394,7 +5183,7 @@ class TextureOptions:
         cameras count by cos^k of the angle between normal and ray: a number in [0, 64]
         """
     @facing_power.setter
-    def facing_power(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def facing_power(self, value: float) -> None:
         ...
     @property
     def grazing(self) -> float:
@@ -4402,7 +5191,7 @@ class TextureOptions:
         cameras below this cosine do not count: they see the silhouette's mixed pixels: a number in [0, 1)
         """
     @grazing.setter
-    def grazing(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def grazing(self, value: float) -> None:
         ...
     @property
     def label_reach(self) -> float:
@@ -4410,7 +5199,7 @@ class TextureOptions:
         m, where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands before a skirt; 0 = they may: a number in [0, 0.5]
         """
     @label_reach.setter
-    def label_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def label_reach(self, value: float) -> None:
         ...
     @property
     def screen_reach(self) -> float:
@@ -4418,7 +5207,7 @@ class TextureOptions:
         pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side), nor deeper where the actor has next to none of it: gaps between fingers; 0 = they do: a number in [0, 0.5]
         """
     @screen_reach.setter
-    def screen_reach(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def screen_reach(self, value: float) -> None:
         ...
     @property
     def size(self) -> int:
@@ -4426,7 +5215,7 @@ class TextureOptions:
         px, width and height of the atlas; in 2048, 25k triangles get cells of about 18 pixels: a number in [64, 16384]
         """
     @size.setter
-    def size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def size(self, value: int) -> None:
         ...
 class Display:
     """
@@ -4439,9 +5228,11 @@ class Display:
         """
     @property
     def mesh(self) -> Mesh:
-        ...
+        """
+        M_high, scan pose
+        """
     @property
-    def valid(self) -> list[int]:
+    def valid(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (FH) 0 = not drawn
         """
@@ -4463,7 +5254,7 @@ class SurfaceTransfer:
     """
     A fine mesh that follows a coarse one.
     """
-    def __init__(self, coarse: Mesh, coarse_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], fine: Mesh, fine_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex]) -> None:
+    def __init__(self, coarse: Mesh, coarse_valid: numpy.typing.ArrayLike, fine: Mesh, fine_valid: numpy.typing.ArrayLike) -> None:
         ...
     def apply(self, coarse: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
@@ -4473,44 +5264,63 @@ class OptimizerResult:
     """
     Where an optimiser stands.
     """
-    stop_reason: str
     def __init__(self) -> None:
         ...
     @property
     def answer(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (n) what the method returns: CMA-ES the mean of its distribution, annealing the best sample
+        """
     @answer.setter
-    def answer(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def answer(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def best(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (n) best sample so far
+        """
     @best.setter
-    def best(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def best(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def best_energy(self) -> float:
-        ...
+        """
+        its energy; means nothing while evaluations is 0
+        """
     @best_energy.setter
-    def best_energy(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def best_energy(self, value: float) -> None:
         ...
     @property
     def deviations(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (n) standard deviation of the search along each axis
+        """
     @deviations.setter
-    def deviations(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def deviations(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def evaluations(self) -> int:
-        ...
+        """
+        samples told so far
+        """
     @evaluations.setter
-    def evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def evaluations(self, value: int) -> None:
         ...
     @property
     def generations(self) -> int:
-        ...
+        """
+        told so far
+        """
     @generations.setter
-    def generations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def generations(self, value: int) -> None:
+        ...
+    @property
+    def stop_reason(self) -> str:
+        """
+        empty while it runs
+        """
+    @stop_reason.setter
+    def stop_reason(self, value: str) -> None:
         ...
 class Optimizer:
     """
@@ -4546,16 +5356,27 @@ class CmaEsOptions:
     """
     Options of create_cma_es.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> CmaEsOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> CmaEsOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, population: int = 0, initial_mean: float = 0.5, initial_sigma: float = 0.3, max_evaluations: int = 512, smallest_deviation: float = 0.025, stagnation: float = 0.02, seed: int = 1, first: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[m, n]'] = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4567,7 +5388,7 @@ class CmaEsOptions:
         (K, n) samples of the first generation, from whose best quarter the search goes on; empty = drawn
         """
     @first.setter
-    def first(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+    def first(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
         ...
     @property
     def initial_mean(self) -> float:
@@ -4575,7 +5396,7 @@ class CmaEsOptions:
         along every axis; 0.5 = the centre of the box: a finite number
         """
     @initial_mean.setter
-    def initial_mean(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def initial_mean(self, value: float) -> None:
         ...
     @property
     def initial_sigma(self) -> float:
@@ -4583,7 +5404,7 @@ class CmaEsOptions:
         along every axis; 0.3: one box is about +-1.7 sigma: a number above 0
         """
     @initial_sigma.setter
-    def initial_sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def initial_sigma(self, value: float) -> None:
         ...
     @property
     def max_evaluations(self) -> int:
@@ -4591,7 +5412,7 @@ class CmaEsOptions:
         no generation begins at or beyond it; 512 is the paper's: a number of at least 1
         """
     @max_evaluations.setter
-    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def max_evaluations(self, value: int) -> None:
         ...
     @property
     def population(self) -> int:
@@ -4599,7 +5420,7 @@ class CmaEsOptions:
         lambda; 0 = 4 + floor(3 ln n), Hansen's default (8 for n = 5, 9 for n = 6): a number of at least 0
         """
     @population.setter
-    def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def population(self, value: int) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -4607,7 +5428,7 @@ class CmaEsOptions:
         of the random numbers: a number of at least 0
         """
     @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seed(self, value: int) -> None:
         ...
     @property
     def smallest_deviation(self) -> float:
@@ -4615,7 +5436,7 @@ class CmaEsOptions:
         stop when all standard deviations are below it; 0.025 is the paper's: a number of at least 0
         """
     @smallest_deviation.setter
-    def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_deviation(self, value: float) -> None:
         ...
     @property
     def stagnation(self) -> float:
@@ -4623,22 +5444,33 @@ class CmaEsOptions:
         stop when neither best nor median energies of the generations change by more than this share; 0 = never: a number of at least 0
         """
     @stagnation.setter
-    def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def stagnation(self, value: float) -> None:
         ...
 class AnnealingOptions:
     """
     Options of create_simulated_annealing.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> AnnealingOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> AnnealingOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, chains: int = 4, max_evaluations: int = 2048, initial_step: float = 0.3, final_step: float = 0.025, initial_temperature: float = 0.3, final_temperature: float = 0.001, seed: int = 1) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4650,7 +5482,7 @@ class AnnealingOptions:
         samples a generation: a number of at least 1
         """
     @chains.setter
-    def chains(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def chains(self, value: int) -> None:
         ...
     @property
     def final_step(self) -> float:
@@ -4658,7 +5490,7 @@ class AnnealingOptions:
         and at the end: a number above 0
         """
     @final_step.setter
-    def final_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def final_step(self, value: float) -> None:
         ...
     @property
     def final_temperature(self) -> float:
@@ -4666,7 +5498,7 @@ class AnnealingOptions:
         likewise, at the end: a number above 0
         """
     @final_temperature.setter
-    def final_temperature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def final_temperature(self, value: float) -> None:
         ...
     @property
     def initial_step(self) -> float:
@@ -4674,7 +5506,7 @@ class AnnealingOptions:
         standard deviation of a step at the start, box units: a number above 0
         """
     @initial_step.setter
-    def initial_step(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def initial_step(self, value: float) -> None:
         ...
     @property
     def initial_temperature(self) -> float:
@@ -4682,7 +5514,7 @@ class AnnealingOptions:
         as a fraction of the first generation's mean energy: a number above 0
         """
     @initial_temperature.setter
-    def initial_temperature(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def initial_temperature(self, value: float) -> None:
         ...
     @property
     def max_evaluations(self) -> int:
@@ -4690,7 +5522,7 @@ class AnnealingOptions:
         the schedule's length; the paper: 2-4 times those of CMA-ES: a number of at least 1
         """
     @max_evaluations.setter
-    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def max_evaluations(self, value: int) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -4698,22 +5530,33 @@ class AnnealingOptions:
         of the random numbers: a number of at least 0
         """
     @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seed(self, value: int) -> None:
         ...
 class BayesianOptions:
     """
     Options of create_bayesian.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> BayesianOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> BayesianOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, population: int = 32, max_evaluations: int = 512, smallest_gain: float = 0.02, levels: int = 0, seed: int = 1, first: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[m, n]'] = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4725,7 +5568,7 @@ class BayesianOptions:
         (K, n) samples of the first generation; empty = spread evenly
         """
     @first.setter
-    def first(self, arg0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
+    def first(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
         ...
     @property
     def levels(self) -> int:
@@ -4733,7 +5576,7 @@ class BayesianOptions:
         above 1: the last coordinate takes so many values, evenly spaced, and groups of 16 samples share one; else any: a number in [0, 64]
         """
     @levels.setter
-    def levels(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def levels(self, value: int) -> None:
         ...
     @property
     def max_evaluations(self) -> int:
@@ -4741,7 +5584,7 @@ class BayesianOptions:
         no generation begins at or beyond it: a number of at least 1
         """
     @max_evaluations.setter
-    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def max_evaluations(self, value: int) -> None:
         ...
     @property
     def population(self) -> int:
@@ -4749,7 +5592,7 @@ class BayesianOptions:
         samples a generation; two groups of 16 fill two threads: a number in [4, 4096]
         """
     @population.setter
-    def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def population(self, value: int) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -4757,7 +5600,7 @@ class BayesianOptions:
         of the random numbers: a number of at least 0
         """
     @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seed(self, value: int) -> None:
         ...
     @property
     def smallest_gain(self) -> float:
@@ -4765,7 +5608,7 @@ class BayesianOptions:
         stop when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
         """
     @smallest_gain.setter
-    def smallest_gain(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_gain(self, value: float) -> None:
         ...
 class GenerationRow:
     """
@@ -4773,38 +5616,58 @@ class GenerationRow:
     """
     @property
     def best(self) -> float:
-        ...
+        """
+        lowest energy so far
+        """
     @property
     def deviation(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (n) standard deviation of the search along each axis
+        """
     @property
     def evaluations(self) -> int:
-        ...
+        """
+        so far
+        """
     @property
     def generation(self) -> int:
-        ...
+        """
+        from 0
+        """
     @property
     def generation_best(self) -> float:
-        ...
+        """
+        lowest energy of this generation
+        """
     @property
     def mean(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        ...
+        """
+        (n) the optimiser's answer so far, in [0, 1]
+        """
     @property
     def part(self) -> int:
-        ...
+        """
+        of the objective
+        """
     @property
     def seconds(self) -> float:
-        ...
+        """
+        s since the start, earlier runs of a resumed one included
+        """
 class MinimiseResult:
     """
     Where all optimisers ended, and the way there.
     """
     @property
     def log(self) -> list[GenerationRow]:
-        ...
+        """
+        GenerationRows
+        """
     @property
     def parts(self) -> list[OptimizerResult]:
-        ...
+        """
+        OptimizerResult of each part
+        """
     @property
     def penalties(self) -> list[float]:
         """
@@ -4812,7 +5675,9 @@ class MinimiseResult:
         """
     @property
     def seconds(self) -> float:
-        ...
+        """
+        s, earlier runs of a resumed one included
+        """
 class Objective:
     """
     Swap point: energies of a whole generation in one call.
@@ -4835,16 +5700,27 @@ class MinimiseOptions:
     """
     Options of minimise.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
         Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> MinimiseOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> MinimiseOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, seed: int = 1, penalty: float = 16.0, relative_penalty: bool = True, expected_evaluations: int = 512, budget: int = 0, checkpoint: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[MinimiseResult], None] = ..., problem: str = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4856,7 +5732,7 @@ class MinimiseOptions:
         evaluations at which the optimisers stop; 0 = not known: a number of at least 0
         """
     @budget.setter
-    def budget(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def budget(self, value: int) -> None:
         ...
     @property
     def checkpoint(self) -> pathlib.Path:
@@ -4864,7 +5740,7 @@ class MinimiseOptions:
         written after every generation, read at the start if it is there; empty = none
         """
     @checkpoint.setter
-    def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
+    def checkpoint(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def expected_evaluations(self) -> int:
@@ -4872,7 +5748,7 @@ class MinimiseOptions:
         for the progress bar and the time left only: a number of at least 1
         """
     @expected_evaluations.setter
-    def expected_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def expected_evaluations(self, value: int) -> None:
         ...
     @property
     def make_optimizer(self) -> None:
@@ -4880,7 +5756,7 @@ class MinimiseOptions:
         make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.
         """
     @make_optimizer.setter
-    def make_optimizer(self, arg1: typing.Any) -> None:
+    def make_optimizer(self, value: typing.Any) -> None:
         ...
     @property
     def on_generation(self) -> collections.abc.Callable[[MinimiseResult], None]:
@@ -4888,7 +5764,7 @@ class MinimiseOptions:
         called with the MinimiseResult so far
         """
     @on_generation.setter
-    def on_generation(self, arg0: collections.abc.Callable[[MinimiseResult], None]) -> None:
+    def on_generation(self, value: collections.abc.Callable[[MinimiseResult], None]) -> None:
         ...
     @property
     def penalty(self) -> float:
@@ -4896,7 +5772,7 @@ class MinimiseOptions:
         omega: energy(clamped sample) + omega scale |sample - clamped|^2: a number of at least 0
         """
     @penalty.setter
-    def penalty(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def penalty(self, value: float) -> None:
         ...
     @property
     def problem(self) -> str:
@@ -4904,7 +5780,7 @@ class MinimiseOptions:
         what the checkpoint belongs to; that of another is not used
         """
     @problem.setter
-    def problem(self, arg0: str) -> None:
+    def problem(self, value: str) -> None:
         ...
     @property
     def relative_penalty(self) -> bool:
@@ -4912,7 +5788,7 @@ class MinimiseOptions:
         scale = median energy of the first generation; off = 1 (the paper's)
         """
     @relative_penalty.setter
-    def relative_penalty(self, arg0: bool) -> None:
+    def relative_penalty(self, value: bool) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -4920,7 +5796,7 @@ class MinimiseOptions:
         part r gets seed + r: a number of at least 0
         """
     @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seed(self, value: int) -> None:
         ...
 class Posterior:
     """
@@ -4945,6 +5821,7 @@ class EnergyOptions:
     """
     Options of the energy E_fit.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
@@ -4955,11 +5832,21 @@ class EnergyOptions:
         """
         The settings of the paper.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> EnergyOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> EnergyOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, dt: float = 0.025, alpha: float = 1.0, beta: float = 3.0, gamma: float = 1.0, same_comparisons: bool = True, settle_frames: int = 20, rim_cap: float = 0.064, feature_cap: float = 0.032, fast_features: bool = True, outline_size: int = 251, field_size: int = 502, window: int = 0, window_lead: int = 8) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -4971,7 +5858,7 @@ class EnergyOptions:
         weight of E_sil (1 is the paper's): a number of at least 0
         """
     @alpha.setter
-    def alpha(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def alpha(self, value: float) -> None:
         ...
     @property
     def beta(self) -> float:
@@ -4979,7 +5866,7 @@ class EnergyOptions:
         weight of E_sift (10 is the paper's); with 3 the energy tells the distance to a true garment better: a number of at least 0
         """
     @beta.setter
-    def beta(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def beta(self, value: float) -> None:
         ...
     @property
     def dt(self) -> float:
@@ -4987,7 +5874,7 @@ class EnergyOptions:
         s, one video frame: a number above 0
         """
     @dt.setter
-    def dt(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def dt(self, value: float) -> None:
         ...
     @property
     def fast_features(self) -> bool:
@@ -4995,7 +5882,7 @@ class EnergyOptions:
         a feature that the captured cloth confirms costs up to its displacement plus half of feature_cap, if that is more
         """
     @fast_features.setter
-    def fast_features(self, arg0: bool) -> None:
+    def fast_features(self, value: bool) -> None:
         ...
     @property
     def feature_cap(self) -> float:
@@ -5003,7 +5890,7 @@ class EnergyOptions:
         longest feature distance, likewise (32 px: 3 m/s at 2.4 mm a pixel and 40 fps): a mismatch costs every material the same: a number above 0
         """
     @feature_cap.setter
-    def feature_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def feature_cap(self, value: float) -> None:
         ...
     @property
     def field_size(self) -> int:
@@ -5011,7 +5898,7 @@ class EnergyOptions:
         nodes that would span the larger side of a distance field: a number of at least 16
         """
     @field_size.setter
-    def field_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def field_size(self, value: int) -> None:
         ...
     @property
     def gamma(self) -> float:
@@ -5019,7 +5906,7 @@ class EnergyOptions:
         weight of E_con, the measured contour that no simulated rim comes near; 1 = as rims that are not seen, 0 = the paper's: a number of at least 0
         """
     @gamma.setter
-    def gamma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def gamma(self, value: float) -> None:
         ...
     @property
     def outline_size(self) -> int:
@@ -5027,7 +5914,7 @@ class EnergyOptions:
         px, along the larger side of the views in which outline and visibility are decided: a number of at least 16
         """
     @outline_size.setter
-    def outline_size(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def outline_size(self, value: int) -> None:
         ...
     @property
     def rim_cap(self) -> float:
@@ -5035,7 +5922,7 @@ class EnergyOptions:
         longest rim distance, fraction of the larger image side (64 px at 1004): one lost fold must not rule: a number above 0
         """
     @rim_cap.setter
-    def rim_cap(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def rim_cap(self, value: float) -> None:
         ...
     @property
     def same_comparisons(self) -> bool:
@@ -5043,7 +5930,7 @@ class EnergyOptions:
         every sample is measured on what the captured cloth shows; off = on what it shows itself (the paper's)
         """
     @same_comparisons.setter
-    def same_comparisons(self, arg0: bool) -> None:
+    def same_comparisons(self, value: bool) -> None:
         ...
     @property
     def settle_frames(self) -> int:
@@ -5051,7 +5938,7 @@ class EnergyOptions:
         frames of fall into place in the first pose, before the first counts: half a second, for a hem to come to rest: a number of at least 0
         """
     @settle_frames.setter
-    def settle_frames(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def settle_frames(self, value: int) -> None:
         ...
     @property
     def window(self) -> int:
@@ -5059,7 +5946,7 @@ class EnergyOptions:
         frames of the windows into which the motion is cut, each from the captured surface at its speed; 0 = one rollout: a number of at least 0
         """
     @window.setter
-    def window(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def window(self, value: int) -> None:
         ...
     @property
     def window_lead(self) -> int:
@@ -5067,12 +5954,13 @@ class EnergyOptions:
         frames simulated before a window counts: the captured surface is not at rest under any material: a number of at least 0
         """
     @window_lead.setter
-    def window_lead(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def window_lead(self, value: int) -> None:
         ...
 class ParameterSpace:
     """
     Which material parameters are searched.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
@@ -5083,11 +5971,21 @@ class ParameterSpace:
         """
         The settings of the paper.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> ParameterSpace:
+        ...
+    def __deepcopy__(self, memo: dict) -> ParameterSpace:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, names: collections.abc.Sequence[str] = ..., fixed: Material = ..., even_steps: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def material(self, unit: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> Material:
         """
@@ -5107,7 +6005,7 @@ class ParameterSpace:
         search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4; off = the box itself (the paper's)
         """
     @even_steps.setter
-    def even_steps(self, arg0: bool) -> None:
+    def even_steps(self, value: bool) -> None:
         ...
     @property
     def fixed(self) -> Material:
@@ -5115,7 +6013,7 @@ class ParameterSpace:
         gives the parameters that are not searched
         """
     @fixed.setter
-    def fixed(self, arg0: Material) -> None:
+    def fixed(self, value: Material) -> None:
         ...
     @property
     def names(self) -> list[str]:
@@ -5123,7 +6021,7 @@ class ParameterSpace:
         of the material parameters that are searched: one of 'd_n', 'd_t', 'k_bend', 'k_stretch', 'k_friction', 'k_damping'
         """
     @names.setter
-    def names(self, arg0: collections.abc.Sequence[str]) -> None:
+    def names(self, value: collections.abc.Sequence[str]) -> None:
         ...
 class MaterialObjective(Objective):
     """
@@ -5158,10 +6056,14 @@ class MaterialObjective(Objective):
         """
     @property
     def space(self) -> ParameterSpace:
-        ...
+        """
+        ParameterSpace: which parameters are searched
+        """
     @property
     def width_count(self) -> int:
-        ...
+        """
+        widths of the garment to choose from
+        """
     @property
     def worst_energy(self) -> float:
         """
@@ -5171,7 +6073,7 @@ class FitFinding:
     """
     What is doubtful about a parameter of an answer.
     """
-    def __init__(self, kind: str, parameter: str, value: typing.SupportsFloat | typing.SupportsIndex, low: typing.SupportsFloat | typing.SupportsIndex, high: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def __init__(self, kind: str, parameter: str, value: float, low: float, high: float) -> None:
         ...
     def text(self) -> str:
         """
@@ -5179,7 +6081,9 @@ class FitFinding:
         """
     @property
     def high(self) -> float:
-        ...
+        """
+        upper bound, as `low`
+        """
     @property
     def kind(self) -> str:
         """
@@ -5204,6 +6108,7 @@ class FitOptions:
     """
     Options of estimate_material.
     """
+    __hash__: typing.ClassVar[None] = None
     @staticmethod
     def described() -> dict:
         """
@@ -5214,11 +6119,21 @@ class FitOptions:
         """
         The settings of the paper.
         """
-    def __init__(self, **kwargs) -> None:
+    def __copy__(self) -> FitOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> FitOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, first_samples: int = 64, smallest_gain: float = 0.02, initial_sigma: float = 0.3, smallest_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
         """
         Every field may be given by keyword.
         """
     def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
         ...
     def to_dict(self) -> dict:
         """
@@ -5226,9 +6141,11 @@ class FitOptions:
         """
     @property
     def checkpoint(self) -> pathlib.Path:
-        ...
+        """
+        a killed run goes on from it, to the same bits; empty = none
+        """
     @checkpoint.setter
-    def checkpoint(self, arg0: os.PathLike | str | bytes) -> None:
+    def checkpoint(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def energy(self) -> EnergyOptions:
@@ -5236,7 +6153,7 @@ class FitOptions:
         of E_fit
         """
     @energy.setter
-    def energy(self, arg0: EnergyOptions) -> None:
+    def energy(self, value: EnergyOptions) -> None:
         ...
     @property
     def first_samples(self) -> int:
@@ -5244,7 +6161,7 @@ class FitOptions:
         materials spread evenly over the box that bayesian begins with, three of four inelastic, in groups of 16 a width: a number in [4, 4096]
         """
     @first_samples.setter
-    def first_samples(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def first_samples(self, value: int) -> None:
         ...
     @property
     def initial_sigma(self) -> float:
@@ -5252,13 +6169,15 @@ class FitOptions:
         of CMA-ES and annealing where they start, box units: a number above 0
         """
     @initial_sigma.setter
-    def initial_sigma(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def initial_sigma(self, value: float) -> None:
         ...
     @property
     def log(self) -> pathlib.Path:
-        ...
+        """
+        fit_log.csv, rewritten after every generation; empty = none
+        """
     @log.setter
-    def log(self, arg0: os.PathLike | str | bytes) -> None:
+    def log(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def make_optimizer(self) -> None:
@@ -5266,7 +6185,7 @@ class FitOptions:
         make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.
         """
     @make_optimizer.setter
-    def make_optimizer(self, arg1: typing.Any) -> None:
+    def make_optimizer(self, value: typing.Any) -> None:
         ...
     @property
     def max_evaluations(self) -> int:
@@ -5274,7 +6193,7 @@ class FitOptions:
         no generation begins at or beyond it; 512 is the paper's: a number of at least 1
         """
     @max_evaluations.setter
-    def max_evaluations(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def max_evaluations(self, value: int) -> None:
         ...
     @property
     def on_generation(self) -> collections.abc.Callable[[...], None]:
@@ -5282,7 +6201,7 @@ class FitOptions:
         called with the FitResult so far, after every generation
         """
     @on_generation.setter
-    def on_generation(self, arg0: collections.abc.Callable[[...], None]) -> None:
+    def on_generation(self, value: collections.abc.Callable[[...], None]) -> None:
         ...
     @property
     def optimizer(self) -> str:
@@ -5290,7 +6209,7 @@ class FitOptions:
         bayesian, cma-es (the paper's), or annealing (the paper's comparison): one of 'bayesian', 'cma-es', 'annealing'
         """
     @optimizer.setter
-    def optimizer(self, arg0: str) -> None:
+    def optimizer(self, value: str) -> None:
         ...
     @property
     def penalty(self) -> float:
@@ -5298,7 +6217,7 @@ class FitOptions:
         omega, of samples outside the box; 16 is the paper's: a number of at least 0
         """
     @penalty.setter
-    def penalty(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def penalty(self, value: float) -> None:
         ...
     @property
     def population(self) -> int:
@@ -5306,7 +6225,7 @@ class FitOptions:
         samples a generation; 0 = 32, of CMA-ES Hansen's 4 + floor(3 ln n): 8 for five parameters, 9 for six: a number of at least 0
         """
     @population.setter
-    def population(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def population(self, value: int) -> None:
         ...
     @property
     def relative_penalty(self) -> bool:
@@ -5314,7 +6233,7 @@ class FitOptions:
         omega times the median energy of the first generation; off = omega alone (the paper's)
         """
     @relative_penalty.setter
-    def relative_penalty(self, arg0: bool) -> None:
+    def relative_penalty(self, value: bool) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -5322,7 +6241,7 @@ class FitOptions:
         region r of R uses seed + r, and of search k (from 0) seed + k R + r: a number of at least 0
         """
     @seed.setter
-    def seed(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seed(self, value: int) -> None:
         ...
     @property
     def seeds(self) -> int:
@@ -5330,7 +6249,7 @@ class FitOptions:
         searches from as many seeds, side by side; the answer is that of the lowest energy: a number of at least 1
         """
     @seeds.setter
-    def seeds(self, arg0: typing.SupportsInt | typing.SupportsIndex) -> None:
+    def seeds(self, value: int) -> None:
         ...
     @property
     def smallest_deviation(self) -> float:
@@ -5338,7 +6257,7 @@ class FitOptions:
         CMA-ES stops when all standard deviations are below, box units; 0.025 is the paper's: a number of at least 0
         """
     @smallest_deviation.setter
-    def smallest_deviation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_deviation(self, value: float) -> None:
         ...
     @property
     def smallest_gain(self) -> float:
@@ -5346,7 +6265,7 @@ class FitOptions:
         bayesian stops when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
         """
     @smallest_gain.setter
-    def smallest_gain(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def smallest_gain(self, value: float) -> None:
         ...
     @property
     def space(self) -> ParameterSpace:
@@ -5354,7 +6273,7 @@ class FitOptions:
         which parameters are searched
         """
     @space.setter
-    def space(self, arg0: ParameterSpace) -> None:
+    def space(self, value: ParameterSpace) -> None:
         ...
     @property
     def stagnation(self) -> float:
@@ -5362,19 +6281,19 @@ class FitOptions:
         CMA-ES stops when best and median energy of ten generations changed by less than this share since the ten before; 0 = never: a number of at least 0
         """
     @stagnation.setter
-    def stagnation(self, arg0: typing.SupportsFloat | typing.SupportsIndex) -> None:
+    def stagnation(self, value: float) -> None:
         ...
 class Take:
     """
     One film of a character: simulators (one a width of its garment), what was captured and seen.
     """
-    def __init__(self, widths: list, performance: typing.Any, observations: typing.Any, dt: typing.SupportsFloat | typing.SupportsIndex = 0.025) -> None:
+    def __init__(self, widths: list, performance: typing.Any, observations: typing.Any, dt: float = 0.025) -> None:
         ...
 class FitResult:
     """
     The estimated material of every region.
     """
-    def at_positions(self, positions: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex]) -> FitResult:
+    def at_positions(self, positions: collections.abc.Sequence[float]) -> FitResult:
         """
         The same for a garment whose positions the widths of a take were (see common_widths).
         """
@@ -5394,7 +6313,9 @@ class FitResult:
         """
     @property
     def log(self) -> list[GenerationRow]:
-        ...
+        """
+        GenerationRows; part = region
+        """
     @property
     def materials(self) -> list[Material]:
         """
@@ -5402,10 +6323,14 @@ class FitResult:
         """
     @property
     def seconds(self) -> float:
-        ...
+        """
+        s, earlier runs of a resumed one included
+        """
     @property
     def solver(self) -> SolverSettings:
-        ...
+        """
+        SolverSettings, without which the materials mean nothing
+        """
 def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> AnimationResult:
     """
     The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers. make_solver: as of CharacterSimulator.
@@ -5430,7 +6355,7 @@ def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context 
     """
     The closed surface of a scan, its two decimations and the faces that were invented over holes.
     """
-def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: typing.SupportsFloat | typing.SupportsIndex, r1: typing.SupportsFloat | typing.SupportsIndex) -> Mesh:
+def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: float, r1: float) -> Mesh:
     """
     Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.
     """
@@ -5442,27 +6367,27 @@ def cloth_solver_violations(make_solver: typing.Any) -> list[str]:
     """
     One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth falls, pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay finite, wrong input is refused.
     """
-def common_widths(garments: collections.abc.Sequence[Garment], count: typing.SupportsInt | typing.SupportsIndex) -> list[list[float]]:
+def common_widths(garments: collections.abc.Sequence[Garment], count: int) -> list[list[float]]:
     """
     [garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.
     """
-def corrected_segmentation(pose: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
+def corrected_segmentation(pose: Mesh, face_valid: numpy.typing.ArrayLike, found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
     """
     What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.
     """
-def create_bayesian(dimension: typing.SupportsInt | typing.SupportsIndex, options: BayesianOptions = ...) -> Optimizer:
+def create_bayesian(dimension: int, options: BayesianOptions = ...) -> Optimizer:
     """
     Bayesian optimisation by Thompson sampling over [0, 1]^dimension: for energies that are expensive and noisy.
     """
-def create_cma_es(dimension: typing.SupportsInt | typing.SupportsIndex, options: CmaEsOptions = ...) -> Optimizer:
+def create_cma_es(dimension: int, options: CmaEsOptions = ...) -> Optimizer:
     """
     Covariance matrix adaptation (Hansen) over [0, 1]^dimension.
     """
-def create_simulated_annealing(dimension: typing.SupportsInt | typing.SupportsIndex, options: AnnealingOptions = ...) -> Optimizer:
+def create_simulated_annealing(dimension: int, options: AnnealingOptions = ...) -> Optimizer:
     """
     Independent Metropolis chains under one geometric cooling schedule, over [0, 1]^dimension.
     """
-def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, face_valid: numpy.typing.ArrayLike = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (N) unsigned distances, m
     """
@@ -5480,12 +6405,12 @@ def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, nump
     """
     (V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).
     """
-def estimate_fullness(scan: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], segmentation: Segmentation, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+def estimate_fullness(scan: Mesh, face_valid: numpy.typing.ArrayLike, segmentation: Segmentation, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.
     """
 @typing.overload
-def estimate_material(takes: collections.abc.Sequence[Take], options: FitOptions = ..., context: Context = ...) -> ...:
+def estimate_material(takes: collections.abc.Sequence[Take], options: FitOptions = ..., context: Context = ...) -> FitResult:
     """
     The material, and the width of the garment, under which several takes are explained together -> FitResult.
     """
@@ -5506,11 +6431,11 @@ def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float6
     """
     (F, 3) unit; zero for degenerate faces.
     """
-def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8], reach: typing.SupportsFloat | typing.SupportsIndex) -> list[str]:
+def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8], reach: float) -> list[str]:
     """
     The same of a FeatureTracker, on an image of yours; reach in pixels.
     """
-def find_body_marks(surface: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> BodyMarks:
+def find_body_marks(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> BodyMarks:
     """
     Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: joints whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.
     """
@@ -5530,7 +6455,7 @@ def fit_proxies(fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation, opt
     """
     Tapered capsules along the bones, inside the body: what cloth collides with.
     """
-def fitting_thresholds(pose: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: SegmentOptions = ...) -> SegmentOptions:
+def fitting_thresholds(pose: Mesh, face_valid: numpy.typing.ArrayLike, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: SegmentOptions = ...) -> SegmentOptions:
     """
     The options, with both thresholds raised while all of the surface moves: the noise of a poor capture.
     """
@@ -5542,7 +6467,7 @@ def garment_mesher_violations(mesher: GarmentMesher, actor: RiggedMesh, segmenta
     """
     One sentence for each rule that a GarmentMesher breaks on an actor of yours: it fits, the same bits twice, refusals.
     """
-def heat_weights(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+def heat_weights(mesh: Mesh, face_valid: numpy.typing.ArrayLike, skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
     (V, J) skin weights by heat equilibrium; rows sum to one.
     """
@@ -5550,7 +6475,7 @@ def limb_search_violations(search: LimbSearch, problem: LimbProblem, dofs: typin
     """
     The same of a LimbSearch, on a problem, a pose within the limits and limbs that are lost.
     """
-def make_character(actor: RiggedMesh, segmentation: Segmentation, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = [], garment_subdivisions: typing.SupportsInt | typing.SupportsIndex = -1) -> Character:
+def make_character(actor: RiggedMesh, segmentation: Segmentation, body: BodyFit, proxies: collections.abc.Sequence[TaperedCapsule], materials: collections.abc.Sequence[Material], solver: SolverSettings, high: Mesh = ..., high_valid: numpy.typing.ArrayLike = [], garment_subdivisions: int = -1) -> Character:
     """
     Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
     """
@@ -5582,7 +6507,7 @@ def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
     """
     One sentence for each rule that the optimisers of make_optimizer(dimension, seed) break: shapes, seeds, a paraboloid is brought down, refusals.
     """
-def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: typing.SupportsFloat | typing.SupportsIndex, azimuth: typing.SupportsFloat | typing.SupportsIndex, elevation: typing.SupportsFloat | typing.SupportsIndex, width: typing.SupportsInt | typing.SupportsIndex, height: typing.SupportsInt | typing.SupportsIndex) -> Camera:
+def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], radius: float, azimuth: float, elevation: float, width: int, height: int) -> Camera:
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
     """
@@ -5602,7 +6527,7 @@ def pose_surface(actor: RiggedMesh, dofs: typing.Annotated[numpy.typing.ArrayLik
     """
     (V, 3) m, skinned positions of the rest pose + offset (V, 3).
     """
-def posterior_of(samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], noise: typing.SupportsFloat | typing.SupportsIndex = 0.0, levels: typing.SupportsInt | typing.SupportsIndex = 0, draws: typing.SupportsInt | typing.SupportsIndex = 256, seed: typing.SupportsInt | typing.SupportsIndex = 1) -> Posterior:
+def posterior_of(samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], noise: float = 0.0, levels: int = 0, draws: int = 256, seed: int = 1) -> Posterior:
     """
     samples (N, n) in [0, 1], energies (N) -> Posterior of where their minimum is. noise: standard deviation of an energy.
     """
@@ -5610,7 +6535,7 @@ def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: Bo
     """
     How far capsules and body are apart under the cloth.
     """
-def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex] = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
+def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, face_valid: numpy.typing.ArrayLike = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
     """
     (face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).
     """
@@ -5658,7 +6583,7 @@ def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[nump
     """
     simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.
     """
-def read_view(frames: FrameSource, camera: typing.SupportsInt | typing.SupportsIndex, frame: typing.SupportsInt | typing.SupportsIndex, extractor: SilhouetteExtractor = None) -> CameraView:
+def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor = None) -> CameraView:
     """
     The image, and the ready mask or, where there is none, the extractor's -> CameraView.
     """
@@ -5666,7 +6591,7 @@ def read_widths(path: os.PathLike | str | bytes) -> list[float]:
     """
     material.json: position of the garment's width, one a region; empty if it names none.
     """
-def refine_rest_pose(actor: RiggedMesh, performance: ReferencePerformance, rigid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: RestPoseOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+def refine_rest_pose(actor: RiggedMesh, performance: ReferencePerformance, rigid: numpy.typing.ArrayLike, options: RestPoseOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
     (V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least have them.
     """
@@ -5678,7 +6603,7 @@ def require_scanned(session: Session) -> None:
     """
     Raises if the session has no scan or no joints.
     """
-def resample(skeleton: Skeleton, motion: Motion, fps: typing.SupportsFloat | typing.SupportsIndex) -> Motion:
+def resample(skeleton: Skeleton, motion: Motion, fps: float) -> Motion:
     """
     The same Motion at another rate; first and last pose stay (the last as far as the new rate reaches it).
     """
@@ -5690,7 +6615,7 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark],
     """
     Skeleton from the marked joints and skin weights -> RiggedMesh.
     """
-def sample_colours(mesh: Mesh, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+def sample_colours(mesh: Mesh, face_valid: numpy.typing.ArrayLike, cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
     (10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for MeshSequence.colours.
     """
@@ -5698,7 +6623,7 @@ def scan_from_views(rig: collections.abc.Sequence[Camera], views: collections.ab
     """
     Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a camera, of one frame.
     """
-def segment_cloth(sequence: MeshSequence, face_valid: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex], options: SegmentOptions = ..., context: Context = ...) -> Segmentation:
+def segment_cloth(sequence: MeshSequence, face_valid: numpy.typing.ArrayLike, options: SegmentOptions = ..., context: Context = ...) -> Segmentation:
     """
     ClothSegmenter.create(options).segment(sequence, face_valid, context).
     """
@@ -5710,7 +6635,7 @@ def segmented_pose(actor: RiggedMesh, performance: ReferencePerformance) -> Mesh
     """
     The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.
     """
-def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> list[int]:
+def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> numpy.typing.NDArray[numpy.uint8]:
     """
     (F) 1 for the faces that pass through another face
     """
@@ -5722,11 +6647,11 @@ def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: co
     """
     The same of a SilhouetteExtractor, trained and tried with images of yours.
     """
-def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: typing.SupportsFloat | typing.SupportsIndex, settle_frames: typing.SupportsInt | typing.SupportsIndex = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
+def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerformance, materials: collections.abc.Sequence[Material], dt: float, settle_frames: int = 20, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) the reference motion re-animated
     """
-def step_players(players: collections.abc.Sequence[Player], dofs: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]], seconds: typing.SupportsFloat | typing.SupportsIndex, threads: typing.SupportsInt | typing.SupportsIndex = 1) -> None:
+def step_players(players: collections.abc.Sequence[Player], dofs: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]], seconds: float, threads: int = 1) -> None:
     """
     player.step(pose, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to `threads` threads, with the same bits; dofs: a pose (D) for each.
     """
@@ -5746,7 +6671,7 @@ def texture_character(character: Character, surface: typing.Annotated[numpy.typi
     """
     Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.
     """
-def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: typing.SupportsInt | typing.SupportsIndex = 2) -> Outline:
+def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: int = 2) -> Outline:
     """
     Boundary of a mask (H, W).
     """
@@ -5766,11 +6691,11 @@ def vertex_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
     """
     (V, 3) unit, weighted by angle; zero where no face is.
     """
-def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: typing.SupportsFloat | typing.SupportsIndex) -> list[int]:
+def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: float) -> numpy.typing.NDArray[numpy.uint8]:
     """
     (V) 1 where at least one camera sees the vertex; tolerance in m
     """
-def worn(garment: Garment, chosen: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex] = []) -> Garment:
+def worn(garment: Garment, chosen: collections.abc.Sequence[float] = []) -> Garment:
     """
     The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, in its `rest`.
     """
@@ -5826,7 +6751,7 @@ def write_segmentation(path: os.PathLike | str | bytes, segmentation: Segmentati
     """
     segmentation.npz, complete or not at all.
     """
-def write_simulated(path: os.PathLike | str | bytes, frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], actor_vertices: typing.SupportsInt | typing.SupportsIndex) -> None:
+def write_simulated(path: os.PathLike | str | bytes, frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], actor_vertices: int) -> None:
     """
     simulated.npz: frames (T, V + G, 3), of which the first actor_vertices (V) are the actor's, the others the garment's.
     """

@@ -1,0 +1,3 @@
+"""The command `doublet`."""
+
+from .program import main as main

@@ -1,0 +1,32 @@
+"""The commands, each a module with `register(commands)`, which adds its parser."""
+
+from . import (
+    animate,
+    edit,
+    evaluate,
+    import_calibration,
+    new_session,
+    reconstruct,
+    scan,
+    stages,
+    study,
+    synthesize,
+    train_body,
+    view,
+)
+
+#: In the order of the help.
+COMMANDS = (
+    reconstruct,
+    stages,
+    new_session,
+    import_calibration,
+    scan,
+    edit,
+    animate,
+    view,
+    evaluate,
+    study,
+    synthesize,
+    train_body,
+)

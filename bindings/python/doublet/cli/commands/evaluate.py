@@ -1,0 +1,43 @@
+"""`doublet evaluate`: errors against a ground truth."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ... import _doublet as d
+from ...evaluation import motion_metrics
+from ...evaluation.metrics import evaluate, format_table
+from ...evaluation.reconstruction import Reconstruction
+from ...evaluation.truth import Truth
+from ...reconstruct import recorded_session
+from ..common_flags import common_flags, make_console
+
+
+def register(commands) -> None:
+    command = commands.add_parser("evaluate", help="errors of a reconstruction against a ground truth")
+    command.add_argument("out", type=Path, metavar="OUT")
+    command.add_argument("--truth", type=Path, required=True, metavar="DIR", help="ground_truth folder")
+    command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
+    command.add_argument("--every", type=int, default=1, metavar="N", help="measure every n-th frame (default: all)")
+    text = "also how true and simulated garment move: speed, lag, fast motion, folds; every frame"
+    command.add_argument("--motion", action="store_true", help=text)
+    command.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    common_flags(command)
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> None:
+    console = make_console(arguments)
+    if not arguments.out.is_dir():
+        raise FileNotFoundError(f"{arguments.out} is not a folder")
+    session = d.Session(arguments.session or recorded_session(arguments.out))
+    result = evaluate(arguments.out, arguments.truth, session, console, arguments.every)
+    if arguments.motion:
+        result["motion"] = motion_metrics.compare(Reconstruction(arguments.out), Truth(arguments.truth), session.fps)
+    if arguments.json:
+        print(json.dumps(result, indent=1))
+        return
+    print(format_table(result))
+    if arguments.motion:
+        print(f"\n{motion_metrics.format_table(result['motion'])}")

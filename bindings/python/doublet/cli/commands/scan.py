@@ -1,0 +1,72 @@
+"""`doublet scan`: scan and joints of a session that has none."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ...common.packaged import body_model_path
+from ...reconstruct import Workspace
+from ...scan import refine_scan, scan_session
+from ...scan.make_scan import GROUPS
+from ..common_flags import common_flags, make_console, report_findings
+from ..option_flags import add_option_flags, chosen_options
+
+
+def frame_or_best(text: str) -> int | str:
+    if text != "best" and not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected the number of a frame, or best, found '{text}'")
+    return text if text == "best" else int(text)
+
+
+def register(commands) -> None:
+    text = "scan and joints of a session that has none, from its cameras"
+    scan = commands.add_parser("scan", help=text, description=text)
+    scan.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json; gets scan.ply and joints.json")
+    scan.add_argument("--force", action="store_true", help="make them anew, and overwrite files made elsewhere")
+    scan.add_argument(
+        "--frame",
+        type=frame_or_best,
+        default=0,
+        metavar="N",
+        help="frame in which the person stands upright, arms and legs apart, or 'best': found; the session then begins there "
+        "(default: 0)",
+    )
+    scan.add_argument(
+        "--keypoints",
+        type=Path,
+        metavar="FOLDER",
+        help="joints in the images, of OpenPose, RTMPose or MediaPipe: a JSON file or a folder of them for each camera",
+    )
+    scan.add_argument(
+        "--given",
+        type=Path,
+        metavar="FILE",
+        help="a scan in the pose of the frame, in any unit, on any axis, with its floor: brought to what the cameras see",
+    )
+    scan.add_argument(
+        "--refine",
+        type=Path,
+        metavar="OUT",
+        help="correct the scan by what was tracked with it: a folder of reconstruct, which is then to be run again",
+    )
+    scan.add_argument("--body-model", type=Path, metavar="FILE", help="statistical body (default: the one that ships)")
+    common_flags(scan)
+    add_option_flags(scan, GROUPS)
+    scan.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    options = chosen_options(arguments, GROUPS)
+    scan_options, rest_options = options.pop("scan"), options.pop("rest")
+    console = make_console(arguments)
+    job = Workspace(
+        arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
+    )
+    if arguments.refine:
+        made = refine_scan(job, arguments.refine, rest_options, arguments.keypoints)
+    else:
+        made = scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
+    console.finish()
+    print("\n".join(map(str, made.files)))
+    return report_findings(made.findings)

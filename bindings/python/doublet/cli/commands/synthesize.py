@@ -1,0 +1,54 @@
+"""`doublet synthesize`: a session with known truth."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+
+from ... import _doublet as d
+from ...evaluation.synthesize import SynthesisOptions, synthesize
+from ...export.clips import read_motion
+from ...reconstruct.options import with_pairs
+from ..common_flags import MOTION_HELP, common_flags, make_console
+from ..option_flags import add_option_flags, chosen_options
+
+
+def register(commands) -> None:
+    text = "a character and a motion -> a capture session with known truth"
+    command = commands.add_parser("synthesize", help=text, description=text)
+    command.add_argument("character", type=Path, metavar="CHARACTER.glb")
+    command.add_argument("--motion", type=Path, required=True, metavar="FILE", help=MOTION_HELP)
+    command.add_argument("-o", "--out", type=Path, required=True, metavar="SESSION", help="folder of the new session")
+    command.add_argument("--cameras", type=Path, metavar="DIR", help="those of this session (default: a ring of them)")
+    command.add_argument(
+        "--material", nargs="+", metavar="NAME=X", help="of every cloth region, e.g. k_bend=0.7 (default: the character's)"
+    )
+    flag = command.add_argument
+    flag("--camera-count", type=int, default=8, metavar="N", help="of the ring (default: 8)")
+    flag("--image-size", type=int, default=1004, metavar="N", help="px, of the ring's images (default: 1004)")
+    flag("--frame-count", type=int, default=-1, metavar="N", help="default: the whole motion")
+    flag("--noise", type=float, default=0.0, metavar="X", help="grey levels, sensor noise (default: 0)")
+    flag("--blur", type=float, default=0.0, metavar="X", help="px, Gaussian blur (default: 0)")
+    flag("--scan-noise", type=float, default=0.0004, metavar="X", help="m, noise of the scan (default: 0.0004)")
+    flag("--mark-noise", type=float, default=0.004, metavar="X", help="m, noise of the marked joints (default: 0.004)")
+    flag("--mask-step", type=int, default=10, metavar="N", help="true masks every n-th frame (default: 10)")
+    common_flags(command)
+    add_option_flags(command, {"retarget": d.RetargetOptions})
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> None:
+    console = make_console(arguments)
+    character = d.Character.read(arguments.character)
+    chosen = {f.name: getattr(arguments, f.name) for f in fields(SynthesisOptions) if f.name not in ("key_colour",)}
+    options = SynthesisOptions(**chosen)
+    options.validate()
+    if arguments.material:
+        character.materials = [with_pairs(m, arguments.material, "--material") for m in character.materials]
+    retargeting = chosen_options(arguments, {"retarget": d.RetargetOptions})["retarget"]
+    retargeting.fps = 1 / character.solver.dt
+    motion = read_motion(arguments.motion, character, retargeting)
+    rig = d.Session(arguments.cameras).rig if arguments.cameras else None
+    frames = synthesize(character, motion, arguments.out, options, rig, console)
+    console.finish()
+    print(f"{arguments.out}: {frames} frames")

@@ -1,0 +1,40 @@
+"""What several commands take."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from ..common.console import Console
+from ..common.quality_checks import DOUBTFUL
+
+MOTION_HELP = (
+    ".bvh, .amc with its .asf beside it, a clip in .glb, poses of SMPL, SMPL-H or SMPL-X (AMASS) in .npz, or a performance.npz"
+)
+
+
+def common_flags(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--threads", type=int, default=0, metavar="N", help="worker threads, 0 = one a core; results do not depend on it"
+    )
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of every random choice (default: 1)")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument("--verbose", action="store_true", help="show what the stages say, not only their progress")
+    parser.add_argument("--debug", action="store_true", help="show the traceback of an error")
+
+
+def page_flags(command) -> None:
+    command.add_argument("--port", type=int, default=0, metavar="N", help="of the page on this machine (default: any free one)")
+    command.add_argument("--no-browser", dest="browser", action="store_false", help="only print the address")
+    command.add_argument("--debug", action="store_true", help="show the traceback of an error")
+
+
+def make_console(arguments: argparse.Namespace) -> Console:
+    return Console(arguments.threads, quiet=arguments.quiet, verbose=arguments.verbose)
+
+
+def report_findings(findings) -> int:
+    """Says what is doubtful; the exit status."""
+    for finding in findings:
+        print(f"doublet: {finding.level}: {finding.text}", file=sys.stderr)
+    return DOUBTFUL if findings else 0

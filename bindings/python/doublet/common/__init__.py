@@ -1,0 +1,6 @@
+"""What every room uses: files that are complete or absent, video, progress, pictures, findings."""
+
+from .._lazy import lazy_modules
+
+MODULES = ("console", "drawing", "files", "quality_checks", "video")
+__getattr__, __dir__ = lazy_modules(__name__, MODULES)

@@ -1,0 +1,86 @@
+"""What a plausible result is: of a session before anything runs, and of every stage. Nonsense must not end in "done"."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from .. import _doublet as d
+
+DOUBTFUL = 3  #: exit status of a run that ended, but with doubts
+
+
+class Implausible(d.Error):
+    """A result that nothing should be built on."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What is wrong, in one sentence that names expectation and finding. Impossible stops the run, doubtful is only said. kind:
+    what the report has advice for; may be empty."""
+
+    impossible: bool
+    text: str
+    kind: str = ""
+
+    @property
+    def level(self) -> str:
+        return "impossible" if self.impossible else "doubtful"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Of a number in a stage's summary. The number is too low if `impossible` is below `doubtful`, otherwise too high."""
+
+    name: str
+    doubtful: float
+    impossible: float
+    meaning: str
+    advice: str
+
+    @property
+    def expected(self) -> str:
+        return f"expected {'at least' if self.impossible < self.doubtful else 'at most'} {self.doubtful:g}"
+
+    def finding(self, value: float) -> Finding | None:
+        low = self.impossible < self.doubtful
+        beyond = (lambda limit: value < limit) if low else (lambda limit: value > limit)
+        if not beyond(self.doubtful):
+            return None
+        return Finding(beyond(self.impossible), f"{self.meaning}: {self.expected}, found {value:.3g}; {self.advice}")
+
+    def passed_text(self, value: float) -> str:
+        """That the number is as it should be; empty if it is not."""
+        return "" if self.finding(value) else f"{self.meaning}: {value:.3g} ({self.expected})"
+
+
+#: Stage -> limits of its numbers. Those of good sessions are far inside: an overlap of 0.97, 4 mm, 1 mm (docs/results.md).
+LIMITS = {
+    "template": (
+        Limit("template_valid_to_scan_mean_mm", 5, 30, "mean distance of the template to the scan, mm", "look at template.ply"),
+    ),
+    "performance": (
+        Limit(
+            "silhouette_iou_against_measured_masks", 0.85, 0.6, "overlap of the tracked surface with the silhouettes",
+            "look at the report's overlays: calibration, silhouettes or frame rate may be wrong",
+        ),
+    ),
+    "segment": (
+        Limit(
+            "thresholds_raised", 1.25, math.inf, "how far what is taken for skin moves, over how far it does elsewhere",
+            "few cameras or a rough scan? look at what is cloth",
+        ),
+    ),
+    "body": (
+        Limit("residual_mm", 20, 80, "mean distance of the skin to the body, mm", "the marked joints or the units may be wrong"),
+    ),
+}  # fmt: skip
+
+
+def findings(stage: str, summary: dict) -> list[Finding]:
+    """What is implausible in the summary of a stage that is done."""
+    found = [Finding(**entry) for entry in summary.get("findings", [])]
+    for limit in LIMITS.get(stage, ()):
+        if limit.name in summary and (finding := limit.finding(summary[limit.name])):
+            found.append(finding)
+    return found

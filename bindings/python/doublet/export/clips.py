@@ -1,0 +1,194 @@
+"""Motions from files: clips of any human skeleton, retargeted, and poses of the SMPL family (AMASS and its like)."""
+
+from __future__ import annotations
+
+import copy
+from pathlib import Path
+
+import numpy as np
+
+from .. import _doublet as d
+from ..common.files import arrays_of
+from . import bone_map as bone_maps
+
+#: Joints of SMPL (Loper et al. 2015) under our names, with their parents, and their places from the parent in the zero pose of
+#: a person of ordinary build, m, +Y up, facing +Z. A file has no places but through the model, which is not ours to ship: from
+#: these come directions and proportions, and retargeting scales by the legs.
+JOINTS = (
+    ("pelvis", -1, (0, 0, 0)),
+    ("l_hip", 0, (0.07, -0.09, 0)),
+    ("r_hip", 0, (-0.07, -0.09, 0)),
+    ("spine", 0, (0, 0.11, -0.03)),
+    ("l_knee", 1, (0.03, -0.38, -0.005)),
+    ("r_knee", 2, (-0.03, -0.38, -0.005)),
+    ("spine2", 3, (0, 0.135, 0)),
+    ("l_ankle", 4, (-0.01, -0.40, -0.04)),
+    ("r_ankle", 5, (0.01, -0.40, -0.04)),
+    ("chest", 6, (0, 0.055, 0.03)),
+    ("l_toe", 7, (0.04, -0.06, 0.12)),
+    ("r_toe", 8, (-0.04, -0.06, 0.12)),
+    ("neck", 9, (0, 0.21, -0.03)),
+    ("l_clavicle", 9, (0.08, 0.12, -0.02)),
+    ("r_clavicle", 9, (-0.08, 0.12, -0.02)),
+    ("head", 12, (0, 0.09, 0.05)),
+    ("l_shoulder", 13, (0.09, 0.03, -0.01)),
+    ("r_shoulder", 14, (-0.09, 0.03, -0.01)),
+    ("l_elbow", 16, (0.26, -0.01, -0.02)),
+    ("r_elbow", 17, (-0.26, -0.01, -0.02)),
+    ("l_wrist", 18, (0.25, 0.01, 0)),
+    ("r_wrist", 19, (-0.25, 0.01, 0)),
+    ("l_hand", 20, (0.085, -0.01, -0.01)),
+    ("r_hand", 21, (-0.085, -0.01, -0.01)),
+)
+TURNING = 22  # of these have a rotation in every file of the family; hands end in one of SMPL, or in fingers
+#: Arrays that hold the turning joints' rotations, side by side, and the root's place: AMASS, its SMPL-X, SMPLify and its like.
+POSES = (("poses",), ("root_orient", "pose_body"), ("global_orient", "body_pose"))
+PLACES = ("trans", "transl")
+RATES = ("mocap_framerate", "mocap_frame_rate", "fps")
+MOST_LIKELY_FPS = 1000  # nobody films people faster
+
+
+def read_motion(
+    path: Path,
+    character: d.Character,
+    retargeting: d.RetargetOptions,
+    context: d.Context | None = None,
+    bone_map: Path | None = None,
+) -> d.Motion:
+    """A clip (.bvh, .amc, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same
+    skeleton, as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`;
+    what `retargeting.joint_names` says beats it."""
+    path, context = Path(path), context or d.Context()
+    dofs = own_poses(path)
+    if dofs is None:
+        clip = read_clip(path)
+        if bone_map:
+            retargeting = copy.copy(retargeting)
+            retargeting.joint_names = {**bone_maps.read(bone_map, clip), **retargeting.joint_names}
+        return d.retarget(clip, character.actor.skeleton, retargeting, context)
+    if bone_map:
+        raise ValueError(f"{path}: expected a clip on bones of its own for a bone map, found poses of the character's skeleton")
+    expected = len(character.actor.skeleton.dof_names)
+    if dofs.ndim != 2 or dofs.shape[1] != expected or not np.isfinite(dofs).all():
+        raise ValueError(f"{path}: expected finite 'dofs' of shape (T, {expected}), found {dofs.shape}")
+    return d.Motion(retargeting.fps or 1 / character.solver.dt, dofs)
+
+
+def own_poses(path: Path) -> np.ndarray | None:
+    """The array `dofs` of a performance.npz; None of any other file."""
+    if path.suffix != ".npz":
+        return None
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist")
+    with arrays_of(path) as file:
+        return file["dofs"].astype(float) if "dofs" in file else None
+
+
+def read_clip(path: Path) -> d.SourceMotion:
+    """A clip on its own bones: .bvh, .amc, .glb, poses of the SMPL family in .npz."""
+    path = Path(path)
+    return read_smpl_motion(path) if path.suffix == ".npz" else d.SourceMotion.read(path)
+
+
+def read_smpl_motion(path: Path) -> d.SourceMotion:
+    """Poses of SMPL, SMPL-H or SMPL-X as AMASS has them: the body's rotations (axis times angle, of each joint from its parent),
+    the root's place and the rate. Fingers, face and shape are left out. The world may have any axis up: it is the one along which
+    the body stands on average. Raises ValueError naming the file and the array."""
+    path = Path(path)
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist")
+    with arrays_of(path) as file:
+        return smpl_motion(path, file)
+
+
+def smpl_motion(path: Path, file) -> d.SourceMotion:
+    """The same of a file that is open."""
+    local = quaternions(rotations_of(path, file))
+    count = len(local)
+    local = np.concatenate([local, np.tile([1.0, 0, 0, 0], (count, len(JOINTS) - TURNING, 1))], axis=1)
+    upright = upright_from(rotated(local[:, 0], np.array([0.0, 1, 0])).mean(axis=0))
+    local[:, 0] = product(upright, local[:, 0])
+    places, turned = np.empty((count, len(JOINTS), 3)), np.empty_like(local)
+    for j, (_, parent, offset) in enumerate(JOINTS):
+        turned[:, j] = local[:, j] if parent < 0 else product(turned[:, parent], local[:, j])
+        if parent >= 0:
+            places[:, j] = places[:, parent] + rotated(turned[:, parent], np.array(offset, float))
+        else:
+            places[:, j] = rotated(upright, place_of(path, file, count))
+    names, parents, offsets = zip(*JOINTS)
+    return d.SourceMotion(list(names), list(parents), np.array(offsets, float), places, turned, rate_of(path, file), str(path))
+
+
+# --- arrays
+
+
+def rotations_of(path: Path, file) -> np.ndarray:
+    """(T, 22, 3) rad."""
+    names = next((group for group in POSES if all(name in file for name in group)), None)
+    if names is None:
+        expected = ", or ".join(" and ".join(f"'{name}'" for name in group) for group in POSES)
+        raise ValueError(f"{path}: expected a performance with 'dofs', or {expected}, found {', '.join(file) or 'nothing'}")
+    parts = [numbers(path, file, name) for name in names]
+    parts = [part.reshape(len(part), -1) if part.ndim > 1 else part for part in parts]
+    if any(part.ndim != 2 or len(part) != len(parts[0]) for part in parts) or sum(part.shape[1] for part in parts) < 3 * TURNING:
+        shapes = " and ".join(str(part.shape) for part in parts)
+        wanted = " and ".join(f"'{name}'" for name in names)
+        raise ValueError(f"{path}: expected {wanted} with a row of at least {3 * TURNING} angles a frame, found {shapes}")
+    return np.concatenate(parts, axis=1)[:, : 3 * TURNING].reshape(-1, TURNING, 3)
+
+
+def place_of(path: Path, file, count: int) -> np.ndarray:
+    """(T, 3) m."""
+    name = next((name for name in PLACES if name in file), None)
+    if name is None:
+        raise ValueError(f"{path}: expected the root's place, 'trans' or 'transl', found {', '.join(file)}")
+    place = numbers(path, file, name)
+    if place.shape != (count, 3):
+        raise ValueError(f"{path}: expected '{name}' of shape ({count}, 3), found {place.shape}")
+    return place
+
+
+def rate_of(path: Path, file) -> float:
+    name = next((name for name in RATES if name in file), None)
+    if name is None:
+        raise ValueError(f"{path}: expected a rate, 'mocap_framerate', 'mocap_frame_rate' or 'fps', found {', '.join(file)}")
+    rate = numbers(path, file, name)
+    if rate.size != 1 or not 0 < rate.item() <= MOST_LIKELY_FPS:
+        raise ValueError(f"{path}: expected '{name}' to be one rate in (0, {MOST_LIKELY_FPS}], found {rate}")
+    return rate.item()
+
+
+def numbers(path: Path, file, name: str) -> np.ndarray:
+    array = np.asarray(file[name])
+    if array.dtype.kind not in "iuf" or array.size == 0 or not np.isfinite(array).all():
+        raise ValueError(f"{path}: expected '{name}' to hold finite numbers, found {array.dtype} of shape {array.shape}")
+    return array.astype(float)
+
+
+# --- quaternions, w x y z
+
+
+def quaternions(rotations: np.ndarray) -> np.ndarray:
+    """(..., 4) of axis times angle (..., 3)."""
+    half = 0.5 * np.linalg.norm(rotations, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * rotations], axis=-1)
+
+
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    w = a[..., :1] * b[..., :1] - np.sum(a[..., 1:] * b[..., 1:], axis=-1, keepdims=True)
+    return np.concatenate([w, a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])], axis=-1)
+
+
+def rotated(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    half = np.cross(quaternion[..., 1:], vector) + quaternion[..., :1] * vector
+    return vector + 2 * np.cross(quaternion[..., 1:], half)
+
+
+def upright_from(up: np.ndarray) -> np.ndarray:
+    """The turn that brings the world's axis nearest to `up` to +Y; of z-up, +X stays."""
+    axis = np.zeros(3)
+    axis[np.argmax(np.abs(up))] = np.sign(up[np.argmax(np.abs(up))])
+    turn = np.cross(axis, [0.0, 1, 0])
+    if np.any(turn):
+        return quaternions(turn * np.pi / 2)
+    return np.array([1.0, 0, 0, 0]) if axis[1] > 0 else np.array([0.0, 1, 0, 0])

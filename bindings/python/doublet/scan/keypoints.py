@@ -1,0 +1,162 @@
+"""Joints in the images, as OpenPose, RTMPose or MediaPipe find them, and where they are in space."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+from .. import _doublet as d
+from ..common.files import read_json
+from ..session.camera_files import CameraFile, match
+
+JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
+#: Index of JOINTS in the lists that programs write, told apart by their length.
+_COCO = (5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
+LAYOUTS = {
+    17: _COCO,
+    18: (5, 2, 6, 3, 7, 4, 11, 8, 12, 9, 13, 10),  # OpenPose COCO
+    25: (5, 2, 6, 3, 7, 4, 12, 9, 13, 10, 14, 11),  # OpenPose BODY_25
+    26: _COCO,  # Halpe: COCO and feet
+    33: (11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28),  # MediaPipe
+    133: _COCO,  # COCO whole body
+}
+CONFIDENT = 0.3  #: of a keypoint
+NEAR = 0.02  #: of the image's larger side, within which cameras agree on a point
+LEAST_AGREED = 6  #: of JOINTS
+FORMATS = "a list of frames, instance_info of RTMPose, or a folder of OpenPose's people, one file for each frame"
+
+
+def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.ndarray]:
+    """name -> (3) m: the joints that two cameras or more agree on at a frame of the session. `path`: a folder with a file or a
+    folder of JSON for each camera, of all frames of its video, in pixels as they were filmed. Raises FileNotFoundError or
+    ValueError naming file, expectation and finding."""
+    files = match([camera.name for camera in session.cameras], list_keypoints(path), what="file or folder of keypoints")
+    seen = [read_frame(files[camera.name].path, frame + camera.first_frame) for camera in session.cameras]
+    lenses = session.lenses or [d.Lens()] * len(session.rig)
+    cameras = [d.CalibratedCamera(camera, lens) for camera, lens in zip(session.rig, lenses)]
+    points = {name: common_point(cameras, [s[i] for s in seen]) for i, name in enumerate(JOINTS)}
+    agreed = {name: point for name, point in points.items() if point is not None}
+    if len(agreed) < LEAST_AGREED:
+        raise ValueError(
+            f"{path}: expected at least {LEAST_AGREED} joints that two cameras agree on at frame {frame}, found {len(agreed)}; "
+            "are these keypoints of the session's videos, in pixels, from their first frame on?"
+        )
+    return agreed
+
+
+# --- files
+
+
+def list_keypoints(path: Path) -> list[CameraFile]:
+    if not path.is_dir():
+        raise FileNotFoundError(f"{path}: expected a folder with the keypoints of each camera, found none")
+    entries = sorted(p for p in path.iterdir() if p.suffix == ".json" or (p.is_dir() and any(p.glob("*.json"))))
+    if not entries:
+        raise FileNotFoundError(f"{path}: expected a JSON file, or a folder of them, for each camera, found none")
+    return [CameraFile(p.stem, p) for p in entries]
+
+
+def read_frame(path: Path, frame: int) -> np.ndarray:
+    """(12, 3) x, y in pixels and confidence of JOINTS; zeros if nobody was found."""
+    if path.is_dir():
+        files = sorted(path.glob("*.json"), key=lambda p: (int((re.findall(r"\d+", p.stem) or [0])[-1]), p.name))
+        where = require_frame(files, frame, path)
+        return joints_of(people_of(read_json(where)), where)
+    content = read_json(path)
+    frames = content.get("instance_info") if isinstance(content, dict) else content
+    if not isinstance(frames, list):
+        raise ValueError(f"{path}: expected keypoints ({FORMATS}), found something else")
+    return joints_of(people_of(require_frame(frames, frame, path)), path)
+
+
+def require_frame(frames: Sequence, frame: int, path: Path):
+    if frame >= len(frames):
+        raise ValueError(f"{path}: expected keypoints of frame {frame}, found those of {len(frames)} frames")
+    return frames[frame]
+
+
+def people_of(found) -> list:
+    """(K, 3) of everybody in a frame, whoever wrote it; the shape is looked at later."""
+    if isinstance(found, dict) and isinstance(found.get("people"), list):  # OpenPose
+        flat = [person.get("pose_keypoints_2d") or [] for person in found["people"] if isinstance(person, dict)]
+        return [[numbers[i : i + 3] for i in range(0, len(numbers), 3)] for numbers in flat if numbers]
+    if isinstance(found, dict) and isinstance(found.get("instances"), list):  # RTMPose, MMPose
+        people = [p for p in found["instances"] if isinstance(p, dict)]
+        return [[[*xy, score] for xy, score in zip(p.get("keypoints") or [], p.get("keypoint_scores") or [])] for p in people]
+    return [found] if found else []
+
+
+def joints_of(people: list, path: Path) -> np.ndarray:
+    """Of the person with the most confidence."""
+    best = np.zeros((len(JOINTS), 3))
+    for person in people:
+        try:
+            points = np.array(person, float)
+        except (TypeError, ValueError):
+            points = np.zeros(0)
+        if points.ndim != 2 or points.shape[1] < 3 or len(points) not in LAYOUTS or not np.isfinite(points).all():
+            counts = ", ".join(map(str, LAYOUTS))
+            raise ValueError(f"{path}: expected {counts} keypoints of x, y and confidence, found {points.shape}")
+        joints = points[list(LAYOUTS[len(points)])][:, [0, 1, -1]]
+        if joints[:, 2].sum() > best[:, 2].sum():
+            best = joints
+    return best
+
+
+# --- space
+
+
+def common_point(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray]) -> np.ndarray | None:
+    """(3) m: the point that the most cameras agree on, in least squares over these; None if no two do. Left and right are easily
+    exchanged in a view from behind, so that no mean over all would do. seen: x, y, confidence in each camera."""
+    sure = [i for i, s in enumerate(seen) if s[2] >= CONFIDENT]
+    best: tuple[int, float, np.ndarray | None] = (0, np.inf, None)
+    for pair in combinations(sure, 2):
+        point = refined(cameras, seen, pair)
+        errors = {i: error_of(cameras[i], seen[i], point) for i in sure}
+        agreeing = tuple(i for i in sure if errors[i] < NEAR)
+        if not set(pair) <= set(agreeing):
+            continue
+        total = sum(errors[i] for i in agreeing) / len(agreeing)
+        if (len(agreeing), -total) > (best[0], -best[1]):
+            best = len(agreeing), total, refined(cameras, seen, agreeing)
+    return best[2]
+
+
+def error_of(camera: d.CalibratedCamera, seen: np.ndarray, point: np.ndarray) -> float:
+    """Distance in the image over its larger side; infinite behind the camera."""
+    if depth_of(camera, point) <= 0:
+        return np.inf
+    pixel = np.ravel(camera.project(point))
+    return float(np.linalg.norm(pixel - seen[:2]) / max(camera.camera.width, camera.camera.height))
+
+
+def depth_of(camera: d.CalibratedCamera, point: np.ndarray) -> float:
+    return float((np.asarray(camera.camera.R) @ point + np.ravel(camera.camera.t))[2])
+
+
+def refined(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray], chosen: Sequence[int]) -> np.ndarray:
+    """(3) m: least squares of rays without distortion, then Gauss-Newton on pixels, with distortion."""
+    normal, right = np.zeros((3, 3)), np.zeros(3)
+    for i in chosen:
+        camera = cameras[i].camera
+        ray = np.asarray(camera.R).T @ np.linalg.solve(np.asarray(camera.K), np.array([*seen[i][:2], 1.0]))
+        across = np.eye(3) - np.outer(ray, ray) / (ray @ ray)
+        normal += across
+        right += across @ np.ravel(camera.centre)
+    point = np.linalg.lstsq(normal, right, rcond=None)[0]
+    step = 1e-4  # m
+    for _ in range(4):
+        if any(depth_of(cameras[i], point) <= 10 * step for i in chosen):
+            break
+        residual = np.concatenate([np.ravel(cameras[i].project(point)) - seen[i][:2] for i in chosen])
+        slope = [
+            np.concatenate([np.ravel(cameras[i].project(point + h)) - np.ravel(cameras[i].project(point - h)) for i in chosen])
+            for h in step * np.eye(3)
+        ]
+        point = point - np.linalg.lstsq(np.stack(slope, axis=1) / (2 * step), residual, rcond=None)[0]
+    return point

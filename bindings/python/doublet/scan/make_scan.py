@@ -1,0 +1,258 @@
+"""`doublet scan`: what a session without scanner and clicked joints lacks, from its own cameras: scan.ply and joints.json."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .. import _doublet as d
+from ..common.files import write_json
+from ..common.quality_checks import Finding
+from ..reconstruct import OPTION_GROUPS, Workspace
+from ..session import check
+from .alignment import align_scan
+from .keypoints import triangulated
+
+#: Option groups of the command.
+GROUPS = {
+    "scan": d.ViewScanOptions,
+    "body": d.BodyFitOptions,
+    "rest": d.RestPoseOptions,
+    **{name: OPTION_GROUPS[name] for name in ("silhouette", "key", "background")},
+}
+BEST = "best"
+SCAN, MARKS, PICTURE = "scan.ply", "joints.json", "scan_check.png"
+FIRST_SCAN = "scan_before.ply"
+#: What joints.json says of joints that this command has found; others are a person's, and stay.
+FOUND = "found by doublet scan"
+#: m; of the valid template from the scan on average, above which it was made from another.
+OF_ANOTHER_SCAN = 0.01
+#: Above this ratio it is hard to tell which way the person faces.
+LIKELY_RIVAL = 0.7
+#: m; a joint farther from where keypoints see it is put there.
+FAR_FROM_KEYPOINT = 0.06
+#: The hull that a given scan is aligned to.
+COARSE = d.ViewScanOptions(cell=0.012, poisson_depth=7, search_depth=0)
+#: How coarsely frames are tried for the best one, and how many at most.
+TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
+#: Octree depth of the closed surface that the body is fitted to: joints need no fingers.
+MARKS_DEPTH = 8
+
+
+@dataclass
+class ScanResult:
+    """What was written, and what is doubtful about it."""
+
+    files: list[Path]
+    findings: list[Finding]
+
+
+def scan_session(
+    job: Workspace,
+    options: d.ViewScanOptions | None = None,
+    force: bool = False,
+    frame: int | str = 0,
+    keypoints: Path | None = None,
+    given: Path | None = None,
+) -> ScanResult:
+    """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
+    both. A session that has scan and joints is refused.
+
+    frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found.
+    keypoints: of all cameras, see triangulated().
+    given: a scan of the same pose, which is brought to where the cameras see it."""
+    folder = job.session_folder
+    description = read_description(folder)
+    wanted = [key for key in ("scan", "markers") if force or not description.get(key)]
+    if not wanted:
+        raise RuntimeError(f"{folder / 'session.json'}: names a scan and joints already; --force makes them anew")
+    if frame and "scan" not in wanted:
+        raise RuntimeError(
+            f"{folder / 'session.json'}: names a scan already, made at its frame 0; --force makes another at --frame"
+        )
+    for flag, value, key in (("--given", given, "scan"), ("--keypoints", keypoints, "markers")):
+        if value and key not in wanted:
+            raise RuntimeError(f"{flag}: {folder / 'session.json'} names what it would make already; --force makes it anew")
+    made = []
+    if "scan" in wanted:
+        chosen = best_frame(job) if frame == BEST else frame
+        require_motion_after(job, chosen)
+        options = options or d.ViewScanOptions()
+        mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen)
+        d.write_mesh(require_free(folder / SCAN, force), mesh)
+        made.append(folder / SCAN)
+        description["scan"] = SCAN
+        set_first_frame(description, chosen)
+        save(job, description)
+    rival = 0.0
+    if "markers" in wanted:
+        rival = write_marks(job, keypoints, force)
+        made.append(folder / MARKS)
+        description["markers"] = MARKS
+        save(job, description)
+    return with_check_picture(job, made, rival)
+
+
+def write_marks(job: Workspace, keypoints: Path | None, force: bool) -> float:
+    """Writes joints.json; how nearly as likely the other facing is."""
+    seen = triangulated(job.session, keypoints, 0) if keypoints else {}
+    marks = marks_of(job, seen)
+    write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
+    return marks.rival
+
+
+def with_check_picture(job: Workspace, made: list[Path], rival: float) -> ScanResult:
+    picture = job.session_folder / PICTURE
+    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
+    return ScanResult([*made, picture], [*facing_finding(rival), *check.check_and_draw(evidence, picture)])
+
+
+def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
+    """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
+    `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
+    kept as FIRST_SCAN, joints that this command had found are found anew."""
+    path = Path(job.session.scan)
+    if path == Path():
+        raise RuntimeError(f"{job.session_folder / 'session.json'}: names no scan to refine; doublet scan makes one")
+    scan, actor = d.read_mesh(path), d.read_actor(out / "actor.npz")
+    require_made_from(scan, actor, path, out)
+    performance = d.read_performance(out / "performance.npz", actor)
+    skin = np.asarray(d.read_segmentation(out / "segmentation.npz").clothness) == 0
+    refined = d.refine_rest_pose(actor, performance, skin.astype(np.uint8), options or d.RestPoseOptions(), job.context)
+    moved = 1000 * np.linalg.norm(refined - actor.mesh.vertices, axis=1)[skin]
+    job.console.say(f"scan: skin moved by {np.mean(moved):.1f} mm, 5 % of it by over {np.percentile(moved, 95):.0f} mm")
+    if not (job.session_folder / FIRST_SCAN).exists():
+        d.write_mesh(job.session_folder / FIRST_SCAN, scan)
+    fine = d.SurfaceTransfer(actor.mesh, [], scan, []).apply(refined)
+    d.write_mesh(path, d.Mesh(fine, scan.faces))
+    made, rival = [path], 0.0
+    if found_here(job.session_folder / MARKS):
+        rival = write_marks(job, keypoints, force=True)
+        made.append(job.session_folder / MARKS)
+    return with_check_picture(job, made, rival)
+
+
+def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) -> None:
+    on_valid = np.unique(actor.mesh.faces[np.asarray(actor.face_valid, bool)])
+    off = float(np.mean(d.RayScene(scan).closest(actor.mesh.vertices[on_valid])[1]))
+    if off > OF_ANOTHER_SCAN:
+        raise RuntimeError(
+            f"{out / 'actor.npz'}: expected a template made from {path}, found one that is {1000 * off:.0f} mm off on average"
+        )
+
+
+def found_here(marks: Path) -> bool:
+    return marks.exists() and json.loads(marks.read_text(encoding="utf-8")).get("comment", "").startswith(FOUND)
+
+
+def require_motion_after(job: Workspace, frame: int) -> None:
+    last = max(job.session.frame_count - 2, 0)  # a motion has two frames
+    if not 0 <= frame <= last:
+        raise RuntimeError(f"--frame: expected 0 to {last}, for a motion to be left, found {frame}")
+    if frame:
+        job.console.say(f"scan: the session begins at what was frame {frame} ({frame / job.session.fps:.2f} s)")
+
+
+def set_first_frame(description: dict, frame: int) -> None:
+    """The session's frame 0 becomes this one of its frames."""
+    if frame:
+        description["frame_count"] -= frame
+        for camera in description["cameras"]:
+            camera["first_frame"] = camera.get("first_frame", 0) + frame
+
+
+def save(job: Workspace, description: dict) -> None:
+    write_json(job.session_folder / "session.json", description)
+    job.read_session_again()
+
+
+def best_frame(job: Workspace) -> int:
+    """The frame, of MOST_TRIED evenly spread over the first nine tenths, whose coarse hull is most like a standing body."""
+    frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.body_model)
+    tried = np.unique(np.linspace(0, 0.9 * (job.session.frame_count - 1), MOST_TRIED).astype(int))
+    costs = {}
+    quiet = d.Context(threads=job.context.threads)
+    for i, frame in enumerate(tried):
+        job.context.report("scan: the best frame", i / len(tried))
+        try:
+            hull = d.scan_from_views(job.session.rig, views_at(job, frames, int(frame)), TRIED, quiet)
+            marks = d.find_body_marks(hull, [], model, d.BodyFitOptions(iterations=6), context=quiet)
+        except d.Error:
+            continue  # nobody, or nobody who stands: another frame may do
+        costs[int(frame)] = marks.fit.residual * np.linalg.norm(marks.fit.coefficients)
+    if not costs:
+        raise RuntimeError(
+            f"scan: in none of {len(tried)} frames of {job.session_folder} do the silhouettes show a standing person"
+        )
+    return min(costs, key=costs.get)
+
+
+def views_at(job: Workspace, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
+    return [d.read_view(frames, camera, frame, job.silhouettes) for camera in range(frames.camera_count)]
+
+
+def read_description(folder: Path) -> dict:
+    d.Session(folder)  # says what is wrong with it
+    return json.loads((folder / "session.json").read_text(encoding="utf-8"))
+
+
+def require_free(path: Path, force: bool) -> Path:
+    if path.exists() and not force:
+        raise FileExistsError(f"{path} exists, but session.json does not name it; --force overwrites it")
+    return path
+
+
+def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int) -> d.Mesh:
+    views = views_at(job, d.FrameSource.open(job.session), frame)
+    return d.scan_from_views(job.session.rig, views, options, job.context)
+
+
+def corrected(marks: dict, seen: dict[str, np.ndarray], job: Workspace) -> dict:
+    """joints.json with the joints that keypoints see somewhere else put there; what the model says of landmarks beyond them does
+    not count then."""
+    joints, landmarks = marks["joints"], marks["landmarks"]
+    for name, point in seen.items():
+        off = float(np.linalg.norm(point - joints[name]["position"]))
+        if off > FAR_FROM_KEYPOINT:
+            job.console.say(f"joints: {name} is {1000 * off:.0f} mm from where the keypoints see it, and was put there")
+            joints[name]["position"] = rounded(point)
+            ends = {"wrist": ("middle_fingertip", "thumb_tip"), "ankle": ("big_toe_tip", "heel")}.get(name[2:], ())
+            for end in ends:
+                landmarks.pop(f"{name[0]}_{end}", None)
+    return marks
+
+
+def rounded(point) -> list[float]:
+    return [round(float(x), 4) for x in np.ravel(point)]
+
+
+def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
+    found = align_scan(d.read_mesh(given), scan_of(job, COARSE, frame))
+    floor = ", without its floor" if found.floor else ""
+    off = f"{1000 * found.distance:.0f} mm from what the cameras see"
+    job.console.say(f"scan: {given} is in {found.unit}, {found.up} is up{floor}; brought to {off}")
+    return found.mesh
+
+
+def marks_of(job: Workspace, seen: dict[str, np.ndarray]) -> d.BodyMarks:
+    surface = d.build_template(d.read_mesh(job.session.scan), d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
+    model = d.BodyModel.read(job.body_model)
+    return d.find_body_marks(surface.mesh, surface.face_valid, model, job.group("body"), seen, job.context)
+
+
+def joints_file(marks: d.BodyMarks) -> dict:
+    """joints.json"""
+    return {
+        "comment": f"{FOUND} with {marks.fit.model}",
+        "joints": {j.name: {"position": rounded(j.position), "parent": j.parent or None} for j in marks.joints},
+        "landmarks": {name: rounded(point) for name, point in marks.landmarks.items()},
+    }
+
+
+def facing_finding(rival: float) -> list[Finding]:
+    if rival <= LIKELY_RIVAL:
+        return []
+    return [Finding(False, f"the joints: front and back of the person were hard to tell apart (ratio {rival:.2f})")]

@@ -1,0 +1,121 @@
+"""Which file is which camera's, and whether its calibration is that of its images."""
+
+from __future__ import annotations
+
+import math
+
+from .. import _doublet as d
+from ..common.console import Console
+from ..common.video import ImageSeries, VideoFile, read_video
+from .camera_files import CameraFile, list_files, match
+from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
+from .request import FilmedCamera, Request
+
+SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
+
+
+def filmed_cameras(request: Request, console: Console, messages: list[str]) -> list[FilmedCamera]:
+    calibrated = chosen_cameras(request)
+    names = [c.camera.name for c in calibrated]
+    files = match(names, list_files(request.videos), request.cameras)
+    masks = match(names, list_files(request.masks), what="mask series") if request.masks else {}
+    plates = match(names, list_files(request.background, single_images=True), what="clean plate") if request.background else {}
+    cameras = []
+    for index, (name, camera) in enumerate(zip(names, calibrated)):
+        source = read_source(files[name], request.fps)
+        messages.append(f"{name}: {source.path}, {describe(source)}")
+        cameras.append(fitted(camera, source, request.scale_calibration, messages))
+        cameras[-1].plate = plates.get(name)
+        if name in masks:
+            cameras[-1].masks = checked_masks(masks[name], cameras[-1])
+        console.progress("reading", (index + 1) / len(names))
+    console.finish()
+    if masks:
+        kinds = sorted({camera.masks.kind for camera in cameras})
+        messages += [f"masks: the actor is {KINDS[kind]}" for kind in kinds]
+    return cameras
+
+
+def chosen_cameras(request: Request) -> list[d.CalibratedCamera]:
+    calibrated = d.read_calibration(request.calibration, request.calibration_options)
+    names = [c.camera.name for c in calibrated]
+    for flag, given in (("--without", request.without), ("--offset", request.offsets)):
+        for name in given:
+            if name not in names:
+                raise ValueError(f"{flag} {name}: expected one of the calibration's cameras {', '.join(names)}")
+    if not set(names) - set(request.without):
+        raise ValueError("--without: expected a camera that is left, found none")
+    return [c for c in calibrated if c.camera.name not in request.without]
+
+
+def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:
+    if not file.images:
+        return read_video(file.path)
+    if not fps:
+        raise ValueError(f"{file.path}: expected the frame rate of the images, which they do not say: --fps")
+    if len({image.suffix for image in file.images}) > 1:
+        raise ValueError(
+            f"{file.path}: expected images of one format, found {', '.join(sorted({i.suffix for i in file.images}))}"
+        )
+    return ImageSeries(file.path, file.images, fps)
+
+
+def describe(source: VideoFile | ImageSeries) -> str:
+    turned = {
+        0: "",
+        90: ", turned by 90 degrees to the left",
+        180: ", turned by 180 degrees",
+        270: ", turned by 90 degrees to the right",
+    }
+    return (
+        f"{source.size[0]} x {source.size[1]}, {len(source.times)} frames at {source.fps:.5g} a second{turned[source.rotation]}"
+    )
+
+
+def checked_masks(file: CameraFile, camera: FilmedCamera) -> ExternalMasks:
+    masks = read_masks(file.path, file.images)
+    require_count(masks, len(camera.source.times))
+    require_size(masks.source.size, camera.size, str(masks.source.path))
+    return masks
+
+
+# --- the calibration's images and the video's
+
+
+def fitted(calibrated: d.CalibratedCamera, source, squeezed: bool, messages: list[str]) -> FilmedCamera:
+    """The camera for the images as they will be written. Raises ValueError if they are no scaled ones of the calibration's."""
+    camera = calibrated.camera
+    for upright in (True, False):
+        width, height = source.size if upright else source.stored_size
+        factor = common_factor((camera.width, camera.height), (width, height))
+        if factor:
+            if not upright:
+                messages.append(
+                    f"{camera.name}: the calibration is that of the images as they are stored; the file's rotation is left out"
+                )
+            if (width, height) != (camera.width, camera.height):
+                messages.append(f"{camera.name}: calibration of {camera.width} x {camera.height} scaled by {factor:.4g}")
+            return FilmedCamera(d.CalibratedCamera(camera.resized(width, height), calibrated.lens), source, upright)
+    width, height = source.size
+    across, down = width / camera.width, height / camera.height
+    close = max(across / down, down / across) < SQUEEZED
+    if squeezed and close:
+        messages.append(
+            f"{camera.name}: calibration of {camera.width} x {camera.height} scaled by {across:.4g} across, {down:.4g} down"
+        )
+        return FilmedCamera(d.CalibratedCamera(camera.resized(width, height), calibrated.lens), source)
+    turned = common_factor((camera.height, camera.width), (width, height))
+    advice = "; the video lies on its side, turn it" if turned else ""
+    if close:
+        advice = "; if it was squeezed to this size, and not cropped, --scale-calibration scales each axis by itself"
+    raise ValueError(
+        f"{source.path}: expected {camera.width} x {camera.height} pixels as the calibration of camera '{camera.name}' says, "
+        f"or these scaled, found {width} x {height}{advice}"
+    )
+
+
+def common_factor(before: tuple[int, int], after: tuple[int, int]) -> float:
+    """By which both sides are scaled, to a pixel; 0 = there is none."""
+    across, down = after[0] / before[0], after[1] / before[1]
+    same = abs(after[0] - before[0] * down) <= 1 or abs(after[1] - before[1] * across) <= 1
+    return math.sqrt(across * down) if same else 0.0

@@ -1,0 +1,73 @@
+"""`doublet new-session`: videos and a calibration -> a session folder, synchronised, upright, complete or not there at all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from .. import _doublet as d
+from ..common.console import Console
+from ..common.files import folder_written_atomically
+from ..common.quality_checks import Finding
+from . import check, synchronise
+from .filmed_cameras import filmed_cameras
+from .request import Request
+from .session_writer import write_session
+from .timing import common_rate, found_offsets, say_frames
+
+PICTURE = "new_session.png"
+
+
+@dataclass
+class NewSession:
+    """What was written, what was assumed, and what is doubtful about it."""
+
+    folder: Path
+    messages: list[str]
+    findings: list[Finding]
+
+
+def new_session(request: Request, console: Console | None = None) -> NewSession:
+    """Writes the session folder, complete or not at all. Raises FileNotFoundError, ValueError or RuntimeError with one sentence
+    that names file, expectation and finding; FileExistsError if the folder is there."""
+    console, messages, findings = console or Console(), [], []
+    refuse_existing(request)
+    cameras = filmed_cameras(request, console, messages)
+    fps = common_rate(request, cameras, messages)
+    offsets = found_offsets(request, cameras, fps, console, messages, findings)
+    times = [camera.source.times for camera in cameras]
+    names = [camera.name for camera in cameras]
+    numbers = synchronise.frame_numbers(times, offsets, fps, request.start, request.frames, names)
+    say_frames(cameras, times, offsets, numbers, fps, messages)
+    with folder_written_atomically(request.out) as folder:
+        write_session(folder, request, cameras, numbers, fps, console, messages)
+        session = d.Session(folder)
+        findings += draw_check_picture(session, folder / PICTURE, console, messages)
+    return NewSession(request.out, messages, findings)
+
+
+def refuse_existing(request: Request) -> None:
+    out = request.out.absolute()
+    for path in [*request.videos, request.calibration, *request.masks, *request.background, request.scan, request.joints]:
+        if path is not None and path.absolute().is_relative_to(out) and path.exists():
+            raise ValueError(
+                f"{path}: expected files outside of the new session {request.out}, found one inside; choose another folder"
+            )
+    if not out.exists():
+        return
+    if not out.is_dir() or (any(out.iterdir()) and not (out / "session.json").exists()):
+        raise FileExistsError(
+            f"{request.out}: expected a new folder or a session, found something else there; choose another name"
+        )
+    if any(out.iterdir()) and not request.force:
+        raise FileExistsError(f"{request.out}: there is a session already; --force writes this one in its place")
+
+
+def draw_check_picture(session: d.Session, path: Path, console: Console, messages: list[str]) -> list[Finding]:
+    """Draws frame 0 of every camera with its silhouette; returns what is doubtful."""
+    context = d.Context(progress=console.progress, log=messages.append)
+    frames = d.FrameSource.open(session)
+    extractor = d.session_silhouettes(session, frames, d.SilhouetteOptions(), context)
+    console.finish()
+    evidence = check.Evidence(session, frames, extractor)
+    return check.check_and_draw(evidence, path)

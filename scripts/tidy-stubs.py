@@ -1,0 +1,59 @@
+#!/usr/bin/env python3
+"""Stubs as one would write them: `float` and `int`, and a typed keyword for every option, which editors complete.
+
+python scripts/tidy-stubs.py STUBS.pyi    # called by scripts/make-stubs.sh
+"""
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+import doublet as d
+
+#: What pybind11-stubgen writes -> what one would.
+PLAIN = (
+    ("typing.SupportsFloat | typing.SupportsIndex", "float"),
+    ("typing.SupportsInt | typing.SupportsIndex", "int"),
+    ("def __eq__(self, other: typing.Any) -> typing.Any:", "def __eq__(self, other: object) -> bool:"),
+)
+ANY_KEYWORD = "def __init__(self, **kwargs) -> None:"
+
+
+def setters(node: ast.ClassDef) -> dict[str, str]:
+    """Name -> type of everything that can be set."""
+    found = {}
+    for method in node.body:
+        if isinstance(method, ast.FunctionDef) and any(ast.unparse(x).endswith(".setter") for x in method.decorator_list):
+            found[method.name] = ast.unparse(method.args.args[1].annotation)
+    return found
+
+
+def keywords(options_class, types: dict[str, str]) -> str:
+    """iterations: int = 8, substeps: int = 4, ... in the order of the description, then what is no option."""
+    described, defaults = options_class.described(), options_class().to_dict()
+    words = []
+    for name in [*described, *sorted(types.keys() - described.keys())]:
+        choices = described.get(name, {}).get("choices")
+        kind = f"typing.Literal[{', '.join(map(repr, choices))}]" if choices and types[name] == "str" else types[name]
+        default = repr(defaults[name]) if isinstance(defaults.get(name), (bool, int, float, str)) else "..."
+        words.append(f"{name}: {kind} = {default}")
+    return f"def __init__(self, *, {', '.join(words)}) -> None:"
+
+
+def tidy(text: str) -> str:
+    for before, after in PLAIN:
+        text = text.replace(before, after)
+    lines = text.split("\n")
+    for node in ast.parse(text).body:
+        options_class = getattr(d, node.name, None) if isinstance(node, ast.ClassDef) else None
+        if not hasattr(options_class, "described"):
+            continue
+        (at,) = [i for i in range(node.lineno - 1, node.end_lineno) if lines[i].strip() == ANY_KEYWORD]
+        lines[at] = re.match(r" *", lines[at])[0] + keywords(options_class, setters(node))
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    stubs = Path(sys.argv[1])
+    stubs.write_text(tidy(stubs.read_text(encoding="utf-8")), encoding="utf-8")

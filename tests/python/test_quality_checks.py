@@ -1,0 +1,32 @@
+"""What the numbers of a stage say about its result."""
+
+import pytest
+from doublet.common.quality_checks import LIMITS, findings
+
+
+@pytest.mark.parametrize(
+    "stage, name, good, doubtful, impossible",
+    [
+        ("template", "template_valid_to_scan_mean_mm", 1.1, 6.0, 40.0),
+        ("performance", "silhouette_iou_against_measured_masks", 0.97, 0.8, 0.3),
+        ("body", "residual_mm", 1.6, 30.0, 56000.0),
+    ],
+)
+def test_numbers_beyond_their_limits_are_found(stage, name, good, doubtful, impossible):
+    assert findings(stage, {name: good}) == []
+    for value, level in ((doubtful, "doubtful"), (impossible, "impossible")):
+        (finding,) = findings(stage, {name: value})
+        assert finding.level == level and f"{value:.3g}" in finding.text and "expected at" in finding.text
+
+
+def test_thresholds_a_little_above_noise_are_no_doubt():
+    assert findings("segment", {"thresholds_raised": 1.0}) == findings("segment", {"thresholds_raised": 1.1}) == []
+    (finding,) = findings("segment", {"thresholds_raised": 2.0})
+    assert finding.level == "doubtful" and "few cameras" in finding.text
+
+
+def test_what_a_stage_found_itself_counts_and_what_it_did_not_measure_does_not():
+    (finding,) = findings("segment", {"findings": [{"impossible": False, "text": "a sole"}]})
+    assert finding.level == "doubtful" and finding.text == "a sole"
+    assert findings("body", {}) == [] and findings("fit", {"energy_px2": [1e9]}) == []
+    assert all(limit.doubtful != limit.impossible for limits in LIMITS.values() for limit in limits)
