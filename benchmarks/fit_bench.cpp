@@ -130,7 +130,8 @@ void estimate(benchmark::State &state) {
     image_bytes = static_cast<double>(objective.image_bytes());
   }
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-  const double rest = seconds - times.set_up - times.simulate - times.project - times.rims - times.contour - times.features;
+  const double rest =
+      seconds - times.set_up - times.simulate - times.project - times.rims - times.contour - times.features - times.surface;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   state.counters["cpu_s"] = seconds;
@@ -142,6 +143,7 @@ void estimate(benchmark::State &state) {
                                    {"rims", times.rims},
                                    {"contour", times.contour},
                                    {"features", times.features},
+                                   {"surface", times.surface},
                                    {"optimiser_and_rest", rest}})
     state.counters[name] = part / seconds;
   state.counters["image_MB"] = image_bytes / 1e6;

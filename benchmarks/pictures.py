@@ -1,6 +1,7 @@
 """The pictures of README and results.
 
 python benchmarks/pictures.py overview OUT MOTION -o docs/pictures/overview.jpg [--frame 72] [--camera 0] [--new 95 130]
+python benchmarks/pictures.py pipeline OUT MOTION -o docs/pictures/pipeline.jpg [--frame 72] [--camera 0] [--new 95]
 python benchmarks/pictures.py dance OUT --truth SESSION/ground_truth -o docs/pictures/dance.jpg [--frames 0 30 ...]
 python benchmarks/pictures.py captured OUT -o docs/pictures/own-footage.jpg [--frames 0 30 ...] [--cameras 0 2 ...]
 python benchmarks/pictures.py captured OUT -o docs/pictures/tracking.jpg --frames 20 55 88 115
@@ -24,7 +25,7 @@ from doublet.common import drawing
 from doublet.common.console import Console
 from doublet.evaluation import metrics as evaluate
 from doublet.reconstruct.character import bake_first_frame
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 HEIGHT = 720  # px, of a panel
 BODY = np.array((0.55, 0.57, 0.62))
@@ -81,6 +82,57 @@ def overview(chosen: argparse.Namespace) -> np.ndarray:
         beside = d.orbit_camera(middle, 1.0, 0.3, 0.12, HEIGHT, HEIGHT)
         panels.append(narrowed(renderer.render(surface, high, body, beside, floor)[..., ::-1]))
     return np.hstack([scaled(panel, HEIGHT) for panel in panels])
+
+
+def pipeline(chosen: argparse.Namespace) -> np.ndarray:
+    """A picture a stage, with its name."""
+    job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
+    actor, performance, camera = job.results.actor, job.results.performance(), job.session.rig[chosen.camera]
+    valid = actor.mesh.faces[np.asarray(actor.face_valid, bool)]
+    captured, rest = performance.surface.frames[chosen.frame], actor.mesh.vertices
+    box, front = drawing.crop_box(captured, camera, margin=25), drawing.around(rest, 0.4, HEIGHT)
+    standing = drawing.crop_box(rest, front)
+
+    def at_rest(*meshes: d.RenderMesh) -> np.ndarray:
+        return drawing.shade(list(meshes), front)[standing]
+
+    worn, clothness = job.results.garment(), job.results.segmentation().clothness
+    skin = valid[(clothness[valid] < 0.5).all(axis=1)]
+    body = d.read_body(job.path("body.npz")).body
+    character = d.Character.read(job.path("character.glb"))
+    white = d.RenderOptions(background=[1, 1, 1], floor=False)
+    simulated = frames_of(character, d.Motion(job.session.fps, performance.dofs), [chosen.frame])[chosen.frame]
+    clip = d.retarget(d.SourceMotion.read(chosen.motion), actor.skeleton, d.RetargetOptions(fps=1 / character.solver.dt))
+    danced = frames_of(character, clip, chosen.new[:1])[chosen.new[0]]
+    viewed = d.orbit_camera((danced[3].min(axis=0) + danced[3].max(axis=0)) / 2, 2.6, 0.5, 0.1, HEIGHT, HEIGHT)
+    renderer, grey = d.CharacterRenderer(character), np.array((0.7,) * 3)
+    panels = {
+        "videos": d.FrameSource.open(job.session).image(chosen.camera, performance.frames[chosen.frame])[..., ::-1][box],
+        "template": at_rest(d.RenderMesh(rest, valid, grey)),
+        "performance": drawing.shade([d.RenderMesh(captured, valid, grey)], camera)[box],
+        "segmentation": at_rest(d.RenderMesh(rest, valid, colours=drawing.cloth_colours(clothness))),
+        "body": at_rest(d.RenderMesh(rest, skin, grey), d.RenderMesh(body.vertices, body.faces, BODY)),
+        "garment": at_rest(d.RenderMesh(worn.mesh.vertices, worn.mesh.faces, colours=drawing.cloth_colours(worn.clothness))),
+        "material": renderer.render(*simulated[:3], camera, white)[..., ::-1][box],
+        "animation": renderer.render(*danced[:3], viewed, white)[..., ::-1],
+    }
+    return in_two_rows([captioned(picture, name) for name, picture in panels.items()])
+
+
+def captioned(picture: np.ndarray, name: str) -> np.ndarray:
+    """In a panel of one size, its name below."""
+    height, width, line = HEIGHT // 2, round(0.62 * HEIGHT) // 2, 34
+    drawn = Image.fromarray(np.ascontiguousarray(picture))
+    drawn.thumbnail((width, height), Image.Resampling.LANCZOS)
+    panel = Image.new("RGB", (width, height + line), "white")
+    panel.paste(drawn, ((width - drawn.width) // 2, (height - drawn.height) // 2))
+    ImageDraw.Draw(panel).text((width / 2, height + line / 2), name, "black", ImageFont.load_default(size=22), anchor="mm")
+    return np.asarray(panel)
+
+
+def in_two_rows(panels: list[np.ndarray]) -> np.ndarray:
+    middle = (len(panels) + 1) // 2
+    return np.vstack([np.hstack(panels[:middle]), np.hstack(panels[middle:])])
 
 
 def dance(chosen: argparse.Namespace) -> np.ndarray:
@@ -217,6 +269,7 @@ def main() -> None:
     commands = parser.add_subparsers(required=True)
     for name, make in (
         ("overview", overview),
+        ("pipeline", pipeline),
         ("dance", dance),
         ("captured", captured),
         ("template", template),
@@ -228,7 +281,7 @@ def main() -> None:
         command.add_argument("out", type=Path, metavar="OUT")
         command.add_argument("-o", "--picture", type=Path, required=True, metavar="FILE.jpg")
         command.set_defaults(make=make)
-        if name == "overview":
+        if name in ("overview", "pipeline"):
             command.add_argument("motion", type=Path, metavar="MOTION")
             command.add_argument("--frame", type=int, default=72, metavar="N", help="row of the performance (default: 72)")
             command.add_argument("--camera", type=int, default=0, metavar="N", help="of the session (default: 0)")

@@ -60,6 +60,7 @@ run benchmarks/peers/run.sh --growth "$folder/cloth_growth.png"
 [ -z "${DOUBLET_POPULATION:-}" ] || run python benchmarks/body_curves.py "$DOUBLET_POPULATION" --picture "$folder/body_model.png"
 
 paint overview.jpg overview "$out" "$session/motion.bvh"
+paint pipeline.jpg pipeline "$out" "$session/motion.bvh"
 paint dance.jpg dance "$out" --truth "$session/ground_truth" --frames 0 30 60 90 105 120
 paint tracking.jpg captured "$out" --frames 20 55 88 115
 paint template.png template "$out"

@@ -177,6 +177,8 @@ py::list terms_list(const std::vector<std::vector<FrameTerms>> &terms) {
     region["rims"] = column(&FrameTerms::rims);
     region["features"] = column(&FrameTerms::features);
     region["points"] = column(&FrameTerms::points);
+    region["surface"] = column(&FrameTerms::surface);
+    region["probes"] = column(&FrameTerms::probes);
     regions.append(region);
   }
   return regions;
@@ -220,9 +222,8 @@ void bind_energy(py::module_ &m) {
             return terms_without_gil([&] { return objective.terms(materials); });
           },
           py::arg("materials"),
-          "One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature and contour (E_sil, "
-          "E_sift "
-          "and E_con, pixels^2), rims, features and points (how many)")
+          "One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature, contour and surface "
+          "(E_sil, E_sift, E_con and E_surf, pixels^2), rims, features, points and probes (how many)")
       .def(
           "surface_terms",
           [](const MaterialObjective &objective, const std::vector<Vertices> &surfaces) {

@@ -10,24 +10,14 @@
 namespace doublet::fit {
 namespace {
 
-constexpr int kBackground = -2, kRest = -1; // beside the numbers of the regions
-
-/// (F) of M: the region of a face of the cloth, kRest for the others.
-std::vector<int> region_of_faces(const ClothTopology &topology) {
-  std::vector<int> result(topology.face_is_cloth.size(), kRest);
-  std::size_t next = 0; // the faces of the cloth are in the order of M
-  for (std::size_t f = 0; f < result.size(); ++f)
-    if (topology.face_is_cloth[f])
-      result[f] = topology.face_region[next++];
-  return result;
-}
+constexpr int kRest = ClothTopology::kNoCloth, kBackground = -2; // beside the numbers of the regions
 
 /// What is seen at each coarse pixel: a region, kRest or kBackground.
 std::vector<int> seen_regions(const RiggedMesh &actor, const ClothTopology &topology, const CoarseCamera &camera,
                               const Vertices &surface, const CoarseBuffer &others) {
   const FaceBuffer buffer =
       rasterize(surface, actor.mesh.faces, camera.camera.resized(camera.width, camera.height), actor.face_valid);
-  const std::vector<int> region_of = region_of_faces(topology);
+  const std::vector<int> region_of = topology.region_of_faces();
   std::vector<int> result(buffer.face.size(), kBackground);
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {

@@ -92,6 +92,15 @@ const LaneKernels *fastest_kernels(int samples) {
 
 } // namespace
 
+std::vector<int> ClothTopology::region_of_faces() const {
+  std::vector<int> result(face_is_cloth.size(), kNoCloth);
+  std::size_t next = 0; // the faces of the cloth are in the order of M
+  for (std::size_t f = 0; f < result.size(); ++f)
+    if (face_is_cloth[f])
+      result[f] = face_region[next++];
+  return result;
+}
+
 ClothTopology cloth_topology(const CharacterSimulator &simulator) {
   const RiggedMesh &actor = simulator.actor();
   const Faces &faces = actor.mesh.faces;

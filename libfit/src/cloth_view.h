@@ -31,6 +31,8 @@ struct ClothTopology {
   std::vector<std::uint8_t> face_is_cloth; ///< (F) of M: one of the above
   int vertex_count() const { return static_cast<int>(vertices.size()); }
   int face_count() const { return static_cast<int>(face_region.size()); }
+  static constexpr int kNoCloth = -1;
+  std::vector<int> region_of_faces() const; ///< (F) of M: the region of a face of the cloth, kNoCloth for the others
 };
 ClothTopology cloth_topology(const CharacterSimulator &simulator);
 

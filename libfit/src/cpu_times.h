@@ -36,7 +36,7 @@ public:
   void add(const Stopwatch &watch) {
     const std::lock_guard lock(mutex_);
     for (double EnergyTimes::*part : {&EnergyTimes::set_up, &EnergyTimes::simulate, &EnergyTimes::project, &EnergyTimes::rims,
-                                      &EnergyTimes::contour, &EnergyTimes::features})
+                                      &EnergyTimes::contour, &EnergyTimes::features, &EnergyTimes::surface})
       times_.*part += watch.times().*part;
   }
   EnergyTimes times() const {

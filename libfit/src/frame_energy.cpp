@@ -63,6 +63,24 @@ void FrameEnergy::measure_features(std::span<Rollout> group, int t, std::size_t 
     }
 }
 
+/// From the simulated cloth to the captured surface.
+void FrameEnergy::measure_surface(std::span<Rollout> group, int t, Measure &measure) const {
+  const CapturedShape &shape = observed_.shapes[t];
+  const int lanes = measure.view.lanes();
+  for (const int v : observed_.probes) {
+    const int r = observed_.topology.region[v];
+    if (!shape.has(r))
+      continue;
+    const float *place = measure.view.positions().data() + static_cast<std::size_t>(v) * 3 * lanes;
+    for (std::size_t s = 0; s < group.size(); ++s) {
+      FrameTerms &terms = (*group[s].terms)[r][t];
+      const Eigen::Vector3d point(place[s], place[lanes + s], place[2 * lanes + s]);
+      terms.surface += std::min(shape.squared_distance(r, point), observed_.worst[r][t].surface);
+      ++terms.probes;
+    }
+  }
+}
+
 /// A sample that does not show a feature of the captured cloth, or shows another region there, has the same point of the
 /// cloth elsewhere: that is where the feature is taken to lie.
 void FrameEnergy::place_missed(const CapturedFeatures &features, LocatedFeatures &located, int lanes) const {
@@ -118,6 +136,8 @@ void FrameEnergy::measure(std::span<Rollout> group, int t, Measure &measure) con
       measure_contour(group, t, c, measure);
     measure.watch.lap(&EnergyTimes::contour);
   }
+  measure_surface(group, t, measure);
+  measure.watch.lap(&EnergyTimes::surface);
   for (Rollout &rollout : group)
     finish(rollout, t);
 }
@@ -130,6 +150,7 @@ void FrameEnergy::finish(Rollout &rollout, int t) const {
     terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : no_rims;
     terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
     terms.contour = terms.points > 0 ? terms.contour / terms.points : 0;
+    terms.surface = terms.probes > 0 ? terms.surface / terms.probes : 0;
     if (rollout.exploded[r])
       terms = observed_.worst[r][t];
   }
@@ -147,7 +168,9 @@ double FrameEnergy::mean(const Terms &terms, int region) const {
     return sum / std::max(1, count);
   };
   return observed_.options.alpha * over_frames(&FrameTerms::silhouette) +
-         observed_.options.beta * over_frames(&FrameTerms::feature) + observed_.options.gamma * over_frames(&FrameTerms::contour);
+         observed_.options.beta * over_frames(&FrameTerms::feature) +
+         observed_.options.gamma * over_frames(&FrameTerms::contour) +
+         observed_.options.delta * over_frames(&FrameTerms::surface);
 }
 
 std::vector<double> FrameEnergy::mean(const Terms &terms) const {

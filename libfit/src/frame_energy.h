@@ -1,5 +1,6 @@
 #pragma once
-// The energy of a frame (eq. 6 and 7, and the measured contour), of a group of samples side by side, and of all frames (eq. 8).
+// The energy of a frame (eq. 6 and 7, the measured contour and the captured surface), of a group of samples side by side, and of
+// all frames (eq. 8).
 
 #include "observed_frames.h"
 
@@ -49,6 +50,7 @@ private:
   void measure_rims(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
   void measure_contour(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
   void measure_features(std::span<Rollout> group, int t, std::size_t c, Measure &measure) const;
+  void measure_surface(std::span<Rollout> group, int t, Measure &measure) const;
   void locate(int t, std::size_t c, Measure &measure) const;
   void place_missed(const CapturedFeatures &features, LocatedFeatures &located, int lanes) const;
   void finish(Rollout &rollout, int t) const;

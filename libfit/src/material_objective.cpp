@@ -15,7 +15,8 @@ using namespace fit;
 
 void EnergyOptions::validate() const {
   options::check(*this);
-  require(alpha + beta + gamma > 0, "EnergyOptions: alpha, beta and gamma: expected a weight above 0, found 0 for all");
+  require(alpha + beta + gamma + delta > 0,
+          "EnergyOptions: alpha, beta, gamma and delta: expected a weight above 0, found 0 for all");
 }
 
 struct MaterialObjective::Impl {

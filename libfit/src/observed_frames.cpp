@@ -8,6 +8,8 @@
 namespace doublet::fit {
 namespace {
 
+constexpr int kEveryFrame = 4; // has a captured shape: the frames between tell the same
+
 struct Box {
   float x0 = 1e9f, y0 = 1e9f, x1 = -1e9f, y1 = -1e9f;
   void add(const Eigen::Vector2d &p) {
@@ -58,6 +60,8 @@ ObservedFrames::ObservedFrames(const std::vector<const CharacterSimulator *> &mo
   frames.resize(count);
   views.assign(count, std::vector<FrameView>(observations.cameras.size()));
   captured.assign(count, std::vector<CapturedView>(observations.cameras.size()));
+  shapes.resize(count);
+  probes = probes_of(topology);
   if (count > 0 && model.has_rest_shape())
     for (const Eigen::VectorXd &dofs : doublet::way_in(model.actor().skeleton, performance.dofs.row(0).transpose(), options.dt))
       way_in.push_back(model.pose(dofs));
@@ -118,6 +122,9 @@ void ObservedFrames::keep_image(int t, std::size_t c, const Vertices &surface, c
 void ObservedFrames::keep_captured(int t, bool starts, const MeshSequence &surface, const Observations &observations) {
   CapturedCloth cloth(*simulator, topology, options);
   const Vertices &now = surface.frames[t];
+  const auto seen = [](const FrameView &view) { return view.seen; };
+  if (options.delta > 0 && t % kEveryFrame == 0 && std::any_of(views[t].begin(), views[t].end(), seen))
+    shapes[t] = CapturedShape(*simulator, topology, cameras, now);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const ViewObservation &observed = observations.views[t][c];
     CapturedView &view = captured[t][c];
@@ -151,6 +158,7 @@ FrameTerms ObservedFrames::worst_terms(int region, int t) const {
   result.feature = result.features > 0 ? result.feature / result.features : 0;
   result.silhouette = result.rims > 0 ? farthest_rim : 0;
   result.contour = result.points > 0 ? farthest_rim : 0;
+  result.surface = shapes[t].has(region) ? farthest_rim : 0;
   if (!options.same_comparisons) { // every frame counts
     result.silhouette = farthest_rim;
     result.feature = std::max(result.feature, std::pow(options.feature_cap * side, 2));

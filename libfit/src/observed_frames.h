@@ -3,6 +3,7 @@
 // Worked out once, the same for all samples.
 
 #include "captured_cloth.h"
+#include "captured_shape.h"
 #include "cpu_times.h"
 #include "doublet/fit/material_objective.h"
 #include "doublet/fit/parts/distance_field.h"
@@ -39,6 +40,8 @@ public:
   std::vector<PosedFrame> way_in;                  ///< in which cloth with a rest shape is put on before the first of them
   std::vector<std::vector<FrameView>> views;       ///< [T][cameras]
   std::vector<std::vector<CapturedView>> captured; ///< [T][cameras], features from t-1 to t
+  std::vector<CapturedShape> shapes;               ///< [T], in some frames, unless delta is 0
+  std::vector<int> probes;                         ///< vertices of the cloth whose distance to the shapes is measured
   Terms worst; ///< what a frame of an exploded sample costs; a term that is 0 does not count, for any sample
 
   int regions() const { return static_cast<int>(simulator->regions().size()); }

@@ -1,4 +1,5 @@
 #include "doublet/core/error.h"
+#include "doublet/core/parts/closest_point.h"
 #include "doublet/core/parts/normal_generator.h"
 #include "fit/synthetic.h"
 #include "support/temp_folder.h"
@@ -437,6 +438,58 @@ TEST(MaterialObjective, AScrapOnTheContourDoesNotExplainIt) {
 }
 
 /// E_sift of surfaces that stand still from frame t to t + 1, and that move the wrong way, one after the other.
+/// From the point to the nearest of the faces, m, without a tree.
+double plain_distance(const Eigen::Vector3d &p, const Vertices &vertices, const Faces &faces, const std::vector<int> &region) {
+  double nearest = 1e30;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    if (region[faces(f, 0)] < 0 || region[faces(f, 1)] < 0 || region[faces(f, 2)] < 0)
+      continue;
+    const Eigen::Vector3d a = vertices.row(faces(f, 0)), b = vertices.row(faces(f, 1)), c = vertices.row(faces(f, 2));
+    const Eigen::Vector3d ab = b - a, ac = c - a;
+    const Eigen::Vector3d at =
+        closest_on_triangle(ab.dot(p - a), ac.dot(p - a), ab.dot(p - b), ac.dot(p - b), ab.dot(p - c), ac.dot(p - c));
+    nearest = std::min(nearest, (at[0] * a + at[1] * b + at[2] * c - p).norm());
+  }
+  return nearest;
+}
+
+/// A garment carried sideways, so that part of it is nearer to other parts of the captured one than to its own place.
+TEST(MaterialObjective, TheSurfaceTermIsTheSquaredDistanceToTheCapturedClothInPixels) {
+  const Scene &s = scene();
+  const MaterialObjective objective(*s.simulator, s.performance, s.observations);
+  const std::vector<Vertices> aside =
+      moved(s, [](int, const Eigen::RowVector3d &p) { return p + Eigen::RowVector3d(0.03, 0.01, 0); });
+  const std::vector<FrameTerms> terms = objective.surface_terms(aside)[0];
+  const std::vector<int> region(s.segmentation.region.begin(), s.segmentation.region.end());
+  for (const int t : {0, 4, 28}) {
+    const Vertices &captured = s.performance.surface.frames[t];
+    const Eigen::Vector3d middle = captured.colwise().mean().transpose();
+    double scale = 0;
+    for (const Camera &camera : s.observations.cameras)
+      scale += camera.K(0, 0) / camera.depth(middle) / static_cast<double>(s.observations.cameras.size());
+    std::vector<double> squared;
+    for (Eigen::Index v = 0; v < captured.rows(); ++v)
+      if (region[v] >= 0)
+        squared.push_back(std::pow(scale * plain_distance(aside[t].row(v).transpose(), captured, s.actor.mesh.faces, region), 2));
+    const double all = std::accumulate(squared.begin(), squared.end(), 0.0) / static_cast<double>(squared.size());
+    EXPECT_NEAR(terms[t].probes, static_cast<double>(squared.size()) / 6, 1);
+    EXPECT_NEAR(terms[t].surface, all, 0.1 * all) << t; // of one vertex in six
+    EXPECT_GT(all, 0.5) << t;
+  }
+  EXPECT_EQ(terms[5].probes, 0);
+  for (const FrameTerms &own : objective.surface_terms(s.performance.surface.frames)[0])
+    EXPECT_LT(own.surface, 1e-6);
+  EnergyOptions images;
+  images.delta = 0;
+  const MaterialObjective blind(*s.simulator, s.performance, s.observations, images);
+  EXPECT_EQ(blind.surface_terms(aside)[0][4].probes, 0);
+  const double without = blind.surface_energy(aside)[0];
+  double term = 0;
+  for (int t = 0; t < 32; t += 4)
+    term += terms[t].surface / 8;
+  EXPECT_NEAR(objective.surface_energy(aside)[0], without + term, 1e-9);
+}
+
 std::pair<double, double> still_and_wrong(const EnergyOptions &options, int t) {
   const std::vector<Vertices> &captured = scene().performance.surface.frames;
   std::vector<Vertices> still = captured, wrong = captured;
@@ -470,9 +523,11 @@ TEST(MaterialObjective, AFrameWithoutObservationsCountsForNoSample) {
   for (std::size_t t = 0; t < terms.size(); ++t) {
     sum.silhouette += terms[t].silhouette / 31, sum.contour += terms[t].contour / 31; // of 32
     sum.feature += terms[t].feature / 30;                                             // none at the first frame either
+    sum.surface += terms[t].surface / 8;                                              // in every fourth frame
   }
-  EXPECT_NEAR(objective.energies({{with_drag(32)}}, {})(0, 0), sum.silhouette + sum.contour + EnergyOptions{}.beta * sum.feature,
-              1e-9);
+  const EnergyOptions weights;
+  EXPECT_NEAR(objective.energies({{with_drag(32)}}, {})(0, 0),
+              sum.silhouette + sum.contour + weights.beta * sum.feature + weights.delta * sum.surface, 1e-9);
 }
 
 TEST(MaterialObjective, AWindowsFirstFrameHasFeaturesWhereverItsLeadEnds) {

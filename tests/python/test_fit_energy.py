@@ -24,11 +24,11 @@ def test_terms_add_up_to_the_energy(objective):
     (terms,) = objective.terms([TRUTH])
     count = len(terms["silhouette"])
     assert {k: (v.shape, v.dtype.kind) for k, v in terms.items()} == {
-        **dict.fromkeys(("silhouette", "feature", "contour"), ((count,), "f")),
-        **dict.fromkeys(("rims", "features", "points"), ((count,), "i")),
+        **dict.fromkeys(("silhouette", "feature", "contour", "surface"), ((count,), "f")),
+        **dict.fromkeys(("rims", "features", "points", "probes"), ((count,), "i")),
     }
     assert terms["features"].max() == 0 and min(terms["rims"].min(), terms["points"].min()) > 0  # a bell without texture
-    energy = terms["silhouette"].mean() + terms["contour"].mean()
+    energy = terms["silhouette"].mean() + terms["contour"].mean() + terms["surface"][terms["probes"] > 0].mean()
     assert objective.energies([[TRUTH]])[0, 0] == pytest.approx(energy)
 
 
@@ -37,7 +37,7 @@ def test_the_captured_surface_costs_little_and_none_the_most(objective, captured
     (own,) = objective.surface_energy(surfaces)
     assert 0 < own < 0.1 * objective.worst_energy
     (terms,) = objective.surface_terms(surfaces)
-    assert terms["contour"].max() < 9
+    assert terms["contour"].max() < 9 and terms["surface"].max() < 1e-6
     away = surfaces + [0, 100.0, 0]
     assert objective.surface_energy(away)[0] == pytest.approx(objective.worst_energy, rel=1e-4)
     with pytest.raises(ValueError, match="surfaces: expected"):

@@ -19,7 +19,7 @@ MAY_USE = {
     "pbd": {"options"},
     "simulate": {"options", "core", "pbd"},
     "animate": {"options", "core", "rays", "files", "pbd", "simulate"},
-    "fit": {"options", "core", "files", "pbd", "simulate"},
+    "fit": {"options", "core", "rays", "files", "pbd", "simulate"},
 }
 SOURCES = {name: sorted(p for p in (ROOT / f"lib{name}").rglob("*") if p.suffix in {".h", ".cpp"}) for name in MAY_USE}
 

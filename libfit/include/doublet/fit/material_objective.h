@@ -21,6 +21,9 @@ struct EnergyOptions {
   /// Mean squared distance, at most rim_cap, from the measured contour that is the outline of the captured cloth to the outline
   /// of the simulated cloth. E_sil asks whether every simulated rim is seen, this whether every seen rim is simulated.
   double gamma = 1.0;
+  /// Mean squared distance, at most rim_cap, from the simulated cloth to the captured surface, in every fourth frame. Images tell
+  /// outlines and how things move, this tells where the cloth is between them.
+  double delta = 1.0;
   /// A feature that the simulated cloth does not show costs the distance from where it is seen to where the simulation has its
   /// point of the captured cloth; a frame without a rim costs rim_cap; a frame in which the captured cloth shows nothing is left
   /// out for every sample. false: what a sample does not show is free.
@@ -48,6 +51,8 @@ struct EnergyOptions {
         option(&O::gamma, "gamma", at_least(0), "",
                "weight of E_con, the measured contour that no simulated rim comes near; 1 = as rims that are not seen, 0 = the "
                "paper's"),
+        option(&O::delta, "delta", at_least(0), "",
+               "weight of E_surf, how far the simulated cloth is from the captured surface; 0 = images alone (the paper's)"),
         option(&O::same_comparisons, "same_comparisons",
                "every sample is measured on what the captured cloth shows; off = on what it shows itself (the paper's)"),
         option(&O::settle_frames, "settle_frames", at_least(0), "",
@@ -74,7 +79,7 @@ struct EnergyOptions {
   static EnergyOptions paper() {
     EnergyOptions options;
     options.beta = 10;
-    options.gamma = 0;
+    options.gamma = options.delta = 0;
     options.same_comparisons = options.fast_features = false;
     return options;
   }
@@ -118,8 +123,9 @@ int width_index(double unit, int widths);
 
 /// The terms at one frame for one region.
 struct FrameTerms {
-  double silhouette = 0, feature = 0, contour = 0; ///< E_sil, E_sift and E_con, pixels^2
-  int rims = 0, features = 0, points = 0;          ///< n_sil, n_sift and how many points of the measured contour
+  double silhouette = 0, feature = 0, contour = 0, surface = 0; ///< E_sil, E_sift, E_con and E_surf, pixels^2
+  int rims = 0, features = 0, points = 0;                       ///< n_sil, n_sift and how many points of the measured contour
+  int probes = 0;                                               ///< vertices whose distance to the captured surface was asked for
 };
 
 /// Where the time of an objective went: seconds of CPU time over all threads.
@@ -130,10 +136,12 @@ struct EnergyTimes {
   double rims = 0;     ///< E_sil
   double contour = 0;  ///< E_con
   double features = 0; ///< E_sift
+  double surface = 0;  ///< E_surf
 };
 
-/// Immutable after construction, so evaluations from several threads are safe. One part a region. Of the sequence only 2D data is
-/// kept, and which point of the cloth the captured surface has under each feature.
+/// Immutable after construction, so evaluations from several threads are safe. One part a region. Of the sequence 2D data is
+/// kept, which point of the cloth the captured surface has under each feature, and, unless delta is 0, every fourth captured
+/// surface.
 class MaterialObjective : public Objective {
 public:
   /// `simulator`, must outlive the objective. Throws std::invalid_argument if the character has no cloth, Error if performance
@@ -165,8 +173,8 @@ public:
   std::vector<std::vector<FrameTerms>> surface_terms(const std::vector<Vertices> &surfaces) const;
   /// (R) E_fit of such surfaces, pixels^2.
   std::vector<double> surface_energy(const std::vector<Vertices> &surfaces) const;
-  /// E_fit, pixels^2, if everything cost what it can at most, of the region where that is most; about (alpha + gamma) rim_cap^2 +
-  /// beta feature_cap^2. No sample costs more.
+  /// E_fit, pixels^2, if everything cost what it can at most, of the region where that is most; about (alpha + gamma +
+  /// delta) rim_cap^2 + beta feature_cap^2. No sample costs more.
   double worst_energy() const;
   /// Bytes of what is kept of the images.
   std::size_t image_bytes() const;
