@@ -137,7 +137,6 @@ SHORTER = (
     (r"doublet\._doublet\.", ""),
     (r"^\(self(: \w+)?(, )?", "("),
     (r"<(\w+) object at 0x[0-9a-f]+>", r"\1()"),
-    (r"(\w+)\(\{.*?\}\)(?=[,)]|$)", r"\1()"),
     (r"typing\.Annotated\[numpy\.typing\.(ArrayLike|NDArray\[numpy\.\w+\])(, numpy\.\w+)?(, [\"']\[[^\]]*\][\"'])?\]", "array"),
     (r"collections\.abc\.|typing\.(?=Any|Callable)", ""),
     (r"typing\.SupportsFloat \| typing\.SupportsIndex", "float"),

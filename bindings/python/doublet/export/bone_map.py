@@ -1,5 +1,7 @@
-"""Which joint of a clip plays which of ours, as a file (TOML) that a person looks at and corrects: `doublet animate
---write-bone-map FILE` writes it, `--bone-map FILE` reads it."""
+"""Which joint of a clip plays which of ours, as a file (TOML) that a person looks at and corrects.
+
+`doublet animate --write-bone-map FILE` writes it, `--bone-map FILE` reads it.
+"""
 
 from __future__ import annotations
 
