@@ -458,7 +458,7 @@ TEST(MaterialObjective, TheSurfaceTermIsTheSquaredDistanceToTheCapturedClothInPi
   const Scene &s = scene();
   const MaterialObjective objective(*s.simulator, s.performance, s.observations);
   const std::vector<Vertices> aside =
-      moved(s, [](int, const Eigen::RowVector3d &p) { return p + Eigen::RowVector3d(0.03, 0.01, 0); });
+      moved(s, [](int, const Eigen::RowVector3d &p) -> Eigen::RowVector3d { return p + Eigen::RowVector3d(0.03, 0.01, 0); });
   const std::vector<FrameTerms> terms = objective.surface_terms(aside)[0];
   const std::vector<int> region(s.segmentation.region.begin(), s.segmentation.region.end());
   for (const int t : {0, 4, 28}) {
