@@ -210,7 +210,7 @@ TEST(MaterialObjective, AnExplosionCostsTheWorstAndStaysFinite) {
     EXPECT_LT(energies.row(0).maxCoeff(), 0.9 * objective.worst_energy());
     // From the second frame on; the other region is as good as without.
     for (const auto &[sample, region] : {std::pair{1, 0}, {2, 1}, {3, 0}, {3, 1}})
-      EXPECT_GT(energies(sample, region), 0.9 * objective.worst_energy());
+      EXPECT_GT(energies(sample, region), 0.8 * objective.worst_energy());
     EXPECT_LT(energies(1, 1), 0.9 * objective.worst_energy());
     EXPECT_LT(energies(2, 0), 0.9 * objective.worst_energy());
   }
@@ -472,8 +472,8 @@ TEST(MaterialObjective, TheSurfaceTermIsTheSquaredDistanceToTheCapturedClothInPi
       if (region[v] >= 0)
         squared.push_back(std::pow(scale * plain_distance(aside[t].row(v).transpose(), captured, s.actor.mesh.faces, region), 2));
     const double all = std::accumulate(squared.begin(), squared.end(), 0.0) / static_cast<double>(squared.size());
-    EXPECT_NEAR(terms[t].probes, static_cast<double>(squared.size()) / 6, 1);
-    EXPECT_NEAR(terms[t].surface, all, 0.1 * all) << t; // of one vertex in six
+    EXPECT_NEAR(terms[t].probes, static_cast<double>(squared.size()) / 7, 1);
+    EXPECT_NEAR(terms[t].surface, all, 0.1 * all) << t; // of one vertex in seven
     EXPECT_GT(all, 0.5) << t;
   }
   EXPECT_EQ(terms[5].probes, 0);
