@@ -5370,7 +5370,7 @@ class CmaEsOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, population: int = 0, initial_mean: float = 0.5, initial_sigma: float = 0.3, max_evaluations: int = 512, smallest_deviation: float = 0.025, stagnation: float = 0.02, seed: int = 1, first: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[m, n]'] = ...) -> None:
+    def __init__(self, *, population: int = 0, initial_mean: float = 0.5, initial_sigma: float = 0.3, max_evaluations: int = 512, smallest_deviation: float = 0.025, stagnation: float = 0.02, seed: int = 1) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5382,14 +5382,6 @@ class CmaEsOptions:
         """
         Name -> value of every option.
         """
-    @property
-    def first(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
-        """
-        (K, n) samples of the first generation, from whose best quarter the search goes on; empty = drawn
-        """
-    @first.setter
-    def first(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None:
-        ...
     @property
     def initial_mean(self) -> float:
         """
@@ -5840,7 +5832,7 @@ class EnergyOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, dt: float = 0.025, alpha: float = 1.0, beta: float = 3.0, gamma: float = 1.0, same_comparisons: bool = True, settle_frames: int = 20, rim_cap: float = 0.064, feature_cap: float = 0.032, fast_features: bool = True, outline_size: int = 251, field_size: int = 502, window: int = 0, window_lead: int = 8) -> None:
+    def __init__(self, *, dt: float = 0.025, alpha: float = 1.0, beta: float = 1.0, gamma: float = 1.0, delta: float = 1.0, same_comparisons: bool = True, settle_frames: int = 20, rim_cap: float = 0.064, feature_cap: float = 0.032, fast_features: bool = True, outline_size: int = 251, field_size: int = 502, window: int = 0, window_lead: int = 8) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5863,10 +5855,18 @@ class EnergyOptions:
     @property
     def beta(self) -> float:
         """
-        weight of E_sift (10 is the paper's); with 3 the energy tells the distance to a true garment better: a number of at least 0
+        weight of E_sift (10 is the paper's); more prefers cloth that is too stiff to fold over folds in other places: a number of at least 0
         """
     @beta.setter
     def beta(self, value: float) -> None:
+        ...
+    @property
+    def delta(self) -> float:
+        """
+        weight of E_surf, how far the simulated cloth is from the captured surface; 0 = images alone (the paper's): a number of at least 0
+        """
+    @delta.setter
+    def delta(self, value: float) -> None:
         ...
     @property
     def dt(self) -> float:
@@ -6047,7 +6047,7 @@ class MaterialObjective(Objective):
         """
     def terms(self, materials: collections.abc.Sequence[Material]) -> list:
         """
-        One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature and contour (E_sil, E_sift and E_con, pixels^2), rims, features and points (how many)
+        One rollout of one material a region -> one dict a region of arrays (T): silhouette, feature, contour and surface (E_sil, E_sift, E_con and E_surf, pixels^2), rims, features, points and probes (how many)
         """
     @property
     def fingerprint(self) -> str:
