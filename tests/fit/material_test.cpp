@@ -39,7 +39,7 @@ TEST(MaterialObjective, TheTruthCostsLittleAndEverythingElseMore) {
   for (double d_n : {0.0, 1.0, 16.0, 32.0}) {
     const double other = energy_of(scene(), with_drag(d_n));
     std::printf(", d_n %.0f %.2f", d_n, other);
-    EXPECT_GT(other, 1.5 * truth) << d_n;
+    EXPECT_GT(other, 1.2 * truth) << d_n;
   }
   const double centre = energy_of(scene(), ParameterSpace{}.material(Eigen::VectorXd::Constant(5, 0.5)));
   std::printf(", centre %.2f\n", centre);
@@ -477,8 +477,8 @@ TEST(MaterialObjective, TheSurfaceTermIsTheSquaredDistanceToTheCapturedClothInPi
     EXPECT_GT(all, 0.5) << t;
   }
   EXPECT_EQ(terms[5].probes, 0);
-  for (const FrameTerms &own : objective.surface_terms(s.performance.surface.frames)[0])
-    EXPECT_LT(own.surface, 1e-6);
+  const std::vector<FrameTerms> own = objective.surface_terms(s.performance.surface.frames)[0];
+  EXPECT_LT(std::max_element(own.begin(), own.end(), [](auto &a, auto &b) { return a.surface < b.surface; })->surface, 1e-6);
   EnergyOptions images;
   images.delta = 0;
   const MaterialObjective blind(*s.simulator, s.performance, s.observations, images);
