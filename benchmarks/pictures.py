@@ -58,12 +58,12 @@ def frames_of(character: d.Character, motion: d.Motion, wanted: list[int]) -> di
 def overview(chosen: argparse.Namespace) -> np.ndarray:
     job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
     character = d.Character.read(job.path("character.glb"))
-    performance, camera, row = job.performance(), job.session.rig[chosen.camera], chosen.frame
+    performance, camera, row = job.performance(), job.filmed.rig[chosen.camera], chosen.frame
     captured = performance.surface.frames[row]
     faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
     box = picture.crop_box(captured, camera, margin=25)
 
-    photo = d.FrameSource.open(job.session).image(chosen.camera, performance.frames[row])[..., ::-1]
+    photo = d.FrameSource.open(job.filmed).image(chosen.camera, performance.frames[row])[..., ::-1]
     filmed = picture.draw_outline(photo, picture.outline(captured, faces, camera))
     colours = picture.cloth_colours(job.segmentation().clothness)
     tracked = picture.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
@@ -109,13 +109,13 @@ def dance(chosen: argparse.Namespace) -> np.ndarray:
 def captured(chosen: argparse.Namespace) -> np.ndarray:
     """Film, and the captured surface on it, by clothness; a frame and a camera each."""
     job = pipeline.Job(pipeline.recorded_session(chosen.out), chosen.out)
-    performance, film = job.performance(), d.FrameSource.open(job.session)
+    performance, film = job.performance(), d.FrameSource.open(job.filmed)
     faces = job.actor.mesh.faces[np.asarray(job.actor.face_valid, bool)]
     colours = picture.cloth_colours(job.segmentation().clothness)
     panels = []
     for number, row in enumerate(chosen.frames):
         c = chosen.cameras[number % len(chosen.cameras)]
-        camera, surface = job.session.rig[c], performance.surface.frames[row]
+        camera, surface = job.filmed.rig[c], performance.surface.frames[row]
         photo = film.image(c, performance.frames[row])[..., ::-1]
         covered = d.rasterize(surface, faces, camera)[0] >= 0
         shaded = picture.shade([d.RenderMesh(surface, faces, colours=colours)], camera)

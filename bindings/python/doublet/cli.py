@@ -274,7 +274,9 @@ def run_evaluate(arguments) -> None:
     if not arguments.out.is_dir():
         raise FileNotFoundError(f"{arguments.out} is not a folder")
     session = d.Session(arguments.session or pipeline.recorded_session(arguments.out))
-    result = evaluate(arguments.out, arguments.truth, session, console, arguments.every)
+    refined = arguments.out / pipeline.CALIBRATION
+    filmed = session.recalibrated(refined) if refined.exists() else session
+    result = evaluate(arguments.out, arguments.truth, filmed, console, arguments.every)
     if arguments.motion:
         result["motion"] = garment_motion.compare(Reconstruction(arguments.out), Truth(arguments.truth), session.fps)
     if arguments.json:

@@ -31,6 +31,7 @@ OPTION_GROUPS = {
     "limbs": d.LimbSearchOptions,
     "annealing": d.ParticleAnnealingOptions,
     "surface": d.SurfaceOptions,
+    "calibration": d.CalibrationRefinementOptions,
     "segment": d.SegmentOptions,
     "opposite": d.OppositeOptions,
     "fullness": d.FullnessOptions,
@@ -105,6 +106,12 @@ class Job:
     @cached_property
     def session(self) -> d.Session:
         return d.Session(self.session_folder)
+
+    @property
+    def filmed(self) -> d.Session:
+        """The session with the cameras that the performance was captured with: the refined ones, if there are any."""
+        refined = self.path(CALIBRATION)
+        return self.session.recalibrated(refined) if refined.exists() else self.session
 
     @cached_property
     def record(self) -> RunRecord:
@@ -200,6 +207,7 @@ class Stage:
 
 CHECKPOINT = "fit_checkpoint.txt"
 CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
+CALIBRATION = "calibration.yml"  # of OUT, if the cameras were refined
 
 
 def run_check(job: Job) -> dict:
@@ -269,6 +277,7 @@ def run_performance(job: Job) -> dict:
         raise
     d.write_observations(job.path("observations.npz"), result.observations)
     d.write_performance(job.path("performance.npz"), result.performance)
+    write_refined_cameras(job, result)
     options.checkpoint.unlink(missing_ok=True)
     summary = result.summary
     return {
@@ -281,15 +290,51 @@ def run_performance(job: Job) -> dict:
         "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
         "frames_inferred": {sight.joint: sight.inferred for sight in summary.joints if sight.inferred},
         "frames_lost": {sight.joint: sight.lost for sight in summary.joints if sight.lost},
+        "cameras_refined": summary.cameras_refined,
+        "cameras": [plain_camera(camera) for camera in summary.cameras],
         "seconds_per_frame": summary.seconds_per_frame,
     }
+
+
+def plain_camera(camera: d.RefinedCamera) -> dict:
+    """What the take says about a camera, rounded to what matters."""
+    return {
+        "camera": camera.camera,
+        "seen": camera.seen,
+        "moved_mm": round(1000 * camera.moved, 2),
+        "sure_mm": round(1000 * camera.sure, 2),
+        "turned_degrees": round(camera.turned, 4),
+        "shifted_mm": round(1000 * camera.shifted, 2),
+        "focal_percent": round(100 * camera.focal, 3),
+        "late_frames": round(camera.late, 3),
+        "late_sure_frames": round(camera.late_sure, 3),
+    }
+
+
+def write_refined_cameras(job: Job, result: d.CaptureResult) -> None:
+    """calibration.yml of OUT, which all later stages go by; none if the session's calibration is as good."""
+    path = job.path(CALIBRATION)
+    if not result.summary.cameras_refined:
+        path.unlink(missing_ok=True)
+        return
+    filmed = d.filmed(job.session, result)
+    cameras = [d.CalibratedCamera(c, lens, own.late) for c, lens, own in zip(filmed.rig, filmed.lenses, filmed.cameras)]
+    d.write_calibration(path, cameras)
+    moved = np.sqrt(np.mean([camera.moved**2 for camera in result.summary.cameras if camera.seen]))
+    late = [f"{camera.camera} by {camera.delay}" for camera in result.summary.cameras if camera.delay]
+    job.console.finish()
+    job.console.say(
+        f"performance: the calibration was {1000 * moved:.1f} mm off on the actor"
+        + (f", and frames late: {', '.join(late)}" if late else "")
+        + f"; {path} has the refined cameras"
+    )
 
 
 def run_segment(job: Job) -> dict:
     options, fullness = job.group("segment"), job.options["fullness"]
     segmenter, performance = d.ClothSegmenter.create(options), job.performance()
     if options.skin_colour > 0 or options.cloth_colour > 0:
-        performance.surface.colours = first_colours(job.actor, performance, job.session, job.silhouettes, job.context)
+        performance.surface.colours = first_colours(job.actor, performance, job.filmed, job.silhouettes, job.context)
     found = d.segment_performance(job.actor, performance, segmenter, fullness, job.context)
     result = with_paint(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
@@ -488,12 +533,13 @@ STAGES = (
     ),
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
-        ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
+        ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface", "calibration"),
+        run_performance,
         lambda s: [s.calibration, *image_files(s)], uses_seed=True, goes_on_from=(CAPTURE_CHECKPOINT,),
     ),
     Stage(
         "segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "opposite", "fullness"), run_segment,
-        may_read=(segmentation_paint.PAINTED,),
+        may_read=(segmentation_paint.PAINTED, CALIBRATION),
     ),
     Stage(
         "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
@@ -514,13 +560,13 @@ STAGES = (
         ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "garment.npz",
          "material.json"),
         ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy", "texture"), run_character,
-        lambda s: image_files(s),
+        lambda s: image_files(s), may_read=(CALIBRATION,),
     ),
     Stage(
         "report",
         ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "body.npz", "proxies.json", "garment.npz",
          "material.json", "fit_log.csv", "simulated.npz", "character.glb"),
-        ("report.html",), (), run_report, lambda s: image_files(s),
+        ("report.html",), (), run_report, lambda s: image_files(s), may_read=(CALIBRATION,),
     ),
 )  # fmt: skip
 
