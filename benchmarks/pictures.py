@@ -61,12 +61,12 @@ def frames_of(character: d.Character, motion: d.Motion, wanted: list[int]) -> di
 def overview(chosen: argparse.Namespace) -> np.ndarray:
     job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
     character = d.Character.read(job.path("character.glb"))
-    performance, camera, row = job.results.performance(), job.session.rig[chosen.camera], chosen.frame
+    performance, camera, row = job.results.performance(), job.filmed.rig[chosen.camera], chosen.frame
     captured = performance.surface.frames[row]
     faces = job.results.actor.mesh.faces[np.asarray(job.results.actor.face_valid, bool)]
     box = drawing.crop_box(captured, camera, margin=25)
 
-    photo = d.FrameSource.open(job.session).image(chosen.camera, performance.frames[row])[..., ::-1]
+    photo = d.FrameSource.open(job.filmed).image(chosen.camera, performance.frames[row])[..., ::-1]
     filmed = drawing.draw_outline(photo, drawing.outline(captured, faces, camera))
     colours = drawing.cloth_colours(job.results.segmentation().clothness)
     tracked = drawing.shade([d.RenderMesh(captured, faces, colours=colours)], camera)
@@ -87,7 +87,7 @@ def overview(chosen: argparse.Namespace) -> np.ndarray:
 def pipeline(chosen: argparse.Namespace) -> np.ndarray:
     """A picture a stage, with its name."""
     job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
-    actor, performance, camera = job.results.actor, job.results.performance(), job.session.rig[chosen.camera]
+    actor, performance, camera = job.results.actor, job.results.performance(), job.filmed.rig[chosen.camera]
     valid = actor.mesh.faces[np.asarray(actor.face_valid, bool)]
     captured, rest = performance.surface.frames[chosen.frame], actor.mesh.vertices
     box, front = drawing.crop_box(captured, camera, margin=25), drawing.around(rest, 0.4, HEIGHT)
@@ -107,7 +107,7 @@ def pipeline(chosen: argparse.Namespace) -> np.ndarray:
     viewed = d.orbit_camera((danced[3].min(axis=0) + danced[3].max(axis=0)) / 2, 2.6, 0.5, 0.1, HEIGHT, HEIGHT)
     renderer, grey = d.CharacterRenderer(character), np.array((0.7,) * 3)
     panels = {
-        "videos": d.FrameSource.open(job.session).image(chosen.camera, performance.frames[chosen.frame])[..., ::-1][box],
+        "videos": d.FrameSource.open(job.filmed).image(chosen.camera, performance.frames[chosen.frame])[..., ::-1][box],
         "template": at_rest(d.RenderMesh(rest, valid, grey)),
         "performance": drawing.shade([d.RenderMesh(captured, valid, grey)], camera)[box],
         "segmentation": at_rest(d.RenderMesh(rest, valid, colours=drawing.cloth_colours(clothness))),
@@ -163,13 +163,13 @@ def dance(chosen: argparse.Namespace) -> np.ndarray:
 def captured(chosen: argparse.Namespace) -> np.ndarray:
     """Film, and the captured surface on it, by clothness; a frame and a camera each."""
     job = reconstruct.Job(reconstruct.recorded_session(chosen.out), chosen.out)
-    performance, film = job.results.performance(), d.FrameSource.open(job.session)
+    performance, film = job.results.performance(), d.FrameSource.open(job.filmed)
     faces = job.results.actor.mesh.faces[np.asarray(job.results.actor.face_valid, bool)]
     colours = drawing.cloth_colours(job.results.segmentation().clothness)
     panels = []
     for number, row in enumerate(chosen.frames):
         c = chosen.cameras[number % len(chosen.cameras)]
-        camera, surface = job.session.rig[c], performance.surface.frames[row]
+        camera, surface = job.filmed.rig[c], performance.surface.frames[row]
         photo = film.image(c, performance.frames[row])[..., ::-1]
         covered = d.rasterize(surface, faces, camera)[0] >= 0
         shaded = drawing.shade([d.RenderMesh(surface, faces, colours=colours)], camera)

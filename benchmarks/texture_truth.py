@@ -92,8 +92,8 @@ def main() -> None:
     job, truth = Job(options.session, options.out), Truth(options.session / "ground_truth")
     performance, character = job.results.dressed_performance(), d.Character.read(options.out / "character.glb")
     frame, surface = performance.frames[0], performance.surface.frames[0]
-    images, masks = camera_views(job.session, frame, job.silhouettes)
-    true = TrueColours(truth, frame, job.session.rig, images, masks)
+    images, masks = camera_views(job.filmed, frame, job.silhouettes)
+    true = TrueColours(truth, frame, job.filmed.rig, images, masks)
     parts, points = parts_of(character), on_faces(d.DisplaySurface(character).apply(surface)[character.high.faces])
     true_ab = {}
     for name, faces in parts.items():
@@ -101,7 +101,7 @@ def main() -> None:
         true_ab[name] = chosen, lab_ab(true.at(points[chosen], name == "garment"))
     for reach in options.label_reach:
         baking, start = d.TextureOptions(albedo=False, label_reach=reach), time.perf_counter()
-        d.texture_character(character, surface, job.session.rig, images, masks, baking)
+        d.texture_character(character, surface, job.filmed.rig, images, masks, baking)
         print(f"label_reach {reach:g} m, {time.perf_counter() - start:.1f} s:", end="")
         found = lab_ab(textured(character))
         for name, (chosen, expected) in true_ab.items():

@@ -37,14 +37,16 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   ReferencePerformance performance = read_performance(out / "performance.npz", actor);
   const Observations observations = read_observations(out / "observations.npz");
   // Sect. 5: cloth, with what it looks like in the first frame, and body
+  const Session seen = filmed(session, captured);
+  const auto film = FrameSource::open(seen);
   std::vector<Image> images, masks;
-  for (int camera = 0; camera < frames->camera_count(); ++camera) {
-    auto [image, mask] = read_view(*frames, camera, performance.frames[0], silhouettes.get());
+  for (int camera = 0; camera < film->camera_count(); ++camera) {
+    auto [image, mask] = read_view(*film, camera, performance.frames[0], silhouettes.get());
     images.push_back(std::move(image));
     masks.push_back(std::move(mask));
   }
   const Mesh first{performance.surface.frames[0], actor.mesh.faces};
-  performance.surface.colours = sample_colours(first, actor.face_valid, session.rig, images, masks, {}, context);
+  performance.surface.colours = sample_colours(first, actor.face_valid, seen.rig, images, masks, {}, context);
   write_segmentation(out / "segmentation.npz", segment_performance(actor, performance, *ClothSegmenter::create(), {}, context));
   const Segmentation segmentation = read_segmentation(out / "segmentation.npz");
   const BodyFit fitted = BodyFitter::create()->fit(actor, segmentation, *BodyModel::read(body_model), session.landmarks, context);
@@ -79,7 +81,7 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   Character character = make_character(dressed.actor, dressed.segmentation, body, proxies, result.materials(), result.solver,
                                        display.mesh, display.valid, display.garment_subdivisions);
   character.name = session.name;
-  texture_character(character, motion.surface.frames[0], session.rig, images, masks, {}, context);
+  texture_character(character, motion.surface.frames[0], seen.rig, images, masks, {}, context);
   write_character(out / "character.glb", character);
 }
 

@@ -52,12 +52,13 @@ void bind_calibration(py::module_ &m) {
       .def_readwrite("distortion", &Lens::distortion, "fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none")
       .def_property_readonly("undone", &Lens::undone, "whether there is anything to undo");
   Class<CalibratedCamera>(m, "CalibratedCamera", "A camera as it was calibrated, and its lens.")
-      .def(py::init([](Camera camera, Lens lens) {
-             return CalibratedCamera{std::move(camera), std::move(lens)};
+      .def(py::init([](Camera camera, Lens lens, int late) {
+             return CalibratedCamera{std::move(camera), std::move(lens), late};
            }),
-           py::arg("camera"), py::arg("lens") = Lens{})
+           py::arg("camera"), py::arg("lens") = Lens{}, py::arg("late") = 0)
       .def_readwrite("camera", &CalibratedCamera::camera, "its distortion is zero where the lens is undone")
       .def_readwrite("lens", &CalibratedCamera::lens, "what is undone when frames are read")
+      .def_readwrite("late", &CalibratedCamera::late, "frames: what it films in frame t + late the others film in frame t")
       .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.");
   py::implicitly_convertible<Camera, CalibratedCamera>();
   m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{}, Release(),
@@ -75,9 +76,12 @@ void bind_session(py::module_ &m) {
       .def_readwrite("masks", &SessionCamera::masks, "the same kinds; empty = key the video")
       .def_readwrite("background", &SessionCamera::background, "image of the empty stage or pattern of several; empty = none")
       .def_readwrite("first_frame", &SessionCamera::first_frame, "of video and masks: frame 0 of the session")
+      .def_readwrite("late", &SessionCamera::late, "frames, as CalibratedCamera.late")
       .def_readonly("video_fps", &SessionCamera::video_fps, "what the video's container says; 0 = nothing");
   Class<Session>(m, "Session", "A capture session on disk, checked as a whole.")
       .def(py::init(&read_session), py::arg("folder"), Release())
+      .def("recalibrated", &recalibrated, py::arg("calibration"), Release(),
+           "The session with the cameras of another calibration.yml, such as the refined one of a capture.")
       .def_readonly("folder", &Session::folder, "absolute")
       .def_readonly("name", &Session::name, "of the session")
       .def_readonly("fps", &Session::fps, "frames a second")
@@ -213,6 +217,18 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("seen", &JointSight::seen, "enough of it visible that moves with the skeleton")
       .def_readwrite("inferred", &JointSight::inferred, "hidden; it follows from the joints before and after it")
       .def_readwrite("lost", &JointSight::lost, "its limb was lost and not found again");
+  Class<RefinedCamera>(m, "RefinedCamera", "What a take says about a camera of its calibration.")
+      .def(py::init<>())
+      .def_readwrite("camera", &RefinedCamera::camera, "its name")
+      .def_readwrite("seen", &RefinedCamera::seen, "the actor was, in some moment")
+      .def_readwrite("moved", &RefinedCamera::moved, "m, how far the actor appears from where the given camera has it, RMS")
+      .def_readwrite("sure", &RefinedCamera::sure, "m, the standard deviation of that")
+      .def_readwrite("turned", &RefinedCamera::turned, "degrees")
+      .def_readwrite("shifted", &RefinedCamera::shifted, "m, of the centre")
+      .def_readwrite("focal", &RefinedCamera::focal, "change as a share")
+      .def_readwrite("late", &RefinedCamera::late, "frames by which it shows things later than the others")
+      .def_readwrite("delay", &RefinedCamera::delay, "whole frames of that which were made good")
+      .def_readwrite("late_sure", &RefinedCamera::late_sure, "frames, standard deviation of that");
   Class<CaptureSummary>(m, "CaptureSummary", "What can disappoint about a capture.")
       .def(py::init<>())
       .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
@@ -224,6 +240,9 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("lost_limbs", &CaptureSummary::lost_limbs, "in the order of frames")
       .def_readwrite("start_frame", &CaptureSummary::start_frame, "video frame from which tracking went both ways")
       .def_readwrite("joints", &CaptureSummary::joints, "those with degrees of freedom")
+      .def_readwrite("cameras", &CaptureSummary::cameras, "what the take says about each; none if they were not to be refined")
+      .def_readwrite("cameras_refined", &CaptureSummary::cameras_refined,
+                     "the performance is of the refined cameras, those of the observations")
       .def_readwrite("measure_seconds", &CaptureSummary::measure_seconds, "s: images to outlines, features and their matches")
       .def_readwrite("map_seconds", &CaptureSummary::map_seconds, "s: features lifted to the surface and found by the map")
       .def_readwrite("pose_seconds", &CaptureSummary::pose_seconds, "s: poses")
@@ -235,6 +254,8 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("performance", &CaptureResult::performance, "ReferencePerformance")
       .def_readwrite("observations", &CaptureResult::observations, "what was measured in the images")
       .def_readwrite("summary", &CaptureResult::summary, "CaptureSummary");
+  m.def("filmed", &filmed, py::arg("session"), py::arg("captured"), Release(),
+        "The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.");
   Class<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
       .def(py::init<>())
       .def_static(

@@ -269,6 +269,7 @@ void bind_capture_parts(py::module_ &m) {
   bind_pose(m);
   bind_limbs(m);
   bind_surface(m);
+  OptionsClass<CalibrationRefinementOptions>(m, "Options of the refinement of the cameras.");
   Class<CaptureParts> parts(m, "CaptureParts", "The pieces of a capture; None = the built-in one, made from the options.");
   parts.def(py::init([](const py::object &features, const py::object &pose, const py::object &limbs, const py::object &surface) {
               return CaptureParts{kept<FeatureTracker>(features), kept<PoseOptimizer>(pose), kept<LimbSearch>(limbs),

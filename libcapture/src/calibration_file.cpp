@@ -344,6 +344,8 @@ void write_camera(cv::FileStorage &storage, const CalibratedCamera &calibrated) 
             << "fisheye";
   write_matrix(storage, name + "_R", 3, 3, row_by_row(camera.R));
   write_matrix(storage, name + "_t", 3, 1, flat(camera.t));
+  if (calibrated.late != 0)
+    storage << name + "_late" << calibrated.late;
   storage << name + "_image_width" << camera.width << name + "_image_height" << camera.height;
 }
 

@@ -37,7 +37,7 @@ public:
 
   Image image(int camera, int frame) override {
     check(camera, frame);
-    const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], frame + session_.cameras[camera].first_frame);
+    const cv::Mat mat = read(session_.cameras[camera].video, videos_[camera], in_file(camera, frame));
     check_size(mat, camera, frame, session_.cameras[camera].video);
     if (mat.empty() || single_colour(mat))
       return {};
@@ -47,7 +47,7 @@ public:
 
   Image mask(int camera, int frame) override {
     check(camera, frame);
-    const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], frame + session_.cameras[camera].first_frame);
+    const cv::Mat mat = read(session_.cameras[camera].masks, masks_[camera], in_file(camera, frame));
     check_size(mat, camera, frame, session_.cameras[camera].masks);
     if (mat.empty())
       return {};
@@ -65,8 +65,14 @@ private:
                                   std::to_string(frame));
   }
 
+  /// The number in the file; below 0 where a camera that is late, or early, was not filming.
+  int in_file(int camera, int frame) const {
+    const int own = frame + session_.cameras[camera].late;
+    return own < 0 || own >= session_.frame_count ? -1 : own + session_.cameras[camera].first_frame;
+  }
+
   static cv::Mat read(const std::filesystem::path &path, std::unique_ptr<detail::FrameReader> &reader, int frame) try {
-    if (path.empty())
+    if (path.empty() || frame < 0)
       return {};
     if (!reader)
       reader = detail::FrameReader::open(path);

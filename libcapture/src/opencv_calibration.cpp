@@ -6,6 +6,7 @@
 #include "opencv_storage.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <initializer_list>
 
 namespace doublet::detail {
@@ -55,6 +56,16 @@ bool fisheye_lens(const cv::FileStorage &storage, const std::string &key, const 
   return true;
 }
 
+int frames_late(const cv::FileStorage &storage, const std::string &key, const std::string &where) {
+  constexpr int kMost = 100'000;
+  const cv::FileNode late = storage[key];
+  if (late.empty())
+    return 0;
+  if (!late.isInt() || std::abs(static_cast<int>(late)) > kMost)
+    throw Error(where + ": expected " + key + ", if it is there, to be a number of frames, found another value");
+  return static_cast<int>(late);
+}
+
 CalibratedCamera doublet_camera(const cv::FileStorage &storage, const std::string &name, const fs::path &source) {
   const std::string where = source.string();
   if (storage[name + "_K"].empty())
@@ -69,6 +80,7 @@ CalibratedCamera doublet_camera(const cv::FileStorage &storage, const std::strin
   set_distortion(result, numbers_of(storage[name + "_distortion"]), fisheye_lens(storage, name + "_lens", where),
                  where + ": " + name + "_distortion");
   set_size(result, {pixels(storage, name + "_image_width", where), pixels(storage, name + "_image_height", where)});
+  result.late = frames_late(storage, name + "_late", where);
   validate_calibrated(result, where);
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include "camera_choice.h"
 #include "capture_checkpoint.h"
+#include "delayed_frames.h"
 #include "doublet/capture/parts/smoothing.h"
 #include "doublet/capture/start_frame.h"
 #include "feature_map.h"
@@ -175,6 +176,26 @@ struct OtherCapture : Error {
   using Error::Error;
 };
 
+constexpr int kMostMoves = 4; // of the cameras, each of which begins all again
+
+/// The cameras that a run goes by.
+struct Studio {
+  CameraRig given, rig;
+  std::vector<int> delays;          ///< whole frames, which the frames have made good
+  int refined = 0;                  ///< how often
+  bool moved = false;               ///< in one of these times, not only waited for
+  std::vector<RefinedCamera> found; ///< the last look at them
+};
+
+/// The cameras turned out to be others: all is to be tracked again, with them.
+struct CamerasMoved {
+  CalibrationEstimate found;
+  bool late_alone;                 ///< they stay where they are
+  std::vector<TrackedFrame> known; ///< out of the checkpoint, of the run to come
+  std::array<double, 6> seconds;   ///< so far, as TrackedFrame::seconds
+  double progress, reached;        ///< that of the frames that led to this; what has been reported
+};
+
 /// Everything one run knows while it goes through the frames.
 ///
 /// A frame is measured, tracked (`track`) and taken in (`take`). What is known at a frame is what was measured at those before
@@ -184,11 +205,11 @@ struct OtherCapture : Error {
 /// start. A take that begins in the scan's pose starts at its first frame.
 class Tracking {
 public:
-  Tracking(const CaptureOptions &options, const CaptureParts &parts, const RiggedMesh &actor, const CameraRig &rig,
+  Tracking(const CaptureOptions &options, const CaptureParts &parts, const RiggedMesh &actor, const Studio &studio,
            FrameSource &frames, const SilhouetteExtractor *extractor, int count, CaptureCheckpoint &checkpoint,
            const Context &context)
-      : options_(options), parts_(parts), actor_(actor), rig_(rig), frames_(frames), extractor_(extractor), count_(count),
-        checkpoint_(checkpoint), context_(context), looseness_(actor, options.loose),
+      : options_(options), parts_(parts), actor_(actor), studio_(studio), rig_(studio.rig), frames_(frames),
+        extractor_(extractor), count_(count), checkpoint_(checkpoint), context_(context), looseness_(actor, options.loose),
         offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)), limbs_(find_limbs(actor.skeleton)), limb_record_(no_record()) {
     for (const Joint &joint : actor.skeleton.joints)
       if (joint.dof_count > 0)
@@ -196,20 +217,26 @@ public:
     make_room();
   }
 
-  /// `known`: the first frames, out of the checkpoint. Throws OtherCapture if they are not of this capture.
+  /// What runs before this one have used.
+  void go_on_after(const std::array<double, 6> &seconds, double progress, double reached) {
+    set_seconds(seconds);
+    progress_before_ = progress;
+    reached_ = reached;
+  }
+
+  /// `known`: the first frames, out of the checkpoint. Throws OtherCapture if they are not of this capture, CamerasMoved if it is
+  /// to be tracked again.
   CaptureResult run(std::vector<TrackedFrame> known) {
     if (!options_.use_sift)
       context_.say("capture: silhouettes alone, no texture features");
     done_ = static_cast<int>(known.size());
     try {
-      context_.report("capture", progress());
+      report_progress();
       if (known.empty())
         find_start();
       else
         go_on_from(known.front());
       result_.summary.start_frame = frame(start_);
-      if (done_ > 0)
-        context_.say("capture: " + checkpoint_.path().string() + " goes on " + place());
       go_through(std::move(known));
       std::stable_sort(result_.summary.lost_limbs.begin(), result_.summary.lost_limbs.end(),
                        [](const LostLimb &a, const LostLimb &b) { return a.frame < b.frame; });
@@ -218,6 +245,8 @@ public:
       result_.summary.seconds_per_frame = seconds().back() / count_;
       context_.report("capture", 1);
     } catch (const OtherCapture &) {
+      throw;
+    } catch (const CamerasMoved &) {
       throw;
     } catch (...) {
       if (checkpoint_.used())
@@ -230,7 +259,14 @@ public:
 private:
   int frame(int t) const { return options_.first_frame + t; }
   int steps() const { return passes(options_) * count_; }
-  double progress() const { return static_cast<double>(done_) / steps(); }
+  double progress(int done) const {
+    return progress_before_ + (1 - progress_before_) * std::min(1.0, static_cast<double>(done) / steps());
+  }
+  /// Never less than before, though frames out of a checkpoint may be of runs to come.
+  void report_progress() {
+    reached_ = std::max(reached_, progress(done_));
+    context_.report("capture", reached_);
+  }
 
   /// The frame index that a step is about.
   int at(int step) const {
@@ -256,6 +292,7 @@ private:
     for (std::vector<double> *of_frames : {&summary.rim_px, &summary.sift_px, &summary.silhouette_iou})
       of_frames->assign(count_, 0);
     summary.views.assign(count_, 0);
+    summary.cameras = studio_.found;
     offsets_.resize(count_);
     kept_.resize(count_);
   }
@@ -275,18 +312,118 @@ private:
   }
 
   void go_through(std::vector<TrackedFrame> known) {
-    const int known_count = done_;
+    const int known_count = std::min(done_, steps());
     for (int step = 0; step < steps(); ++step) {
       const int t = at(step);
       if (step == count_)
         start_again();
       if (t == start_ - 1)
         turn_back();
+      if (step == known_count && known_count > 0)
+        say_where_it_goes_on();
       if (step < known_count)
         go_over(t, std::exchange(known[step], {}), step + 1 == known_count);
       else
         go_on(t);
+      if (step == 0 || step + 1 == count_)
+        look_at_cameras(step, known);
     }
+    if (known_count == steps())
+      say_where_it_goes_on();
+  }
+
+  void say_where_it_goes_on() const { context_.say("capture: " + checkpoint_.path().string() + " goes on " + place()); }
+
+  /// After the first frame, if it is in the scan's pose, by that; after the first pass by frames of the whole take. Throws
+  /// CamerasMoved if the given cameras are clearly off: nothing that was found by them is kept.
+  void look_at_cameras(int step, std::vector<TrackedFrame> &known) {
+    const bool by_start = step == 0 && count_ > 1;
+    if (!options_.refine_cameras || studio_.refined >= kMostMoves || (by_start && searched_))
+      return;
+    const CalibrationEstimate found = by_start ? refine_by_start() : refine_by_take();
+    result_.summary.cameras = found.cameras;
+    for (size_t v = 0; v < rig_.size(); ++v) {
+      result_.summary.cameras[v].late += studio_.delays[v];
+      result_.summary.cameras[v].delay = studio_.delays[v];
+    }
+    say(by_start ? "cameras by the first frame: %.2f mm off on the actor, sure to %.2f mm, outlines %.2f px before, %.2f after"
+                 : "cameras by the take: %.2f mm off on the actor, sure to %.2f mm, outlines %.2f px before, %.2f after",
+        1000 * found.change, 1000 * found.sure, found.before_px, found.after_px);
+    const bool delayed = std::any_of(found.cameras.begin(), found.cameras.end(),
+                                     [](const RefinedCamera &camera) { return std::abs(camera.late) > 0.5; });
+    if (!delayed && !clearly_off(found))
+      return;
+    const size_t of_this_run = std::min(known.size(), static_cast<size_t>(step) + 1);
+    known.erase(known.begin(), known.begin() + static_cast<long>(of_this_run));
+    throw CamerasMoved{found, delayed, std::move(known), seconds(), progress(step + 1), reached_};
+  }
+
+  /// A calibration that was mended once is not taken at its word any more: a smaller move will do.
+  bool clearly_off(const CalibrationEstimate &found) const {
+    constexpr double kClearly = 2; // standard deviations
+    const auto seen = [](const RefinedCamera &camera) { return camera.seen; };
+    const double least = options_.calibration.least;
+    return std::count_if(found.cameras.begin(), found.cameras.end(), seen) >= 3 && found.after_px < found.before_px &&
+           (studio_.moved ? found.change > least / 2 : found.change > std::max(least, kClearly * found.sure));
+  }
+
+  CalibrationProblem calibration_problem(const Eigen::VectorXd &reliability) const {
+    CalibrationProblem problem;
+    problem.actor = &actor_;
+    problem.given = studio_.given;
+    problem.rig = rig_;
+    problem.reliability = reliability;
+    return problem;
+  }
+
+  CalibrationEstimate refine_by_start() const {
+    CalibrationProblem problem = calibration_problem(looseness_.reliability());
+    problem.poses = result_.performance.dofs.row(start_);
+    problem.timed = false;
+    problem.moments = {{0, &kept_[start_].outlines, Vertices(0, 3), where_the_scan_is(start_)}};
+    return refine_calibration(problem, options_.calibration, context_);
+  }
+
+  /// Delays first: while cameras show different times, what is loose is not known, and skin is taken for as firm as before
+  /// anything was seen. Only then what is off besides.
+  CalibrationEstimate refine_by_take() const {
+    Looseness settled = looseness_;
+    settled.settle(offsets_);
+    const Eigen::VectorXd learnt = settled.reliability(), expected = Looseness(actor_, options_.loose).reliability();
+    CalibrationEstimate timed;
+    if (options_.calibration.late > 0)
+      timed = refine_by_take(learnt.cwiseMax(expected));
+    for (const RefinedCamera &camera : timed.cameras)
+      if (std::abs(camera.late) > 0.5)
+        return timed;
+    CalibrationEstimate found = refine_by_take(learnt);
+    for (size_t v = 0; v < timed.cameras.size(); ++v) {
+      found.cameras[v].late = timed.cameras[v].late;
+      found.cameras[v].late_sure = timed.cameras[v].late_sure;
+    }
+    return found;
+  }
+
+  CalibrationEstimate refine_by_take(const Eigen::VectorXd &reliability) const {
+    CalibrationProblem problem = calibration_problem(reliability);
+    problem.poses = result_.performance.dofs;
+    const Eigen::VectorXd loose = 1 - reliability.array();
+    const int moments = std::min(options_.calibration.moments, count_);
+    for (int k = 0; k < moments; ++k) {
+      const int t = static_cast<int>((2 * k + 1) * static_cast<long>(count_) / (2 * moments));
+      problem.moments.push_back({t, &kept_[t].outlines, loose.asDiagonal() * offsets_[t], false});
+    }
+    if (!searched_)
+      problem.moments.push_back({start_, &kept_[start_].outlines, Vertices(0, 3), where_the_scan_is(start_)});
+    return refine_calibration(problem, options_.calibration, context_);
+  }
+
+  /// Does the actor stand where the scan was made, as far as the given cameras tell?
+  bool where_the_scan_is(int t) const {
+    constexpr double kNear = 0.05, kNearlyTurned = 0.1; // m, rad
+    const int root = root_joint(actor_.skeleton).first_dof;
+    const Eigen::VectorXd pose = result_.performance.dofs.row(t);
+    return pose.segment<3>(root).norm() < kNear && pose.segment<3>(root + 3).norm() < kNearlyTurned;
   }
 
   /// A frame that was tracked before. Its features are detected only where they are still needed: in the start for the map and
@@ -308,7 +445,7 @@ private:
   }
 
   void go_on(int t) {
-    context_.report("capture", progress());
+    report_progress();
     TrackedFrame found;
     found.frame = t;
     found.searched = t == start_ && searched_;
@@ -853,6 +990,7 @@ private:
   const CaptureOptions &options_;
   const CaptureParts &parts_;
   const RiggedMesh &actor_;
+  const Studio &studio_;
   const CameraRig &rig_;
   FrameSource &frames_;
   const SilhouetteExtractor *extractor_;
@@ -860,7 +998,8 @@ private:
   CaptureCheckpoint &checkpoint_;
   const Context &context_;
   CaptureResult result_;
-  double began_ = now();  // earlier runs included
+  double began_ = now(); // earlier runs included
+  double progress_before_ = 0, reached_ = 0;
   int done_ = 0;          // frames that are in the checkpoint, of all passes
   int start_ = 0;         // frame index at which tracking begins
   bool searched_ = false; // its pose was, as it is not the scan's
@@ -938,13 +1077,12 @@ public:
     const TrackedActor tracked = track_actor(actor, options_.ends_turn);
     CaptureCheckpoint checkpoint(options_.checkpoint, fingerprint(options_, own_parts_, tracked.actor, chosen.rig(), count));
     const auto track = [&](std::vector<TrackedFrame> known) {
-      return Tracking(options_, parts_, tracked.actor, chosen.rig(), chosen.frames(), chosen.extractor(), count, checkpoint,
-                      context)
-          .run(std::move(known));
+      return track_until_cameras_stay(tracked.actor, chosen, count, checkpoint, std::move(known), context);
     };
     CaptureResult result;
     try {
-      result = track(checkpoint.read(static_cast<std::size_t>(passes(options_) * count), context));
+      const int most = (passes(options_) + (options_.refine_cameras ? kMostMoves : 0)) * count;
+      result = track(checkpoint.read(static_cast<std::size_t>(most), context));
     } catch (const OtherCapture &why) {
       context.say("capture: " + checkpoint.path().string() + " " + why.what() + "; starting over");
       checkpoint.start_over();
@@ -955,6 +1093,52 @@ public:
   }
 
 private:
+  /// Tracks from the beginning each time that the cameras turn out to be others.
+  CaptureResult track_until_cameras_stay(const RiggedMesh &actor, const CameraChoice &chosen, int count,
+                                         CaptureCheckpoint &checkpoint, std::vector<TrackedFrame> known, const Context &context) {
+    Studio studio{chosen.rig(), chosen.rig(), std::vector<int>(chosen.rig().size(), 0), 0, false, {}};
+    std::array<double, 6> seconds{};
+    double progress = 0, reached = 0;
+    for (;;) {
+      DelayedFrames frames(chosen.frames(), studio.delays);
+      Tracking run(options_, parts_, actor, studio, frames, chosen.extractor(), count, checkpoint, context);
+      run.go_on_after(seconds, progress, reached);
+      try {
+        CaptureResult result = run.run(std::move(known));
+        result.summary.cameras_refined = studio.refined > 0;
+        return result;
+      } catch (CamerasMoved &moved) {
+        move_cameras(studio, moved, context);
+        known = std::move(moved.known);
+        seconds = moved.seconds;
+        progress = moved.progress;
+        reached = moved.reached;
+      }
+    }
+  }
+
+  static void move_cameras(Studio &studio, const CamerasMoved &moved, const Context &context) {
+    const CalibrationEstimate &found = moved.found;
+    if (!moved.late_alone) {
+      studio.rig = found.rig;
+      studio.moved = true;
+    }
+    ++studio.refined;
+    studio.found = found.cameras;
+    std::string late;
+    for (size_t v = 0; v < studio.rig.size(); ++v) {
+      studio.delays[v] += static_cast<int>(std::lround(found.cameras[v].late));
+      if (studio.delays[v] != 0)
+        late += (late.empty() ? "" : ", ") + studio.rig[v].name + " by " + std::to_string(studio.delays[v]);
+      studio.found[v].late = studio.found[v].delay = studio.delays[v];
+    }
+    char line[160];
+    std::snprintf(line, sizeof line, "the calibration is %.1f mm off on the actor (outlines %.2f px, %.2f when refined)",
+                  1000 * found.change, found.before_px, found.after_px);
+    const std::string cameras = moved.late_alone ? "the calibration stays as it is" : line;
+    context.say("capture: " + cameras + (late.empty() ? "" : "; frames late: " + late) + "; it begins again");
+  }
+
   /// A letter for each piece that is not made from the options.
   static std::string own_parts(const CaptureParts &parts) {
     return std::string(parts.features ? "f" : "") + (parts.pose ? "p" : "") + (parts.limbs ? "l" : "") +
@@ -967,6 +1151,19 @@ private:
 };
 
 } // namespace
+
+Session filmed(Session session, const CaptureResult &captured) {
+  for (size_t c = 0; c < session.cameras.size(); ++c) {
+    const std::string &name = session.cameras[c].name;
+    for (const Camera &camera : captured.observations.cameras)
+      if (camera.name == name)
+        session.rig.at(c) = camera;
+    for (const RefinedCamera &camera : captured.summary.cameras)
+      if (camera.camera == name)
+        session.cameras[c].late += camera.delay;
+  }
+  return session;
+}
 
 void CaptureOptions::validate() const {
   options::check(*this);

@@ -139,7 +139,10 @@ void read_rig(Session &session) {
   std::vector<std::string> names;
   for (const SessionCamera &camera : session.cameras)
     names.push_back(camera.name);
+  session.rig.clear();
+  session.lenses.clear();
   for (CalibratedCamera &calibrated : detail::read_doublet_calibration(session.calibration, names)) {
+    session.cameras[session.rig.size()].late = calibrated.late;
     session.rig.push_back(std::move(calibrated.camera));
     session.lenses.push_back(std::move(calibrated.lens));
   }
@@ -203,6 +206,20 @@ void check_plates(const fs::path &path, const Camera &camera) {
 }
 
 } // namespace
+
+Session recalibrated(const Session &session, const fs::path &calibration) {
+  if (!fs::is_regular_file(calibration))
+    throw FileNotFound(calibration.string() + ": expected a calibration, found no such file");
+  Session result = session;
+  result.calibration = fs::absolute(calibration).lexically_normal();
+  read_rig(result);
+  for (std::size_t c = 0; c < result.rig.size(); ++c)
+    if (const Camera &before = session.rig.at(c), &now = result.rig[c]; now.width != before.width || now.height != before.height)
+      throw Error(calibration.string() + ": expected " + std::to_string(before.width) + " x " + std::to_string(before.height) +
+                  " pixels of camera '" + now.name + "', found " + std::to_string(now.width) + " x " +
+                  std::to_string(now.height));
+  return result;
+}
 
 Session read_session(const fs::path &folder) {
   detail::quiet_opencv();

@@ -346,6 +346,7 @@ spoilt_by(
     a_matrix_of_fewer_numbers=text("session/calibration.yml", ("cols: 3", "cols: 1")),
     a_rotation_that_is_none=text("session/calibration.yml", ("cam0_R", "cam0_Q"), ("cam0_K", "cam0_R"), ("cam0_Q", "cam0_K")),
     an_image_width_of_0=text("session/calibration.yml", ("cam0_image_width: 48", "cam0_image_width: 0")),
+    a_camera_late_by_no_number=text("session/calibration.yml", ("cam0_image_width: 48", "cam0_image_width: 48\ncam0_late: soon")),
     images_of_another_size=png("session/masks/cam0_0000.png", 32),
     a_damaged_image=cut("session/masks/cam1_0000.png", 0.3),
     images_that_are_not_there=gone("session/masks"),

@@ -214,6 +214,7 @@ PROLOGUES = {
         "doublet/bodymodel/proxies.h",
         [f"{ACTOR}, const doublet::Segmentation &clothness, const std::map<std::string, Eigen::Vector3d> &landmarks"],
     ),
+    "calibration-refinement.md": ("cstdio", ["const doublet::CaptureResult &result"]),
     "capture-tracking.md": ("doublet/capture/performance_capture.h", [ACTOR, ACTOR]),
     "cloth.md": (
         "iostream doublet/pbd/cloth_solver.h doublet/animate/animator.h",

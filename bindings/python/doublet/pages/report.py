@@ -39,13 +39,13 @@ class Shown:
 
     def __init__(self, job):
         self.job = job
-        self.session = job.session
+        self.session = job.filmed
         self.actor = job.results.actor
         self.performance = job.results.performance()
         self.faces = self.actor.mesh.faces[np.asarray(self.actor.face_valid, bool)]
         self.captured = self.performance.surface.frames
         self.simulated = d.read_simulated(job.path("simulated.npz"))  # of the dressed actor
-        self.source = d.FrameSource.open(job.session)
+        self.source = d.FrameSource.open(self.session)
         with arrays_of(job.path("observations.npz")) as observations:
             self.matches = len(observations["match_points"])
 
@@ -94,7 +94,20 @@ def overlays(shown: Shown) -> str:
             drawn = drawing.draw_outline(shown.photo(c, frame), edge)
             figures.append(figure(drawn[drawing.crop_box(shown.captured[i], camera)], f"{camera.name}, frame {frame}"))
     seen = "<p>Outline of the captured surface on the video, on the mask where there is none.</p>" + row(figures)
-    return seen + ("" if shown.matches else "<p>No feature matches: captured from silhouettes alone.</p>")
+    return cameras(shown) + seen + ("" if shown.matches else "<p>No feature matches: captured from silhouettes alone.</p>")
+
+
+def cameras(shown: Shown) -> str:
+    """What the take says about the calibration; empty if it was not asked."""
+    summary = shown.job.record.data["stages"].get("performance", {}).get("summary", {})
+    found = summary.get("cameras")
+    if not found:
+        return ""
+    kept = "The calibration is as good as the take can tell: it was kept."
+    mended = "The calibration was refined by the take; calibration.yml beside this page has the cameras that were used."
+    columns = ["moved_mm", "sure_mm", "turned_degrees", "shifted_mm", "focal_percent", "late_frames"]
+    rows = [[camera["camera"], *(camera[name] for name in columns)] for camera in found]
+    return f"<p>{mended if summary['cameras_refined'] else kept}</p>" + table(["camera", *columns], rows)
 
 
 def segmentation(shown: Shown) -> str:

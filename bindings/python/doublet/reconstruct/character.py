@@ -48,9 +48,9 @@ def build_character(job: Workspace) -> dict:
 
 def bake_first_frame(character: d.Character, job: Workspace, performance: d.ReferencePerformance) -> float:
     """Texture from the images of the first captured frame; 0 for a session without images."""
-    images, masks = camera_views(job.session, performance.frames[0], job.silhouettes)
+    images, masks = camera_views(job.filmed, performance.frames[0], job.silhouettes)
     if not any(image.size for image in images):
         job.console.log(f"character: no camera has an image of frame {performance.frames[0]}: the character has no texture")
         return 0.0
     surface = performance.surface.frames[0]
-    return d.texture_character(character, surface, job.session.rig, images, masks, job.options["texture"], job.context)
+    return d.texture_character(character, surface, job.filmed.rig, images, masks, job.options["texture"], job.context)

@@ -18,6 +18,7 @@ OPTION_GROUPS = {
     "limbs": d.LimbSearchOptions,
     "annealing": d.ParticleAnnealingOptions,
     "surface": d.SurfaceOptions,
+    "calibration": d.CalibrationRefinementOptions,
     "segment": d.SegmentOptions,
     "opposite": d.OppositeOptions,
     "fullness": d.FullnessOptions,

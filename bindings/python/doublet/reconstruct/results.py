@@ -7,6 +7,8 @@ from pathlib import Path
 
 from .. import _doublet as d
 
+CALIBRATION = "calibration.yml"  # the refined cameras, if the take told that the session's were off
+
 
 class Results:
     """The values of a folder of results. What is kept in memory is what was read from a file, not what was written to it, so that
@@ -29,6 +31,11 @@ class Results:
     @cached_property
     def actor(self) -> d.RiggedMesh:
         return d.read_actor(self.path("actor.npz"))
+
+    def recalibrated(self, session: d.Session) -> d.Session:
+        """The session, with the refined cameras if there are any."""
+        refined = self.path(CALIBRATION)
+        return session.recalibrated(refined) if refined.exists() else session
 
     def performance(self) -> d.ReferencePerformance:
         return d.read_performance(self.path("performance.npz"), self.actor)

@@ -13,8 +13,10 @@ from ..corrections import segmentation_paint, template_mask
 from ..pages.report import write_report
 from ..session import check
 from ..session.first_frame import first_colours
+from . import refined_cameras
 from .character import build_character
 from .fit import CHECKPOINT, run_fit
+from .results import CALIBRATION
 from .stage import Stage
 from .workspace import Workspace
 
@@ -88,6 +90,7 @@ def run_performance(job: Workspace) -> dict:
         raise
     d.write_observations(job.path("observations.npz"), result.observations)
     d.write_performance(job.path("performance.npz"), result.performance)
+    refined_cameras.write(job, result)
     options.checkpoint.unlink(missing_ok=True)
     summary = result.summary
     return {
@@ -100,6 +103,8 @@ def run_performance(job: Workspace) -> dict:
         "lost_limbs_recovered": sum(lost.recovered for lost in summary.lost_limbs),
         "frames_inferred": {sight.joint: sight.inferred for sight in summary.joints if sight.inferred},
         "frames_lost": {sight.joint: sight.lost for sight in summary.joints if sight.lost},
+        "cameras_refined": summary.cameras_refined,
+        "cameras": [refined_cameras.rounded(camera) for camera in summary.cameras],
         "seconds_per_frame": summary.seconds_per_frame,
     }
 
@@ -108,7 +113,7 @@ def run_segment(job: Workspace) -> dict:
     options, fullness = job.group("segment"), job.options["fullness"]
     segmenter, performance = d.ClothSegmenter.create(options), job.results.performance()
     if options.skin_colour > 0 or options.cloth_colour > 0:
-        performance.surface.colours = first_colours(job.results.actor, performance, job.session, job.silhouettes, job.context)
+        performance.surface.colours = first_colours(job.results.actor, performance, job.filmed, job.silhouettes, job.context)
     found = d.segment_performance(job.results.actor, performance, segmenter, fullness, job.context)
     result = apply_corrections(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
@@ -207,12 +212,13 @@ STAGES = (
     ),
     Stage(
         "performance", ("actor.npz",), ("performance.npz", "observations.npz"),
-        ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface"), run_performance,
+        ("silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface", "calibration"),
+        run_performance,
         lambda s: [s.calibration, *image_files(s)], uses_seed=True, goes_on_from=(CAPTURE_CHECKPOINT,),
     ),
     Stage(
         "segment", ("actor.npz", "performance.npz"), ("segmentation.npz",), ("segment", "opposite", "fullness"), run_segment,
-        may_read=(segmentation_paint.PAINTED,),
+        may_read=(segmentation_paint.PAINTED, CALIBRATION),
     ),
     Stage(
         "body", ("actor.npz", "segmentation.npz"), ("body.npz", "proxies.json"), ("body", "proxy"), run_body,
@@ -233,13 +239,13 @@ STAGES = (
         ("actor.npz", "template_high.ply", "performance.npz", "segmentation.npz", "body.npz", "proxies.json", "garment.npz",
          "material.json"),
         ("simulated.npz", "character.glb"), ("silhouette", "key", "background", "cloth", "energy", "texture"), build_character,
-        lambda s: image_files(s),
+        lambda s: image_files(s), may_read=(CALIBRATION,),
     ),
     Stage(
         "report",
         ("actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "body.npz", "proxies.json", "garment.npz",
          "material.json", "fit_log.csv", "simulated.npz", "character.glb"),
-        ("report.html",), (), run_report, lambda s: image_files(s),
+        ("report.html",), (), run_report, lambda s: image_files(s), may_read=(CALIBRATION,),
     ),
 )  # fmt: skip
 

@@ -36,6 +36,11 @@ class Workspace:
     def session(self) -> d.Session:
         return d.Session(self.session_folder)
 
+    @property
+    def filmed(self) -> d.Session:
+        """The session with the cameras that the performance was captured with: the refined ones, if there are any."""
+        return self.results.recalibrated(self.session)
+
     @cached_property
     def record(self) -> RunRecord:
         return RunRecord(self.out)

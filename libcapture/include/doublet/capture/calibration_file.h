@@ -22,6 +22,7 @@ struct Lens {
 struct CalibratedCamera {
   Camera camera; ///< distortion is zero where the lens is undone
   Lens lens;
+  int late = 0; ///< frames: what the camera films in frame t + late the others film in frame t
   /// Pixel of a world point (m) in the image as it was filmed; meaningless if camera.depth(point) <= 0.
   Eigen::Vector2d project(const Eigen::Vector3d &point) const;
 };

@@ -2,6 +2,7 @@
 // Video -> reference performance (Sect. 4; Gall et al. 2009): pose by rims and SIFT in Gauss-Newton over all cameras, Laplacian
 // refinement.
 
+#include "doublet/capture/parts/calibration_refinement.h"
 #include "doublet/capture/parts/feature_tracker.h"
 #include "doublet/capture/parts/limb_search.h"
 #include "doublet/capture/parts/pose_optimizer.h"
@@ -26,6 +27,8 @@ struct CaptureOptions {
   PoseOptions pose;
   LimbSearchOptions limbs;
   SurfaceOptions surface;
+  bool refine_cameras = true;
+  CalibrationRefinementOptions calibration;
   bool find_lost_limbs = true;
   double ends_turn = 0.8;
   bool second_pass = true;
@@ -57,6 +60,9 @@ struct CaptureOptions {
         option(&O::pose, "pose", "of the pose optimiser"),
         option(&O::limbs, "limbs", "of the search for lost limbs"),
         option(&O::surface, "surface", "of the surface refiner"),
+        option(&O::refine_cameras, "refine_cameras",
+               "mend calibration and delays by what the take shows, where they are clearly off"),
+        option(&O::calibration, "calibration", "of the refinement of the cameras"),
         option(&O::find_lost_limbs, "find_lost_limbs", "seek limbs globally that the local optimisation has lost"),
         option(&O::ends_turn, "ends_turn", at_least(0), "rad",
                "what a limb ends with (a foot) may turn about the bone before it, each way; 0 = the session's hinge alone"),
@@ -108,6 +114,9 @@ struct CaptureSummary {
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
   int start_frame = 0;                        ///< video frame number: tracking went from it to the last, then to the first
   std::vector<JointSight> joints;             ///< in the order of the skeleton
+  /// What the take says about each camera of the rig, by the last look at it; none if the cameras were not to be refined.
+  std::vector<RefinedCamera> cameras;
+  bool cameras_refined = false; ///< poses and observations are of the refined cameras, otherwise of the given ones
   /// Whole run, the parts of one that went on from a checkpoint included: images to outlines, features and their matches;
   /// features lifted to the surface and found by the map; poses; the check of limbs and the search for lost ones; surfaces.
   double measure_seconds = 0, map_seconds = 0, pose_seconds = 0, limb_seconds = 0, surface_seconds = 0;
@@ -116,9 +125,12 @@ struct CaptureSummary {
 
 struct CaptureResult {
   ReferencePerformance performance;
-  Observations observations;
+  Observations observations; ///< its cameras are the refined ones
   CaptureSummary summary;
 };
+
+/// The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.
+Session filmed(Session session, const CaptureResult &captured);
 
 /// The pieces of a capture, each with its own swap point. A null piece is made from the options.
 struct CaptureParts {

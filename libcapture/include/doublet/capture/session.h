@@ -20,6 +20,7 @@ struct SessionCamera {
   std::filesystem::path masks; ///< absolute; the same kinds; empty = key the video
   std::filesystem::path background; ///< absolute; an image of the empty stage or a pattern of several; empty = none
   int first_frame = 0;              ///< of video and masks: frame 0 of the session; what is before it takes no part
+  int late = 0;                     ///< frames, as CalibratedCamera::late: frame t of the session is t + late of this camera
   double video_fps = 0;             ///< what the video's container says, which may be wrong; 0 = nothing, as images do
 };
 
@@ -44,6 +45,10 @@ struct Session {
 /// found here).
 /// Throws FileNotFound or Error with one sentence naming file, expectation and finding.
 Session read_session(const std::filesystem::path &folder);
+
+/// The session with the cameras of another calibration.yml, such as the refined one of a capture. Throws as read_session if a
+/// camera is not in it or has another size.
+Session recalibrated(const Session &session, const std::filesystem::path &calibration);
 
 /// Throws Error if the session has no scan or no joints, which all stages but those that make them need.
 void require_scanned(const Session &session);

@@ -11,6 +11,7 @@ from ...evaluation.metrics import evaluate, format_table
 from ...evaluation.reconstruction import Reconstruction
 from ...evaluation.truth import Truth
 from ...reconstruct import recorded_session
+from ...reconstruct.results import Results
 from ..common_flags import common_flags, make_console
 
 
@@ -32,7 +33,8 @@ def run(arguments) -> None:
     if not arguments.out.is_dir():
         raise FileNotFoundError(f"{arguments.out} is not a folder")
     session = d.Session(arguments.session or recorded_session(arguments.out))
-    result = evaluate(arguments.out, arguments.truth, session, console, arguments.every)
+    filmed = Results(arguments.out).recalibrated(session)
+    result = evaluate(arguments.out, arguments.truth, filmed, console, arguments.every)
     if arguments.motion:
         result["motion"] = motion_metrics.compare(Reconstruction(arguments.out), Truth(arguments.truth), session.fps)
     if arguments.json:
