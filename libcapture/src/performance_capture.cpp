@@ -184,6 +184,7 @@ struct Studio {
   std::vector<int> delays;          ///< whole frames, which the frames have made good
   int refined = 0;                  ///< how often
   bool moved = false;               ///< in one of these times, not only waited for
+  bool by_take = false;             ///< one of these times by the whole take, which knows more than its first frame
   std::vector<RefinedCamera> found; ///< the last look at them
 };
 
@@ -191,6 +192,7 @@ struct Studio {
 struct CamerasMoved {
   CalibrationEstimate found;
   bool late_alone;                 ///< they stay where they are
+  bool by_take;                    ///< not by the first frame
   std::vector<TrackedFrame> known; ///< out of the checkpoint, of the run to come
   std::array<double, 6> seconds;   ///< so far, as TrackedFrame::seconds
   double progress, reached;        ///< that of the frames that led to this; what has been reported
@@ -338,7 +340,7 @@ private:
   /// CamerasMoved if the given cameras are clearly off: nothing that was found by them is kept.
   void look_at_cameras(int step, std::vector<TrackedFrame> &known) {
     const bool by_start = step == 0 && count_ > 1;
-    if (!options_.refine_cameras || studio_.refined >= kMostMoves || (by_start && searched_))
+    if (!options_.refine_cameras || studio_.refined >= kMostMoves || (by_start && (searched_ || studio_.by_take)))
       return;
     const CalibrationEstimate found = by_start ? refine_by_start() : refine_by_take();
     result_.summary.cameras = found.cameras;
@@ -355,7 +357,7 @@ private:
       return;
     const size_t of_this_run = std::min(known.size(), static_cast<size_t>(step) + 1);
     known.erase(known.begin(), known.begin() + static_cast<long>(of_this_run));
-    throw CamerasMoved{found, delayed, std::move(known), seconds(), progress(step + 1), reached_};
+    throw CamerasMoved{found, delayed, !by_start, std::move(known), seconds(), progress(step + 1), reached_};
   }
 
   /// A calibration that was mended once is not taken at its word any more: a smaller move will do.
@@ -1096,7 +1098,7 @@ private:
   /// Tracks from the beginning each time that the cameras turn out to be others.
   CaptureResult track_until_cameras_stay(const RiggedMesh &actor, const CameraChoice &chosen, int count,
                                          CaptureCheckpoint &checkpoint, std::vector<TrackedFrame> known, const Context &context) {
-    Studio studio{chosen.rig(), chosen.rig(), std::vector<int>(chosen.rig().size(), 0), 0, false, {}};
+    Studio studio{chosen.rig(), chosen.rig(), std::vector<int>(chosen.rig().size(), 0), 0, false, false, {}};
     std::array<double, 6> seconds{};
     double progress = 0, reached = 0;
     for (;;) {
@@ -1124,6 +1126,7 @@ private:
       studio.moved = true;
     }
     ++studio.refined;
+    studio.by_take = studio.by_take || moved.by_take;
     studio.found = found.cameras;
     std::string late;
     for (size_t v = 0; v < studio.rig.size(); ++v) {

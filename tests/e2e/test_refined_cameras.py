@@ -34,7 +34,7 @@ def made(shipped, tmp_path_factory):
     cameras = [turned(camera, 0.3, random.normal(size=3)) for camera in d.Session(shipped).rig]
     d.write_calibration(session / "calibration.yml", cameras)
     done = doublet("capture", session, "-o", out, *OPTIONS)
-    assert done.returncode == 0, done.stderr
+    assert done.returncode in (0, 3), done.stderr  # 3: something is doubtful
     return session, out, done.stderr
 
 
@@ -74,7 +74,7 @@ def test_the_record_says_how_far_each_camera_moved(made):
 def test_without_refinement_the_given_cameras_stay(made):
     session, out, _ = made
     done = doublet("capture", session, "-o", out, *OPTIONS, "--no-capture-refine-cameras")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode in (0, 3), done.stderr  # 3: something is doubtful
     assert not (out / "calibration.yml").exists()
     assert reconstruct.Job(session, out).filmed.calibration == session / "calibration.yml"
     assert json.loads((out / "run.json").read_text())["stages"]["performance"]["summary"]["cameras"] == []
