@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'corrected_segmentation', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'offered', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'worn', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'corrected_segmentation', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'offered', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'worn', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -818,7 +818,7 @@ class CalibratedCamera:
     """
     A camera as it was calibrated, and its lens.
     """
-    def __init__(self, camera: Camera, lens: Lens = ...) -> None:
+    def __init__(self, camera: Camera, lens: Lens = ..., late: int = 0) -> None:
         ...
     def project(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 1]"]:
         """
@@ -831,6 +831,14 @@ class CalibratedCamera:
         """
     @camera.setter
     def camera(self, value: Camera) -> None:
+        ...
+    @property
+    def late(self) -> int:
+        """
+        frames: what it films in frame t + late the others film in frame t
+        """
+    @late.setter
+    def late(self, value: int) -> None:
         ...
     @property
     def lens(self) -> Lens:
@@ -861,6 +869,14 @@ class SessionCamera:
         """
     @first_frame.setter
     def first_frame(self, value: int) -> None:
+        ...
+    @property
+    def late(self) -> int:
+        """
+        frames, as CalibratedCamera.late
+        """
+    @late.setter
+    def late(self, value: int) -> None:
         ...
     @property
     def masks(self) -> pathlib.Path:
@@ -897,6 +913,10 @@ class Session:
     """
     def __init__(self, folder: os.PathLike | str | bytes) -> None:
         ...
+    def recalibrated(self, calibration: os.PathLike | str | bytes) -> Session:
+        """
+        The session with the cameras of another calibration.yml, such as the refined one of a capture.
+        """
     @property
     def calibration(self) -> pathlib.Path:
         """
@@ -2452,6 +2472,116 @@ class SurfaceRefiner:
         """
         The surface that explains the problem best.
         """
+class CalibrationRefinementOptions:
+    """
+    Options of the refinement of the cameras.
+    """
+    __hash__: typing.ClassVar[None] = None
+    @staticmethod
+    def described() -> dict:
+        """
+        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        """
+    def __copy__(self) -> CalibrationRefinementOptions:
+        ...
+    def __deepcopy__(self, memo: dict) -> CalibrationRefinementOptions:
+        ...
+    def __eq__(self, other: object) -> bool:
+        ...
+    def __getstate__(self) -> dict:
+        ...
+    def __init__(self, *, moments: int = 20, iterations: int = 20, rims_per_view: int = 300, raster_size: int = 512, rotation: float = 0.5, position: float = 0.01, focal: float = 0.005, distortion: float = 0.01, late: float = 1.0, least: float = 0.0025) -> None:
+        """
+        Every field may be given by keyword.
+        """
+    def __repr__(self) -> str:
+        ...
+    def __setstate__(self, state: dict) -> None:
+        ...
+    def to_dict(self) -> dict:
+        """
+        Name -> value of every option.
+        """
+    @property
+    def distortion(self) -> float:
+        """
+        expected error of the first distortion term, of lenses that have any; 0 = it stays: a number of at least 0
+        """
+    @distortion.setter
+    def distortion(self, value: float) -> None:
+        ...
+    @property
+    def focal(self) -> float:
+        """
+        expected error of a focal length, as a share of it: a number above 0
+        """
+    @focal.setter
+    def focal(self, value: float) -> None:
+        ...
+    @property
+    def iterations(self) -> int:
+        """
+        renderings with re-matching: a number of at least 1
+        """
+    @iterations.setter
+    def iterations(self, value: int) -> None:
+        ...
+    @property
+    def late(self) -> float:
+        """
+        frames, expected delay of a camera against the others; 0 = there is none: a number of at least 0
+        """
+    @late.setter
+    def late(self, value: float) -> None:
+        ...
+    @property
+    def least(self) -> float:
+        """
+        m, on the actor: cameras that would move less, in the mean of all, stay as they are: a number of at least 0
+        """
+    @least.setter
+    def least(self, value: float) -> None:
+        ...
+    @property
+    def moments(self) -> int:
+        """
+        frames that are looked at, evenly spread over the take: a number of at least 1
+        """
+    @moments.setter
+    def moments(self, value: int) -> None:
+        ...
+    @property
+    def position(self) -> float:
+        """
+        m, expected error of a camera's place, on each axis: a number above 0
+        """
+    @position.setter
+    def position(self, value: float) -> None:
+        ...
+    @property
+    def raster_size(self) -> int:
+        """
+        px, longest side of the renderings in which rims are found: a number of at least 64
+        """
+    @raster_size.setter
+    def raster_size(self, value: int) -> None:
+        ...
+    @property
+    def rims_per_view(self) -> int:
+        """
+        correspondences per view and direction: a number of at least 10
+        """
+    @rims_per_view.setter
+    def rims_per_view(self, value: int) -> None:
+        ...
+    @property
+    def rotation(self) -> float:
+        """
+        degrees, expected error of a camera's direction: a number above 0
+        """
+    @rotation.setter
+    def rotation(self, value: float) -> None:
+        ...
 class CaptureParts:
     """
     The pieces of a capture; None = the built-in one, made from the options.
@@ -2508,7 +2638,7 @@ class CaptureOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, first_frame: int = 0, frame_count: int = -1, start_frame: int = -1, cameras: collections.abc.Sequence[str] = ..., use_sift: bool = True, features: FeatureTrackerOptions = ..., pose: PoseOptions = ..., limbs: LimbSearchOptions = ..., surface: SurfaceOptions = ..., find_lost_limbs: bool = True, ends_turn: float = 0.8, second_pass: bool = True, use_feature_map: bool = True, map_reach: float = 0.05, velocity_damping: float = 0.8, acceleration: float = 0.3, offset_decay: float = 0.95, loose: float = 0.01, smooth_window: int = 5, smooth_order: int = 2, checkpoint: os.PathLike | str | bytes = ...) -> None:
+    def __init__(self, *, first_frame: int = 0, frame_count: int = -1, start_frame: int = -1, cameras: collections.abc.Sequence[str] = ..., use_sift: bool = True, features: FeatureTrackerOptions = ..., pose: PoseOptions = ..., limbs: LimbSearchOptions = ..., surface: SurfaceOptions = ..., refine_cameras: bool = True, calibration: CalibrationRefinementOptions = ..., find_lost_limbs: bool = True, ends_turn: float = 0.8, second_pass: bool = True, use_feature_map: bool = True, map_reach: float = 0.05, velocity_damping: float = 0.8, acceleration: float = 0.3, offset_decay: float = 0.95, loose: float = 0.01, smooth_window: int = 5, smooth_order: int = 2, checkpoint: os.PathLike | str | bytes = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2527,6 +2657,14 @@ class CaptureOptions:
         """
     @acceleration.setter
     def acceleration(self, value: float) -> None:
+        ...
+    @property
+    def calibration(self) -> CalibrationRefinementOptions:
+        """
+        of the refinement of the cameras
+        """
+    @calibration.setter
+    def calibration(self, value: CalibrationRefinementOptions) -> None:
         ...
     @property
     def cameras(self) -> list[str]:
@@ -2623,6 +2761,14 @@ class CaptureOptions:
         """
     @pose.setter
     def pose(self, value: PoseOptions) -> None:
+        ...
+    @property
+    def refine_cameras(self) -> bool:
+        """
+        mend calibration and delays by what the take shows, where they are clearly off
+        """
+    @refine_cameras.setter
+    def refine_cameras(self, value: bool) -> None:
         ...
     @property
     def second_pass(self) -> bool:
@@ -2772,11 +2918,113 @@ class JointSight:
     @seen.setter
     def seen(self, value: int) -> None:
         ...
+class RefinedCamera:
+    """
+    What a take says about a camera of its calibration.
+    """
+    def __init__(self) -> None:
+        ...
+    @property
+    def camera(self) -> str:
+        """
+        its name
+        """
+    @camera.setter
+    def camera(self, value: str) -> None:
+        ...
+    @property
+    def delay(self) -> int:
+        """
+        whole frames of that which were made good
+        """
+    @delay.setter
+    def delay(self, value: int) -> None:
+        ...
+    @property
+    def focal(self) -> float:
+        """
+        change as a share
+        """
+    @focal.setter
+    def focal(self, value: float) -> None:
+        ...
+    @property
+    def late(self) -> float:
+        """
+        frames by which it shows things later than the others
+        """
+    @late.setter
+    def late(self, value: float) -> None:
+        ...
+    @property
+    def late_sure(self) -> float:
+        """
+        frames, standard deviation of that
+        """
+    @late_sure.setter
+    def late_sure(self, value: float) -> None:
+        ...
+    @property
+    def moved(self) -> float:
+        """
+        m, how far the actor appears from where the given camera has it, RMS
+        """
+    @moved.setter
+    def moved(self, value: float) -> None:
+        ...
+    @property
+    def seen(self) -> bool:
+        """
+        the actor was, in some moment
+        """
+    @seen.setter
+    def seen(self, value: bool) -> None:
+        ...
+    @property
+    def shifted(self) -> float:
+        """
+        m, of the centre
+        """
+    @shifted.setter
+    def shifted(self, value: float) -> None:
+        ...
+    @property
+    def sure(self) -> float:
+        """
+        m, the standard deviation of that
+        """
+    @sure.setter
+    def sure(self, value: float) -> None:
+        ...
+    @property
+    def turned(self) -> float:
+        """
+        degrees
+        """
+    @turned.setter
+    def turned(self, value: float) -> None:
+        ...
 class CaptureSummary:
     """
     What can disappoint about a capture.
     """
     def __init__(self) -> None:
+        ...
+    @property
+    def cameras(self) -> list[RefinedCamera]:
+        """
+        what the take says about each; none if they were not to be refined
+        """
+    @cameras.setter
+    def cameras(self, value: collections.abc.Sequence[RefinedCamera]) -> None:
+        ...
+    @property
+    def cameras_refined(self) -> bool:
+        """
+        the performance is of the refined cameras, those of the observations
+        """
+    @cameras_refined.setter
+    def cameras_refined(self, value: bool) -> None:
         ...
     @property
     def jitter_after(self) -> float:
@@ -6434,6 +6682,10 @@ def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float6
 def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8], reach: float) -> list[str]:
     """
     The same of a FeatureTracker, on an image of yours; reach in pixels.
+    """
+def filmed(session: Session, captured: CaptureResult) -> Session:
+    """
+    The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.
     """
 def find_body_marks(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> BodyMarks:
     """
