@@ -96,25 +96,24 @@ def pipeline(chosen: argparse.Namespace) -> np.ndarray:
     def at_rest(*meshes: d.RenderMesh) -> np.ndarray:
         return drawing.shade(list(meshes), front)[standing]
 
-    worn, clothness = job.results.garment(), job.results.segmentation().clothness
-    skin = valid[(clothness[valid] < 0.5).all(axis=1)]
+    worn, clothness = job.results.garment, job.results.segmentation().clothness
     body = d.read_body(job.path("body.npz")).body
     character = d.Character.read(job.path("character.glb"))
     white = d.RenderOptions(background=[1, 1, 1], floor=False)
     simulated = frames_of(character, d.Motion(job.session.fps, performance.dofs), [chosen.frame])[chosen.frame]
     clip = d.retarget(d.SourceMotion.read(chosen.motion), actor.skeleton, d.RetargetOptions(fps=1 / character.solver.dt))
     danced = frames_of(character, clip, chosen.new[:1])[chosen.new[0]]
-    viewed = d.orbit_camera((danced[3].min(axis=0) + danced[3].max(axis=0)) / 2, 2.6, 0.5, 0.1, HEIGHT, HEIGHT)
+    viewed = drawing.around(danced[0], 0.5, HEIGHT)
     renderer, grey = d.CharacterRenderer(character), np.array((0.7,) * 3)
     panels = {
         "videos": d.FrameSource.open(job.filmed).image(chosen.camera, performance.frames[chosen.frame])[..., ::-1][box],
         "template": at_rest(d.RenderMesh(rest, valid, grey)),
         "performance": drawing.shade([d.RenderMesh(captured, valid, grey)], camera)[box],
         "segmentation": at_rest(d.RenderMesh(rest, valid, colours=drawing.cloth_colours(clothness))),
-        "body": at_rest(d.RenderMesh(rest, skin, grey), d.RenderMesh(body.vertices, body.faces, BODY)),
+        "body": at_rest(d.RenderMesh(body.vertices, body.faces, BODY)),
         "garment": at_rest(d.RenderMesh(worn.mesh.vertices, worn.mesh.faces, colours=drawing.cloth_colours(worn.clothness))),
         "material": renderer.render(*simulated[:3], camera, white)[..., ::-1][box],
-        "animation": renderer.render(*danced[:3], viewed, white)[..., ::-1],
+        "animation": renderer.render(*danced[:3], viewed, white)[..., ::-1][drawing.crop_box(danced[0], viewed)],
     }
     return in_two_rows([captioned(picture, name) for name, picture in panels.items()])
 
