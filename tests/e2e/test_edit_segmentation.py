@@ -4,7 +4,6 @@ import json
 import signal
 import subprocess
 import sys
-import urllib.error
 import urllib.request
 from functools import partial
 
@@ -15,6 +14,7 @@ from conftest import doublet
 from doublet import reconstruct
 from doublet.common.console import Console
 from doublet.corrections import segmentation_paint
+from page_posts import post
 
 pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.by import By  # noqa: E402
@@ -149,23 +149,15 @@ def test_skin_and_cloth_are_painted_in_any_frame(out, job, served, browser):  # 
     assert errors == []
 
 
-def post(url, body, kind="application/json"):
-    request = urllib.request.Request(url + "paint", body, {"Content-Type": kind})
-    try:
-        return urllib.request.urlopen(request, timeout=30).status
-    except urllib.error.HTTPError as error:
-        return error.code
-
-
 def test_what_is_no_paint_is_refused(out, served):
     url, _ = served
     good = json.dumps({"painted": [-1] * (ROWS * AROUND)}).encode()
-    assert post(url, good, kind="text/plain") == 400  # any page may send this
-    assert post(url, b"{") == 400
-    assert post(url, b'{"painted": [0, 1]}') == 400
-    assert post(url, good.replace(b"-1", b"7", 1)) == 400
+    assert post(url, "paint", good, Content_Type="text/plain") == 400  # any page may send this
+    assert post(url, "paint", b"{") == 400
+    assert post(url, "paint", b'{"painted": [0, 1]}') == 400
+    assert post(url, "paint", good.replace(b"-1", b"7", 1)) == 400
     assert not (out / segmentation_paint.PAINTED).exists()
-    assert post(url, good) == 200
+    assert post(url, "paint", good) == 200
     assert (segmentation_paint.read(out, ROWS * AROUND) == segmentation_paint.NONE).all()
 
 

@@ -6,8 +6,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import urllib.error
-import urllib.request
 from functools import partial
 
 import doublet as d
@@ -15,6 +13,7 @@ import numpy as np
 import pytest
 from conftest import doublet
 from doublet.corrections import template_mask
+from page_posts import post
 
 webdriver = pytest.importorskip("selenium.webdriver")
 from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
@@ -127,25 +126,21 @@ def test_the_next_stage_uses_the_mask_and_ctrl_c_ends_the_page(made, served, shi
     assert json.loads((made / "run.json").read_text())["stages"]["rig"]["summary"]["mask"] == "edited"
 
 
-def post(url, body, kind="application/json", host=None):
-    request = urllib.request.Request(url + "mask", body, {"Content-Type": kind, **({"Host": host} if host else {})})
-    try:
-        return urllib.request.urlopen(request, timeout=30).status
-    except urllib.error.HTTPError as error:
-        return error.code
-
-
 def test_what_is_no_mask_is_refused(made, served):
     url, _ = served
     good = json.dumps({"face_valid": template_mask.read_suggestion(made).astype(int).tolist()}).encode()
-    assert post(url, good, kind="text/plain") == 400  # any page may send this
-    assert post(url, good, host="elsewhere.example") == 403
-    assert post(url, b"{") == 400
-    assert post(url, b'{"face_valid": [1, 0]}') == 400
-    assert post(url, b'{"face_valid": "1"}') == 400
-    assert post(url, b" " * 100000) == 400
+    assert post(url, "mask", good, Content_Type="text/plain") == 400  # any page may send this
+    assert post(url, "mask", good, Host="elsewhere.example") == 403
+    for token in ("", "guessed", "ü"):  # a page from elsewhere knows none
+        assert post(url, "mask", good, X_Page_Token=token.encode().decode("latin-1")) == 403
+    for length in ("-1", "5_0", "+5", " ", "1e3", "9" * 30):
+        assert post(url, "mask", good, Content_Length=length) == 400
+    assert post(url, "mask", b"{") == 400
+    assert post(url, "mask", b'{"face_valid": [1, 0]}') == 400
+    assert post(url, "mask", b'{"face_valid": "1"}') == 400
+    assert post(url, "mask", b" " * 100000) == 400
     assert not (made / template_mask.EDITED).exists()
-    assert post(url, good) == 200
+    assert post(url, "mask", good) == 200
     assert (template_mask.read(made) == template_mask.read_suggestion(made)).all()
 
 

@@ -186,8 +186,8 @@ def test_options_compare_copy_pickle_and_read_back(options_class, name):
 def test_what_is_no_option_is_compared_and_pickled_too(tmp_path):
     options = d.FitOptions(checkpoint=tmp_path / "a", seed=2)
     assert options != d.FitOptions(seed=2) and pickle.loads(pickle.dumps(options)) == options
-    first = d.CmaEsOptions(first=np.zeros((4, 3)))
-    assert first == d.CmaEsOptions(first=np.zeros((4, 3))) != d.CmaEsOptions(first=np.zeros((6, 2)))
+    first = d.BayesianOptions(first=np.zeros((4, 3)))
+    assert first == d.BayesianOptions(first=np.zeros((4, 3))) != d.BayesianOptions(first=np.zeros((6, 2)))
     assert pickle.loads(pickle.dumps(first)) == first
     options.on_generation = print
     assert options == options and options != copy.copy(options)  # functions are like no other

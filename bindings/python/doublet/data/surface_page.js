@@ -130,7 +130,9 @@ async function save() {
   say("Saving ...");
   const sent = tools.sent();
   try {
-    const answer = await fetch(tools.saved_at, { method: "POST", headers: { "Content-Type": "application/json" }, body: sent });
+    const token = document.querySelector("meta[name=token]").content;
+    const headers = { "Content-Type": "application/json", "X-Page-Token": token };
+    const answer = await fetch(tools.saved_at, { method: "POST", headers, body: sent });
     const told = await answer.json();
     if (!answer.ok) throw new Error(told.error);
     saved = sent === tools.sent();

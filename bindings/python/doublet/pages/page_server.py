@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import secrets
 import webbrowser
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -11,6 +13,8 @@ from pathlib import Path
 from ..common.packaged import DATA
 
 HOST = "127.0.0.1"
+TOKEN_HEADER = "X-Page-Token"
+LENGTH = re.compile("[0-9]{1,12}")
 SURFACE_PAGE = DATA / "surface_page.js"
 
 
@@ -32,18 +36,23 @@ class Handler(BaseHTTPRequestHandler):
     def do_POST(self):
         if not self.is_local():
             return
-        length = int(self.headers.get("Content-Length") or 0)
-        # A page from elsewhere cannot send this type without asking first, and is not answered.
+        if not secrets.compare_digest(self.headers.get(TOKEN_HEADER, "").encode(), self.server.token.encode()):
+            self.refuse(403, "expected the token of the page: reload it")
+            return
+        length = self.headers.get("Content-Length", "")
         expected = self.path == self.server.saved_at and self.headers.get("Content-Type") == "application/json"
-        if not expected or length > self.server.largest_body:
-            answer = {"error": f"expected a {self.server.saved_at[1:]}"}
-            self.answer(400, "application/json", json.dumps(answer).encode())
+        if not (expected and LENGTH.fullmatch(length) and int(length) <= self.server.largest_body):
+            self.refuse(400, f"expected a {self.server.saved_at[1:]} of at most {self.server.largest_body} bytes")
             return
         try:
-            answer, status = self.server.save(self.rfile.read(length)), 200
+            saved = self.server.save(self.rfile.read(int(length)))
         except (OSError, RuntimeError, ValueError) as error:
-            answer, status = {"error": str(error)}, 400
-        self.answer(status, "application/json", json.dumps(answer).encode())
+            self.refuse(400, str(error))
+            return
+        self.answer(200, "application/json", json.dumps(saved).encode())
+
+    def refuse(self, status: int, error: str) -> None:
+        self.answer(status, "application/json", json.dumps({"error": error}).encode())
 
     def is_local(self) -> bool:
         """Refuses names that somebody made to point here."""
@@ -64,6 +73,12 @@ class Handler(BaseHTTPRequestHandler):
         """Quiet: the page tells the user."""
 
 
+def with_token(page: bytes, token: str) -> bytes:
+    """The page, knowing the token that it has to send with what it saves."""
+    charset = b'<meta charset="utf-8">'
+    return page.replace(charset, charset + f'\n<meta name="token" content="{token}">'.encode(), 1)
+
+
 class LocalPage(ThreadingHTTPServer):
     """shown: path -> (content type, bytes). What the page posts to `saved_at` as JSON of at most `largest_body` bytes goes to
     save(), which returns the answer, or raises ValueError, OSError or RuntimeError saying what
@@ -80,7 +95,8 @@ class LocalPage(ThreadingHTTPServer):
         largest_body: int,
         port: int = 0,
     ):
-        self.shown = {"/": ("text/html; charset=utf-8", page.read_bytes()), **shown}
+        self.token = secrets.token_urlsafe(16)  # a page from elsewhere cannot read it, and so cannot save
+        self.shown = {"/": ("text/html; charset=utf-8", with_token(page.read_bytes(), self.token)), **shown}
         self.saved_at, self.save, self.largest_body = saved_at, save, largest_body
         super().__init__((HOST, port), Handler)
 
