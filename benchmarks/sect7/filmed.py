@@ -132,7 +132,8 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     made = study.reconstruction(base)
     session = d.Session(session_folder or reconstruct.recorded_session(out))
     settle = round(d.AnimateOptions().settle_seconds * base["fps"])
-    options = {**base["options"], "energy.settle_frames": settle}
+    # By images alone: the surface was captured of another material.
+    options = {**base["options"], "energy.settle_frames": settle, "energy.delta": 0.0}
     request = {"of": base, "character": hash_files(out / "character.glb"), "truth": truth.to_dict(), "filming": asdict(how)}
     folder = work / f"filmed-{hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:12]}"
     if (folder / "filming.json").exists():
