@@ -9,44 +9,30 @@ from ...pages.edit_segmentation import edit_segmentation
 from ...pages.edit_template import edit_template
 from ..common_flags import page_flags
 
+#: command, what it does, its folder, what that is, the function that serves the page.
+PAGES = (
+    (
+        "edit-joints", "move joints and landmarks in the cameras' images, in a browser",
+        "SESSION", "folder with session.json that names its joints", edit_joints,
+    ),
+    (
+        "edit-template", "paint the template's invalid triangles in a browser",
+        "OUT", "folder of the results so far, with a template", edit_template,
+    ),
+    (
+        "edit-segmentation", "paint cloth, skin and seams between garments in a browser",
+        "OUT", "folder of the results so far, with a segmentation", edit_segmentation,
+    ),
+)  # fmt: skip
+
 
 def register(commands) -> None:
-    add_edit_joints(commands)
-    add_edit_template(commands)
-    add_edit_segmentation(commands)
+    for name, text, folder, meaning, serve in PAGES:
+        command = commands.add_parser(name, help=text, description=text)
+        command.add_argument("folder", type=Path, metavar=folder, help=meaning)
+        page_flags(command)
+        command.set_defaults(run=run, serve=serve)
 
 
-def add_edit_joints(commands) -> None:
-    text = "move joints and landmarks in the cameras' images, in a browser"
-    edit = commands.add_parser("edit-joints", help=text, description=text)
-    edit.add_argument("session", type=Path, metavar="SESSION", help="folder with session.json that names its joints")
-    page_flags(edit)
-    edit.set_defaults(run=run_edit_joints)
-
-
-def add_edit_template(commands) -> None:
-    text = "paint the template's invalid triangles in a browser"
-    edit = commands.add_parser("edit-template", help=text, description=text)
-    edit.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far, with a template")
-    page_flags(edit)
-    edit.set_defaults(run=run_edit_template)
-
-
-def add_edit_segmentation(commands) -> None:
-    text = "paint cloth, skin and seams between garments in a browser"
-    edit = commands.add_parser("edit-segmentation", help=text, description=text)
-    edit.add_argument("out", type=Path, metavar="OUT", help="folder of the results so far, with a segmentation")
-    page_flags(edit)
-    edit.set_defaults(run=run_edit_segmentation)
-
-
-def run_edit_joints(arguments) -> None:
-    edit_joints(arguments.session, arguments.port, arguments.browser)
-
-
-def run_edit_template(arguments) -> None:
-    edit_template(arguments.out, arguments.port, arguments.browser)
-
-
-def run_edit_segmentation(arguments) -> None:
-    edit_segmentation(arguments.out, arguments.port, arguments.browser)
+def run(arguments) -> None:
+    arguments.serve(arguments.folder, arguments.port, arguments.browser)
