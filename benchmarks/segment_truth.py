@@ -1,6 +1,6 @@
 """What limits cloth_iou: the capture, or the segmentation? Segments a session's surfaces with the true ones in their place.
 
-python benchmarks/segment_truth.py OUT SESSION [--rigid 0.0025 --cloth 0.006 --contrast 1.5]
+python benchmarks/segment_truth.py OUT SESSION [--even-odds 3 --colour 4.5]
 
 The template is carried along by the true surface (the nearest one that a camera sees in the scan pose), all of it, its skin, or
 its cloth; the skeleton is the captured one. A line each: cloth_iou as `doublet evaluate` has it, false and missed cloth in m^2,
@@ -49,18 +49,17 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("session", type=Path)
     defaults = d.SegmentOptions()
-    parser.add_argument("--rigid", type=float, default=defaults.rigid_threshold, help="m, rigid_threshold")
-    parser.add_argument("--cloth", type=float, default=defaults.cloth_threshold, help="m, cloth_threshold")
-    parser.add_argument("--contrast", type=float, default=defaults.contrast)
+    parser.add_argument("--even-odds", type=float, default=defaults.even_odds)
+    parser.add_argument("--colour", type=float, default=defaults.colour)
     options = parser.parse_args()
     made, truth, session = Reconstruction(options.out), Truth(options.session / "ground_truth"), d.Session(options.session)
     cameras = session.rig
     segmenter = d.ClothSegmenter.create(
-        d.SegmentOptions(rigid_threshold=options.rigid, cloth_threshold=options.cloth, contrast=options.contrast)
+        d.SegmentOptions(even_odds=options.even_odds, colour=options.colour)
     )
     performance = made.performance
     silhouettes = d.session_silhouettes(session, d.FrameSource.open(session))
-    performance.surface.colours = first_colours(made.actor, performance, session, silhouettes, d.Context())
+    colours = first_colours(made.actor, performance, session, silhouettes, d.Context())
     captured = np.array(performance.surface.frames)
     true, cloth = carried(made, truth, cameras)
     area = np.asarray(d.vertex_areas(made.actor.mesh.vertices, made.faces))
@@ -69,7 +68,7 @@ def main() -> None:
         frames = captured.copy()
         frames[:, taken] = true[:, taken]
         performance.surface.frames = list(frames)
-        made.clothness = d.segment_performance(made.actor, performance, segmenter).clothness
+        made.clothness = d.segment_performance(made.actor, performance, segmenter, colours).clothness
         found = made.clothness > 0.5
         false, missed = area * (found & ~cloth), area * (cloth & ~found)
         print(f"{name:<11} cloth_iou {cloth_iou(made, truth, cameras):.3f}", end="")

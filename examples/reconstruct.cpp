@@ -34,7 +34,7 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   const CaptureResult captured = PerformanceCapture::create()->capture(actor, session.rig, *frames, silhouettes.get(), context);
   write_observations(out / "observations.npz", captured.observations);
   write_performance(out / "performance.npz", captured.performance);
-  ReferencePerformance performance = read_performance(out / "performance.npz", actor);
+  const ReferencePerformance performance = read_performance(out / "performance.npz", actor);
   const Observations observations = read_observations(out / "observations.npz");
   // Sect. 5: cloth, with what it looks like in the first frame, and body
   const Session seen = filmed(session, captured);
@@ -46,8 +46,9 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
     masks.push_back(std::move(mask));
   }
   const Mesh first{performance.surface.frames[0], actor.mesh.faces};
-  performance.surface.colours = sample_colours(first, actor.face_valid, seen.rig, images, masks, {}, context);
-  write_segmentation(out / "segmentation.npz", segment_performance(actor, performance, *ClothSegmenter::create(), {}, context));
+  const Vertices colours = sample_colours(first, actor.face_valid, seen.rig, images, masks, {}, context);
+  write_segmentation(out / "segmentation.npz",
+                     segment_performance(actor, performance, *ClothSegmenter::create(), colours, {}, context));
   const Segmentation segmentation = read_segmentation(out / "segmentation.npz");
   const BodyFit fitted = BodyFitter::create()->fit(actor, segmentation, *BodyModel::read(body_model), session.landmarks, context);
   write_body(out / "body.npz", fitted);

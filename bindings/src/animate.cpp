@@ -336,7 +336,7 @@ void bind_texture(py::module_ &m) {
   m.def("sample_colours", &sample_colours, py::arg("mesh"), py::arg("face_valid"), py::arg("cameras"), py::arg("images"),
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),
-        "(10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for MeshSequence.colours.");
+        "(10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for SegmentInputs.colours.");
   Class<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
       .def_readonly("mesh", &Display::mesh, "M_high, scan pose")
       .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")

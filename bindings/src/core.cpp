@@ -146,14 +146,6 @@ void bind_mesh(py::module_ &m) {
             s.frames = unstack(frames, "frames");
           },
           "(T, V, 3) m; a copy")
-      .def_property(
-          "unposed", [](const MeshSequence &s) { return stack(s.unposed); },
-          [](MeshSequence &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
-            s.unposed = unstack(frames, "unposed");
-          },
-          "(T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy")
-      .def_readwrite("colours", &MeshSequence::colours,
-                     "(F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.")
       .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
   m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release(),
         "(F, 3) unit; zero for degenerate faces.");
@@ -337,6 +329,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("sigma", &Segmentation::sigma, "(V) m")
       .def_readwrite("clothness", &Segmentation::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
+      .def_readwrite("probability", &Segmentation::probability, "(V) in [0, 1], of being cloth; empty = not told")
       .def_readwrite("fullness", &Segmentation::fullness, "(V) width across gravity over the scan's; empty = 1")
       .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
       .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");

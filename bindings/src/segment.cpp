@@ -1,5 +1,6 @@
 #include "common.h"
 
+#include "doublet/segment/cloth_prior.h"
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
 #include "doublet/segment/fullness.h"
@@ -12,10 +13,9 @@ namespace {
 
 class PyClothSegmenter : public ClothSegmenter {
 public:
-  Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                       const Context &context) const override {
+  Segmentation segment(const SegmentInputs &inputs, const Context &context) const override {
     return call_override<Segmentation>(static_cast<const ClothSegmenter *>(this), "ClothSegmenter.segment", "a Segmentation",
-                                       sequence, face_valid, context);
+                                       inputs, context);
   }
 };
 
@@ -37,22 +37,65 @@ void bind_segment(py::module_ &m) {
   m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("segmentation"),
         py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
-  Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: mesh sequence -> segmentation. Subclass to replace it.")
+  Class<SegmentInputs>(m, "SegmentInputs", "What a ClothSegmenter is given; only the surface is needed.")
+      .def(py::init([](MeshSequence surface, std::vector<std::uint8_t> face_valid,
+                       const std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> &canonical,
+                       const std::optional<Vertices> &colours, Eigen::VectorXd prior) {
+             return SegmentInputs{std::move(surface), std::move(face_valid),
+                                  canonical ? unstack(*canonical, "canonical") : std::vector<Vertices>(),
+                                  colours.value_or(Vertices(0, 3)), std::move(prior)};
+           }),
+           py::arg("surface"), py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"), py::arg("canonical") = std::nullopt,
+           py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd())
+      .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is in the scan pose")
+      .def_readwrite("face_valid", &SegmentInputs::face_valid, "(F) 0 = invented over a large hole; empty = all valid")
+      .def_property(
+          "canonical", [](const SegmentInputs &s) { return stack(s.canonical); },
+          [](SegmentInputs &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
+            s.canonical = unstack(frames, "canonical");
+          },
+          "(T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy")
+      .def_readwrite("colours", &SegmentInputs::colours,
+                     "(F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.")
+      .def_readwrite("prior", &SegmentInputs::prior, "(V) log odds of cloth before anything is seen (cloth_prior); or empty");
+  m.def("cloth_prior", &cloth_prior, py::arg("actor"), py::arg("pose"), Release(),
+        "(V) log odds of loose cloth by place on the body: below 0 on hands, feet, head, and what hangs on no trunk.");
+  Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: captured surface -> segmentation. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")
-      .def("segment", &ClothSegmenter::segment, py::arg("sequence"), py::arg("face_valid"),
-           py::arg("context") = interruptible_context(), Release(), "How loose every vertex of the sequence is. face_valid (F).");
-  m.def("segment_cloth", &segment_cloth, py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
-        py::arg("context") = interruptible_context(), Release(),
-        "ClothSegmenter.create(options).segment(sequence, face_valid, context).");
-  m.def("fitting_thresholds", &fitting_thresholds, py::arg("pose"), py::arg("face_valid"), py::arg("sigma"),
-        py::arg("options") = SegmentOptions{}, Release(),
-        "The options, with both thresholds raised while all of the surface moves: the noise of a poor capture.");
+      .def("segment", &ClothSegmenter::segment, py::arg("inputs"), py::arg("context") = interruptible_context(), Release(),
+           "Which vertices are loose cloth.");
+  m.def(
+      "segment_cloth",
+      [](const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid, const SegmentOptions &options,
+         const Context &context) {
+        return segment_cloth({sequence, face_valid}, options, context);
+      },
+      py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
+      py::arg("context") = interruptible_context(), Release(),
+      "ClothSegmenter.create(options).segment(SegmentInputs(sequence, face_valid), context).");
   m.def("segmented_pose", &segmented_pose, py::arg("actor"), py::arg("performance"), Release(),
         "The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.");
-  m.def("segment_performance", &segment_performance, py::arg("actor"), py::arg("performance"), py::arg("segmenter"),
-        py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.");
+  m.def(
+      "segment_performance",
+      [](const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
+         const std::optional<Vertices> &colours, const FullnessOptions &fullness, const Context &context) {
+        return segment_performance(actor, performance, segmenter, colours.value_or(Vertices(0, 3)), fullness, context);
+      },
+      py::arg("actor"), py::arg("performance"), py::arg("segmenter"), py::arg("colours") = std::nullopt,
+      py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
+      "The whole stage for a captured performance: canonical frames, prior, segmentation, fullness. colours of its first frame, "
+      "as "
+      "SegmentInputs has them.");
+  Class<SegmentSummary>(m, "SegmentSummary", "What a segmentation found.")
+      .def_readonly("regions", &SegmentSummary::regions, "cloth regions")
+      .def_readonly("cloth_area", &SegmentSummary::cloth_area, "m^2, clothness over a half")
+      .def_readonly("transition_area", &SegmentSummary::transition_area, "m^2, clothness of at most a half, but not 0")
+      .def_readonly("known_fraction", &SegmentSummary::known_fraction, "of the seen vertices: had a usable opposite ray")
+      .def_readonly("noise", &SegmentSummary::noise, "m, deviation of the stillest tenth of the surface")
+      .def_readonly("uncertain_area", &SegmentSummary::uncertain_area, "share with a probability of cloth from 0.1 to 0.9");
+  m.def("summarise_segmentation", &summarise_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("segmentation"),
+        Release(), "Areas, noise and how sure a segmentation is.");
   m.def("corrected_segmentation", &corrected_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("found"),
         py::arg("painted"), Release(),
         "What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.");

@@ -183,8 +183,6 @@ ReferencePerformance dress(const ReferencePerformance &performance, const Rigged
     return performance;
   validate_garment(garment, actor, "garment");
   ReferencePerformance dressed = performance;
-  dressed.surface.unposed.clear();
-  dressed.surface.colours.resize(0, 3);
   const Faces cloth = garment.mesh.faces.array() + static_cast<int>(actor.mesh.vertices.rows());
   dressed.surface.faces = stacked(actor.mesh.faces, cloth);
   for (Vertices &frame : dressed.surface.frames)

@@ -260,6 +260,8 @@ void write_segmentation(const Path &path, const Segmentation &segmentation) {
   npz.set_i4("region", {V}, {segmentation.region.data(), segmentation.region.data() + V});
   if (segmentation.fullness.size() > 0)
     npz.set_f4("fullness", {V}, flat(segmentation.fullness));
+  if (segmentation.probability.size() > 0)
+    npz.set_f4("probability", {V}, flat(segmentation.probability));
   npz.write(path, kFileFormat);
 }
 
@@ -273,9 +275,14 @@ Segmentation read_segmentation(const Path &path) {
   out.region = Eigen::Map<const Eigen::VectorXi>(region.data(), region.size());
   for (const int r : region)
     out.region_count = std::max(out.region_count, r + 1);
-  const bool in_range = (out.clothness.array() >= 0 && out.clothness.array() <= 1).all();
-  if (!in_range)
-    throw Error(npz.source + ": array 'clothness': expected values in [0, 1], found others");
+  const auto require_in_range = [&](const char *name, const Eigen::VectorXd &values) {
+    if (!(values.array() >= 0 && values.array() <= 1).all())
+      throw Error(npz.source + ": array '" + name + "': expected values in [0, 1], found others");
+  };
+  require_in_range("clothness", out.clothness);
+  if (npz.has("probability"))
+    out.probability = read_vector(npz, "probability", out.clothness.size());
+  require_in_range("probability", out.probability);
   if (npz.has("fullness")) {
     out.fullness = read_vector(npz, "fullness", out.clothness.size());
     if (!(out.fullness.array() >= 1).all() || !out.fullness.allFinite())

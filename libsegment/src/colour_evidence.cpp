@@ -12,30 +12,32 @@ namespace doublet::detail {
 namespace {
 
 constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSurest = 2;    // logarithm of a ratio that is as good as certain: one in seven
+constexpr double kSurest = 1;    // logarithm of a ratio that counts fully: a fabric has more colours than were seen to move
 constexpr double kSpread = 0.02; // m, over which colours tell the same: a pattern's scale
 
 } // namespace
 
 Eigen::VectorXd colour_evidence(const Surface &surface, const Faces &faces, const std::vector<std::uint8_t> &face_valid,
-                                const Vertices &colours, const std::vector<char> &skin, const std::vector<char> &cloth) {
+                                const Vertices &colours, const Eigen::VectorXd &first, const Eigen::VectorXd &second) {
   const auto per_face = static_cast<int>(colours.rows() / std::max<Eigen::Index>(faces.rows(), 1));
   const Eigen::VectorXd areas = face_areas(surface.vertices, faces);
   const auto valid = [&](int f) { return face_valid.empty() || face_valid[f]; };
-  const auto all_of = [&](const std::vector<char> &kind, int f) {
-    return kind[faces(f, 0)] && kind[faces(f, 1)] && kind[faces(f, 2)];
-  };
   std::vector<int> bins(colours.rows());
   for (int s = 0; s < colours.rows(); ++s)
     bins[s] = colours.row(s).allFinite() ? colour_bin(colours.row(s).transpose()) : -1;
 
   std::array<Eigen::VectorXd, 2> histograms;
   for (std::size_t kind = 0; kind < 2; ++kind) {
+    const Eigen::VectorXd &weight = kind == 0 ? first : second;
     Eigen::VectorXd &histogram = histograms[kind] = Eigen::VectorXd::Zero(colour_bin_count());
-    for (int f = 0; f < faces.rows(); ++f)
-      for (int k = 0; k < per_face && valid(f) && all_of(kind == 0 ? skin : cloth, f); ++k)
+    for (int f = 0; f < faces.rows(); ++f) {
+      if (!valid(f))
+        continue;
+      const double of_face = areas[f] * std::min({weight[faces(f, 0)], weight[faces(f, 1)], weight[faces(f, 2)]});
+      for (int k = 0; k < per_face; ++k)
         if (bins[f * per_face + k] >= 0)
-          histogram[bins[f * per_face + k]] += areas[f];
+          histogram[bins[f * per_face + k]] += of_face;
+    }
     if (!(histogram.sum() > 0))
       return Eigen::VectorXd::Zero(surface.size()); // nothing to compare with
     histogram = colour_likelihoods(histogram);

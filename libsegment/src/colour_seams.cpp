@@ -83,13 +83,13 @@ struct Kinds {
 };
 
 /// The two looks of `member`, by all their colours: what each side looks like decides what belongs to it, until that stays.
-Kinds two_kinds(const Surface &surface, const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                const std::vector<char> &member, const Vertices &looks) {
+Kinds two_kinds(const Surface &surface, const SegmentInputs &inputs, const std::vector<char> &member, const Vertices &looks) {
   Kinds kinds{first_guess(surface, member, looks), {}};
   for (int round = 0; round < kMostRounds; ++round) {
-    kinds.evidence = colour_evidence(surface, sequence.faces, face_valid, sequence.colours,
-                                     choose(surface, [&](int v) { return member[v] && !kinds.second[v]; }),
-                                     choose(surface, [&](int v) { return member[v] && kinds.second[v]; }));
+    Eigen::VectorXd first = Eigen::VectorXd::Zero(surface.size()), second = first;
+    for (int v = 0; v < surface.size(); ++v)
+      (kinds.second[v] ? second : first)[v] = member[v];
+    kinds.evidence = colour_evidence(surface, inputs.surface.faces, inputs.face_valid, inputs.colours, first, second);
     std::vector<char> now = choose(surface, [&](int v) { return member[v] && kinds.evidence[v] < 0; });
     if (now == kinds.second)
       break;
@@ -131,13 +131,13 @@ std::vector<int> seam_of(const Surface &surface, const std::vector<char> &member
 
 } // namespace
 
-std::vector<char> colour_seams(const Surface &surface, const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                               const Segmentation &segmentation, const SegmentOptions &options) {
-  const Vertices looks = looks_of(sequence.faces, sequence.colours, surface.size());
+std::vector<char> colour_seams(const Surface &surface, const SegmentInputs &inputs, const Segmentation &segmentation,
+                               const SegmentOptions &options) {
+  const Vertices looks = looks_of(inputs.surface.faces, inputs.colours, surface.size());
   std::vector<char> seams(surface.size(), 0);
   for (int region = 0; region < segmentation.region_count; ++region) {
     const std::vector<char> member = choose(surface, [&](int v) { return segmentation.region[v] == region; });
-    Kinds kinds = two_kinds(surface, sequence, face_valid, member, looks);
+    Kinds kinds = two_kinds(surface, inputs, member, looks);
     merge_small(surface, member, options.smallest_region, kinds.second);
     for (int v : seam_of(surface, member, kinds, segmentation.sigma, options.smallest_region))
       seams[v] = 1;

@@ -2,15 +2,14 @@
 // Garments that touch: two of different fabrics are two regions.
 
 #include "colour_evidence.h"
-#include "doublet/core/mesh_sequence.h"
 #include "doublet/segment/cloth_segmenter.h"
 
 namespace doublet::detail {
 
 /// (V) vertices along which cloth of two looks meets and moves little: a shirt and the skirt that it ends at. Both sides are at
 /// least a region (`smallest_region`), each looks little like the other, and the seam moves less (`segmentation.sigma`, m) than
-/// what it holds: a hem that flies in front of another garment is none, nor is a fold's shade. `sequence` has colours.
-std::vector<char> colour_seams(const Surface &surface, const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                               const Segmentation &segmentation, const SegmentOptions &options);
+/// what it holds: a hem that flies in front of another garment is none, nor is a fold's shade. `inputs` have colours.
+std::vector<char> colour_seams(const Surface &surface, const SegmentInputs &inputs, const Segmentation &segmentation,
+                               const SegmentOptions &options);
 
 } // namespace doublet::detail

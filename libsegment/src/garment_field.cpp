@@ -1,6 +1,5 @@
 #include "garment_field.h"
 
-#include "bare_limbs.h"
 #include "doublet/rays/surface_distance.h"
 #include "doublet/segment/parts/diffusion.h"
 
@@ -30,6 +29,11 @@ Eigen::VectorXd to_vertices(const Mesh &mesh, const Eigen::VectorXd &face_values
   for (Eigen::Index v = 0; v < sum.size(); ++v)
     sum[v] = weight[v] > 0 ? sum[v] / weight[v] : kUnknown;
   return sum;
+}
+
+/// Does a limb, or the neck, end at the joint?
+bool is_leaf(const Skeleton &skeleton, int joint) {
+  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
 }
 
 /// Where the garment on a joint's bone ends: along the bone to its child; on the trunk, whose garments hang from it, downwards.

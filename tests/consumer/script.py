@@ -17,8 +17,8 @@ class BelowTheNavel(d.ClothSegmenter):
         super().__init__()
         self.height = height
 
-    def segment(self, sequence: d.MeshSequence, face_valid: object, context: d.Context = QUIET) -> d.Segmentation:
-        cloth = (sequence.frames[0][:, 1] < self.height).astype(float)
+    def segment(self, inputs: d.SegmentInputs, context: d.Context = QUIET) -> d.Segmentation:
+        cloth = (inputs.surface.frames[0][:, 1] < self.height).astype(float)
         return d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
 
 

@@ -8,6 +8,6 @@ int main() {
   doublet::Vertices vertices(4, 3);
   vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
   sequence.frames = {vertices, vertices, vertices};
-  const doublet::Segmentation result = doublet::segment_cloth(sequence, {1, 1, 1, 1});
+  const doublet::Segmentation result = doublet::segment_cloth({sequence, {1, 1, 1, 1}});
   return result.region_count == 0 && result.clothness.maxCoeff() == 0 ? 0 : 1;
 }

@@ -62,7 +62,7 @@ def out(tmp_path_factory):
 @pytest.fixture
 def job(out, tmp_path):
     (out / segmentation_paint.PAINTED).unlink(missing_ok=True)
-    by_motion_alone = d.SegmentOptions(skin_colour=0, cloth_colour=0)  # there are no videos
+    by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
     job = reconstruct.Job(tmp_path, out, {"segment": by_motion_alone}, console=Console(quiet=True))
     job.session = type("Session", (), {"folder": tmp_path})
     reconstruct.run_stage(job, SEGMENT)

@@ -108,11 +108,15 @@ def calls(world, folder) -> dict:
             lambda scan, rig: d.find_start_frame(scan, rig, Discs()), {"scan": w.mesh, "rig": ring_of_discs()["rig"]},
         ),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
-        "fitting_thresholds": (
-            d.fitting_thresholds, {"pose": w.mesh, "face_valid": valid, "sigma": np.zeros(len(v))},
+        "cloth_prior": (d.cloth_prior, {"actor": w.actor, "pose": w.mesh}),
+        "summarise_segmentation": (
+            d.summarise_segmentation, {"pose": w.mesh, "face_valid": valid, "segmentation": w.segmentation},
         ),
         "segment_cloth": (d.segment_cloth, {"sequence": sequence, "face_valid": valid}),
-        "ClothSegmenter.segment": (d.ClothSegmenter.create().segment, {"sequence": sequence, "face_valid": valid}),
+        "ClothSegmenter.segment": (
+            lambda **given: d.ClothSegmenter.create().segment(d.SegmentInputs(**given)),
+            {"surface": sequence, "face_valid": valid, "prior": np.zeros(len(v))},
+        ),
         "segmented_pose": (d.segmented_pose, {"actor": w.actor, "performance": w.performance}),
         "segment_performance": (
             lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),

@@ -31,7 +31,6 @@ MAY = (
     (".*", "frames", "shorter|longer|empty|nan|-?inf"),  # of a MeshSequence: a stage looks at them
     ("Features", ".*", "nan|-?inf"),  # likewise
     (".*", ".*", r"(segmentation )?sigma (empty|nan|-?inf)"),  # NaN where no ray was valid
-    ("fitting_thresholds", "sigma", "nan|-?inf"),  # likewise
     (".*", ".*", r"(segmentation )?region index -1"),  # rigid
     (".*", ".*", "coefficients .*|body faces empty|faces empty|joints empty|frames empty"),  # not known, or nothing there
     (".*", "sequence|captured|motion", "(frames|dofs) (shorter|longer|empty)"),  # any number of frames

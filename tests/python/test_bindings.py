@@ -87,15 +87,15 @@ def test_files_round_trip(tmp_path):
 
 def test_a_stage_can_be_written_in_python():
     class EverythingIsCloth(d.ClothSegmenter):
-        def segment(self, sequence, face_valid, context):
+        def segment(self, inputs, context):
             context.report("python stage", 0.5)
-            count = sequence.frames.shape[1]
+            count = inputs.surface.frames.shape[1]
             return d.Segmentation(np.zeros(count), np.ones(count), np.zeros(count, np.int32))
 
     seen = []
     context = d.Context(progress=lambda name, fraction: seen.append((name, fraction)))
     # Through the base class, as C++ would call it.
-    result = d.ClothSegmenter.segment(EverythingIsCloth(), moving_tetrahedron(), [1] * 4, context)
+    result = d.ClothSegmenter.segment(EverythingIsCloth(), d.SegmentInputs(moving_tetrahedron(), [1] * 4), context)
     assert result.clothness.tolist() == [1] * 4
     assert seen == [("python stage", 0.5)]
 
@@ -105,7 +105,7 @@ def test_a_stage_without_its_method_says_so():
         pass
 
     with pytest.raises(RuntimeError, match="segment"):
-        Lazy().segment(moving_tetrahedron(), [1] * 4)
+        Lazy().segment(d.SegmentInputs(moving_tetrahedron(), [1] * 4))
 
 
 def test_an_extractor_written_in_python_sees_arrays():

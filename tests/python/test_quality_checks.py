@@ -19,10 +19,12 @@ def test_numbers_beyond_their_limits_are_found(stage, name, good, doubtful, impo
         assert finding.level == level and f"{value:.3g}" in finding.text and "expected at" in finding.text
 
 
-def test_thresholds_a_little_above_noise_are_no_doubt():
-    assert findings("segment", {"thresholds_raised": 1.0}) == findings("segment", {"thresholds_raised": 1.1}) == []
-    (finding,) = findings("segment", {"thresholds_raised": 2.0})
+def test_cloth_that_is_told_from_noise_is_doubtful():
+    assert findings("segment", {"noise_mm": 2.0, "uncertain_area": 0.05}) == []
+    (finding,) = findings("segment", {"noise_mm": 5.0})
     assert finding.level == "doubtful" and "few cameras" in finding.text
+    (finding,) = findings("segment", {"uncertain_area": 0.5})
+    assert finding.level == "doubtful" and "paint" in finding.text
 
 
 def test_what_a_stage_found_itself_counts_and_what_it_did_not_measure_does_not():

@@ -30,7 +30,7 @@ def job(tmp_path, shapes):
     performance.joints = [skeleton.joint_positions(pose) for pose in dofs]
     d.write_actor(tmp_path / "actor.npz", actor)
     d.write_performance(tmp_path / "performance.npz", performance)
-    by_motion_alone = d.SegmentOptions(skin_colour=0, cloth_colour=0)  # there are no videos
+    by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
     job = reconstruct.Job(tmp_path, tmp_path, {"segment": by_motion_alone}, console=Console(quiet=True))
     job.session = type("Session", (), {"folder": tmp_path})
     return job

@@ -276,7 +276,7 @@ def test_the_other_kits(world):
     assert testing.optimizer_violations(lambda n, seed: d.create_cma_es(n, d.CmaEsOptions(seed=seed))) == []
 
     class Wrong(d.ClothSegmenter):
-        def segment(self, sequence, face_valid, context):
+        def segment(self, inputs, context):
             return "cloth"
 
     assert any("ClothSegmenter.segment must return a Segmentation" in s for s in testing.cloth_segmenter_violations(Wrong()))

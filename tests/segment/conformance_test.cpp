@@ -10,15 +10,15 @@ TEST(Conformance, OurSegmenterConforms) {
   for (const std::string &broken : testing::cloth_segmenter_violations(*segmenter))
     ADD_FAILURE() << broken;
   const MeshSequence column = testing::detail::swaying_column();
-  const Segmentation found = segmenter->segment(column, std::vector<std::uint8_t>(column.faces.rows(), 1), {});
+  const Segmentation found = segmenter->segment({column, std::vector<std::uint8_t>(column.faces.rows(), 1)}, {});
   EXPECT_GE(found.region_count, 1); // the rules were tried on cloth
 }
 
 /// Calls everything cloth, counts its calls, takes anything.
 class Careless : public ClothSegmenter {
 public:
-  Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &, const Context &) const override {
-    const Eigen::Index n = sequence.frames[0].rows();
+  Segmentation segment(const SegmentInputs &inputs, const Context &) const override {
+    const Eigen::Index n = inputs.surface.frames[0].rows();
     return {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Constant(n, 1.5 / ++calls_), Eigen::VectorXi::Constant(n, -1), 1};
   }
 

@@ -11,11 +11,18 @@ from PIL import Image
 from .. import _doublet as d
 
 SKIN, CLOTH, PROXY = (np.array(c) for c in ((0.85, 0.72, 0.62), (0.75, 0.25, 0.28), (0.30, 0.45, 0.70)))
+UNSURE = np.array((0.95, 0.85, 0.2))
 
 
 def cloth_colours(clothness: np.ndarray) -> np.ndarray:
     """(V, 3) from skin to cloth."""
     return (1 - clothness[:, None]) * SKIN + clothness[:, None] * CLOTH
+
+
+def probability_colours(probability: np.ndarray) -> np.ndarray:
+    """(V, 3) from skin to cloth, yellow where it may be either."""
+    certain = np.abs(2 * probability - 1)[:, None]
+    return certain * cloth_colours((probability > 0.5).astype(float)) + (1 - certain) * UNSURE
 
 
 def shade(meshes: list[d.RenderMesh], camera: d.Camera) -> np.ndarray:

@@ -67,8 +67,12 @@ LIMITS = {
     ),
     "segment": (
         Limit(
-            "thresholds_raised", 1.25, math.inf, "how far what is taken for skin moves, over how far it does elsewhere",
+            "noise_mm", 3, math.inf, "deviation of the stillest tenth of the surface, mm",
             "few cameras or a rough scan? look at what is cloth",
+        ),
+        Limit(
+            "uncertain_area", 0.2, math.inf, "share of the surface whose probability of being cloth is from 0.1 to 0.9",
+            "look at the segmentation, and paint what is wrong (doublet edit-segmentation)",
         ),
     ),
     "body": (

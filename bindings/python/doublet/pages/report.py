@@ -113,9 +113,15 @@ def cameras(shown: Shown) -> str:
 def segmentation(shown: Shown) -> str:
     segmentation = shown.job.results.segmentation()
     mesh = shown.actor.mesh
-    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=drawing.cloth_colours(segmentation.clothness))
-    views = [drawing.shade([surface], drawing.around(mesh.vertices, a)) for a in (0.0, np.pi)]
-    pictures = row([figure(v, n) for v, n in zip(views, ("front", "back"))])
+    drawn = {"clothness": drawing.cloth_colours(segmentation.clothness)}
+    if len(segmentation.probability):
+        drawn["probability of cloth"] = drawing.probability_colours(segmentation.probability)
+    figures = []
+    for name, colours in drawn.items():
+        surface = d.RenderMesh(mesh.vertices, shown.faces, colours=colours)
+        for side, azimuth in (("front", 0.0), ("back", np.pi)):
+            figures.append(figure(drawing.shade([surface], drawing.around(mesh.vertices, azimuth)), f"{name}, {side}"))
+    pictures = row(figures)
     if not segmentation.region_count:
         return pictures + "<p>No cloth found: the character is skinned only.</p>"
     areas = d.vertex_areas(mesh.vertices, mesh.faces)

@@ -112,18 +112,22 @@ def run_performance(job: Workspace) -> dict:
 def run_segment(job: Workspace) -> dict:
     options, fullness = job.group("segment"), job.options["fullness"]
     segmenter, performance = d.ClothSegmenter.create(options), job.results.performance()
-    if options.skin_colour > 0 or options.cloth_colour > 0:
-        performance.surface.colours = first_colours(job.results.actor, performance, job.filmed, job.silhouettes, job.context)
-    found = d.segment_performance(job.results.actor, performance, segmenter, fullness, job.context)
+    colours = None
+    if options.colour > 0:
+        colours = first_colours(job.results.actor, performance, job.filmed, job.silhouettes, job.context)
+    found = d.segment_performance(job.results.actor, performance, segmenter, colours, fullness, job.context)
     result = apply_corrections(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
+    pose = d.segmented_pose(job.results.actor, performance)
+    summary = d.summarise_segmentation(pose, job.results.actor.face_valid, result)
     areas = d.vertex_areas(job.results.actor.mesh.vertices, job.results.actor.mesh.faces)
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.results.actor, cloth, areas)
     text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
         "findings": [asdict(Finding(False, text.format(joint), "cloth_ends")) for joint in doubtful],
-        "thresholds_raised": thresholds_raised(job, result),
+        "noise_mm": 1000 * summary.noise,
+        "uncertain_area": summary.uncertain_area,
         "corrections": "none" if result is found else "painted",
         "regions": result.region_count,
         "doubtful_ends": doubtful,
@@ -144,13 +148,6 @@ def apply_corrections(job: Workspace, found: d.Segmentation) -> d.Segmentation:
     result = d.corrected_segmentation(pose, actor.face_valid, found, painted)
     result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, surface, job.options["fullness"], job.context)
     return result
-
-
-def thresholds_raised(job: Workspace, segmentation: d.Segmentation) -> float:
-    """How many times its options a segmentation's thresholds are, for a capture that moves what should be skin."""
-    pose, options = d.segmented_pose(job.results.actor, job.results.performance()), job.group("segment")
-    raised = d.fitting_thresholds(pose, job.results.actor.face_valid, segmentation.sigma, options)
-    return raised.rigid_threshold / options.rigid_threshold if options.rigid_threshold else 1.0
 
 
 def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> list[str]:

@@ -21,7 +21,7 @@ def first_colours(
     silhouettes: d.SilhouetteExtractor | None,
     context: d.Context,
 ) -> np.ndarray:
-    """What the surface looks like in the first captured frame, for MeshSequence.colours."""
+    """What the surface looks like in the first captured frame, for SegmentInputs.colours."""
     images, masks = camera_views(session, performance.frames[0], silhouettes)
     first = d.Mesh(performance.surface.frames[0], actor.mesh.faces)
     return d.sample_colours(first, actor.face_valid, session.rig, images, masks, context=context)

@@ -67,7 +67,7 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
                           const std::vector<SurfaceLabel> &face_labels = {}, const TextureOptions &options = {},
                           const Context &context = {});
 
-/// Colours at 10 points of every face, for MeshSequence::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
+/// Colours at 10 points of every face, for SegmentInputs::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
 /// says, NaN where no camera sees it. Arguments and errors as of bake_texture(), without labels.
 Vertices sample_colours(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                         const std::vector<Image> &images, const std::vector<Image> &masks = {},

@@ -12,62 +12,68 @@
 namespace doublet {
 
 struct SegmentOptions {
+  double even_odds = 3;
+  double slope = 4;
+  double colour = 4.5;
+  double border = 0.12;
+  double smallest_region = 0.08;
+  double diffusion = 0.03;
+  bool thresholds = false;
   double rigid_threshold = 0.0025;
   double cloth_threshold = 0.006;
-  double diffusion = 0.03;
-  double smallest_region = 0.08;
-  double contrast = 1.5;
-  double skin_colour = 2;
-  double cloth_colour = 0.7;
   OppositeOptions opposite;
   static constexpr auto describe() {
     using namespace options;
     using O = SegmentOptions;
     return Description{
         "SegmentOptions",
-        option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m",
-               "t_rigid: below, a vertex is rigid; captured skin has 1 to 3 mm, at 1.75 mm it passes for cloth in two of nine "
-               "sessions"),
-        option(
-            &O::cloth_threshold, "cloth_threshold", at_least(0), "m",
-            "t_cloth: above, a vertex is cloth; trouser legs, sleeves and the top of a skirt, which lie on the body, have 3 to "
-            "10 mm, loose cloth 20 mm and more"),
-        option(&O::diffusion, "diffusion", at_least(0), "m",
-               "length scale of the implicit diffusion; about an edge of the 5000-triangle template"),
+        option(&O::even_odds, "even_odds", at_least(1), "",
+               "deviation, in units of that of the stillest tenth of the surface, at which skin and cloth are as likely"),
+        option(&O::slope, "slope", at_least(0), "", "log odds of cloth gained for each factor of e in the deviation"),
+        option(&O::colour, "colour", at_least(0), "",
+               "weight of the log likelihood ratio of the colours; 0 = motion alone, and no video is opened"),
+        option(&O::border, "border", at_least(0), "m",
+               "what a metre of border costs: as much as this area, in m^2, labelled against log odds of 1"),
         option(&O::smallest_region, "smallest_region", at_least(0), "m^2",
-               "smaller islands of cloth are dropped and smaller holes filled; 28 x 28 cm, about a short sleeve"),
-        option(&O::contrast, "contrast", at_least(1), "",
-               "beside cloth, what moves this many times as much as the skin around it is cloth, too; 1000 = off"),
-        option(
-            &O::skin_colour, "skin_colour", Range{0, 5}, "",
-            "surface that looks like skin all over counts with exp(-skin_colour) of its deviation: nobody's forearm is cloth; 0 "
-            "= off"),
-        option(
-            &O::cloth_colour, "cloth_colour", Range{0, 5}, "",
-            "surface that looks like cloth all over counts with exp(cloth_colour) of its deviation: less, for a tight top may be "
-            "of the same fabric; 0 = off"),
+               "two garments that touch are told apart by colour if each is this large; 28 x 28 cm, about a short sleeve"),
+        option(&O::diffusion, "diffusion", at_least(0), "m",
+               "length scale of the diffusion of the clothness; half of it smooths the labels' border"),
+        option(&O::thresholds, "thresholds", "on: eq. 1 of the paper with the two thresholds, in the place of the energy"),
+        option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m", "t_rigid of eq. 1: below, a vertex is rigid"),
+        option(&O::cloth_threshold, "cloth_threshold", at_least(0), "m", "t_cloth of eq. 1: above, a vertex is cloth"),
         option(&O::opposite, "opposite", "the rays to the other side"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
+/// What a segmenter is given. Only the surface is needed.
+struct SegmentInputs {
+  MeshSequence surface;                      ///< as captured; the first frame is in the scan pose
+  std::vector<std::uint8_t> face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
+  /// T x (V, 3) m, the frames brought back to the scan pose by the skeleton (unposed_frames): what still moves there, skinning
+  /// does not explain. Empty = not known.
+  std::vector<Vertices> canonical = {};
+  /// (F k, 3) B G R, 0 to 255, of any k points spread over every face, face by face; NaN where no camera sees it
+  /// (sample_colours() in texture_baker.h makes them). Empty = not known.
+  Vertices colours = Vertices(0, 3);
+  Eigen::VectorXd prior = {}; ///< (V) log odds of cloth before anything is seen (cloth_prior), or empty = 0
+};
+
 class ClothSegmenter {
 public:
   virtual ~ClothSegmenter() = default;
-  /// sequence: the captured surface; where it holds unposed frames, too, the smaller of both deviations counts: skin that a bent
-  /// joint or a twisted spine deforms keeps its place in the scan pose, and skin that the skin weights misplace keeps its shape.
-  /// And beside what these show to be cloth, what moves more than the skin around it counts, too (`contrast`). Where it holds
-  /// colours, what looks like the stillest quarter of the surface has to move more to be cloth, what looks like the loosest less.
-  /// face_valid (F): rays that hit invalid triangles do not count. Vertices on no valid face are rigid. Throws
-  /// std::invalid_argument on fewer than two frames or sizes that disagree, Error on an unusable mesh.
-  virtual Segmentation segment(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                               const Context &context) const = 0;
+  /// Vertices on no valid face are rigid. Throws std::invalid_argument on fewer than two frames or sizes that disagree, Error on
+  /// an unusable mesh.
+  virtual Segmentation segment(const SegmentInputs &inputs, const Context &context) const = 0;
+  /// The minimum of one energy over skin and cloth: for each vertex its area times the log odds of cloth, from the prior, from
+  /// how much its distance to the opposite side varies (eq. 1) in units of what the stillest tenth of the surface does, and from
+  /// its colour; for each edge the length of border it stands for. What skin and cloth look like is learnt from the surface
+  /// itself. Segmentation::probability is the margin of the minimum as a probability.
   static std::unique_ptr<ClothSegmenter> create(const SegmentOptions &options = {});
 };
 
-Segmentation segment_cloth(const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid,
-                           const SegmentOptions &options = {}, const Context &context = {});
+Segmentation segment_cloth(const SegmentInputs &inputs, const SegmentOptions &options = {}, const Context &context = {});
 
 /// The surface in whose pose a segmentation is made, for that is the scan's: the performance's first frame if its joints are
 /// within 0.15 rad (RMS over the degrees of freedom but the root's), otherwise the actor's own mesh. Throws as
@@ -75,22 +81,15 @@ Segmentation segment_cloth(const MeshSequence &sequence, const std::vector<std::
 Mesh segmented_pose(const RiggedMesh &actor, const ReferencePerformance &performance);
 
 /// The whole stage for a captured performance: its frames are brought back to the scan pose, too (unposed_frames), after
-/// segmented_pose() if that is none of them, `segmenter` is asked, and the cloth gets its fullness (estimate_fullness). Throws as
-/// these do.
+/// segmented_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
+/// captured frame, or empty. `segmenter` is asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
-                                 const ClothSegmenter &segmenter, const FullnessOptions &fullness = {},
-                                 const Context &context = {});
+                                 const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3),
+                                 const FullnessOptions &fullness = {}, const Context &context = {});
 
-/// Segmentation from a deviation (V, m, NaN = unknown) alone: eq. 1, diffusion, holes and islands, regions.
+/// Segmentation from a deviation (V, m, NaN = unknown) alone: the energy without prior and colours.
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                          const Eigen::VectorXd &sigma, const SegmentOptions &options = {});
-
-/// options, with both thresholds raised together (up to eightfold): so far that rigid_threshold is 1.4 times the tenth centile of
-/// sigma, what the capture makes of skin; and while what moves is more than half of the surface and has its top (+Y), or hangs
-/// from nothing: then it is the noise of the capture (few cameras, a rough scan) that moves. The segmenter uses these. sigma as
-/// above.
-SegmentOptions fitting_thresholds(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma,
-                                  const SegmentOptions &options = {});
 
 /// What a segmentation found; log it where a number can disappoint.
 struct SegmentSummary {
@@ -98,6 +97,8 @@ struct SegmentSummary {
   double cloth_area = 0;      ///< m^2, clothness > 0.5, over valid faces
   double transition_area = 0; ///< m^2, 0 < clothness <= 0.5
   double known_fraction = 0;  ///< of the vertices on valid faces: had a usable opposite ray
+  double noise = 0;           ///< m, the deviation of the stillest tenth of the surface: how exact the capture is
+  double uncertain_area = 0;  ///< of all, the share with a probability of cloth from 0.1 to 0.9; 0 if that is not known
 };
 SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                       const Segmentation &segmentation);

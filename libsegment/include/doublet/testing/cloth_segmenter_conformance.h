@@ -52,11 +52,11 @@ inline MeshSequence swaying_column() {
 /// cloth, what is on no face is rigid, two calls give the same bits, a single frame is refused.
 inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter &segmenter) {
   std::vector<std::string> broken;
-  const MeshSequence sequence = detail::swaying_column();
-  const Eigen::Index n = sequence.frames[0].rows();
-  const std::vector<std::uint8_t> valid(static_cast<std::size_t>(sequence.faces.rows()), 1);
+  SegmentInputs inputs{detail::swaying_column()};
+  const Eigen::Index n = inputs.surface.frames[0].rows();
+  inputs.face_valid.assign(static_cast<std::size_t>(inputs.surface.faces.rows()), 1);
   try {
-    const Segmentation found = segmenter.segment(sequence, valid, {}), again = segmenter.segment(sequence, valid, {});
+    const Segmentation found = segmenter.segment(inputs, {}), again = segmenter.segment(inputs, {});
     if (found.clothness.size() != n || found.region.size() != n)
       return {"expected a clothness and a region for each of " + std::to_string(n) + " vertices, found " +
               std::to_string(found.clothness.size()) + " and " + std::to_string(found.region.size())};
@@ -79,9 +79,9 @@ inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter 
     broken.push_back(std::string("the segmenter threw: ") + error.what());
   }
   try {
-    MeshSequence single = sequence;
-    single.frames.resize(1);
-    segmenter.segment(single, valid, {});
+    SegmentInputs single = inputs;
+    single.surface.frames.resize(1);
+    segmenter.segment(single, {});
     broken.push_back("a sequence of one frame is not refused");
   } catch (const std::exception &) { // of whatever kind: Python has its own
   }

@@ -1,0 +1,77 @@
+#include "doublet/segment/cloth_prior.h"
+
+#include "surface_patches.h"
+
+#include <algorithm>
+
+namespace doublet {
+namespace {
+
+using detail::Surface;
+
+// Log odds. Nobody's hands, feet and head hang loose, and a garment hangs from the trunk.
+constexpr double kExtremity = 5;
+constexpr double kUnattached = 4;
+
+std::vector<int> child_counts(const Skeleton &skeleton) {
+  std::vector<int> counts(skeleton.joint_count(), 0);
+  for (const Joint &joint : skeleton.joints)
+    if (joint.parent >= 0)
+      ++counts[joint.parent];
+  return counts;
+}
+
+/// The joint that moves the end of a limb that ends at `leaf`: the leaf if it moves anything (a wrist), else its parent (the leaf
+/// only marks a fingertip).
+int mover_of_end(const RiggedMesh &actor, int leaf) {
+  return actor.weights.col(leaf).maxCoeff() > 0.1 ? leaf : actor.skeleton.joints[leaf].parent;
+}
+
+/// (V) in [0, 1]: part of a hand, a foot or the head; rises from the joint to halfway between it and the end.
+Eigen::VectorXd extremities(const RiggedMesh &actor, const Surface &surface) {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(surface.size());
+  const std::vector<int> children = child_counts(actor.skeleton);
+  for (int leaf = 0; leaf < actor.skeleton.joint_count(); ++leaf) {
+    const int joint = children[leaf] == 0 ? mover_of_end(actor, leaf) : -1;
+    if (joint < 0 || actor.skeleton.joints[joint].parent < 0) // the root carries the trunk
+      continue;
+    const Eigen::RowVector3d at = actor.skeleton.joints[joint].rest.transpose();
+    const Eigen::VectorXd distance = (actor.mesh.vertices.rowwise() - at).rowwise().norm();
+    double end = 0;
+    for (int v = 0; v < surface.size(); ++v)
+      if (surface.areas[v] > 0 && actor.weights(v, joint) > 0.5)
+        end = std::max(end, distance[v]);
+    if (end > 0)
+      result = result.cwiseMax((actor.weights.col(joint).array() * (2 * distance.array() / end).min(1.0)).matrix());
+  }
+  return result;
+}
+
+/// (V) 1 on pieces of the surface without any of the trunk (what a joint of several children moves most): what comes out under a
+/// hem or a cuff. The whole surface if none has any.
+Eigen::VectorXd unattached(const RiggedMesh &actor, const Surface &surface) {
+  const std::vector<int> children = child_counts(actor.skeleton);
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(surface.size());
+  bool some_attached = false;
+  for (const detail::Patch &piece : connected_patches(surface, choose(surface, [](int) { return true; }))) {
+    const bool attached = std::any_of(piece.members.begin(), piece.members.end(), [&](int v) {
+      Eigen::Index joint = 0;
+      actor.weights.row(v).maxCoeff(&joint);
+      return children[joint] > 1;
+    });
+    some_attached |= attached;
+    for (const int v : piece.members)
+      result[v] = attached ? 0.0 : 1.0;
+  }
+  return some_attached ? result : Eigen::VectorXd::Zero(surface.size());
+}
+
+} // namespace
+
+Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose) {
+  require_actor(actor, "cloth_prior");
+  const Surface surface = detail::surface_of(pose, actor.face_valid);
+  return -kExtremity * extremities(actor, surface) - kUnattached * unattached(actor, surface);
+}
+
+} // namespace doublet
