@@ -98,10 +98,11 @@ def joints_of(people: list, path: Path) -> np.ndarray:
             points = np.array(person, float)
         except (TypeError, ValueError):
             points = np.zeros(0)
-        if points.ndim != 2 or points.shape[1] < 3 or len(points) not in LAYOUTS or not np.isfinite(points).all():
+        if points.ndim != 2 or points.shape[1] < 3 or len(points) not in LAYOUTS:
             counts = ", ".join(map(str, LAYOUTS))
             raise ValueError(f"{path}: expected {counts} keypoints of x, y and confidence, found {points.shape}")
         joints = points[list(LAYOUTS[len(points)])][:, [0, 1, -1]]
+        joints[~np.isfinite(joints).all(axis=1)] = 0  # NaN, null: not found
         if joints[:, 2].sum() > best[:, 2].sum():
             best = joints
     return best
