@@ -64,7 +64,9 @@ cv::FileStorage open_storage(const std::filesystem::path &path) {
   quiet_opencv();
   if (!std::filesystem::is_regular_file(path))
     throw FileNotFound(path.string() + ": the calibration does not exist");
-  const std::string text = read_text(path);
+  std::string text = read_text(path);
+  if (text.starts_with("\xEF\xBB\xBF")) // which OpenCV leaves aside, too
+    text.erase(0, 3);
   require_plain(path, text);
   require_one_collection(path, text);
   try {

@@ -190,6 +190,17 @@ def test_utf_16_is_named(tmp_path):
         d.SourceMotion.read(tmp_path / "clip.bvh")
 
 
+def test_frames_of_an_amc_follow_each_other(tmp_path):
+    bone = "begin\nname arm\ndirection 1 0 0\nlength 1\nend\n"
+    (tmp_path / "a.asf").write_text(f":root\norder TX\n:bonedata\n{bone}:hierarchy\nbegin\nroot arm\nend\n")
+    for numbers in ((7, 8, 9), (7, 8, 10)):
+        (tmp_path / "a.amc").write_text(":degrees\n" + "".join(f"{n}\nroot {n}\n" for n in numbers))
+        if numbers[-1] == 9:
+            assert d.SourceMotion.read(tmp_path / "a.amc").frame_count == 3
+    with pytest.raises(d.Error, match=r"a\.amc:6: expected frame 9, as frames follow each other, found '10'"):
+        d.SourceMotion.read(tmp_path / "a.amc")
+
+
 # --- glTF
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from doublet.common.images import counted
 from doublet.common.video import read_video
-from doublet.scan.keypoints import joints_of
+from doublet.scan.keypoints import joints_of, read_frame
 from doublet.session.external_masks import read_masks
 from doublet.session.new_session import Request, new_session
 from PIL import Image
@@ -322,6 +322,24 @@ def test_key_points_that_are_not_there_have_no_confidence(nothing):
     found = joints_of([[[nothing] * 3] * 17, json.loads(json.dumps(person))], Path("a.json"))
     assert (found[[2, 4]] == 0).all()  # l_elbow, l_wrist
     np.testing.assert_array_equal(found[0], [50, 5, 0.9])
+
+
+@pytest.mark.parametrize("form", ["folder", "instance_info"])
+def test_frames_without_key_points_are_left_out(tmp_path, form):
+    """Programs write nothing where they see nobody: what follows stays in step."""
+    frames = {k: {"instances": [{"keypoints": [[k, 1.0]] * 17, "keypoint_scores": [0.9] * 17}]} for k in (0, 1, 4, 5)}
+    path = tmp_path / "cam0"
+    if form == "folder":
+        path.mkdir()
+        for k, content in frames.items():
+            (path / f"take_{k + 12:09d}_keypoints.json").write_text(json.dumps(content))
+    else:
+        path = tmp_path / "cam0.json"
+        path.write_text(json.dumps({"instance_info": [{"frame_id": k + 1, **content} for k, content in frames.items()]}))
+    assert read_frame(path, 4)[0].tolist() == [4, 1, 0.9] and read_frame(path, 1)[0].tolist() == [1, 1, 0.9]
+    assert not read_frame(path, 2).any()
+    with pytest.raises(ValueError, match="expected keypoints of frame 6, found those of 4 frames"):
+        read_frame(path, 6)
 
 
 # --- examples

@@ -271,7 +271,7 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
   make_joints(skeleton, bone_order(skeleton), clip, bone_of_joint);
 
   LineReader reader(amc, amc_source, true);
-  double radians = M_PI / 180;
+  double radians = M_PI / 180, before = 0; // before: the number of the frame before
   while (!reader.done() && reader.peek("").words[0][0] == ':') {
     const std::string key = lower(reader.next("").words[0]);
     radians = key == ":radians" ? 1.0 : radians;
@@ -280,7 +280,10 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
     const TextLine &number = reader.next("a frame number");
     if (number.words.size() != 1)
       reader.fail(number, "a frame number");
-    reader.number(number, 0, "a frame number");
+    const double frame = reader.number(number, 0, "a frame number");
+    if (!clip.positions.empty() && frame != before + 1)
+      reader.fail(number, "frame " + options::shown(before + 1) + ", as frames follow each other");
+    before = frame;
     std::vector<BoneMotion> motion(skeleton.bones.size());
     std::vector<bool> seen(skeleton.bones.size(), false);
     while (!reader.done() && reader.peek("").words.size() > 1) {

@@ -88,7 +88,7 @@ def read_toml(path: Path) -> dict:
     """What is wrong with the text is a RuntimeError that names the file."""
     require_file(Path(path))
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except RecursionError:
         raise RuntimeError(f"{path}: expected TOML, found brackets inside of brackets without end") from None
     except ValueError as error:  # a syntax error, or bytes that are no text
@@ -99,7 +99,7 @@ def read_json(path: Path):
     """What is wrong with the text is a RuntimeError that names the file."""
     require_file(Path(path))
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
+        return json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except RecursionError:
         raise RuntimeError(f"{path}: expected JSON, found brackets inside of brackets without end") from None
     except ValueError as error:  # a syntax error, or bytes that are no text

@@ -148,7 +148,7 @@ def rotations_of(path: Path, file) -> np.ndarray:
     if turns is None or turns.shape[1] < TURNING:
         raise ValueError(
             f"{path}: expected {wanted} with a row of at least {3 * TURNING} angles a frame (axis times angle of SMPL, SMPL-H or "
-            f"SMPL-X), or of rotation matrices, found {shapes}"
+            f"SMPL-X), or of rotation matrices, found {shapes}{smpl_rotations.doubt_about(rows)}"
         )
     return turns[:, :TURNING]
 

@@ -31,6 +31,12 @@ def turns_of(numbers: np.ndarray, matrices: bool) -> np.ndarray | None:
     return quaternions(numbers.reshape(len(numbers), -1, 3)) if count in AXIS_ANGLES else None
 
 
+def doubt_about(rows: list[np.ndarray]) -> str:
+    """Why such numbers are not read."""
+    count = sum(row.shape[-1] for row in rows)
+    return "; six numbers a joint may be rows or columns of a matrix, which no file says" if count % 6 == 0 else ""
+
+
 def are_rotations(matrices: np.ndarray) -> bool:
     products = np.einsum("...ij,...ik->...jk", matrices, matrices)
     return bool(np.abs(products - np.eye(3)).max() < ALIKE and (np.linalg.det(matrices) > 0).all())
