@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -165,7 +166,7 @@ private:
     if (growing_.corners.size() + 3 * indices.size() > 6 * kMostMeshVertices)
       fail("expected at most " + options::shown(2.0 * static_cast<double>(kMostMeshVertices)) + " triangles, found more");
     const auto corner = [&](std::size_t i) {
-      if (!(indices[i] < static_cast<double>(count)))
+      if (!(indices[i] >= 0 && indices[i] < static_cast<double>(count) && indices[i] == std::floor(indices[i])))
         fail("expected vertices from 0 to " + std::to_string(count) + ", found number " + options::shown(indices[i]));
       return first + static_cast<int>(indices[i]);
     };

@@ -214,7 +214,7 @@ def entry(*where, **more):
         (entry("nodes", 1, mesh=3), "expected one of 1 meshes, found number 3"),
         (entry("accessors", 0, count=80), "accessor 0 reaches beyond its buffer view"),
         (entry("accessors", 1, byteOffset=2), "accessor 1 reaches beyond its buffer view"),
-        (entry("accessors", 1, bufferView=0, componentType=5126), "expected vertices from 0 to 8"),
+        (entry("accessors", 1, bufferView=0, componentType=5126, count=24), "expected vertices from 0 to 8"),
         (entry("bufferViews", 0, byteLength=10**9), "reaches beyond its buffer view"),
         (entry(extensionsRequired=["KHR_draco_mesh_compression"]), "that need the extension KHR_draco_mesh_compression"),
         (entry("nodes", 1, skin=0), "expected a scan that stands still"),
