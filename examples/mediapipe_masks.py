@@ -91,6 +91,12 @@ def main():
     parser.add_argument("-o", "--out", type=Path, required=True, help="folder of the masks, one image for each frame")
     parser.add_argument("--keypoints", type=Path, help="JSON for doublet scan --keypoints")
     arguments = parser.parse_args()
+    if not hasattr(mediapipe, "solutions"):
+        found = getattr(mediapipe, "__version__", "another version")
+        parser.error(
+            f"expected MediaPipe 0.10.21, the last with its networks inside, found {found}; it needs Python 3.9 to 3.12: "
+            "python3.12 -m venv masks_venv && masks_venv/bin/pip install mediapipe==0.10.21"
+        )
     frames = list(read_frames(arguments.video))
     if not frames:
         parser.error(f"{arguments.video}: expected a video, found no frame")

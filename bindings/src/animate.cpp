@@ -113,10 +113,14 @@ void bind_motion(py::module_ &m) {
   Class<SourceMotion>(m, "SourceMotion", "A motion capture clip on its own skeleton.")
       .def_static(
           "read",
-          [](const std::filesystem::path &path, const std::optional<std::filesystem::path> &skeleton) {
-            return read_motion_file(path, skeleton.value_or(std::filesystem::path()));
+          [](const std::filesystem::path &path, const std::optional<std::filesystem::path> &skeleton,
+             const std::string &animation) {
+            return read_motion_file(path, skeleton.value_or(std::filesystem::path()), animation);
           },
-          py::arg("path"), py::arg("skeleton") = std::nullopt, Release(), ".bvh, .amc or .glb; skeleton: the .asf of an .amc")
+          py::arg("path"), py::arg("skeleton") = std::nullopt, py::arg("animation") = "", Release(),
+          ".bvh, .amc or .glb; skeleton: the .asf of an .amc; animation: of a .glb, by name or number from 1, '' = the first "
+          "that "
+          "moves the body")
       .def(py::init(&source_motion), py::arg("joint_names"), py::arg("joint_parents"), py::arg("offsets"), py::arg("positions"),
            py::arg("rotations"), py::arg("fps"), py::arg("source") = "arrays",
            "From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, "
@@ -124,6 +128,8 @@ void bind_motion(py::module_ &m) {
            "in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of "
            "length.")
       .def_readonly("source", &SourceMotion::source, "file name, for messages")
+      .def_readonly("animations", &SourceMotion::animations, "names of all that the file has, where it can have several (.glb)")
+      .def_readonly("animation", &SourceMotion::animation, "which of these this is, counted from 0")
       .def_readonly("fps", &SourceMotion::fps, "frames a second")
       .def_property_readonly("frame_count", &SourceMotion::frame_count, "T")
       .def_property_readonly(

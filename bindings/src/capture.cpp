@@ -61,9 +61,10 @@ void bind_calibration(py::module_ &m) {
       .def_readwrite("late", &CalibratedCamera::late, "frames: what it films in frame t + late the others film in frame t")
       .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.");
   py::implicitly_convertible<Camera, CalibratedCamera>();
-  m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{}, Release(),
-        "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys, or of a calibration.yml, in metres and with +Y "
-        "up.");
+  m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{},
+        py::arg("context") = interruptible_context(), Release(),
+        "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio or Metashape, or of a "
+        "calibration.yml, in metres and with +Y up. The context's log says which were left out.");
   m.def("write_calibration", &write_calibration, py::arg("path"), py::arg("cameras"), Release(),
         "calibration.yml of a session, complete or not at all; takes Camera, too.");
 }

@@ -101,6 +101,9 @@ std::string described(const py::object &object);
 /// A context that Ctrl-C interrupts: the default of every long call.
 Context interruptible_context();
 
+/// Is it, or is in it, a complex number? NumPy would hand over its real part.
+bool has_complex(const py::handle &object);
+
 /// Calls a Python override, on whatever thread: `where` = "Class.method". Throws TypeError naming it if it returns something that
 /// is no `R`, RuntimeError if the class has no such method. What it raises itself comes back as it is.
 template <class R, class Base, class... Arguments>
@@ -110,6 +113,8 @@ R call_override(const Base *self, const std::string &where, const char *expected
   if (!method)
     throw std::runtime_error(where + " is not defined by the subclass");
   const py::object result = method(std::forward<Arguments>(arguments)...);
+  if (has_complex(result))
+    throw py::type_error(where + " must return " + expected + ", found complex numbers in " + described(result));
   try {
     return result.template cast<R>();
   } catch (const py::cast_error &) {

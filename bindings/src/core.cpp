@@ -388,6 +388,19 @@ void bind_stage_values(py::module_ &m) {
 
 } // namespace
 
+bool has_complex(const py::handle &object) {
+  if (PyComplex_Check(object.ptr()))
+    return true;
+  if (py::isinstance<py::array>(object) || py::hasattr(object, "dtype"))
+    return py::dtype::from_args(py::reinterpret_borrow<py::object>(object.attr("dtype"))).kind() == 'c';
+  if (!py::isinstance<py::tuple>(object) && !py::isinstance<py::list>(object))
+    return false;
+  for (const py::handle inner : object)
+    if (has_complex(inner))
+      return true;
+  return false;
+}
+
 Context interruptible_context() {
   Context context;
   context.cancelled = interrupted;

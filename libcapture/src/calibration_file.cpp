@@ -25,9 +25,11 @@ struct Convention {
   const char *units, *up;
   bool declared; // says so in its definition
 };
-const std::map<std::string, Convention> kConventions = {{"doublet", {"m", "y", true}}, {"opencv", {"m", "y", false}},
-                                                        {"colmap", {"m", "y", false}}, {"easymocap", {"m", "z", false}},
-                                                        {"toml", {"m", "z", false}},   {"qualisys", {"mm", "z", false}}};
+const std::map<std::string, Convention> kConventions = {{"doublet", {"m", "y", true}},    {"opencv", {"m", "y", false}},
+                                                        {"colmap", {"m", "y", false}},    {"easymocap", {"m", "z", false}},
+                                                        {"toml", {"m", "z", false}},      {"qualisys", {"mm", "z", false}},
+                                                        {"anipose", {"m", "y", false}},   {"panoptic", {"cm", "-y", false}},
+                                                        {"metashape", {"m", "z", false}}, {"opencv_fisheye", {"m", "y", false}}};
 
 const std::map<std::string, double> kUnits = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}};
 
@@ -51,6 +53,10 @@ std::string folder_format(const fs::path &folder) {
       return "easymocap";
   if (!detail::opencv_files(folder).empty())
     return "opencv";
+  for (const char *inside : {"0", "sparse/0", "sparse"})
+    if (fs::exists(folder / inside / "cameras.bin") || fs::exists(folder / inside / "cameras.txt"))
+      throw Error(folder.string() + ": expected a folder with a calibration, found a model of COLMAP in a folder inside: say " +
+                  (folder / inside).string());
   throw Error(folder.string() +
               ": expected cameras.txt or .bin (COLMAP), intri.yml (EasyMocap) or OpenCV files, found none of them");
 }
@@ -63,14 +69,21 @@ std::string file_format(const fs::path &path) {
     return "colmap";
   if (path.extension() == ".toml")
     return "toml";
-  const std::string text = read_text(path);
+  const std::string text = plain_text(read_text(path), path.string());
+  const std::size_t begin = std::min(text.find_first_not_of(" \t\n"), text.size());
+  if (text.compare(begin, 1, "[") == 0)
+    return "anipose";
+  if (text.compare(begin, 1, "{") == 0 && text.find("\"distCoef\"") != std::string::npos)
+    return "panoptic";
+  if (text.find("<sensors") != std::string::npos && text.find("<document") != std::string::npos)
+    return "metashape";
   if (text.find("<calibration") != std::string::npos)
     return "qualisys";
   if (text.starts_with("%YAML") || text.starts_with("{") || text.find("<opencv_storage") != std::string::npos)
     return detail::opencv_dialect(path);
   throw Error(path.string() +
-              ": expected a calibration of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys, found a file "
-              "that looks like none of them (format, --format: says which it is)");
+              ": expected a calibration of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic "
+              "Studio or Metashape, found a file that looks like none of them (format, --format: says which it is)");
 }
 
 std::string format_of(const fs::path &path, const CalibrationOptions &options) {
@@ -81,20 +94,27 @@ std::string format_of(const fs::path &path, const CalibrationOptions &options) {
   return fs::is_directory(path) ? folder_format(path) : file_format(path);
 }
 
-std::vector<CalibratedCamera> read_as(const std::string &format, const fs::path &path, ImageSize size) {
+std::vector<CalibratedCamera> read_as(const std::string &format, const fs::path &path, ImageSize size,
+                                      std::vector<std::string> &left_out) {
   const bool folder = fs::is_directory(path);
   const fs::path inside = folder ? path : path.parent_path();
   if (format == "colmap")
     return detail::read_colmap_calibration(inside);
   if (format == "easymocap")
     return detail::read_easymocap_calibration(inside, size);
-  if (format == "opencv")
-    return detail::read_opencv_calibration(path, size);
+  if (format == "opencv" || format == "opencv_fisheye")
+    return detail::read_opencv_calibration(path, size, format == "opencv_fisheye");
   if (folder)
     throw Error(path.string() + ": expected a file, as the format " + format + " is one, found a folder");
   if (format == "toml")
-    return detail::read_toml_calibration(path, size);
-  return format == "qualisys" ? detail::read_qualisys_calibration(path) : detail::read_doublet_calibration(path);
+    return detail::read_toml_calibration(path, size, left_out);
+  if (format == "anipose")
+    return detail::read_anipose_calibration(path, size);
+  if (format == "panoptic")
+    return detail::read_panoptic_calibration(path, left_out);
+  if (format == "metashape")
+    return detail::read_metashape_calibration(path, left_out);
+  return format == "qualisys" ? detail::read_qualisys_calibration(path, left_out) : detail::read_doublet_calibration(path);
 }
 
 /// What a sentence about all cameras names.
@@ -227,12 +247,13 @@ void CalibrationOptions::validate() const {
         "CalibrationOptions: units: expected 'found', 'm', 'cm', 'mm' or a positive number of metres, found '" + units + "'");
 }
 
-std::vector<CalibratedCamera> read_calibration(const fs::path &path, const CalibrationOptions &options) {
+std::vector<CalibratedCamera> read_calibration(const fs::path &path, const CalibrationOptions &options, const Context &context) {
   options.validate();
   const std::string format = format_of(path, options), where = source_of(format, path);
   const Convention &convention = kConventions.at(format);
   const ImageSize size{options.image_width, options.image_height};
-  std::vector<CalibratedCamera> cameras = read_as(format, path, size);
+  std::vector<std::string> left_out;
+  std::vector<CalibratedCamera> cameras = read_as(format, path, size, left_out);
   if (cameras.empty())
     throw Error(where + ": expected at least one camera, found none");
   const double unit = metres(options.units == "found" ? convention.units : options.units);
@@ -249,6 +270,8 @@ std::vector<CalibratedCamera> read_calibration(const fs::path &path, const Calib
     require_plausible_distance(cameras, unit, where);
   if (!convention.declared && options.up == "found")
     require_upright(cameras, up, where);
+  for (const std::string &sentence : left_out)
+    context.say(where + ": " + sentence + ": left out");
   return cameras;
 }
 

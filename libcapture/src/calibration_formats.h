@@ -9,6 +9,8 @@
 
 namespace doublet::detail {
 
+constexpr std::size_t kMostCameras = 1000; ///< of a file: every one is looked for by its keys
+
 struct ImageSize {
   int width = 0, height = 0;
 };
@@ -17,14 +19,24 @@ struct ImageSize {
 std::vector<CalibratedCamera> read_doublet_calibration(const std::filesystem::path &path,
                                                        const std::vector<std::string> &names = {});
 /// A file a camera, of OpenCV's FileStorage: one file, or all of a folder. `size` stands in for one that the file lacks.
-std::vector<CalibratedCamera> read_opencv_calibration(const std::filesystem::path &path, ImageSize size);
+/// `fisheye`: its distortion is that of cv::fisheye, whether or not the file says so.
+std::vector<CalibratedCamera> read_opencv_calibration(const std::filesystem::path &path, ImageSize size, bool fisheye = false);
 /// intri.yml and extri.yml of a folder.
 std::vector<CalibratedCamera> read_easymocap_calibration(const std::filesystem::path &folder, ImageSize size);
 /// cameras and images of a folder, .bin or .txt.
 std::vector<CalibratedCamera> read_colmap_calibration(const std::filesystem::path &folder);
+// Of some files there are cameras that are of no use here; `left_out` gets a sentence on each.
+
 /// A table a camera, as anipose, Pose2Sim and Caliscope write it.
-std::vector<CalibratedCamera> read_toml_calibration(const std::filesystem::path &path, ImageSize size);
-std::vector<CalibratedCamera> read_qualisys_calibration(const std::filesystem::path &path);
+std::vector<CalibratedCamera> read_toml_calibration(const std::filesystem::path &path, ImageSize size,
+                                                    std::vector<std::string> &left_out);
+std::vector<CalibratedCamera> read_qualisys_calibration(const std::filesystem::path &path, std::vector<std::string> &left_out);
+/// A list of cameras in JSON, as anipose's and AIST++ have it.
+std::vector<CalibratedCamera> read_anipose_calibration(const std::filesystem::path &path, ImageSize size);
+/// JSON of CMU's Panoptic Studio; of its kinds of cameras the HD ones, if there are any.
+std::vector<CalibratedCamera> read_panoptic_calibration(const std::filesystem::path &path, std::vector<std::string> &left_out);
+/// XML that Metashape exports ("Agisoft XML").
+std::vector<CalibratedCamera> read_metashape_calibration(const std::filesystem::path &path, std::vector<std::string> &left_out);
 
 /// "doublet", "easymocap" or "opencv", by the keys of an OpenCV file.
 std::string opencv_dialect(const std::filesystem::path &path);

@@ -6,12 +6,16 @@
 #include "doublet/options/options.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <set>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 namespace doublet::detail {
 namespace {
@@ -79,7 +83,7 @@ bool is_content(const std::string &line) {
 
 Intrinsics read_cameras_text(const fs::path &path) {
   Intrinsics cameras;
-  std::istringstream text(read_text(path));
+  std::istringstream text(plain_text(read_text(path), path.string()));
   int number = 0;
   for (std::string line; std::getline(text, line);) {
     const std::string where = path.string() + ": line " + std::to_string(++number);
@@ -102,14 +106,39 @@ Intrinsics read_cameras_text(const fs::path &path) {
   return cameras;
 }
 
+/// A line of points has three numbers each, or is empty; in models made by hand the next image may stand there instead.
+bool is_points(const std::string &line) {
+  std::istringstream words(line);
+  std::size_t count = 0;
+  for (std::string word; words >> word; ++count) {
+    double value = 0;
+    if (std::from_chars(word.data(), word.data() + word.size(), value).ptr != word.data() + word.size())
+      return false;
+  }
+  return count % 3 == 0;
+}
+
+/// "# Number of images: 4, mean observations ..." as COLMAP writes it; 0 = the file does not say.
+std::size_t stated_count(const std::string &line) {
+  constexpr std::string_view kSays = "Number of images:";
+  const std::size_t at = line.find(kSays);
+  return at == std::string::npos ? 0 : std::strtoul(line.c_str() + at + kSays.size(), nullptr, 10);
+}
+
 std::vector<Picture> read_images_text(const fs::path &path) {
   std::vector<Picture> pictures;
-  std::istringstream text(read_text(path));
+  std::istringstream text(plain_text(read_text(path), path.string()));
   int number = 0;
+  std::size_t stated = 0;
+  bool points = false; // may be in this line
   for (std::string line; std::getline(text, line);) {
     ++number;
-    if (!is_content(line))
+    if (std::exchange(points, false) && is_points(line))
       continue;
+    if (!is_content(line)) {
+      stated = std::max(stated, stated_count(line));
+      continue;
+    }
     std::istringstream words(line);
     Picture picture;
     std::int64_t id = 0;
@@ -118,12 +147,13 @@ std::vector<Picture> read_images_text(const fs::path &path) {
     if (!words || !std::getline(words, picture.name))
       throw Error(path.string() + ": line " + std::to_string(number) +
                   ": expected an image's number, quaternion, translation, camera and name, found something else");
-    if (picture.name.ends_with('\r'))
-      picture.name.pop_back();
+    picture.name.erase(picture.name.find_last_not_of(" \t") + 1);
     pictures.push_back(picture);
-    std::getline(text, line); // its points, which may be none
-    ++number;
+    points = true;
   }
+  if (stated > 0 && stated != pictures.size())
+    throw Error(path.string() + ": expected " + std::to_string(stated) + " images as the file says, found " +
+                std::to_string(pictures.size()));
   return pictures;
 }
 

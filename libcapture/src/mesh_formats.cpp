@@ -1,9 +1,12 @@
 // OBJ, STL and OFF; PLY has a file of its own.
 
 #include "mesh_formats.h"
+#include "doublet/files/files.h"
 #include "mesh_parsing.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -12,7 +15,7 @@
 namespace doublet::detail {
 namespace {
 
-constexpr std::size_t kStlHeader = 84, kStlFacet = 50; // bytes
+constexpr std::size_t kStlHeader = 84, kStlFacet = 50, kStlLooked = 1024; // bytes
 
 /// The shortest decimal that reads back to the same number.
 std::string shortest(double value) {
@@ -57,12 +60,16 @@ private:
 Mesh parse_stl_text(const std::string &data, const std::string &source) {
   Words words(data, source);
   SharedVertices shared(source);
+  const auto is = [](std::string_view word, std::string_view expected) {
+    return std::equal(word.begin(), word.end(), expected.begin(), expected.end(),
+                      [](unsigned char a, unsigned char b) { return std::tolower(a) == b; });
+  };
   const auto require = [&](std::string_view word, const char *expected) {
-    if (word != expected)
+    if (!is(word, expected))
       words.fail(expected, word);
   };
   for (std::string_view key = words.next(); !key.empty(); key = words.next()) {
-    if (key == "solid" || key == "endsolid") {
+    if (is(key, "solid") || is(key, "endsolid")) {
       words.skip_line();
       continue;
     }
@@ -82,13 +89,44 @@ Mesh parse_stl_text(const std::string &data, const std::string &source) {
     require(words.next(), "endfacet");
     shared.mesh.add_polygon(corners);
   }
-  return shared.mesh.mesh();
+  return shared.mesh.mesh(source);
+}
+
+/// Binary files begin with any 80 bytes, "solid" among them, but their count has zeros, which no text has.
+bool is_stl_text(const std::string &start) {
+  const std::size_t begin = start.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  std::string word = start.substr(std::min(start.find_first_not_of(" \t\r\n", begin), start.size()), 5);
+  for (char &c : word)
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word == "solid" && start.find('\0') == std::string::npos;
+}
+
+std::size_t attribute_bytes(const std::string &data, std::size_t facet) {
+  std::uint16_t bytes = 0;
+  std::memcpy(&bytes, data.data() + facet + kStlFacet - sizeof bytes, sizeof bytes);
+  return bytes;
+}
+
+/// Some programs put as many bytes behind a triangle as its last two say, most a colour there, or nothing: these are attributes
+/// if the file is as long as they say.
+bool has_attributes(const std::string &data, std::size_t count) {
+  std::size_t at = kStlHeader;
+  for (std::size_t f = 0; f < count; ++f) {
+    if (data.size() - at < kStlFacet)
+      return false;
+    const std::size_t behind = attribute_bytes(data, at);
+    if (data.size() - at - kStlFacet < behind)
+      return false;
+    at += kStlFacet + behind;
+  }
+  return at == data.size();
 }
 
 } // namespace
 
 Mesh parse_obj(const std::string &data, const std::string &source) {
-  Words words(data, source);
+  const std::string text = plain_text(data, source);
+  Words words(text, source, true);
   GrowingMesh mesh;
   std::vector<int> corners;
   for (std::string_view key = words.next(); !key.empty(); words.skip_line(), key = words.next()) {
@@ -106,33 +144,37 @@ Mesh parse_obj(const std::string &data, const std::string &source) {
       mesh.add_polygon(corners);
     }
   }
-  return mesh.mesh();
+  return mesh.mesh(source);
 }
 
 Mesh parse_stl(const std::string &data, const std::string &source) {
+  if (const std::string start = data.substr(0, kStlLooked); is_stl_text(start) || start.starts_with("\xFF\xFE"))
+    return parse_stl_text(plain_text(data, source), source);
   std::uint32_t count = 0;
   if (data.size() >= kStlHeader)
     std::memcpy(&count, data.data() + kStlHeader - sizeof count, sizeof count);
-  if (data.size() < kStlHeader || data.size() - kStlHeader != kStlFacet * static_cast<std::size_t>(count)) {
-    if (data.starts_with("solid"))
-      return parse_stl_text(data, source);
-    throw Error(source + ": expected an STL file of " + std::to_string(kStlHeader + kStlFacet * static_cast<std::size_t>(count)) +
-                " bytes for its " + std::to_string(count) + " triangles, found " + std::to_string(data.size()) + " bytes");
-  }
+  const std::size_t needed = kStlHeader + kStlFacet * static_cast<std::size_t>(count);
+  if (data.size() < needed || data.size() < kStlHeader)
+    throw Error(source + ": expected an STL file of " + std::to_string(needed) + " bytes for its " + std::to_string(count) +
+                " triangles, found " + std::to_string(data.size()) + " bytes");
+  const bool gaps = data.size() > needed && has_attributes(data, count);
   SharedVertices shared(source);
+  std::size_t at = kStlHeader;
   for (std::size_t f = 0; f < count; ++f) {
     std::array<std::array<float, 3>, 3> points;
-    std::memcpy(points.data(), data.data() + kStlHeader + kStlFacet * f + sizeof points[0], sizeof points);
+    std::memcpy(points.data(), data.data() + at + sizeof points[0], sizeof points);
     std::vector<int> corners;
     for (const std::array<float, 3> &point : points)
       corners.push_back(shared.find(point));
     shared.mesh.add_polygon(corners);
+    at += kStlFacet + (gaps ? attribute_bytes(data, at) : 0);
   }
-  return shared.mesh.mesh();
+  return shared.mesh.mesh(source);
 }
 
 Mesh parse_off(const std::string &data, const std::string &source) {
-  Words words(data, source);
+  const std::string text = plain_text(data, source);
+  Words words(text, source);
   const std::string_view magic = words.next();
   if (magic != "OFF" && magic != "COFF" && magic != "NOFF" && magic != "CNOFF")
     words.fail("an OFF file", magic);
@@ -156,7 +198,7 @@ Mesh parse_off(const std::string &data, const std::string &source) {
       corners.push_back(as_corner(words.next_number_on_line("corners of a face")));
     mesh.add_polygon(corners);
   }
-  return mesh.mesh();
+  return mesh.mesh(source);
 }
 
 void print_obj(const Mesh &mesh, std::ostream &out) {

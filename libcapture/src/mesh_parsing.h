@@ -19,25 +19,39 @@ struct GrowingMesh {
   std::vector<int> corners;        ///< 3 a triangle
 
   void add_vertex(double x, double y, double z) { coordinates.insert(coordinates.end(), {x, y, z}); }
+  /// A fan of triangles; what is not convex is cut in another way when all vertices are known.
   void add_polygon(const std::vector<int> &polygon) {
+    if (polygon.size() > 3)
+      polygons.push_back({corners.size(), polygon.size()});
     for (std::size_t k = 2; k < polygon.size(); ++k)
       corners.insert(corners.end(), {polygon[0], polygon[k - 1], polygon[k]});
   }
-  Mesh mesh() const {
-    return {Eigen::Map<const Vertices>(coordinates.data(), static_cast<Eigen::Index>(coordinates.size() / 3), 3),
-            Eigen::Map<const Faces>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3)};
-  }
+  Mesh mesh(const std::string &source); ///< for messages
+
+private:
+  struct Polygon {
+    std::size_t first, size; ///< of corners, as a fan; of the polygon
+  };
+  std::vector<Polygon> polygons;
 };
+
+/// The polygon (at least 4 corners) as triangles, the same number as a fan has; empty if a fan is right: if it is convex, or no
+/// polygon at all.
+std::vector<int> cut_polygon(const std::vector<double> &coordinates, const std::vector<int> &polygon);
+
+/// Vertices at one place, on edges that end there from both sides, become one: files with texture have seams, the surface none.
+Mesh without_seams(const Mesh &mesh);
 
 /// An index as a corner; what no vertex can have stays out of range.
 inline int as_corner(double index) {
   return index >= 0 && index < std::numeric_limits<int>::max() ? static_cast<int>(index) : -1;
 }
 
-/// Words of a text, with the line for messages.
+/// Words of a text, with the line for messages. `continued`: a line that ends in \\ goes on in the next, # ends its words (OBJ).
 class Words {
 public:
-  Words(std::string_view text, std::string source) : text_(text), source_(std::move(source)) {}
+  Words(std::string_view text, std::string source, bool continued = false)
+      : text_(text), source_(std::move(source)), continued_(continued) {}
 
   /// The next word on any line; empty at the end of the file.
   std::string_view next() { return word(true); }
@@ -92,16 +106,24 @@ private:
   }
   std::string_view word(bool over_lines) {
     constexpr std::string_view kBlank = " \t\r\v\f";
-    while (at_ < text_.size() && (kBlank.find(text_[at_]) != kBlank.npos || (over_lines && text_[at_] == '\n')))
+    while (at_ < text_.size() && (goes_on() || kBlank.find(text_[at_]) != kBlank.npos || (over_lines && text_[at_] == '\n'))) {
+      at_ += goes_on();
       line_ += text_[at_++] == '\n';
+    }
     const std::size_t begin = at_;
-    while (at_ < text_.size() && text_[at_] != '\n' && kBlank.find(text_[at_]) == kBlank.npos)
+    if (continued_ && !over_lines && at_ < text_.size() && text_[at_] == '#')
+      return {};
+    while (at_ < text_.size() && text_[at_] != '\n' && !goes_on() && kBlank.find(text_[at_]) == kBlank.npos)
       ++at_;
     return text_.substr(begin, at_ - begin);
   }
 
+  /// Is this the end of a line that goes on in the next?
+  bool goes_on() const { return continued_ && text_.substr(at_, 2) == "\\\n"; }
+
   std::string_view text_;
   std::string source_;
+  bool continued_;
   std::size_t at_ = 0;
   int line_ = 1;
 };

@@ -29,14 +29,20 @@ int pixels(const cv::FileStorage &storage, const std::string &key, const std::st
   return static_cast<int>(storage[key]);
 }
 
+void require_few(std::size_t count, const std::string &where) {
+  if (count > kMostCameras)
+    throw Error(where + ": expected at most " + std::to_string(kMostCameras) + " cameras, found " + std::to_string(count));
+}
+
 // --- calibration.yml
 
 /// What stands before `end` in the keys that end so.
-std::vector<std::string> names_before(const cv::FileStorage &storage, const std::string &end) {
+std::vector<std::string> names_before(const cv::FileStorage &storage, const std::string &end, const std::string &where) {
   std::vector<std::string> names;
   for (const cv::FileNode &node : storage.root())
     if (const std::string key = node.name(); key.size() > end.size() && key.ends_with(end))
       names.push_back(key.substr(0, key.size() - end.size()));
+  require_few(names.size(), where);
   return names;
 }
 
@@ -70,7 +76,7 @@ CalibratedCamera doublet_camera(const cv::FileStorage &storage, const std::strin
   const std::string where = source.string();
   if (storage[name + "_K"].empty())
     throw Error(where + ": expected a calibration of camera '" + name + "' (key " + name + "_K), found " +
-                joined(names_before(storage, "_K")));
+                joined(names_before(storage, "_K", where)));
   CalibratedCamera result;
   Camera &camera = result.camera;
   camera.name = name;
@@ -129,7 +135,7 @@ bool says_fisheye(const cv::FileStorage &storage, const std::string &where) {
   return false;
 }
 
-CalibratedCamera one_camera(const fs::path &path, ImageSize size) {
+CalibratedCamera one_camera(const fs::path &path, ImageSize size, bool fisheye) {
   return read_storage(path, [&](const cv::FileStorage &storage) {
     const std::string where = path.string();
     CalibratedCamera result;
@@ -144,7 +150,7 @@ CalibratedCamera one_camera(const fs::path &path, ImageSize size) {
     const cv::FileNode terms = first_of(
         storage, {"distortion_coefficients", "Distortion_Coefficients", "dist_coeffs", "distCoeffs", "distortion", "dist", "D"});
     if (!terms.empty()) // without any, the lens has none
-      set_distortion(result, numbers_of(terms), says_fisheye(storage, where), where + ": " + terms.name());
+      set_distortion(result, numbers_of(terms), says_fisheye(storage, where) || fisheye, where + ": " + terms.name());
     const ImageSize found = size_in(storage, {"image_width", "image_Width", "width"}, {"image_height", "image_Height", "height"},
                                     {"image_size", "imageSize", "size"});
     set_size(result, chosen_size(found, size, where));
@@ -167,6 +173,7 @@ std::vector<std::string> listed_names(const cv::FileStorage &storage, const std:
       names.push_back(text_in(node));
   if (names.empty() || std::find(names.begin(), names.end(), "") != names.end())
     throw Error(where + ": expected names to be a list of the cameras' names in quotes, found none");
+  require_few(names.size(), where);
   return names;
 }
 
@@ -189,7 +196,7 @@ void read_extrinsics(const cv::FileStorage &storage, CalibratedCamera &camera, c
 
 std::vector<CalibratedCamera> read_doublet_calibration(const fs::path &path, const std::vector<std::string> &names) {
   return read_storage(path, [&](const cv::FileStorage &storage) {
-    const std::vector<std::string> chosen = names.empty() ? names_before(storage, "_K") : names;
+    const std::vector<std::string> chosen = names.empty() ? names_before(storage, "_K", path.string()) : names;
     if (chosen.empty())
       throw Error(path.string() + ": expected keys <camera>_K, found none");
     std::vector<CalibratedCamera> cameras;
@@ -209,13 +216,13 @@ std::vector<fs::path> opencv_files(const fs::path &folder) {
   return files;
 }
 
-std::vector<CalibratedCamera> read_opencv_calibration(const fs::path &path, ImageSize size) {
+std::vector<CalibratedCamera> read_opencv_calibration(const fs::path &path, ImageSize size, bool fisheye) {
   const std::vector<fs::path> files = fs::is_directory(path) ? opencv_files(path) : std::vector<fs::path>{path};
   if (files.empty())
     throw Error(path.string() + ": expected a .yml, .yaml, .xml or .json file for each camera, found none");
   std::vector<CalibratedCamera> cameras;
   for (const fs::path &file : files)
-    cameras.push_back(one_camera(file, size));
+    cameras.push_back(one_camera(file, size, fisheye));
   return cameras;
 }
 
@@ -237,10 +244,10 @@ std::vector<CalibratedCamera> read_easymocap_calibration(const fs::path &folder,
 }
 
 std::string opencv_dialect(const fs::path &path) {
-  return read_storage(path, [](const cv::FileStorage &storage) -> std::string {
+  return read_storage(path, [&](const cv::FileStorage &storage) -> std::string {
     if (!storage["names"].empty())
       return "easymocap";
-    return names_before(storage, "_K").empty() ? "opencv" : "doublet";
+    return names_before(storage, "_K", path.string()).empty() ? "opencv" : "doublet";
   });
 }
 

@@ -12,11 +12,29 @@
 namespace doublet::detail {
 namespace {
 
+/// Throws for what sends OpenCV's parsers down without end: they recurse at every bracket, element and indent, and take their
+/// time for base64.
+void require_plain(const std::filesystem::path &path, const std::string &text) {
+  constexpr std::size_t kMostBytes = 64 << 20, kDeepestIndent = 256;
+  if (text.size() > kMostBytes)
+    throw Error(path.string() + ": expected a calibration of at most 64 MiB, found " + std::to_string(text.size()) + " bytes");
+  for (const char *binary : {"!!binary", "$base64$", "type_id=\"binary\"", "type_id='binary'"})
+    if (text.find(binary) != std::string::npos)
+      throw Error(path.string() + ": expected numbers written out, found base64");
+  require_shallow(text, Markup::Brackets, path.string());
+  require_shallow(text, Markup::Xml, path.string());
+  std::istringstream lines(text);
+  int number = 1;
+  for (std::string line; std::getline(lines, line); ++number)
+    if (text.starts_with("%YAML") && std::min(line.find_first_not_of("\t -"), line.size()) > kDeepestIndent)
+      throw Error(path.string() + ":" + std::to_string(number) + ": expected at most 256 columns of indent, found more");
+}
+
 /// Throws unless a file of YAML is one mapping or list, a line an entry. Of what follows the first one OpenCV's parser takes "-
 /// x" for the beginning of nothing, and looks at it for ever.
-void require_one_collection(const std::filesystem::path &path) {
+void require_one_collection(const std::filesystem::path &path, const std::string &text) {
   constexpr std::string_view kEnds("\r\0", 2); // of a line, to that parser
-  std::istringstream lines(read_text(path));
+  std::istringstream lines(text);
   std::optional<std::size_t> indent; // of the first entry
   bool over = false;
   int number = 1;
@@ -46,7 +64,11 @@ cv::FileStorage open_storage(const std::filesystem::path &path) {
   quiet_opencv();
   if (!std::filesystem::is_regular_file(path))
     throw FileNotFound(path.string() + ": the calibration does not exist");
-  require_one_collection(path);
+  std::string text = read_text(path);
+  if (text.starts_with("\xEF\xBB\xBF")) // which OpenCV leaves aside, too
+    text.erase(0, 3);
+  require_plain(path, text);
+  require_one_collection(path, text);
   try {
     cv::FileStorage storage(path.string(), cv::FileStorage::READ);
     if (storage.isOpened())

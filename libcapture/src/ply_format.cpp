@@ -206,7 +206,7 @@ public:
     }
     if (!values_.at_end())
       fail("expected the end of the file after the last element, found more");
-    return mesh_.mesh();
+    return mesh_.mesh(source_);
   }
 
 private:

@@ -4,9 +4,11 @@
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <pugixml.hpp>
+#include <regex>
 
 namespace doublet::detail {
 namespace {
@@ -61,19 +63,33 @@ void read_pose(const pugi::xml_node &node, Camera &camera, const std::string &wh
   camera.t = -camera.R * Eigen::Vector3d(get("x"), get("y"), get("z"));
 }
 
+/// Those whose model says that they film in colour; marker cameras stand in the same file.
+bool films(const pugi::xml_node &camera) {
+  static const std::regex video("video|hybrid|[0-9]c\\b", std::regex::icase); // Miqus Video, Miqus Hybrid, Oqus 210c
+  return std::regex_search(camera.attribute("model").value(), video);
+}
+
 } // namespace
 
-std::vector<CalibratedCamera> read_qualisys_calibration(const fs::path &path) {
+std::vector<CalibratedCamera> read_qualisys_calibration(const fs::path &path, std::vector<std::string> &left_out) {
   const std::string text = read_text(path);
+  require_shallow(text, Markup::Xml, path.string());
   pugi::xml_document document;
   const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size());
   if (!parsed)
     throw Error(path.string() + ": expected XML, found a syntax error at byte " + std::to_string(parsed.offset) + " (" +
                 parsed.description() + ")");
   std::vector<CalibratedCamera> cameras;
-  for (const pugi::xml_node &node : document.child("calibration").child("cameras").children("camera")) {
+  const auto nodes = document.child("calibration").child("cameras").children("camera");
+  const bool mixed = std::any_of(nodes.begin(), nodes.end(), films); // else any camera may have been set to video
+  for (const pugi::xml_node &node : nodes) {
     if (std::strcmp(node.attribute("active").value(), "0") == 0)
       continue;
+    if (mixed && !films(node)) {
+      left_out.push_back(std::string("camera '") + node.attribute("serial").value() + "' (" + node.attribute("model").value() +
+                         ") sees markers and has no video");
+      continue;
+    }
     CalibratedCamera &camera = cameras.emplace_back();
     camera.camera.name = node.attribute("serial").value();
     const std::string where = path.string() + ": camera '" + camera.camera.name + "'";

@@ -163,6 +163,12 @@ JointMark read_joint(const std::string &name, const Json &object, const fs::path
 void read_joints(const fs::path &path, Session &session) {
   const Json json = read_json(path);
   const auto joints = value<Json>(json, "joints", path.string(), "an object");
+  const Json landmarks = json.contains("landmarks") ? json.at("landmarks") : Json::object();
+  constexpr std::size_t kMost = 1000; // each is looked for among all
+  for (const auto &[name, list] : {std::pair<const char *, const Json &>{"joints", joints}, {"landmarks", landmarks}})
+    if (list.size() > kMost)
+      throw Error(path.string() + ": expected at most " + std::to_string(kMost) + " " + name + ", found " +
+                  std::to_string(list.size()));
   for (const auto &[name, object] : joints.items())
     session.joints.push_back(read_joint(name, object, path));
   std::set<std::string> names;
@@ -176,7 +182,6 @@ void read_joints(const fs::path &path, Session &session) {
   } catch (const Error &e) {
     throw Error(path.string() + ": " + e.what());
   }
-  const Json landmarks = json.contains("landmarks") ? json.at("landmarks") : Json::object();
   for (const auto &[name, unused] : landmarks.items())
     session.landmarks[name] = point(landmarks, name, path.string() + ": landmarks");
 }

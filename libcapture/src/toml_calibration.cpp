@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 
 toml::table parse(const fs::path &path) {
   const std::string text = read_text(path);
+  require_shallow(text, Markup::Toml, path.string());
   try {
     return toml::parse(text);
   } catch (const toml::parse_error &e) {
@@ -90,11 +91,20 @@ std::vector<Entry> camera_tables(const toml::table &file) {
 
 } // namespace
 
-std::vector<CalibratedCamera> read_toml_calibration(const fs::path &path, ImageSize size) {
+std::vector<CalibratedCamera> read_toml_calibration(const fs::path &path, ImageSize size, std::vector<std::string> &left_out) {
   const toml::table file = parse(path);
   std::vector<CalibratedCamera> cameras;
-  for (const auto &[key, table] : camera_tables(file))
-    cameras.push_back(camera_in(*table, key, size, path));
+  const std::vector<Entry> entries = camera_tables(file);
+  for (const auto &[key, table] : entries) {
+    if (table->contains("rotation") || table->contains("translation"))
+      cameras.push_back(camera_in(*table, key, size, path));
+    else
+      left_out.push_back("camera '" + (*table)["name"].value_or(key) +
+                         "' has no rotation and translation (its pose was not found)");
+  }
+  if (cameras.empty() && !entries.empty())
+    throw Error(path.string() + ": expected cameras with rotation and translation, found intrinsics alone; calibrate the "
+                                "extrinsics, too");
   if (cameras.empty())
     throw Error(path.string() + ": expected tables with matrix, distortions, rotation and translation, found none");
   return cameras;

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -98,6 +99,8 @@ std::string read_text(const Path &path) {
     throw FileNotFound(path.string() + ": no such file");
   if (std::filesystem::is_directory(path))
     throw Error(path.string() + ": expected a file, found a folder");
+  if (!std::filesystem::is_regular_file(path))
+    throw Error(path.string() + ": expected a file, found a device or pipe");
   std::ifstream in(path, std::ios::binary);
   // Not by way of a stringstream: without memory it ends the text early, and says nothing.
   std::string text, piece(1 << 16, '\0');
@@ -108,8 +111,27 @@ std::string read_text(const Path &path) {
   return text;
 }
 
+std::string plain_text(std::string text, const std::string &source) {
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw Error(source + ": expected text in ASCII or UTF-8, found UTF-16");
+  if (text.starts_with("\xEF\xBB\xBF"))
+    text.erase(0, 3);
+  std::size_t to = 0;
+  for (std::size_t from = 0; from < text.size(); ++from) {
+    const bool ends = text[from] == '\r';
+    text[to++] = ends ? '\n' : text[from];
+    if (ends && from + 1 < text.size() && text[from + 1] == '\n')
+      ++from;
+  }
+  text.resize(to);
+  return text;
+}
+
+namespace {
+constexpr int kDeepest = 64;
+}
+
 void require_shallow_json(std::string_view text, const std::string &source) {
-  constexpr int kDeepest = 64;
   int depth = 0;
   bool quoted = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -123,6 +145,52 @@ void require_shallow_json(std::string_view text, const std::string &source) {
     else if (!quoted && (c == ']' || c == '}'))
       --depth;
   }
+}
+
+namespace {
+
+/// Levels of elements that are open at once, at most.
+int deepest_element(std::string_view text) {
+  int depth = 0, deepest = 0;
+  for (std::size_t i = 0; i + 1 < text.size(); ++i)
+    if (text[i] == '<' && text[i + 1] == '/')
+      --depth;
+    else if (text[i] == '<' && text[i + 1] != '!' && text[i + 1] != '?')
+      deepest = std::max(deepest, ++depth);
+    else if (text[i] == '/' && text[i + 1] == '>')
+      --depth;
+  return deepest;
+}
+
+int deepest_bracket(std::string_view text) {
+  int depth = 0, deepest = 0;
+  for (const char c : text)
+    if (c == '[' || c == '{')
+      deepest = std::max(deepest, ++depth);
+    else if ((c == ']' || c == '}') && depth > 0)
+      --depth;
+  return deepest;
+}
+
+/// Every part of a dotted key is a table.
+int longest_key(std::string_view text) {
+  int dots = 0, longest = 0;
+  for (const char c : text)
+    if (c == '.')
+      longest = std::max(longest, ++dots);
+    else if (c == '=' || c == ',' || c == '{' || c == '}' || c == '\n')
+      dots = 0;
+  return longest;
+}
+
+} // namespace
+
+void require_shallow(std::string_view text, Markup markup, const std::string &source) {
+  int deepest = markup == Markup::Xml ? deepest_element(text) : deepest_bracket(text);
+  if (markup == Markup::Toml)
+    deepest = std::max(deepest, longest_key(text));
+  if (deepest > kDeepest)
+    throw Error(source + ": expected at most " + std::to_string(kDeepest) + " levels, found more");
 }
 
 std::string read_json_text(const Path &path) {

@@ -23,6 +23,8 @@ namespace {
 
 constexpr const char *kFormatName = "format";
 constexpr std::uint64_t kMostExpansion = 1100; // of deflate: 1032, https://zlib.net/zlib_tech.html
+// Of one array, in the place of that: what is larger and packs better has nothing in it but one number.
+constexpr std::uint64_t kUsualExpansion = 100, kAnyway = 256 << 20; // bytes, whatever it expands from
 
 using Bytes = std::vector<std::uint8_t>;
 using Shape = std::vector<std::int64_t>;
@@ -266,6 +268,9 @@ Bytes unpack(zip_t *zip, zip_uint64_t index, std::uint64_t &room, const std::str
     if (static_cast<std::uint64_t>(n) > room)
       throw Error(where + ": expected no more than deflate can pack into a file of this size, found more");
     room -= static_cast<std::uint64_t>(n);
+    if (data.size() > kAnyway + kUsualExpansion * stated.comp_size)
+      throw Error(where + ": expected numbers that fill the array, found more than " + std::to_string(data.size() >> 20) +
+                  " MiB out of " + std::to_string(stated.comp_size) + " bytes");
     if (n == 0)
       return data;
   }
@@ -384,6 +389,8 @@ std::int64_t NpyArray::size() const {
 Npz Npz::read(const std::filesystem::path &path, const std::vector<std::string> &wanted, int newest_format) {
   if (!std::filesystem::exists(path))
     throw FileNotFound(path.string() + ": no such file");
+  if (!std::filesystem::is_regular_file(path))
+    throw Error(path.string() + ": expected a file, found a folder, device or pipe");
   const Zip zip = open_zip(path);
   Npz npz;
   npz.source = path.string();

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import struct
 from pathlib import Path
 
@@ -107,6 +108,53 @@ def write_qualisys(folder: Path) -> None:
     (folder / "session.qca.txt").write_text(text + "</cameras></calibration>\n")
 
 
+def write_anipose(folder: Path) -> None:
+    cameras = [
+        {
+            "name": name,
+            "size": SIZE,
+            "matrix": K.tolist(),
+            "distortions": TERMS,
+            "rotation": R.tolist(),
+            "translation": t.tolist(),
+        }
+        for name, (R, t) in poses().items()
+    ]
+    (folder / "setting.json").write_text(json.dumps(cameras))
+
+
+def write_panoptic(folder: Path) -> None:
+    """Centimetres, -Y up, and a camera of another kind."""
+    cameras = [{"name": "vga", "type": "vga"}]
+    for name, (R, t) in poses().items():
+        camera = {"name": name, "type": "hd", "resolution": SIZE, "K": K.tolist(), "distCoef": [*TERMS, 0]}
+        cameras.append(camera | {"R": (R * [1, -1, -1]).tolist(), "t": (100 * t[:, None]).tolist()})
+    (folder / "calibration_studio.json").write_text(json.dumps({"calibDataSource": "studio", "cameras": cameras}))
+
+
+def write_metashape(folder: Path) -> None:
+    """In a chunk of half the size, turned and moved; a camera that was not aligned."""
+    turn, move, scale = np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([0.3, -2, 1]), 2.0
+    terms = {"k1": TERMS[0], "k2": TERMS[1], "p1": TERMS[3], "p2": TERMS[2], "b1": K[0, 0] - K[1, 1], "f": K[1, 1]}
+    terms |= {"cx": K[0, 2] + 0.5 - SIZE[0] / 2, "cy": K[1, 2] + 0.5 - SIZE[1] / 2}
+    size = f'<resolution width="{SIZE[0]}" height="{SIZE[1]}"/>'
+    lens = "".join(f"<{key}>{float(value)!r}</{key}>" for key, value in terms.items())
+    text = f'<sensors><sensor id="0" type="frame">{size}<calibration type="frame" class="adjusted">{size}{lens}'
+    text += "</calibration></sensor></sensors><cameras>"
+    for i, (name, (R, t)) in enumerate(poses().items()):
+        R = R @ Z_UP.T
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = turn.T @ R.T, turn.T @ (-R.T @ t - move) / scale
+        numbers = " ".join(repr(float(v)) for v in place.ravel())
+        text += f'<camera id="{i}" sensor_id="0" label="{name}.jpg"><transform>{numbers}</transform></camera>'
+    text += '<camera id="7" sensor_id="0" label="lost"/></cameras>'
+    text += (
+        f"<transform><rotation>{rows(turn).replace(',', '')}</rotation><translation>{rows(move).replace(',', '')}</translation>"
+    )
+    text += f"<scale>{scale}</scale></transform>"
+    (folder / "cameras.xml").write_text(f'<?xml version="1.0"?><document version="2.0.0"><chunk>{text}</chunk></document>')
+
+
 WRITERS = {
     "opencv": (write_opencv, "", ["cam0.yml", "cam1.yml"]),
     "easymocap": (write_easymocap, "", ["intri.yml", "extri.yml"]),
@@ -114,6 +162,9 @@ WRITERS = {
     "colmap_binary": (write_colmap_binary, "", ["cameras.bin", "images.bin"]),
     "toml": (write_toml, "Calib.toml", ["Calib.toml"]),
     "qualisys": (write_qualisys, "session.qca.txt", ["session.qca.txt"]),
+    "anipose": (write_anipose, "setting.json", ["setting.json"]),
+    "panoptic": (write_panoptic, "calibration_studio.json", ["calibration_studio.json"]),
+    "metashape": (write_metashape, "cameras.xml", ["cameras.xml"]),
 }
 
 

@@ -1,7 +1,8 @@
 """Reads damaged files by the thousand: python tests/fuzz/mutate.py [--count N] [--formats ply glb ...] [--seed N] [--keep DIR]
 
 Small valid files are damaged (bits, bytes, cuts, insertions, numbers in text; arrays inside their archive, JSON inside its
-GLB) and read in a child process with 768 MiB of address space more than it starts with and 10 s a file. What a reader does:
+GLB; half of them in their structure, see structures.py) and read in a child process with
+768 MiB of address space more than it starts with and 10 s a file. What a reader does:
 
     read     it took it
     refused  it raised FileNotFoundError, ValueError or RuntimeError, in one short line that names the file
@@ -27,6 +28,7 @@ from collections import Counter
 from pathlib import Path
 
 from children import outcomes
+from structures import structural
 
 LONGEST = 500  # characters of a sentence, paths not counted
 NUMBERS = [b"0", b"-1", b"1", b"3", b"4", b"255", b"65536", b"2147483647", b"2147483648", b"-2147483648", b"4294967295"]
@@ -130,6 +132,7 @@ def damaged_glb(data: bytes, rng: random.Random) -> bytes:
     return b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks
 
 
+STRUCTURAL = 0.5  #: share of the mutants whose form is that of a file of their kind
 INSIDE = {".npz": damaged_archive, ".glb": damaged_glb}
 
 
@@ -137,6 +140,9 @@ def mutant(files: list, originals: dict, number: int, seed: int, name: str) -> t
     """Which file is damaged, and what it then holds; the same for the same numbers."""
     rng = random.Random(f"{seed} {name} {number}")
     path = rng.choice(files)
+    change = structural(path, originals[path])
+    if change and rng.random() < STRUCTURAL:
+        return path, change(originals[path], rng)
     inside = INSIDE.get(path.suffix)
     damage = inside if inside and rng.random() < 0.7 else damaged
     return path, damage(originals[path], rng)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import struct
 from functools import partial
 from pathlib import Path
 
 import doublet as d
 import numpy as np
 from calibrations import write_all
-from doublet.common.video import read_image
+from doublet.common.images import read_image
 from doublet.corrections import segmentation_paint, template_mask
 from doublet.evaluation.metrics import Truth
 from doublet.export import bone_map
@@ -260,6 +261,8 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     for extension in ("ply", "obj", "stl", "off"):
         d.write_mesh(meshes / f"mesh.{extension}", world.mesh)
         formats[extension] = ([meshes / f"mesh.{extension}"], d.read_mesh)
+    write_glb(meshes / "mesh.glb", world.mesh)
+    formats["scan"] = ([meshes / "mesh.glb"], d.read_mesh)
     (meshes / "text.ply").write_text(PLY)
     formats["ply"][0].append(meshes / "text.ply")
 
@@ -323,6 +326,24 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     return {**formats, **read_in_python(folder / "in_python", world), **pictures(folder / "pictures", world)}, world
 
 
+def write_glb(path: Path, mesh: d.Mesh) -> None:
+    """A scan: one mesh below a node that is turned."""
+    points, indices = np.asarray(mesh.vertices, "<f4").tobytes(), np.asarray(mesh.faces, "<u4").tobytes()
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": len(points)}]
+    views.append({"buffer": 0, "byteOffset": len(points), "byteLength": len(indices)})
+    accessors = [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": len(mesh.vertices)}]
+    accessors.append({"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": mesh.faces.size})
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "bufferViews": views, "accessors": accessors}
+    gltf["nodes"] = [{"children": [1], "rotation": [0, 1, 0, 0]}, {"mesh": 0, "scale": [2, 2, 2]}]
+    gltf["meshes"] = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
+    gltf["buffers"] = [{"byteLength": len(points) + len(indices)}]
+    text = json.dumps(gltf).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text
+    chunks += struct.pack("<II", len(points) + len(indices), 0x004E4942) + points + indices
+    path.write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks)
+
+
 def read_in_python(folder: Path, world: World) -> dict:
     """What no C++ reads; as `make_seeds`."""
     folder.mkdir()
@@ -339,7 +360,12 @@ def read_in_python(folder: Path, world: World) -> dict:
     np.savez(folder / "dofs.npz", dofs=world.dofs)
     turns = np.zeros((3, 66)) + 0.01
     np.savez_compressed(folder / "amass.npz", poses=turns, trans=np.zeros((3, 3)), mocap_framerate=np.array(40.0))
-    poses = {"dofs.npz": lambda path: read_motion(path, world.character, d.RetargetOptions()), "amass.npz": read_clip}
+    np.savez_compressed(folder / "matrices.npz", poses=np.tile(np.eye(3), (3, 24, 1, 1)), trans=np.zeros((3, 3)), fps=30)
+    poses = {
+        "dofs.npz": lambda path: read_motion(path, world.character, d.RetargetOptions()),
+        "amass.npz": read_clip,
+        "matrices.npz": read_clip,
+    }
     masks = [folder / "template_mask.npz", folder / "template_suggestion.npz"]
     return {
         "paint": ([folder / "segmentation_paint.npz"], lambda path: segmentation_paint.read(path.parent, count)),

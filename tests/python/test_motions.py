@@ -105,7 +105,7 @@ def test_an_actor_takes_the_pose(tmp_path):
     ("more", "sentence"),
     [
         ({"poses": None}, "expected a performance with 'dofs', or 'poses', or 'root_orient' and 'pose_body'"),
-        ({"poses": np.zeros((FRAMES, 60))}, r"a row of at least 66 angles a frame, found \(4, 60\)"),
+        ({"poses": np.zeros((FRAMES, 60))}, r"a row of at least 66 angles a frame .*, found \(4, 60\)"),
         ({"poses": np.zeros(4)}, "at least 66 angles"),
         ({"poses": np.full((FRAMES, 156), np.nan)}, "expected 'poses' to hold finite numbers"),
         ({"poses": np.zeros((0, 156))}, "expected 'poses' to hold finite numbers"),

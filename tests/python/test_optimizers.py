@@ -108,6 +108,8 @@ class Replies(d.Optimizer):
     [
         (lambda *_: None, TypeError, "make_optimizer must return an Optimizer, found NoneType"),
         (lambda *_: Replies("no samples"), TypeError, "Optimizer.ask must return samples"),
+        (lambda *_: Replies(np.full((4, 3), 0.5 + 2j)), TypeError, r"Optimizer.ask must return .*, found complex numbers in"),
+        (lambda *_: Replies([[0.5, 0.5, 0.5 + 0j]]), TypeError, "found complex numbers in list"),
         (lambda *_: Replies(np.zeros((4, 2))), ValueError, r"samples \(S, 3\), found \(4, 2\)"),
         (lambda *_: Replies(np.full((4, 3), np.nan)), ValueError, "NaN"),
         (lambda *_: Replies(np.zeros((4, 3)), answer=[0.5]), ValueError, "answer, best and deviations of 3"),

@@ -735,7 +735,7 @@ class CalibrationOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, format: typing.Literal['found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys'] = 'found', units: str = 'found', up: typing.Literal['found', 'x', '-x', 'y', '-y', 'z', '-z'] = 'found', image_width: int = 0, image_height: int = 0) -> None:
+    def __init__(self, *, format: typing.Literal['found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys', 'anipose', 'panoptic', 'metashape', 'opencv_fisheye'] = 'found', units: str = 'found', up: typing.Literal['found', 'x', '-x', 'y', '-y', 'z', '-z'] = 'found', image_width: int = 0, image_height: int = 0) -> None:
         """
         Every field may be given by keyword.
         """
@@ -750,7 +750,7 @@ class CalibrationOptions:
     @property
     def format(self) -> str:
         """
-        of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys'
+        of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys', 'anipose', 'panoptic', 'metashape', 'opencv_fisheye'
         """
     @format.setter
     def format(self, value: str) -> None:
@@ -4709,13 +4709,23 @@ class SourceMotion:
     A motion capture clip on its own skeleton.
     """
     @staticmethod
-    def read(path: os.PathLike | str | bytes, skeleton: os.PathLike | str | bytes | None = None) -> SourceMotion:
+    def read(path: os.PathLike | str | bytes, skeleton: os.PathLike | str | bytes | None = None, animation: str = '') -> SourceMotion:
         """
-        .bvh, .amc or .glb; skeleton: the .asf of an .amc
+        .bvh, .amc or .glb; skeleton: the .asf of an .amc; animation: of a .glb, by name or number from 1, '' = the first that moves the body
         """
     def __init__(self, joint_names: collections.abc.Sequence[str], joint_parents: collections.abc.Sequence[int], offsets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], positions: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], rotations: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], fps: float, source: str = 'arrays') -> None:
         """
         From arrays, parents before children (-1 = root): offsets (J, 3) from the parent in the zero pose, positions (T, J, 3) in the world, rotations (T, J, 4) in the world, relative to the zero pose, unit quaternions w x y z. Any unit of length.
+        """
+    @property
+    def animation(self) -> int:
+        """
+        which of these this is, counted from 0
+        """
+    @property
+    def animations(self) -> list[str]:
+        """
+        names of all that the file has, where it can have several (.glb)
         """
     @property
     def fps(self) -> float:
@@ -6799,9 +6809,9 @@ def read_body(path: os.PathLike | str | bytes) -> BodyFit:
     """
     body.npz. Raises FileNotFoundError, or Error naming file and array.
     """
-def read_calibration(path: os.PathLike | str | bytes, options: CalibrationOptions = ...) -> list[CalibratedCamera]:
+def read_calibration(path: os.PathLike | str | bytes, options: CalibrationOptions = ..., context: Context = ...) -> list[CalibratedCamera]:
     """
-    Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys, or of a calibration.yml, in metres and with +Y up.
+    Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio or Metashape, or of a calibration.yml, in metres and with +Y up. The context's log says which were left out.
     """
 def read_garment(path: os.PathLike | str | bytes, actor: RiggedMesh) -> Garment:
     """

@@ -10,16 +10,18 @@ import warnings
 from collections.abc import Callable
 
 PACKAGE = __name__.rpartition(".")[0]
-#: Modules that the documentation showed under another name -> where they are.
+#: Modules that were known under another name -> where they are.
 DEPRECATED_MODULES = {
     "bone_map": "export.bone_map",
     "character": "export.animate",
     "console": "common.console",
     "evaluate": "evaluation.metrics",
     "garment_motion": "evaluation.motion_metrics",
+    "keypoints": "scan.keypoints",
     "motions": "export.clips",
     "new_session": "session.new_session",
     "pipeline": "reconstruct",
+    "ready_masks": "session.external_masks",
     "report": "pages.report",
     "segmentation_paint": "corrections.segmentation_paint",
     "study": "evaluation.study",

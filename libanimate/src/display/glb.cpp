@@ -17,6 +17,48 @@ constexpr std::size_t kMaxFileBytes = 1 << 30;
 constexpr std::size_t kHeaderBytes = 12, kChunkBytes = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
+/// Bytes of a component; 0 = there is no such type.
+std::size_t bytes_of(int component) {
+  switch (component) {
+  case TINYGLTF_COMPONENT_TYPE_BYTE:
+  case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    return 1;
+  case TINYGLTF_COMPONENT_TYPE_SHORT:
+  case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    return 2;
+  case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+  case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    return 4;
+  default:
+    return 0;
+  }
+}
+
+template <class T> float number_at(const char *bytes, bool normalised) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  if (!normalised || !std::numeric_limits<T>::is_integer)
+    return static_cast<float>(value);
+  return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0f);
+}
+
+float number_at(const char *bytes, int component, bool normalised) {
+  switch (component) {
+  case TINYGLTF_COMPONENT_TYPE_BYTE:
+    return number_at<std::int8_t>(bytes, normalised);
+  case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    return number_at<std::uint8_t>(bytes, normalised);
+  case TINYGLTF_COMPONENT_TYPE_SHORT:
+    return number_at<std::int16_t>(bytes, normalised);
+  case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    return number_at<std::uint16_t>(bytes, normalised);
+  case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    return number_at<std::uint32_t>(bytes, normalised);
+  default:
+    return number_at<float>(bytes, normalised);
+  }
+}
+
 int components(int type) {
   return tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(type));
 }
@@ -236,6 +278,66 @@ template <class T> std::vector<T> Reader::read(int accessor, int component) cons
   std::vector<T> values(count);
   if (count > 0)
     std::memcpy(values.data(), bytes.data() + offset, count * sizeof(T));
+  return values;
+} catch (const json::exception &problem) {
+  fail("accessor " + std::to_string(accessor) + " is malformed: " + problem.what());
+}
+
+Reader::Rows Reader::rows_of(const json &accessor) const {
+  const std::string type = accessor.at("type").get<std::string>();
+  const std::size_t width = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 0;
+  const int component = accessor.at("componentType").get<int>();
+  if (width == 0 || bytes_of(component) == 0)
+    fail("expected an accessor of numbers or vectors, found component type " + std::to_string(component) + " and " + type);
+  return {component, size(accessor, "count"), width, size(accessor, "byteOffset"), accessor.value("normalized", false)};
+}
+
+std::string_view Reader::strided(const json &index, std::size_t &stride) const {
+  const json &view = entry("bufferViews", index);
+  const std::size_t offset = size(view, "byteOffset"), length = size(view, "byteLength");
+  if (size(view, "buffer") != 0 || offset > binary_.size() || length > binary_.size() - offset)
+    fail("buffer view " + index.dump() + " reaches beyond the binary chunk");
+  if (view.contains("byteStride"))
+    stride = size(view, "byteStride");
+  return binary_.substr(offset, length);
+}
+
+std::vector<float> Reader::gather(const json &view, const Rows &rows) const {
+  const std::size_t each = bytes_of(rows.component), row = each * rows.width;
+  if (row == 0)
+    fail("expected a component type of glTF, found " + std::to_string(rows.component));
+  std::size_t stride = row;
+  const std::string_view bytes = strided(view, stride);
+  if (stride < row || rows.offset > bytes.size() ||
+      (rows.count > 0 && (bytes.size() - rows.offset < row || (rows.count - 1) > (bytes.size() - rows.offset - row) / stride)))
+    fail("an accessor of " + std::to_string(rows.count) + " rows reaches beyond its buffer view " + view.dump());
+  std::vector<float> values;
+  values.reserve(rows.count * rows.width);
+  for (std::size_t i = 0; i < rows.count; ++i)
+    for (std::size_t k = 0; k < rows.width; ++k)
+      values.push_back(number_at(bytes.data() + rows.offset + i * stride + k * each, rows.component, rows.normalised));
+  return values;
+}
+
+std::vector<float> Reader::numbers(int accessor) const try {
+  const json &a = entry("accessors", accessor);
+  const Rows rows = rows_of(a);
+  std::vector<float> values =
+      a.contains("bufferView") ? gather(a.at("bufferView"), rows) : std::vector<float>(rows.count * rows.width, 0.0f);
+  if (!a.contains("sparse"))
+    return values;
+  const json &sparse = a.at("sparse"), &where = sparse.at("indices"), &what = sparse.at("values");
+  const std::size_t count = size(sparse, "count");
+  const std::vector<float> at =
+      gather(where.at("bufferView"), {where.at("componentType").get<int>(), count, 1, size(where, "byteOffset"), false});
+  const std::vector<float> put =
+      gather(what.at("bufferView"), {rows.component, count, rows.width, size(what, "byteOffset"), rows.normalised});
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(at[i] >= 0 && at[i] < static_cast<float>(rows.count)))
+      fail("accessor " + std::to_string(accessor) + " puts values at a row that it does not have");
+    std::copy_n(put.begin() + static_cast<std::ptrdiff_t>(i * rows.width), rows.width,
+                values.begin() + static_cast<std::ptrdiff_t>(at[i]) * static_cast<std::ptrdiff_t>(rows.width));
+  }
   return values;
 } catch (const json::exception &problem) {
   fail("accessor " + std::to_string(accessor) + " is malformed: " + problem.what());

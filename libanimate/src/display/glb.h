@@ -63,6 +63,9 @@ public:
   [[noreturn]] void fail(const std::string &what) const;
 
   std::vector<float> floats(int accessor) const;
+  /// Of any component type; normalised integers as what they mean, strided, sparse and absent ones as the standard has them.
+  std::vector<float> numbers(int accessor) const;
+  std::size_t size() const { return content_.size(); } ///< bytes
   std::vector<std::uint8_t> bytes(int accessor) const;
   std::vector<std::uint32_t> integers(int accessor) const;
   Vertices vectors(int accessor) const;
@@ -78,6 +81,14 @@ private:
   std::size_t size(const nlohmann::json &object, const char *key) const;
   std::string_view view(const nlohmann::json &index) const;
   template <class T> std::vector<T> read(int accessor, int component) const;
+  struct Rows {
+    int component;
+    std::size_t count, width, offset; ///< width: components a row
+    bool normalised;
+  };
+  Rows rows_of(const nlohmann::json &accessor) const;
+  std::string_view strided(const nlohmann::json &index, std::size_t &stride) const;
+  std::vector<float> gather(const nlohmann::json &view, const Rows &rows) const;
   std::string source_, content_;
   std::string_view binary_; ///< of content_
   nlohmann::json gltf_;

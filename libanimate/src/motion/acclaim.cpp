@@ -6,6 +6,7 @@
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 #include "line_reader.h"
+#include "motion_bounds.h"
 
 #include <algorithm>
 #include <cctype>
@@ -94,7 +95,7 @@ void read_root(const LineReader &reader, const TextLine &line, AcclaimSkeleton &
     reader.fail(line, "order, axis, position or orientation");
 }
 
-void read_bone(LineReader &reader, AcclaimSkeleton &out) {
+void read_bone(LineReader &reader, AcclaimSkeleton &out, const std::string &source) {
   Bone bone;
   Vector3d direction = Vector3d::Zero();
   double length = 0;
@@ -119,6 +120,8 @@ void read_bone(LineReader &reader, AcclaimSkeleton &out) {
     else if (key != "id" && key != "limits" && key[0] != '(' && key != "bodymass" && key != "cofmass")
       reader.fail(line, "id, name, direction, length, axis, dof, limits or end");
   }
+  if (out.bones.size() >= kMostJoints)
+    throw Error(source + ": expected a skeleton of at most " + std::to_string(kMostJoints) + " bones, found more");
   if (direction.norm() > 0)
     bone.tip = length * direction.normalized();
   out.index[bone.name] = static_cast<int>(out.bones.size());
@@ -163,7 +166,7 @@ AcclaimSkeleton read_skeleton(const std::string &text, const std::string &source
     else if (section == ":root")
       read_root(reader, line, out, root_axis);
     else if (section == ":bonedata" && key == "begin")
-      read_bone(reader, out);
+      read_bone(reader, out, source);
     else if (section == ":hierarchy" && key != "begin" && key != "end")
       read_children(reader, line, out);
     else if (section.empty())
@@ -268,7 +271,7 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
   make_joints(skeleton, bone_order(skeleton), clip, bone_of_joint);
 
   LineReader reader(amc, amc_source, true);
-  double radians = M_PI / 180;
+  double radians = M_PI / 180, before = 0; // before: the number of the frame before
   while (!reader.done() && reader.peek("").words[0][0] == ':') {
     const std::string key = lower(reader.next("").words[0]);
     radians = key == ":radians" ? 1.0 : radians;
@@ -277,7 +280,10 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
     const TextLine &number = reader.next("a frame number");
     if (number.words.size() != 1)
       reader.fail(number, "a frame number");
-    reader.number(number, 0, "a frame number");
+    const double frame = reader.number(number, 0, "a frame number");
+    if (!clip.positions.empty() && frame != before + 1)
+      reader.fail(number, "frame " + options::shown(before + 1) + ", as frames follow each other");
+    before = frame;
     std::vector<BoneMotion> motion(skeleton.bones.size());
     std::vector<bool> seen(skeleton.bones.size(), false);
     while (!reader.done() && reader.peek("").words.size() > 1) {
@@ -292,6 +298,7 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
       if (!seen[b] && !skeleton.bones[b].dofs.empty())
         throw Error(amc_source + ":" + std::to_string(number.number) + ": expected values for the bone '" +
                     skeleton.bones[b].name + "' in this frame, found none");
+    require_poses(static_cast<double>(clip.positions.size() + 1), clip.joints.size(), amc_source);
     pose_frame(skeleton, motion, bone_of_joint, clip);
   }
   if (clip.positions.empty())
@@ -319,12 +326,15 @@ std::filesystem::path skeleton_beside(const std::filesystem::path &amc) {
 
 } // namespace
 
-SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton) {
+SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton,
+                              const std::string &animation) {
   const std::string extension = lower(path.extension().string());
+  if (!animation.empty() && extension != ".glb")
+    throw Error(path.string() + ": expected a .glb, which can have several animations, to choose '" + animation + "' of");
   if (extension == ".bvh")
     return parse_bvh(read_text(path), path.string());
   if (extension == ".glb")
-    return read_gltf_motion(path);
+    return read_gltf_motion(path, animation);
   if (extension != ".amc")
     throw Error(path.string() + ": expected a motion file .bvh, .amc or .glb, found '" + extension + "'");
   const std::string amc = read_text(path);

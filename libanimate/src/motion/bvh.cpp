@@ -2,6 +2,7 @@
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 #include "line_reader.h"
+#include "motion_bounds.h"
 
 #include <algorithm>
 #include <cctype>
@@ -53,6 +54,8 @@ int open_joint(const LineReader &reader, const TextLine &line, int parent, Hiera
   std::string name = end ? (parent < 0 ? "" : out.joints[parent].name + "_end") : joined(line, 1);
   if (name.empty() || (word == "root") != (parent < 0))
     reader.fail(line, parent < 0 ? "ROOT and a name" : "JOINT and a name, End Site or }");
+  if (out.joints.size() >= kMostJoints)
+    reader.fail(line, "a skeleton of at most " + std::to_string(kMostJoints) + " joints");
   out.joints.push_back({name, parent, Vector3d::Zero()});
   return static_cast<int>(out.joints.size()) - 1;
 }
@@ -92,17 +95,34 @@ Hierarchy read_hierarchy(LineReader &reader) {
   return out;
 }
 
+/// A line "Key: value", whether or not there are blanks beside the colon.
+TextLine with_blanks(const TextLine &line) {
+  TextLine result{line.number, {}};
+  for (const std::string &word : line.words) {
+    const std::size_t behind = word.find(':') + 1; // 0: none
+    if (behind > 0)
+      result.words.push_back(word.substr(0, behind));
+    if (behind < word.size())
+      result.words.push_back(word.substr(behind));
+  }
+  return result;
+}
+
 /// Rows of channel values, one frame a line.
-MatrixRM read_values(LineReader &reader, Eigen::Index channels, double &fps) {
+MatrixRM read_values(LineReader &reader, const Hierarchy &hierarchy, const std::string &source, double &fps) {
+  const auto channels = static_cast<Eigen::Index>(hierarchy.channels.size());
   const TextLine &motion = reader.next("MOTION");
   if (lower(motion.words[0]) != "motion")
     reader.fail(motion, "MOTION");
-  const TextLine &frames = reader.next("Frames: and their number");
+  const TextLine frames = with_blanks(reader.next("Frames: and their number"));
   const std::string key = lower(frames.words[0]);
   const double count = reader.number(frames, frames.words.size() - 1, "Frames: and their number");
   if (key.rfind("frames", 0) != 0 || count < 1 || count > 1e7 || count != std::floor(count))
     reader.fail(frames, "Frames: and a number from 1");
-  const TextLine &time = reader.next("Frame Time: and seconds");
+  if (channels == 0)
+    reader.fail(frames, "joints with CHANNELS before this");
+  require_poses(count, hierarchy.joints.size(), source);
+  const TextLine time = with_blanks(reader.next("Frame Time: and seconds"));
   const double seconds = reader.number(time, time.words.size() - 1, "Frame Time: and seconds");
   if (lower(time.words[0]) != "frame" || seconds < 1 / kHighestRate || seconds > 1 / kLowestRate)
     reader.fail(time, "Frame Time: and seconds above 0, at most 10");
@@ -262,7 +282,7 @@ SourceMotion parse_bvh(const std::string &text, const std::string &source) {
   const Hierarchy hierarchy = read_hierarchy(reader);
   SourceMotion clip;
   clip.source = source;
-  const MatrixRM values = read_values(reader, static_cast<Eigen::Index>(hierarchy.channels.size()), clip.fps);
+  const MatrixRM values = read_values(reader, hierarchy, source, clip.fps);
   const std::vector<bool> added = find_added(hierarchy, values);
   clip.joints = hierarchy.joints;
   clip.positions.resize(values.rows());

@@ -4,10 +4,14 @@
 #include "doublet/animate/motion_file.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
+#include "motion_bounds.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <set>
 
 namespace doublet {
 namespace {
@@ -18,24 +22,30 @@ using Eigen::Vector3d;
 using nlohmann::json;
 
 constexpr double kFewestKeys = 24, kMostKeys = 240; // 1/s at which a clip is sampled, whatever its keys
-constexpr double kMostPoses = 2e7;                  // nodes x frames
+constexpr std::size_t kMostSkins = 1000;
+constexpr double kMostKeysInFile = 5e7; // several tracks may name the same keys
+constexpr double kStill = 1e-3;         // by which a component of a quaternion, or of a place (m), may vary
+constexpr double kMovesTheBody = 0.5;   // of the nodes that the liveliest animation turns
 
 enum class Between { Step, Linear, Cubic };
 
 /// A property of a node over time.
 struct Track {
-  std::vector<float> times;   ///< s, ascending
-  std::vector<float> numbers; ///< `width` a key; of a cubic spline three times as many: slope before, value, slope after
+  using Floats = std::shared_ptr<const std::vector<float>>; ///< that several tracks may have in common
+  Floats times_of,
+      numbers; ///< s, ascending; `width` a key; of a cubic spline three times as many: slope before, value, slope after
   std::size_t width = 0;
   Between between = Between::Linear;
 
+  const std::vector<float> &times() const { return *times_of; }
   Eigen::VectorXd numbers_at(std::size_t key, std::size_t part) const {
     const std::size_t first = (between == Between::Cubic ? 3 * key + part : key) * width;
-    return Eigen::Map<const Eigen::VectorXf>(numbers.data() + first, static_cast<Eigen::Index>(width)).cast<double>();
+    return Eigen::Map<const Eigen::VectorXf>(numbers->data() + first, static_cast<Eigen::Index>(width)).cast<double>();
   }
   Eigen::VectorXd key(std::size_t k) const { return numbers_at(k, 1); }
 
   Eigen::VectorXd at(double time) const {
+    const std::vector<float> &times = *times_of;
     const auto next = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time) - times.begin());
     if (next == 0 || next == times.size() || between == Between::Step)
       return key(next == 0 ? 0 : next - 1);
@@ -50,6 +60,13 @@ struct Track {
       return Quaterniond(Eigen::Vector4d(a)).slerp(s, Quaterniond(Eigen::Vector4d(b))).coeffs();
     return (1 - s) * a + s * b;
   }
+  bool moves() const {
+    const Eigen::VectorXd first = key(0);
+    for (std::size_t k = 1; k < times().size(); ++k)
+      if ((key(k) - first).cwiseAbs().maxCoeff() > kStill)
+        return true;
+    return false;
+  }
 };
 
 struct Node {
@@ -57,20 +74,45 @@ struct Node {
   int parent = -1;
   Vector3d translation = Vector3d::Zero(), scale = Vector3d::Ones();
   Quaterniond rotation = Quaterniond::Identity();
+  bool bone = true;                    ///< draws nothing
+  std::string part;                    ///< of a human, where the file says so
   std::map<std::string, Track> tracks; ///< by "translation", "rotation", "scale"
 };
 
+/// Parts of a human as VRM names them (0.x and 1.0), and as we do.
+const std::map<std::string, std::string> &vrm_parts() {
+  static const std::map<std::string, std::string> parts = [] {
+    std::map<std::string, std::string> result{{"hips", "pelvis"}, {"spine", "spine"}, {"neck", "neck"}, {"head", "head"}};
+    for (const std::string side : {"left", "right"})
+      for (const auto &[theirs, ours] : std::map<std::string, std::string>{{"Shoulder", "clavicle"},
+                                                                           {"UpperArm", "shoulder"},
+                                                                           {"LowerArm", "elbow"},
+                                                                           {"Hand", "wrist"},
+                                                                           {"MiddleProximal", "hand"},
+                                                                           {"UpperLeg", "hip"},
+                                                                           {"LowerLeg", "knee"},
+                                                                           {"Foot", "ankle"},
+                                                                           {"Toes", "toe"}})
+        result[side + theirs] = side.substr(0, 1) + "_" + ours;
+    return result;
+  }();
+  return parts;
+}
+
 class Clip {
 public:
-  explicit Clip(const std::filesystem::path &path) : reader_(path), source_(path.string()) {
+  Clip(const std::filesystem::path &path, const std::string &animation) : reader_(path), source_(path.string()) {
     read_nodes();
-    read_tracks();
+    read_parts();
+    read_tracks(animation);
     choose_joints();
   }
 
   SourceMotion sampled() const {
     SourceMotion motion;
     motion.source = source_;
+    motion.animations = animations_;
+    motion.animation = animation_;
     motion.fps = rate();
     std::vector<Affine3d> place;
     std::vector<Quaterniond> rest, turned;
@@ -79,13 +121,12 @@ public:
     for (int node : joints_) {
       const int parent = parent_joint(node);
       const Vector3d from = parent < 0 ? Vector3d::Zero() : Vector3d(place[parent].translation());
-      motion.joints.push_back({nodes_[node].name, parent < 0 ? -1 : index.at(parent), place[node].translation() - from});
+      motion.joints.push_back(
+          {nodes_[node].name, parent < 0 ? -1 : index.at(parent), place[node].translation() - from, nodes_[node].part});
       index.emplace(node, static_cast<int>(index.size()));
     }
     const double count = std::floor((last_ - first_) * motion.fps + 1e-3) + 1;
-    if (!(count * static_cast<double>(nodes_.size()) <= kMostPoses))
-      reader_.fail("expected a clip of at most " + options::shown(kMostPoses) + " poses of nodes, found " +
-                   options::shown(count) + " of " + std::to_string(nodes_.size()));
+    require_poses(count, nodes_.size(), source_);
     for (int t = 0; t < static_cast<int>(count); ++t) {
       const double time = std::min(last_, first_ + t / motion.fps);
       world(&time, place, turned);
@@ -123,6 +164,14 @@ private:
     return q.normalized();
   }
 
+  /// Between keys a cubic spline leaves the unit sphere, far if the turn is wide: the standard has it brought back.
+  Quaterniond direction(const Quaterniond &q, const std::string &node) const {
+    if (!(q.norm() > 1e-6 && q.norm() < 1e6))
+      reader_.fail("expected quaternions with a direction between keys, found one of length " + options::shown(q.norm(), 4) +
+                   " at node '" + node + "'");
+    return q.normalized();
+  }
+
   void read_nodes() {
     const json list = reader_.gltf().value("nodes", json::array());
     nodes_.resize(list.size());
@@ -137,6 +186,7 @@ private:
         node.rotation =
             unit({q.at(3).get<double>(), q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>()}, node.name);
       }
+      node.bone = !from.contains("mesh") && !from.contains("camera") && !from.contains("extensions");
       if (from.contains("matrix"))
         set_matrix(from.at("matrix"), node);
       for (const json &child : from.value("children", json::array())) {
@@ -175,97 +225,260 @@ private:
       reader_.fail("expected nodes that hang on roots, found a circle");
   }
 
-  void read_tracks() {
-    const json animations = reader_.gltf().value("animations", json::array());
-    if (animations.empty())
-      reader_.fail("expected an animation, found none");
-    const json &animation = animations[0];
-    for (const json &channel : animation.at("channels")) {
-      const json &target = channel.at("target");
-      const std::string path = target.at("path").get<std::string>();
-      if (!target.contains("node") || path == "weights")
-        continue;
-      const std::size_t width = path == "rotation" ? 4 : 3;
-      nodes_[index_of(target.at("node"), "an animated node")].tracks[path] =
-          read_track(animation.at("samplers").at(channel.at("sampler").get<std::size_t>()), width);
+  /// Of VRM: "humanBones" is a list of bones with their nodes in 0.x, an object by bones in 1.0.
+  void read_parts() {
+    const json extensions = reader_.gltf().value("extensions", json::object());
+    for (const char *name : {"VRM", "VRMC_vrm"}) {
+      const json bones = extensions.value(name, json::object()).value("humanoid", json::object()).value("humanBones", json());
+      std::map<std::string, json> nodes;
+      for (const auto &[key, bone] : bones.items())
+        if (bone.is_object() && bone.contains("node"))
+          nodes[bones.is_array() ? bone.value("bone", "") : key] = bone.at("node");
+      for (const auto &[theirs, ours] : vrm_parts())
+        if (nodes.count(theirs))
+          nodes_[index_of(nodes[theirs], "a bone of VRM")].part = ours;
+      for (const char *chest : {"upperChest", "chest"}) // the upper one may be missing
+        if (nodes.count(chest)) {
+          nodes_[index_of(nodes[chest], "a bone of VRM")].part = "chest";
+          break;
+        }
     }
   }
 
-  Track read_track(const json &sampler, std::size_t width) const {
+  using Tracks = std::map<int, std::map<std::string, Track>>; ///< by node
+
+  void read_tracks(const std::string &wanted) {
+    const json list = reader_.gltf().value("animations", json::array());
+    if (list.empty())
+      reader_.fail("expected an animation, found none");
+    for (std::size_t i = 0; i < list.size(); ++i)
+      animations_.push_back(list[i].value("name", std::to_string(i + 1)));
+    animation_ = wanted.empty() ? liveliest(list) : number_of(wanted);
+    for (auto &[node, tracks] : tracks_of(list[animation_]))
+      nodes_[node].tracks = std::move(tracks);
+  }
+
+  int number_of(const std::string &wanted) const {
+    if (const auto named = std::find(animations_.begin(), animations_.end(), wanted); named != animations_.end())
+      return static_cast<int>(named - animations_.begin());
+    std::size_t number = 0;
+    const auto [end, problem] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
+    if (problem == std::errc() && end == wanted.data() + wanted.size() && number >= 1 && number <= animations_.size())
+      return static_cast<int>(number) - 1;
+    std::string names;
+    for (std::size_t i = 0; i < animations_.size() && i < 60; ++i)
+      names += (i ? ", " : "") + animations_[i];
+    reader_.fail("expected one of the animations " + names + ", or a number from 1 to " + std::to_string(animations_.size()) +
+                 ", found '" + wanted + "'");
+  }
+
+  /// The first that moves the body: packs often begin with one that stands still.
+  int liveliest(const json &list) {
+    std::vector<std::size_t> turning;
+    for (const json &animation : list) {
+      if (list.size() == 1)
+        return 0;
+      std::size_t count = 0;
+      for (const auto &[node, tracks] : tracks_of(animation))
+        count += tracks.count("rotation") && tracks.at("rotation").moves();
+      turning.push_back(count);
+    }
+    const double most = static_cast<double>(*std::max_element(turning.begin(), turning.end()));
+    const auto first = std::find_if(turning.begin(), turning.end(),
+                                    [&](std::size_t count) { return static_cast<double>(count) >= kMovesTheBody * most; });
+    return static_cast<int>(first - turning.begin());
+  }
+
+  Tracks tracks_of(const json &animation) {
+    Tracks result;
+    for (const json &channel : animation.at("channels")) {
+      const json &target = channel.at("target");
+      const std::string path = target.at("path").get<std::string>();
+      if (!target.contains("node") || (path != "rotation" && path != "translation" && path != "scale"))
+        continue;
+      const int node = index_of(target.at("node"), "an animated node");
+      result[node][path] = read_track(animation.at("samplers").at(channel.at("sampler").get<std::size_t>()),
+                                      path == "rotation" ? 4 : 3, nodes_[node].name);
+    }
+    return result;
+  }
+
+  /// An accessor's numbers, once, however many tracks have them. Accessors that overlap could be more than any memory holds.
+  Track::Floats floats(int accessor) {
+    Track::Floats &found = floats_[accessor];
+    if (!found) {
+      found = std::make_shared<const std::vector<float>>(reader_.numbers(accessor));
+      floats_read_ += found->size();
+      if (floats_read_ > reader_.size())
+        reader_.fail("expected accessors that do not overlap, found more numbers in them than the file has bytes");
+    }
+    return found;
+  }
+
+  Track read_track(const json &sampler, std::size_t width, const std::string &node) {
     const std::string way = sampler.value("interpolation", "LINEAR");
-    Track track{reader_.floats(sampler.at("input").get<int>()), reader_.floats(sampler.at("output").get<int>()), width,
+    Track track{floats(sampler.at("input").get<int>()), floats(sampler.at("output").get<int>()), width,
                 way == "STEP"          ? Between::Step
                 : way == "CUBICSPLINE" ? Between::Cubic
                                        : Between::Linear};
-    const std::size_t expected = track.times.size() * width * (track.between == Between::Cubic ? 3 : 1);
-    if (track.times.empty() || track.numbers.size() != expected)
-      reader_.fail("expected " + std::to_string(expected) + " numbers for " + std::to_string(track.times.size()) +
-                   " keys of an animation, found " + std::to_string(track.numbers.size()));
-    for (std::size_t k = 0; k < track.times.size(); ++k)
-      if (!std::isfinite(track.times[k]) || (k > 0 && track.times[k] <= track.times[k - 1]))
-        reader_.fail("expected key times that ascend, found " + options::shown(track.times[k]) + " s at key " +
-                     std::to_string(k));
+    const std::vector<float> &times = track.times();
+    keys_ += static_cast<double>(times.size());
+    if (keys_ > kMostKeysInFile)
+      reader_.fail("expected at most " + options::shown(kMostKeysInFile) + " keys of all animations, found more");
+    const std::size_t expected = times.size() * width * (track.between == Between::Cubic ? 3 : 1);
+    if (times.empty() || track.numbers->size() != expected)
+      reader_.fail("expected " + std::to_string(expected) + " numbers for " + std::to_string(times.size()) +
+                   " keys of an animation, found " + std::to_string(track.numbers->size()));
+    for (std::size_t k = 0; k < times.size(); ++k) {
+      if (!std::isfinite(times[k]) || (k > 0 && times[k] <= times[k - 1]))
+        reader_.fail("expected key times that ascend, found " + options::shown(times[k]) + " s at key " + std::to_string(k));
+      if (width == 4)
+        unit(Quaterniond(Eigen::Vector4d(track.key(k))), node);
+    }
     return track;
   }
 
-  /// The joints of the first skin, or without a skin what turns; of several trees the largest.
+  // --- joints
+
+  /// A skin's joints, and those between them, up to where they come together.
+  struct Group {
+    std::set<int> nodes;
+    int top = -1;
+  };
+
+  /// Of several trees that one with the most of `chosen`.
+  Group closed(const std::vector<bool> &chosen) const {
+    std::vector<int> below(nodes_.size(), 0);
+    int root = -1;
+    for (auto node = order_.rbegin(); node != order_.rend(); ++node) {
+      below[*node] += chosen[*node];
+      if (nodes_[*node].parent >= 0)
+        below[nodes_[*node].parent] += below[*node];
+      else if (root < 0 || below[*node] >= below[root])
+        root = *node;
+    }
+    Group group;
+    if (root < 0 || below[root] == 0)
+      return group;
+    std::vector<bool> inside(nodes_.size(), false);
+    for (int node : order_) { // a node holds all until one of its children does not, or it is one itself
+      const int parent = nodes_[node].parent;
+      const bool holds_all = below[node] == below[root] && (parent < 0 ? node == root : group.top == parent);
+      if (holds_all && !(parent >= 0 && chosen[parent]))
+        group.top = node;
+    }
+    for (int node : order_) {
+      const int parent = nodes_[node].parent;
+      inside[node] = below[node] > 0 && (node == group.top || (parent >= 0 && inside[parent]));
+      if (inside[node])
+        group.nodes.insert(node);
+    }
+    return group;
+  }
+
+  bool is_above(int ancestor, int node) const {
+    while (node >= 0 && node != ancestor)
+      node = nodes_[node].parent;
+    return node >= 0;
+  }
+
+  /// Do both belong to one body: one hangs on the other, or what carries both moves?
+  bool belong_together(const Group &a, const Group &b) const {
+    if (is_above(a.top, b.top) || is_above(b.top, a.top))
+      return true;
+    std::set<int> above;
+    for (int node = a.top; node >= 0; node = nodes_[node].parent)
+      above.insert(node);
+    int common = b.top;
+    while (common >= 0 && !above.count(common))
+      common = nodes_[common].parent;
+    return common >= 0 && !nodes_[common].tracks.empty();
+  }
+
+  /// The joints of the skin with the most of them and of all that belong to its body. A file has one skin a mesh: for the eyes, a
+  /// shirt, the lower half.
+  std::vector<bool> skinned() const {
+    std::vector<Group> groups;
+    for (const json &skin : reader_.gltf().value("skins", json::array())) {
+      std::vector<bool> chosen(nodes_.size(), false);
+      for (const json &node : skin.at("joints"))
+        chosen[index_of(node, "a joint")] = true;
+      if (Group group = closed(chosen); group.top >= 0)
+        groups.push_back(std::move(group));
+      if (groups.size() > kMostSkins)
+        reader_.fail("expected at most " + std::to_string(kMostSkins) + " skins, found more");
+    }
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const Group &a, const Group &b) { return a.nodes.size() > b.nodes.size(); });
+    std::vector<bool> chosen(nodes_.size(), false);
+    Group body = groups.empty() ? Group{} : groups[0];
+    for (std::size_t before = 0; body.nodes.size() > before;) {
+      before = body.nodes.size();
+      for (const Group &group : groups)
+        if (belong_together(body, group)) {
+          for (int node : group.nodes)
+            chosen[node] = true;
+          body = closed(chosen);
+        }
+    }
+    for (int node : body.nodes)
+      chosen[node] = true;
+    return chosen;
+  }
+
+  /// The skin's joints and what hangs on them and draws nothing: ends, and bones that carry no vertex. Without a skin what turns;
+  /// of several trees the largest.
   void choose_joints() {
-    std::vector<bool> joint(nodes_.size(), false);
-    const json skins = reader_.gltf().value("skins", json::array());
-    if (!skins.empty())
-      for (const json &node : skins[0].at("joints"))
-        joint[index_of(node, "a joint")] = true;
-    else
-      for (std::size_t i = 0; i < nodes_.size(); ++i)
-        joint[i] = nodes_[i].tracks.count("rotation") > 0;
-    is_joint_ = joint;
+    is_joint_ = skinned();
+    const bool skin = !reader_.gltf().value("skins", json::array()).empty();
+    for (int node : order_)
+      is_joint_[node] = skin
+                            ? is_joint_[node] || (nodes_[node].parent >= 0 && is_joint_[nodes_[node].parent] && nodes_[node].bone)
+                            : nodes_[node].tracks.count("rotation") > 0;
+    above_.assign(nodes_.size(), -1);
     std::map<int, int> size;
     std::vector<int> root(nodes_.size(), -1);
-    for (int node : order_)
-      if (joint[node]) {
-        const int parent = parent_joint(node);
-        root[node] = parent < 0 ? node : root[parent];
-        ++size[root[node]];
-      }
+    for (int node : order_) {
+      const int parent = nodes_[node].parent;
+      above_[node] = parent < 0 ? -1 : is_joint_[parent] ? parent : above_[parent];
+      if (!is_joint_[node])
+        continue;
+      root[node] = above_[node] < 0 ? node : root[above_[node]];
+      ++size[root[node]];
+    }
     if (size.empty())
       reader_.fail("expected joints, found no skin and no node that turns");
     const auto largest = std::max_element(size.begin(), size.end(), [](auto a, auto b) { return a.second < b.second; });
+    if (largest->second > static_cast<int>(kMostJoints))
+      reader_.fail("expected at most " + std::to_string(kMostJoints) + " joints, found " + std::to_string(largest->second));
     for (int node : order_)
-      if (joint[node] && root[node] == largest->first)
+      if (is_joint_[node] && root[node] == largest->first)
         joints_.push_back(node);
     find_span();
   }
 
   /// When the tracks that carry joints begin and end.
   void find_span() {
-    for (int node = 0; node < static_cast<int>(nodes_.size()); ++node)
-      for (const auto &[path, track] : nodes_[node].tracks)
-        if (carries_joints(node)) {
-          first_ = std::min<double>(first_, track.times.front());
-          last_ = std::max<double>(last_, track.times.back());
-          if (track.times.size() > densest_.size())
-            densest_ = track.times;
+    std::vector<bool> carries(nodes_.size(), false);
+    for (int joint : joints_)
+      carries[joint] = true;
+    for (auto node = order_.rbegin(); node != order_.rend(); ++node) {
+      if (carries[*node] && nodes_[*node].parent >= 0)
+        carries[nodes_[*node].parent] = true;
+      for (const auto &[path, track] : nodes_[*node].tracks)
+        if (carries[*node]) {
+          first_ = std::min<double>(first_, track.times().front());
+          last_ = std::max<double>(last_, track.times().back());
+          if (track.times().size() > densest_.size())
+            densest_ = track.times();
         }
+    }
     if (densest_.empty())
       reader_.fail("expected an animation of joints, found none that moves one");
   }
 
-  bool carries_joints(int node) const {
-    return std::any_of(joints_.begin(), joints_.end(), [&](int joint) {
-      for (; joint >= 0; joint = nodes_[joint].parent)
-        if (joint == node)
-          return true;
-      return false;
-    });
-  }
-
   /// The nearest joint above; -1: none.
-  int parent_joint(int node) const {
-    do
-      node = nodes_[node].parent;
-    while (node >= 0 && !is_joint_[node]);
-    return node;
-  }
+  int parent_joint(int node) const { return above_[node]; }
 
   /// That of the track with the most keys.
   double rate() const {
@@ -291,7 +504,7 @@ private:
       const Vector3d moved = translation == none ? node.translation : Vector3d(translation->second.at(*time));
       const Vector3d scaled = scale == none ? node.scale : Vector3d(scale->second.at(*time));
       const Quaterniond q =
-          rotation == none ? node.rotation : unit(Quaterniond(Eigen::Vector4d(rotation->second.at(*time))), node.name);
+          rotation == none ? node.rotation : direction(Quaterniond(Eigen::Vector4d(rotation->second.at(*time))), node.name);
       const Affine3d local = Eigen::Translation3d(moved) * q * Eigen::Scaling(scaled);
       place[i] = node.parent < 0 ? local : place[node.parent] * local;
       turned[i] = node.parent < 0 ? q : turned[node.parent] * q;
@@ -304,14 +517,20 @@ private:
   std::vector<int> order_;  ///< of the nodes, parents first
   std::vector<int> joints_; ///< nodes, parents first
   std::vector<bool> is_joint_;
+  std::vector<int> above_; ///< of a node, the nearest joint
+  std::vector<std::string> animations_;
+  int animation_ = 0;
+  std::map<int, Track::Floats> floats_; ///< by accessor
+  std::size_t floats_read_ = 0;
+  double keys_ = 0;                    ///< of all tracks
   double first_ = 1e30, last_ = -1e30; ///< s
   std::vector<float> densest_;
 };
 
 } // namespace
 
-SourceMotion read_gltf_motion(const std::filesystem::path &path) try {
-  return Clip(path).sampled();
+SourceMotion read_gltf_motion(const std::filesystem::path &path, const std::string &animation) try {
+  return Clip(path, animation).sampled();
 } catch (const json::exception &problem) {
   throw Error(path.string() + ": expected nodes and animations of glTF 2.0, found: " + problem.what());
 }

@@ -2,6 +2,7 @@
 // Words of a text file with their line numbers, for parsers whose messages name the line.
 
 #include "doublet/core/error.h"
+#include "doublet/files/files.h"
 
 #include <algorithm>
 #include <cctype>
@@ -27,7 +28,7 @@ class LineReader {
 public:
   /// Lines without words are dropped; a '#' starts a comment if asked for.
   LineReader(const std::string &text, std::string source, bool comments) : source_(std::move(source)) {
-    std::istringstream in(text);
+    std::istringstream in(plain_text(text, source_));
     std::string line;
     for (int number = 1; std::getline(in, line); ++number) {
       if (comments)

@@ -3,6 +3,7 @@
 #include "doublet/animate/retarget.h"
 #include "doublet/core/error.h"
 #include "joint_names.h"
+#include "match_by_shape.h"
 
 #include <algorithm>
 
@@ -142,11 +143,15 @@ void take_given(Matcher &match, const std::vector<std::string> &names, const std
   }
 }
 
-/// Everything that can be found.
+/// Everything that can be found by names.
 Matcher matched(const std::vector<std::string> &names, const std::vector<int> &parents, const std::vector<double> &bone_lengths,
-                const std::map<std::string, std::string> &given, const std::string &source) {
+                const std::map<std::string, std::string> &given, const std::string &source,
+                const std::map<std::string, int> &stated = {}) {
   Matcher match(names, parents);
   take_given(match, names, given, source);
+  for (const auto &[part, joint] : stated)
+    if (!given.count(part))
+      match.set(part, joint, "as the file says");
   for (const std::string side : {"l_", "r_"}) {
     match.below(side + "hip", "");
     match.below(side + "knee", side + "hip");
@@ -157,7 +162,7 @@ Matcher matched(const std::vector<std::string> &names, const std::vector<int> &p
     match.below(side + "wrist", side + "elbow");
     match.below(side + "hand", side + "wrist");
     match.above(side + "clavicle", side + "shoulder");
-    if (!given.count(side + "wrist") && !given.count(side + "hand"))
+    if (!given.count(side + "wrist") && !given.count(side + "hand") && !stated.count(side + "wrist"))
       split_forearm(match, side, parents, bone_lengths);
     if (!given.count(side + "hand"))
       step_out(match, side, parents, bone_lengths);
@@ -175,8 +180,11 @@ struct Bones {
   std::vector<std::string> names;
   std::vector<int> parents;
   std::vector<double> lengths;
+  std::map<std::string, int> stated;
   explicit Bones(const SourceMotion &clip) {
     for (const SourceJoint &joint : clip.joints) {
+      if (!joint.part.empty())
+        stated.emplace(joint.part, static_cast<int>(names.size()));
       names.push_back(joint.name);
       parents.push_back(joint.parent);
       lengths.push_back(joint.offset.norm());
@@ -184,30 +192,57 @@ struct Bones {
   }
 };
 
+std::vector<std::string> missing_parts(const Matcher &match) {
+  std::vector<std::string> missing;
+  for (const std::string &part : needed_parts())
+    if (!match.found.count(part))
+      missing.push_back(part);
+  return missing;
+}
+
+/// By names, and if these do not give a human, by shape.
+Matcher matched(const SourceMotion &clip, const std::map<std::string, std::string> &given) {
+  const Bones bones(clip);
+  Matcher match = matched(bones.names, bones.parents, bones.lengths, given, clip.source, bones.stated);
+  if (missing_parts(match).empty())
+    return match;
+  const std::map<std::string, int> shape = match_by_shape(clip);
+  if (shape.empty())
+    return match;
+  Matcher by_shape(bones.names, bones.parents);
+  take_given(by_shape, bones.names, given, clip.source);
+  for (const auto &[part, joint] : shape)
+    if (!given.count(part))
+      by_shape.set(part, joint, "by its place and length: its name is of no known convention");
+  return missing_parts(by_shape).size() < missing_parts(match).size() ? by_shape : match;
+}
+
+[[noreturn]] void refuse_missing(const std::vector<std::string> &missing, const std::vector<std::string> &names,
+                                 const std::string &source) {
+  throw Error(source + ": expected a human skeleton, found no joint for " + list(missing) + " among " + list(names) +
+              "; name them with the option joint_names");
+}
+
 } // namespace
 
 std::map<std::string, int> match_human(const std::vector<std::string> &names, const std::vector<int> &parents,
                                        const std::vector<double> &bone_lengths, const std::map<std::string, std::string> &given,
                                        const std::string &source) {
   const Matcher match = matched(names, parents, bone_lengths, given, source);
-  std::vector<std::string> missing;
-  for (const std::string &part : needed_parts())
-    if (!match.found.count(part))
-      missing.push_back(part);
-  if (!missing.empty())
-    throw Error(source + ": expected a human skeleton, found no joint for " + list(missing) + " among " + list(names) +
-                "; name them with the option joint_names");
+  if (const auto missing = missing_parts(match); !missing.empty())
+    refuse_missing(missing, names, source);
   return match.found;
 }
 
 std::map<std::string, int> match_joints(const SourceMotion &clip, const std::map<std::string, std::string> &given) {
-  const Bones bones(clip);
-  return match_human(bones.names, bones.parents, bones.lengths, given, clip.source);
+  const Matcher match = matched(clip, given);
+  if (const auto missing = missing_parts(match); !missing.empty())
+    refuse_missing(missing, Bones(clip).names, clip.source);
+  return match.found;
 }
 
 std::vector<JointMatch> explain_match(const SourceMotion &clip, const std::map<std::string, std::string> &given) {
-  const Bones bones(clip);
-  const Matcher match = matched(bones.names, bones.parents, bones.lengths, given, clip.source);
+  const Matcher match = matched(clip, given);
   std::vector<JointMatch> result;
   for (const std::string &part : match.parts()) {
     const std::vector<std::string> &needed = needed_parts();

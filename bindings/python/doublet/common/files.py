@@ -78,10 +78,17 @@ def write_json(path: Path, value) -> None:
     write_text(path, json.dumps(value, indent=1) + "\n")
 
 
+def require_file(path: Path) -> None:
+    """Raises RuntimeError for a device or a pipe, which may never end."""
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise RuntimeError(f"{path}: expected a file, found a device or pipe")
+
+
 def read_toml(path: Path) -> dict:
     """What is wrong with the text is a RuntimeError that names the file."""
+    require_file(Path(path))
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except RecursionError:
         raise RuntimeError(f"{path}: expected TOML, found brackets inside of brackets without end") from None
     except ValueError as error:  # a syntax error, or bytes that are no text
@@ -90,8 +97,9 @@ def read_toml(path: Path) -> dict:
 
 def read_json(path: Path):
     """What is wrong with the text is a RuntimeError that names the file."""
+    require_file(Path(path))
     try:
-        return json.loads(Path(path).read_text(encoding="utf-8"))
+        return json.loads(Path(path).read_text(encoding="utf-8-sig"))
     except RecursionError:
         raise RuntimeError(f"{path}: expected JSON, found brackets inside of brackets without end") from None
     except ValueError as error:  # a syntax error, or bytes that are no text
@@ -101,6 +109,7 @@ def read_json(path: Path):
 @contextmanager
 def arrays_of(path: Path):
     """`np.load(path)`; what is wrong with the archive, or missing in it, is a RuntimeError that names it."""
+    require_file(Path(path))
     try:
         require_room(path)
         with np.load(path) as arrays:

@@ -1,9 +1,11 @@
-"""Video through the programs ffmpeg and ffprobe, and series of images, which are read in the same way."""
+"""Video through the programs ffmpeg and ffprobe."""
 
 from __future__ import annotations
 
 import json
+import re
 import shutil
+import struct
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,13 +13,18 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageOps
 
 from .files import written_atomically
 
 #: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
-PROBED = "stream=width,height,nb_frames,avg_frame_rate:stream_tags=rotate:stream_side_data=rotation:packet=pts_time,flags"
+PROBED = (
+    "format=format_name:stream=codec_name,pix_fmt,width,height,nb_frames,avg_frame_rate:stream_tags=rotate,alpha_mode"
+    ":stream_side_data=rotation:packet=pts_time,flags"
+)
+WITH_ALPHA = re.compile(r"yuva|gbrap|rgba|argb|abgr|bgra|ya8|ya16|pal8")  #: pixel formats
+ALPHA_DECODERS = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  #: ffmpeg's own ones leave the second stream aside
 EVEN = 0.1  #: of a frame, by which the times of one rate may be rounded
+DROPPED = 0.3  #: of a frame, by which the times of a clock may be off whose frames were dropped
 
 
 @dataclass(frozen=True)
@@ -29,6 +36,8 @@ class VideoFile:
     rotation: int  # degrees by which players turn it, counterclockwise: 0, 90, 180, 270
     times: np.ndarray  # (N) s, of the frames, after the first
     clock: float  # s, what the file's clock shows at the first
+    counted: bool = True  # its frames are those that the container says, from the first on: any reader finds them by number
+    alpha: str | None = None  # it has an alpha channel, which this decoder reads; empty = any
 
     @property
     def size(self) -> tuple[int, int]:
@@ -37,7 +46,7 @@ class VideoFile:
 
     @property
     def fps(self) -> float:
-        """Frames a second, measured; 0 for a single frame."""
+        """Frames a second while it films, measured; 0 for a single frame."""
         return rate_of(self.times)
 
     @cached_property
@@ -46,13 +55,19 @@ class VideoFile:
         sounds = probe(self.path, "a:0", "stream=codec_type,start_time").get("streams", [])
         return float(sounds[0].get("start_time", self.clock)) - self.clock if sounds else None
 
-    def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
-        """Every frame: (H, W, 3) uint8 BGR, or grey (H, W); of another `size` (width, height) if that is given; turned as the
-        container says unless `upright` is off. Raises RuntimeError if one cannot be decoded."""
+    def frames(
+        self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True, alpha: bool = False
+    ) -> Iterator[np.ndarray]:
+        """Every frame: (H, W, 3) uint8 BGR, or grey (H, W), or its `alpha` channel as grey; of another `size` (width, height) if
+        that is given; turned as the container says unless `upright` is off. Raises RuntimeError if one cannot be decoded."""
         width, height = size or (self.size if upright else self.stored_size)
-        command = ["ffmpeg", "-loglevel", "error", "-nostdin", *([] if upright else ["-noautorotate"]), "-i", str(self.path)]
+        decoder = ["-c:v", self.alpha] if alpha and self.alpha else []
+        turn = [] if upright else ["-noautorotate"]
+        command = ["ffmpeg", "-loglevel", "error", "-nostdin", *turn, *decoder, "-i", str(self.path)]
         command += ["-map", "0:V:0", "-vsync", "passthrough"]  # every frame once, whatever the clock says
-        command += ["-vf", f"scale={width}:{height}:flags=area"] if size else []
+        filters = ["format=rgba,alphaextract"] if alpha else []
+        filters += [f"scale={width}:{height}:flags=area"] if size else []
+        command += ["-vf", ",".join(filters)] if filters else []
         command += ["-f", "rawvideo", "-pix_fmt", "gray" if grey else "bgr24", "-"]
         shape = (height, width) if grey else (height, width, 3)
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
@@ -79,49 +94,6 @@ class VideoFile:
         return np.frombuffer(done.stdout, np.int16).astype(np.float32) / 32768
 
 
-@dataclass(frozen=True)
-class ImageSeries:
-    """Numbered images, read as a video."""
-
-    path: Path  # the folder
-    files: tuple[Path, ...]
-    fps: float
-    rotation = 0
-    sound_start = None
-
-    @property
-    def times(self) -> np.ndarray:
-        return np.arange(len(self.files)) / self.fps
-
-    @cached_property
-    def size(self) -> tuple[int, int]:
-        return read_image(self.files[0]).size
-
-    @property
-    def stored_size(self) -> tuple[int, int]:
-        return self.size
-
-    def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
-        """As those of a video."""
-        for file in self.files:
-            image = read_image(file)
-            image = image.convert("L" if grey else "RGB")
-            image = image.resize(size, Image.BOX) if size else image
-            yield np.asarray(image) if grey else np.asarray(image)[..., ::-1]
-
-
-def read_image(path: Path) -> Image.Image:
-    """Decoded, and turned as its EXIF data say. Raises RuntimeError naming the file if that is not possible."""
-    try:
-        with Image.open(path) as image:
-            image.load()
-            return ImageOps.exif_transpose(image)
-    except FileNotFoundError:
-        raise
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise RuntimeError(f"{path}: expected an image, found a file that cannot be decoded ({error})") from error
-
-
 def read_video(path: Path) -> VideoFile:
     """Raises FileNotFoundError if there is no such file, RuntimeError naming it if it is no video, or is truncated."""
     path = Path(path)
@@ -135,27 +107,81 @@ def read_video(path: Path) -> VideoFile:
     if not streams or not packets or not streams[0].get("width"):
         raise RuntimeError(f"{path}: expected a video, found no pictures in it")
     stream, shown = streams[0], [p for p in packets if "D" not in p.get("flags", "")]
-    if any("pts_time" not in packet for packet in shown):
-        raise RuntimeError(
-            f"{path}: expected frames with time stamps, found none; `ffmpeg -r RATE -i IN -c copy OUT.mp4` adds them"
-        )
-    if int(stream.get("nb_frames", 0)) > len(packets):
-        raise RuntimeError(
-            f"{path}: expected {stream['nb_frames']} frames as the file says, found {len(packets)}; it is truncated"
-        )
-    times = np.sort([float(packet["pts_time"]) for packet in shown])
+    timed = all("pts_time" in packet for packet in shown)  # in AVI no frame is that waits for a later one
+    stated = int(stream.get("nb_frames", 0))
+    if stated > len(packets) and is_truncated(path, stated, picture.get("format", {}).get("format_name", "")):
+        raise RuntimeError(f"{path}: expected {stated} frames as the file says, found {len(packets)}; it is truncated")
+    if timed and not begins_within(packets):
+        times = np.sort([float(packet["pts_time"]) for packet in shown])
+    else:
+        times = decoded_times(path)
     return VideoFile(
         path,
         (int(stream["width"]), int(stream["height"])),
         rotation_of(stream),
         even_times(times - times[0], stream.get("avg_frame_rate", "0/0")),
         float(times[0]),
+        timed and len(times) == len(packets) and stated in (0, len(packets)),
+        alpha_of(stream),
     )
 
 
-def probe(path: Path, stream: str, entries: str = PROBED) -> dict:
+def is_truncated(path: Path, stated: int, kind: str) -> bool:
+    """Does a file of which fewer frames are found than `stated` end too early? Recorders write a number of frames into an AVI
+    that they meant to film, and nothing where they dropped one; of an MP4 that was trimmed without coding it anew an edit list
+    shows a part."""
+    if kind == "avi":
+        return riff_bytes(path) > path.stat().st_size
+    if "mp4" in kind or "mov" in kind:
+        whole = probe(path, "V:0", "packet=flags", ("-ignore_editlist", "1"))
+        return len(whole.get("packets", [])) < stated
+    return False
+
+
+def riff_bytes(path: Path) -> int:
+    """Where the last of an AVI's chunks ends, as they say themselves; they follow each other."""
+    at, size = 0, path.stat().st_size
+    with path.open("rb") as file:
+        while at + 8 <= size:
+            file.seek(at)
+            name, length = struct.unpack("<4sI", file.read(8))
+            if name != b"RIFF" or length in (0, 0xFFFFFFFF):  # what follows is none, or it was never said
+                break
+            at += 8 + length + length % 2
+    return at
+
+
+def begins_within(packets: list[dict]) -> bool:
+    """Are there pictures that need what stood before the file was cut: before the first key frame, as it is stored or shown?"""
+    key = next((i for i, packet in enumerate(packets) if "K" in packet.get("flags", "")), 0)
+    starts = float(packets[key].get("pts_time", 0))
+    shown = (float(p["pts_time"]) for p in packets if "pts_time" in p and "D" not in p.get("flags", ""))
+    return key > 0 or any(time < starts for time in shown)
+
+
+def decoded_times(path: Path) -> np.ndarray:
+    """(N) s of the frames that can be decoded, by decoding them all."""
+    command = ["ffmpeg", "-loglevel", "info", "-nostats", "-nostdin", "-i", str(path), "-map", "0:V:0", "-vsync", "passthrough"]
+    done = subprocess.run([*command, "-vf", "showinfo=checksum=0", "-f", "null", "-"], capture_output=True)
+    times = [float(time) for time in re.findall(rb"\bpts_time:\s*(-?[0-9.]+)", done.stderr)]
+    if not times:
+        raise RuntimeError(
+            f"{path}: expected frames with time stamps, found none; `ffmpeg -r RATE -i IN -c copy OUT.mp4` adds them"
+        )
+    return np.array(times)
+
+
+def alpha_of(stream: dict) -> str | None:
+    """The decoder that reads the alpha channel of a stream, empty for the usual one; None = there is no such channel."""
+    if WITH_ALPHA.search(stream.get("pix_fmt", "")):
+        return ""
+    tags = {name.lower(): value for name, value in stream.get("tags", {}).items()}
+    return ALPHA_DECODERS.get(stream.get("codec_name")) if tags.get("alpha_mode") == "1" else None
+
+
+def probe(path: Path, stream: str, entries: str = PROBED, options: tuple[str, ...] = ()) -> dict:
     """What ffprobe says about a stream of a file."""
-    command = ["ffprobe", "-v", "error", "-select_streams", stream, "-show_entries", entries, "-of", "json", str(path)]
+    command = ["ffprobe", "-v", "error", *options, "-select_streams", stream, "-show_entries", entries, "-of", "json", str(path)]
     done = subprocess.run(command, capture_output=True)
     if done.returncode:
         said = first_line(done.stderr).rpartition("] ")[2].removeprefix(f"{path}: ")
@@ -180,9 +206,17 @@ def even_times(times: np.ndarray, stated: str) -> np.ndarray:
 
 
 def rate_of(times: np.ndarray) -> float:
-    """Frames a second of times (N) s; 0 for fewer than two."""
+    """Frames a second of times (N) s; 0 for fewer than two. Frames that were dropped do not make it lower: where all gaps are
+    whole numbers of the usual one, its slope counts, else the mean."""
     span = float(times[-1] - times[0]) if len(times) > 1 else 0.0
-    return (len(times) - 1) / span if span > 0 else 0.0
+    if span <= 0:
+        return 0.0
+    gaps = np.diff(times)
+    usual = float(np.median(gaps))
+    steps = np.round(gaps / usual) if usual > 0 else np.zeros(len(gaps))
+    if steps.min() < 1 or np.abs(gaps - steps * usual).max() > DROPPED * usual:
+        steps = np.ones(len(gaps))
+    return float(steps.sum()) / span
 
 
 def first_line(said: bytes) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.drawing import overlap
-from ..common.video import read_image
+from ..common.images import read_image
 from ..export.animate import animate_exactly
 from .reconstruction import Animated, Reconstruction
 from .truth import Missing, Truth
@@ -48,6 +48,13 @@ def centroids(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return vertices[faces].mean(axis=1)
 
 
+def averaged(values: np.ndarray, areas: np.ndarray, what: str) -> float:
+    """Mean over faces, weighted by area."""
+    if not areas.sum() > 0:
+        raise Missing(f"the truth has no {what}")
+    return float(np.average(values, weights=areas))
+
+
 def template_mask(made: Reconstruction, truth: Truth, cameras) -> dict[str, float]:
     """In the scan pose; samples are centroids of faces, weighted by area."""
     if 0 not in truth.chunks:
@@ -59,7 +66,7 @@ def template_mask(made: Reconstruction, truth: Truth, cameras) -> dict[str, floa
     seen = seen_faces(vertices, faces, cameras)
     nearest, _, _ = d.RayScene(mesh).closest(centroids(vertices, faces[seen]))
     found = float(area[far & ~valid].sum() / area[far].sum()) if far.any() else 1.0
-    marked = float(np.average(~valid[nearest], weights=d.face_areas(vertices, faces[seen])))
+    marked = averaged(~valid[nearest], d.face_areas(vertices, faces[seen]), "true surface that a camera sees")
     return {"template_invented_found": found, "template_true_marked": marked}
 
 
@@ -165,7 +172,7 @@ def hidden_body_mm(made: Reconstruction, truth: Truth, cameras) -> float:
     if not hidden.any():
         raise Missing("no true body face is hidden by the garment")
     distance = d.distances_to_surface(points[hidden], fit.body)
-    return 1000 * float(np.average(distance, weights=d.face_areas(body, truth.body_faces[hidden])))
+    return 1000 * averaged(distance, d.face_areas(body, truth.body_faces[hidden]), "true body that is hidden")
 
 
 def shared_frames(moving: Animated, true_frames, every: int) -> list[int]:

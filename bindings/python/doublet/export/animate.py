@@ -23,6 +23,7 @@ class Output:
     animation: d.AnimateOptions = field(default_factory=d.AnimateOptions)
     glb: d.BakedGlbOptions = field(default_factory=d.BakedGlbOptions)
     bone_map: Path | None = None
+    clip: str = ""  # of a .glb with several animations: name, or number from 1
 
 
 def animate(
@@ -40,7 +41,7 @@ def animate(
         usd_modules()  # before the work
     context, output = console.context(), output or Output()
     character = d.Character.read(character_file)
-    motion = read_motion(motion_file, character, retargeting, context, output.bone_map)
+    motion = read_motion(motion_file, character, retargeting, context, output.bone_map, output.clip)
     if out.suffix == ".mp4":
         return write_video(character, motion, out, context, options=output.animation)
     if out.suffix == ".usdc":

@@ -10,6 +10,8 @@ import numpy as np
 from .. import _doublet as d
 from ..common.files import arrays_of
 from . import bone_map as bone_maps
+from . import smpl_rotations
+from .smpl_rotations import product, quaternions, rotated
 
 #: Joints of SMPL (Loper et al. 2015) under our names, with their parents, and their places from the parent in the zero pose of
 #: a person of ordinary build, m, +Y up, facing +Z. A file has no places but through the model, which is not ours to ship: from
@@ -54,14 +56,17 @@ def read_motion(
     retargeting: d.RetargetOptions,
     context: d.Context | None = None,
     bone_map: Path | None = None,
+    animation: str = "",
 ) -> d.Motion:
     """A clip (.bvh, .amc, .glb, poses of the SMPL family in .npz), retargeted; or the poses of a performance.npz of the same
     skeleton, as they are, at the rate of `retargeting.fps`, else the character's own. `bone_map`: a file of `doublet.bone_map`;
-    what `retargeting.joint_names` says beats it."""
+    what `retargeting.joint_names` says beats it. `animation`: of a .glb, by name or number from 1."""
     path, context = Path(path), context or d.Context()
     dofs = own_poses(path)
     if dofs is None:
-        clip = read_clip(path)
+        clip = read_clip(path, animation)
+        if len(clip.animations) > 1:
+            context.say(f"{path}: plays the animation '{clip.animations[clip.animation]}' of {', '.join(clip.animations)}")
         if bone_map:
             retargeting = copy.copy(retargeting)
             retargeting.joint_names = {**bone_maps.read(bone_map, clip), **retargeting.joint_names}
@@ -84,16 +89,20 @@ def own_poses(path: Path) -> np.ndarray | None:
         return file["dofs"].astype(float) if "dofs" in file else None
 
 
-def read_clip(path: Path) -> d.SourceMotion:
-    """A clip on its own bones: .bvh, .amc, .glb, poses of the SMPL family in .npz."""
+def read_clip(path: Path, animation: str = "") -> d.SourceMotion:
+    """A clip on its own bones: .bvh, .amc, .glb, poses of the SMPL family in .npz. `animation`: of a .glb, by name or number."""
     path = Path(path)
-    return read_smpl_motion(path) if path.suffix == ".npz" else d.SourceMotion.read(path)
+    if path.suffix != ".npz":
+        return d.SourceMotion.read(path, animation=animation)
+    if animation:
+        raise ValueError(f"{path}: expected a .glb, which can have several animations, to choose '{animation}' of")
+    return read_smpl_motion(path)
 
 
 def read_smpl_motion(path: Path) -> d.SourceMotion:
-    """Poses of SMPL, SMPL-H or SMPL-X as AMASS has them: the body's rotations (axis times angle, of each joint from its parent),
-    the root's place and the rate. Fingers, face and shape are left out. The world may have any axis up: it is the one along which
-    the body stands on average. Raises ValueError naming the file and the array."""
+    """Poses of SMPL, SMPL-H or SMPL-X as AMASS has them: the body's rotations (axis times angle, or matrices, of each joint from
+    its parent), the root's place and the rate. Fingers, face and shape are left out. The world may have any axis up: it is the
+    one along which the body stands on average. Raises ValueError naming the file and the array."""
     path = Path(path)
     if not path.exists():
         raise FileNotFoundError(f"{path} does not exist")
@@ -103,7 +112,7 @@ def read_smpl_motion(path: Path) -> d.SourceMotion:
 
 def smpl_motion(path: Path, file) -> d.SourceMotion:
     """The same of a file that is open."""
-    local = quaternions(rotations_of(path, file))
+    local = rotations_of(path, file)
     count = len(local)
     local = np.concatenate([local, np.tile([1.0, 0, 0, 0], (count, len(JOINTS) - TURNING, 1))], axis=1)
     upright = upright_from(rotated(local[:, 0], np.array([0.0, 1, 0])).mean(axis=0))
@@ -123,18 +132,25 @@ def smpl_motion(path: Path, file) -> d.SourceMotion:
 
 
 def rotations_of(path: Path, file) -> np.ndarray:
-    """(T, 22, 3) rad."""
+    """(T, 22, 4) quaternions of each joint from its parent."""
     names = next((group for group in POSES if all(name in file for name in group)), None)
     if names is None:
         expected = ", or ".join(" and ".join(f"'{name}'" for name in group) for group in POSES)
         raise ValueError(f"{path}: expected a performance with 'dofs', or {expected}, found {', '.join(file) or 'nothing'}")
     parts = [numbers(path, file, name) for name in names]
-    parts = [part.reshape(len(part), -1) if part.ndim > 1 else part for part in parts]
-    if any(part.ndim != 2 or len(part) != len(parts[0]) for part in parts) or sum(part.shape[1] for part in parts) < 3 * TURNING:
-        shapes = " and ".join(str(part.shape) for part in parts)
-        wanted = " and ".join(f"'{name}'" for name in names)
-        raise ValueError(f"{path}: expected {wanted} with a row of at least {3 * TURNING} angles a frame, found {shapes}")
-    return np.concatenate(parts, axis=1)[:, : 3 * TURNING].reshape(-1, TURNING, 3)
+    shapes = " and ".join(str(part.shape) for part in parts)
+    rows = [part.reshape(len(part), -1) if part.ndim > 1 else part for part in parts]
+    wanted = " and ".join(f"'{name}'" for name in names)
+    turns = None
+    if all(row.ndim == 2 and len(row) == len(rows[0]) for row in rows):
+        matrices = all(part.shape[-2:] == (3, 3) for part in parts)
+        turns = smpl_rotations.turns_of(np.concatenate(rows, axis=1), matrices)
+    if turns is None or turns.shape[1] < TURNING:
+        raise ValueError(
+            f"{path}: expected {wanted} with a row of at least {3 * TURNING} angles a frame (axis times angle of SMPL, SMPL-H or "
+            f"SMPL-X), or of rotation matrices, found {shapes}{smpl_rotations.doubt_about(rows)}"
+        )
+    return turns[:, :TURNING]
 
 
 def place_of(path: Path, file, count: int) -> np.ndarray:
@@ -163,25 +179,6 @@ def numbers(path: Path, file, name: str) -> np.ndarray:
     if array.dtype.kind not in "iuf" or array.size == 0 or not np.isfinite(array).all():
         raise ValueError(f"{path}: expected '{name}' to hold finite numbers, found {array.dtype} of shape {array.shape}")
     return array.astype(float)
-
-
-# --- quaternions, w x y z
-
-
-def quaternions(rotations: np.ndarray) -> np.ndarray:
-    """(..., 4) of axis times angle (..., 3)."""
-    half = 0.5 * np.linalg.norm(rotations, axis=-1, keepdims=True)
-    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * rotations], axis=-1)
-
-
-def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    w = a[..., :1] * b[..., :1] - np.sum(a[..., 1:] * b[..., 1:], axis=-1, keepdims=True)
-    return np.concatenate([w, a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])], axis=-1)
-
-
-def rotated(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    half = np.cross(quaternion[..., 1:], vector) + quaternion[..., :1] * vector
-    return vector + 2 * np.cross(quaternion[..., 1:], half)
 
 
 def upright_from(up: np.ndarray) -> np.ndarray:

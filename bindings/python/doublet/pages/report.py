@@ -390,7 +390,12 @@ def write_report(job) -> None:
     parts = []
     for done, (title, section) in enumerate(SECTIONS):
         job.context.report("report", done / len(SECTIONS))
-        parts.append(f"<h2>{title}</h2>{section(shown)}")
+        try:
+            parts.append(f"<h2>{title}</h2>{section(shown)}")
+        except (TypeError, KeyError, AttributeError) as error:
+            if section not in (verdict, overlays, timings):  # what shows numbers of run.json
+                raise
+            job.record.refuse_summary(title, error)
     head = (
         f"{len(session.cameras)} cameras, {len(shown.performance.frames)} frames at {session.fps:g} fps; "
         f"seed {job.record.data.get('seed', job.seed)}; doublet {__version__}"

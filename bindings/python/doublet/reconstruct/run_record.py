@@ -11,6 +11,8 @@ from pathlib import Path
 from .._doublet import __version__
 from ..common.files import hash_files, write_json
 
+KINDS = {"seconds": (int, float), "peak_memory_mb": (int, float), "version": (str,), "peak_memory_scope": (str,)}
+PLAIN = (int, float, str, list, dict, type(None))  # bool is an int
 FORMAT = 1  # of run.json; a file without one is of 1
 
 
@@ -33,6 +35,21 @@ class PeakMemory:
         return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, 1)
 
 
+def is_entry(entry) -> bool:
+    """Has it the parts of a stage's entry? What is in its summary is looked at by who shows it."""
+    if not isinstance(entry, dict) or entry.get("state") not in ("running", "done"):
+        return False
+    parts = {part: entry.get(part, {}) for part in ("options", "inputs", "outputs", "summary")}
+    names = {**parts["inputs"], **parts["outputs"]}.values() if all(isinstance(p, dict) for p in parts.values()) else [None]
+    return (
+        all(isinstance(name, str) for name in names)
+        and all(isinstance(entry.get(key, kind[0]()), kind) for key, kind in KINDS.items())
+        and all(isinstance(value, PLAIN) for value in parts["summary"].values())
+        and {"options", "inputs"} <= entry.keys()
+        and (entry["state"] == "running" or {"outputs", "summary", "seconds", "peak_memory_mb"} <= entry.keys())
+    )
+
+
 class RunRecord:
     """The record of one OUT folder. A stage is up to date if its outputs exist and its options, inputs and the version have not
     changed since they were written; outputs that this program did not write (made by another, or edited) are kept."""
@@ -50,8 +67,10 @@ class RunRecord:
                 raise RuntimeError(f"{self.path}: expected an object with 'stages', found another; delete it to start afresh")
             if (found := self.data.setdefault("format", FORMAT)) != FORMAT:
                 raise RuntimeError(f"{self.path}: expected format {FORMAT}, found {found!r}, of another version of doublet")
+            if not isinstance(self.data.get("session", ""), str):
+                raise RuntimeError(f"{self.path}: expected 'session' to be a folder, found another; delete it to start afresh")
             # An entry that something else wrote is none.
-            self.data["stages"] = {name: e for name, e in self.data["stages"].items() if isinstance(e, dict) and "state" in e}
+            self.data["stages"] = {name: entry for name, entry in self.data["stages"].items() if is_entry(entry)}
         self._hashes: dict[tuple, str] = {}
 
     def save(self) -> None:
@@ -64,6 +83,16 @@ class RunRecord:
         if path.is_dir() or key not in self._hashes:
             self._hashes[key] = hash_files(path)
         return self._hashes[key]
+
+    def summary(self, name: str) -> dict:
+        """The numbers of a stage; empty if it did not run."""
+        return self.data["stages"].get(name, {}).get("summary", {})
+
+    def refuse_summary(self, name: str, error: Exception) -> None:
+        """For who found something else than numbers there."""
+        raise RuntimeError(
+            f"{self.path}: {name}: expected a summary of numbers, found others ({error}); delete it to start afresh"
+        )
 
     def is_done(self, name: str) -> bool:
         return self.data["stages"].get(name, {}).get("state") == "done"

@@ -47,7 +47,11 @@ def run_stage(job: Job, stage: Stage, force: bool = False) -> bool:
     """Runs a stage unless it is up to date; returns whether it ran. Throws Implausible if its result, old or new, cannot be true
     (what it wrote stays); says what is doubtful in it, and notes that in job.doubts."""
     ran = run_if_needed(job, stage, force)
-    for finding in findings(stage.name, job.record.data["stages"].get(stage.name, {}).get("summary", {})):
+    try:
+        found = findings(stage.name, job.record.summary(stage.name))
+    except (TypeError, ValueError) as error:
+        job.record.refuse_summary(stage.name, error)
+    for finding in found:
         if finding.impossible and not job.keep_going:
             raise Implausible(f"{stage.name}: {finding.text} (--keep-going goes on with it)")
         job.console.say(f"{stage.name}: {finding.level}: {finding.text}")

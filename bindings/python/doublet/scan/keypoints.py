@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import read_json
+from ..common.images import counted, last_number
 from ..session.camera_files import CameraFile, match
 
 JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
@@ -63,20 +63,25 @@ def list_keypoints(path: Path) -> list[CameraFile]:
 def read_frame(path: Path, frame: int) -> np.ndarray:
     """(12, 3) x, y in pixels and confidence of JOINTS; zeros if nobody was found."""
     if path.is_dir():
-        files = sorted(path.glob("*.json"), key=lambda p: (int((re.findall(r"\d+", p.stem) or [0])[-1]), p.name))
-        where = require_frame(files, frame, path)
-        return joints_of(people_of(read_json(where)), where)
+        files = sorted(path.glob("*.json"), key=lambda p: (last_number(p.stem), p.name))
+        where = of_frame(files, counted([file.stem for file in files]), frame, path)
+        return joints_of(people_of(read_json(where)) if where else [], where or path)
     content = read_json(path)
     frames = content.get("instance_info") if isinstance(content, dict) else content
     if not isinstance(frames, list):
         raise ValueError(f"{path}: expected keypoints ({FORMATS}), found something else")
-    return joints_of(people_of(require_frame(frames, frame, path)), path)
+    numbers = [found.get("frame_id") if isinstance(found, dict) else None for found in frames]
+    told = all(isinstance(number, int) for number in numbers) and (np.diff(numbers) > 0).all()
+    return joints_of(people_of(of_frame(frames, np.array(numbers) if told else np.arange(len(frames)), frame, path)), path)
 
 
-def require_frame(frames: Sequence, frame: int, path: Path):
-    if frame >= len(frames):
+def of_frame(frames: Sequence, numbers: np.ndarray, frame: int, path: Path):
+    """Of what has these rising numbers, from the first on; None of a frame that was left out: nobody was found."""
+    numbers = numbers - numbers[0] if len(numbers) else numbers
+    if not len(numbers) or frame > numbers[-1]:
         raise ValueError(f"{path}: expected keypoints of frame {frame}, found those of {len(frames)} frames")
-    return frames[frame]
+    found = np.flatnonzero(numbers == frame)
+    return frames[found[0]] if len(found) else None
 
 
 def people_of(found) -> list:
@@ -98,10 +103,11 @@ def joints_of(people: list, path: Path) -> np.ndarray:
             points = np.array(person, float)
         except (TypeError, ValueError):
             points = np.zeros(0)
-        if points.ndim != 2 or points.shape[1] < 3 or len(points) not in LAYOUTS or not np.isfinite(points).all():
+        if points.ndim != 2 or points.shape[1] < 3 or len(points) not in LAYOUTS:
             counts = ", ".join(map(str, LAYOUTS))
             raise ValueError(f"{path}: expected {counts} keypoints of x, y and confidence, found {points.shape}")
         joints = points[list(LAYOUTS[len(points)])][:, [0, 1, -1]]
+        joints[~np.isfinite(joints).all(axis=1)] = 0  # NaN, null: not found
         if joints[:, 2].sum() > best[:, 2].sum():
             best = joints
     return best

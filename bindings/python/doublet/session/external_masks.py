@@ -9,15 +9,19 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from ..common.video import ImageSeries, VideoFile, read_image, read_video
+from ..common.images import ImageSeries, read_image
+from ..common.video import VideoFile, read_video
 
 NOTHING, TOO_MUCH = 0.0005, 0.6  #: share of the image
 LOOKED_AT = 12  #: images of a series from which its kind is told
 MOST_NUMBERS = 31  #: a series without brighter pixels holds numbers of objects
+BLACK = 16  #: what is darker in all channels is black, and what differs by less is grey
 MOST_GAPS = 2  #: how often somebody may leave the picture and come back
 KINDS = {
     "alpha": "where they are not transparent (cut-outs)",
     "numbers": "where their pixels are not 0 (numbers of objects)",
+    "palette": "where their pixels are not of the palette's first colour",
+    "colours": "where they are not black (colours of objects)",
     "grey": "where they are brighter than half",
 }
 
@@ -36,7 +40,7 @@ class ExternalMasks:
     def masks(self, size: tuple[int, int] | None = None) -> Iterator[np.ndarray]:
         """Every mask: bool (H, W), true = actor; of another `size` (width, height) if that is given."""
         if isinstance(self.source, VideoFile):
-            for frame in self.source.frames(size, grey=True):
+            for frame in self.source.frames(size, grey=True, alpha=self.kind == "alpha"):
                 yield frame > 127
             return
         for file in self.source.files:
@@ -47,19 +51,45 @@ class ExternalMasks:
 def read_masks(path: Path, images: tuple[Path, ...] = ()) -> ExternalMasks:
     """A video, or the images of a series. Raises FileNotFoundError or RuntimeError naming the file."""
     if not images:
-        return ExternalMasks(read_video(path), "grey")
+        video = read_video(path)
+        return ExternalMasks(video, "alpha" if video.alpha is not None and is_used(video) else "grey")
     chosen = np.unique(np.linspace(0, len(images) - 1, LOOKED_AT).round().astype(int))
     return ExternalMasks(ImageSeries(path, images, fps=1), kind_of([read_image(images[i]) for i in chosen]))
 
 
+def is_used(video: VideoFile) -> bool:
+    """Is anything in the alpha channel transparent? Then it is the mask, whatever colours are below it."""
+    frames = video.frames(video.size, alpha=True, grey=True)
+    try:
+        return any((frame < 255).any() for frame, _ in zip(frames, range(LOOKED_AT)))
+    finally:
+        frames.close()
+
+
 def kind_of(images: list[Image.Image]) -> str:
-    """What their pixels mean: a palette has an object's number for each pixel, an alpha channel counts if it is used."""
-    if all(image.mode == "P" for image in images):
-        return "numbers"
-    if all("A" in image.getbands() for image in images) and any(image.getextrema()[-1][0] < 255 for image in images):
+    """What their pixels mean. A palette may have its colours in any order: what is seen counts. An alpha channel, or a
+    transparent colour, counts if it is used."""
+    palette = all(image.mode == "P" for image in images)
+    shown = [seen(image) for image in images]
+    if all("A" in image.getbands() for image in shown) and any(image.getextrema()[-1][0] < 255 for image in shown):
         return "alpha"
-    brightest = max(brightness(image).max() for image in images)
+    if palette and any(is_coloured(image) for image in shown):
+        darkest = min(brightness(image).min() for image in shown)
+        return "colours" if darkest < BLACK else "palette"
+    brightest = max(brightness(image).max() for image in shown)
     return "numbers" if 0 < brightest <= MOST_NUMBERS else "grey"
+
+
+def seen(image: Image.Image) -> Image.Image:
+    """Colours in the place of numbers of them."""
+    if "transparency" in image.info and image.mode in ("P", "RGB", "L"):
+        return image.convert("RGBA" if image.mode != "L" else "LA")
+    return image.convert("RGB") if image.mode == "P" else image
+
+
+def is_coloured(image: Image.Image) -> bool:
+    colours = np.asarray(image.convert("RGB")).reshape(-1, 3).astype(int)
+    return bool(np.ptp(colours, axis=1).max() > BLACK)
 
 
 def brightness(image: Image.Image) -> np.ndarray:
@@ -74,11 +104,16 @@ def brightness(image: Image.Image) -> np.ndarray:
 
 def decoded(image: Image.Image, kind: str) -> np.ndarray:
     """bool (H, W)"""
+    shown = seen(image)
     if kind == "alpha":
-        return np.asarray(image.getchannel("A")) > 127
+        return np.asarray(shown.convert("RGBA").getchannel("A")) > 127
+    if kind == "colours":
+        return brightness(shown) >= BLACK
     if kind == "numbers":
-        return (np.asarray(image) if image.mode == "P" else brightness(image)) > 0
-    return brightness(image) > 127
+        return brightness(shown) > 0
+    if kind == "palette":
+        return np.asarray(image) > 0
+    return brightness(shown) > 127
 
 
 def require_size(found: tuple[int, int], wanted: tuple[int, int], where: str) -> None:

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+
+import numpy as np
 
 from .. import _doublet as d
 from ..common.console import Console
-from ..common.video import ImageSeries, VideoFile, read_video
+from ..common.images import ImageSeries
+from ..common.video import VideoFile, read_video
 from .camera_files import CameraFile, list_files, match
 from .external_masks import KINDS, ExternalMasks, read_masks, require_count, require_size
 from .request import FilmedCamera, Request
@@ -15,7 +19,7 @@ SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
 
 
 def filmed_cameras(request: Request, console: Console, messages: list[str]) -> list[FilmedCamera]:
-    calibrated = chosen_cameras(request)
+    calibrated = chosen_cameras(request, messages)
     names = [c.camera.name for c in calibrated]
     files = match(names, list_files(request.videos), request.cameras)
     masks = match(names, list_files(request.masks), what="mask series") if request.masks else {}
@@ -30,14 +34,16 @@ def filmed_cameras(request: Request, console: Console, messages: list[str]) -> l
             cameras[-1].masks = checked_masks(masks[name], cameras[-1])
         console.progress("reading", (index + 1) / len(names))
     console.finish()
+    count_together([camera for camera in cameras if isinstance(camera.source, ImageSeries)], messages)
     if masks:
         kinds = sorted({camera.masks.kind for camera in cameras})
         messages += [f"masks: the actor is {KINDS[kind]}" for kind in kinds]
     return cameras
 
 
-def chosen_cameras(request: Request) -> list[d.CalibratedCamera]:
-    calibrated = d.read_calibration(request.calibration, request.calibration_options)
+def chosen_cameras(request: Request, messages: list[str]) -> list[d.CalibratedCamera]:
+    said = d.Context(log=messages.append)
+    calibrated = d.read_calibration(request.calibration, request.calibration_options, said)
     names = [c.camera.name for c in calibrated]
     for flag, given in (("--without", request.without), ("--offset", request.offsets)):
         for name in given:
@@ -58,6 +64,22 @@ def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:
             f"{file.path}: expected images of one format, found {', '.join(sorted({i.suffix for i in file.images}))}"
         )
     return ImageSeries(file.path, file.images, fps)
+
+
+def count_together(cameras: list[FilmedCamera], messages: list[str]) -> None:
+    """Series of images whose numbers are those of one clock begin at one number: a camera may have lost its first images."""
+    firsts, lasts = [int(c.source.numbers[0]) for c in cameras], [int(c.source.numbers[-1]) for c in cameras]
+    for camera in cameras:
+        numbers = camera.source.numbers
+        if (missing := int(numbers[-1] - numbers[0]) + 1 - len(numbers)) > 0:
+            after = camera.source.files[int(np.argmax(np.diff(numbers) > 1))].name
+            messages.append(f"{camera.name}: {missing} images are missing by their numbers, the first behind {after}")
+    if len(cameras) < 2 or max(firsts) - min(firsts) > 0.5 * (min(lasts) - max(firsts)):
+        return
+    for camera, first in zip(cameras, firsts):
+        camera.source = replace(camera.source, origin=min(firsts))
+        if first > min(firsts):
+            messages.append(f"{camera.name}: its images begin at number {first}, {first - min(firsts)} behind the first of all")
 
 
 def describe(source: VideoFile | ImageSeries) -> str:

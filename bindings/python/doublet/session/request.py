@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .. import _doublet as d
-from ..common.video import ImageSeries, VideoFile
+from ..common.images import ImageSeries
+from ..common.video import VideoFile
 from .camera_files import CameraFile
 from .external_masks import ExternalMasks
 

@@ -14,13 +14,15 @@ from PIL import Image
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.files import write_json
-from ..common.video import ImageSeries, VideoWriter, read_image, read_video
+from ..common.images import ImageSeries, read_image
+from ..common.video import VideoWriter, read_video
 from .external_masks import require_plausible, require_size
 from .filmed_cameras import SQUEEZED, common_factor
 from .request import FilmedCamera, Request
 from .timing import SAME_RATE
 
 CRF = 14  #: of libx264: what is coded a second time loses next to nothing
+ABSENT = 0.75  #: of a frame, by which the nearest image may be off
 PLATE_FRAMES = 25  #: of a clean plate's video, whose median is taken
 
 
@@ -48,7 +50,8 @@ def write_session(
                 entry["first_frame"] = first
         if camera.masks:
             start = entry.get("first_frame", 0)
-            entry["masks"] = write_masks(folder, camera, np.r_[np.arange(start), chosen], report)
+            absent = absent_frames(camera.source, chosen, fps)
+            entry["masks"] = write_masks(folder, camera, np.r_[np.arange(start), chosen], absent, report)
         if camera.plate:
             entry["background"] = write_plate(folder, camera, messages)
         described.append(entry)
@@ -75,7 +78,7 @@ def is_kept(camera: FilmedCamera, chosen: np.ndarray, fps: float) -> bool:
     if isinstance(camera.source, ImageSeries):
         return True
     same_rate = abs(camera.source.fps - fps) <= SAME_RATE * fps
-    return same_rate and not camera.source.rotation and bool((np.diff(chosen) == 1).all())
+    return same_rate and camera.source.counted and not camera.source.rotation and bool((np.diff(chosen) == 1).all())
 
 
 def first_frame(camera: FilmedCamera, chosen: np.ndarray) -> int:
@@ -83,11 +86,21 @@ def first_frame(camera: FilmedCamera, chosen: np.ndarray) -> int:
     return 0 if isinstance(camera.source, ImageSeries) else int(chosen[0])
 
 
+def absent_frames(source, chosen: np.ndarray, fps: float) -> set[int]:
+    """Frames of the session whose image is missing in a series, where a neighbour would stand. The first and the last stay."""
+    if not isinstance(source, ImageSeries) or len(chosen) < 3:
+        return set()
+    late = source.times[chosen] - np.arange(len(chosen)) / fps
+    return {int(frame) for frame in np.flatnonzero(np.abs(late - np.median(late)) > ABSENT / fps)} - {0, len(chosen) - 1}
+
+
 def write_frames(folder: Path, camera: FilmedCamera, chosen: np.ndarray, fps: float, copy: bool, report) -> str:
     """Returns the name in session.json."""
     if isinstance(camera.source, ImageSeries):
-        suffix = camera.source.files[0].suffix
+        suffix, absent = camera.source.files[0].suffix, absent_frames(camera.source, chosen, fps)
         for frame, number in enumerate(chosen):
+            if frame in absent:
+                continue
             link_or_copy(camera.source.files[number], folder / "videos" / camera.name / f"{frame:04d}{suffix}", copy)
         return f"videos/{camera.name}/%04d{suffix}"
     if is_kept(camera, chosen, fps):
@@ -129,14 +142,15 @@ def link_or_copy(path: Path, target: Path, copy: bool) -> None:
     shutil.copyfile(path, target)
 
 
-def write_masks(folder: Path, camera: FilmedCamera, chosen: np.ndarray, report) -> str:
+def write_masks(folder: Path, camera: FilmedCamera, chosen: np.ndarray, absent: set[int], report) -> str:
     where, shares = str(camera.masks.source.path), []
     target = folder / "masks" / camera.name
     target.mkdir(parents=True)
     for frame, mask in enumerate(chosen_frames(camera.masks.masks(), chosen, report)):
         require_size(mask.shape[::-1], camera.size, where)
         shares.append(mask.mean())
-        Image.fromarray(mask.astype(np.uint8) * 255).save(target / f"{frame:04d}.png")
+        if frame not in absent:
+            Image.fromarray(mask.astype(np.uint8) * 255).save(target / f"{frame:04d}.png")
     require_plausible(np.array(shares), where)
     return f"masks/{camera.name}/%04d.png"
 

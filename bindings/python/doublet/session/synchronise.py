@@ -11,7 +11,8 @@ from itertools import combinations
 
 import numpy as np
 
-from ..common.video import ImageSeries, VideoFile
+from ..common.images import ImageSeries
+from ..common.video import VideoFile
 
 RATE = 8000  #: Hz, to which sound is brought
 ONSET_STEP = 16  #: samples, 2 ms

@@ -13,13 +13,16 @@ struct SourceJoint {
   std::string name;
   int parent = -1;        ///< index, smaller than the joint's own; -1 = root
   Eigen::Vector3d offset; ///< from the parent in the file's zero pose, file units
+  std::string part{};     ///< which of our joints it is, where the file says so (VRM); empty = it does not
 };
 
 /// A clip as the file has it. Lengths stay in the file's unit: retargeting measures legs and needs no unit.
 /// The zero pose (all rotations zero) need not be a human stance: some exporters write bone-local frames.
 struct SourceMotion {
-  std::string source;              ///< file name, for messages
-  std::vector<SourceJoint> joints; ///< parents first; ends of chains are joints named "<parent>_end"
+  std::string source;                  ///< file name, for messages
+  std::vector<SourceJoint> joints;     ///< parents first; ends of chains are joints named "<parent>_end"
+  std::vector<std::string> animations; ///< names of all that the file has, where it can have several (glTF)
+  int animation = 0;                   ///< which of these this is
   double fps = 0;
   std::vector<Vertices> positions;                        ///< T x (J, 3) world, file units
   std::vector<std::vector<Eigen::Quaterniond>> rotations; ///< T x J world, relative to the zero pose
@@ -34,7 +37,8 @@ constexpr double kLowestRate = 0.1, kHighestRate = 1e5; ///< 1/s, of a clip
 void validate(const SourceMotion &motion);
 
 /// Any channel order on any joint. Position channels replace the OFFSET, as Blender and MotionBuilder read them, unless the
-/// clip's own values show that they are added to it (iClone's exporter). Throws Error "source:line: expected ..., found ..." on
+/// clip's own values show that they are added to it (iClone's exporter). A byte order mark and any ends of lines are left aside.
+/// Throws Error "source:line: expected ..., found ..." on
 /// anything malformed or truncated.
 SourceMotion parse_bvh(const std::string &text, const std::string &source);
 
@@ -42,15 +46,19 @@ SourceMotion parse_bvh(const std::string &text, const std::string &source);
 SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const std::string &asf_source,
                            const std::string &amc_source, double fps = 120);
 
-/// The first animation of a .glb, on the joints of its first skin; without a skin, on the nodes that it turns. The zero pose is
-/// how the nodes stand when nothing plays, lengths are metres. Sampled as often as the track with the most keys, within 24 to
-/// 240 1/s. Throws Error naming the file where it is broken, refers to other files, has no animation, or more than 2e7 poses of
-/// nodes; FileNotFound.
-SourceMotion read_gltf_motion(const std::filesystem::path &path);
+/// An animation of a .glb by its name or its number from 1; without either, the first that moves the body: that turns at least
+/// half as many nodes as the one that turns the most. On the joints of its skins that hang together, with the nodes between
+/// them and those below that draw nothing; without a skin, on the nodes that it turns. The zero pose is how the nodes stand when
+/// nothing plays, lengths are metres. Sampled as often as the track with the most keys, within 24 to 240 1/s. Throws Error
+/// naming the file where it is broken, refers to other files, has no such animation, more than 10,000 joints, or more than 2e7
+/// poses of nodes; FileNotFound.
+SourceMotion read_gltf_motion(const std::filesystem::path &path, const std::string &animation = {});
 
 /// By extension, .bvh, .amc or .glb. The skeleton of an .amc: `skeleton` if given, else the .asf beside it with the same stem or
-/// with the longest stem that its own begins with. Throws FileNotFound, or Error naming the file.
-SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {});
+/// with the longest stem that its own begins with. `animation` as above, of a .glb alone. Throws FileNotFound, or Error naming
+/// the file.
+SourceMotion read_motion_file(const std::filesystem::path &path, const std::filesystem::path &skeleton = {},
+                              const std::string &animation = {});
 
 /// A motion of our skeleton as BVH: m, degrees, +Y up; every joint by its name, the rest pose as the zero pose, rotations in the
 /// order Y X Z. The offset of the root is its place in the rest pose. Six decimals: 1e-6 m, 1e-6 degrees. Written beside and

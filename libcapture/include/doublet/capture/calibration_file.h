@@ -1,7 +1,9 @@
 #pragma once
-// Calibrations from the programs that make them (docs/calibration.md): OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, Qualisys.
+// Calibrations from the programs that make them (docs/calibration.md): OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope,
+// anipose, Qualisys, Panoptic Studio, Metashape.
 
 #include "doublet/core/camera.h"
+#include "doublet/core/context.h"
 #include "doublet/options/options.h"
 
 #include <filesystem>
@@ -32,7 +34,8 @@ struct CalibrationOptions {
   std::string units = "found";
   std::string up = "found";
   int image_width = 0, image_height = 0;
-  static constexpr std::array kFormats{"found", "doublet", "opencv", "colmap", "easymocap", "toml", "qualisys"};
+  static constexpr std::array kFormats{"found",    "doublet", "opencv",   "colmap",    "easymocap",     "toml",
+                                       "qualisys", "anipose", "panoptic", "metashape", "opencv_fisheye"};
   static constexpr std::array kUps{"found", "x", "-x", "y", "-y", "z", "-z"};
   static constexpr auto describe() {
     using namespace options;
@@ -54,7 +57,9 @@ struct CalibrationOptions {
 /// calibration.yml can hold: letters, digits, _ and -, beginning with a letter. Throws FileNotFound, or Error naming the file, if
 /// anything is missing, damaged or of a camera model that OpenCV does not have, two cameras have one name, or (but for
 /// calibration.yml, which is taken at its word) the cameras are not 0.3 to 30 m apart or, unless `up` is given, not upright.
-std::vector<CalibratedCamera> read_calibration(const std::filesystem::path &path, const CalibrationOptions &options = {});
+/// Cameras without a pose, and those that do not film, are left out; the context's log says which.
+std::vector<CalibratedCamera> read_calibration(const std::filesystem::path &path, const CalibrationOptions &options = {},
+                                               const Context &context = {});
 
 /// calibration.yml of a session (docs/formats.md), complete or not at all. Throws std::invalid_argument if two cameras have one
 /// name or a name cannot stand in the file, Error naming the file if a camera makes no sense.

@@ -26,11 +26,17 @@ void write_atomically(const Path &path, const std::function<void(const Path &)> 
 /// The same for what goes into a stream; all that it was given is there in the end, or Error says why not (full disk).
 void write_stream(const Path &path, const std::function<void(std::ostream &)> &write);
 void write_text(const Path &path, const std::string &text);
-/// Throws FileNotFound, or Error naming the file.
+/// Throws FileNotFound, or Error naming the file; a device or pipe, which may never end, is none.
 std::string read_text(const Path &path);
+/// Text as it is meant: without the byte order mark of UTF-8, every line ended by one \n. Throws Error naming `source` for
+/// UTF-16.
+std::string plain_text(std::string text, const std::string &source);
 /// The text of a file that is to hold JSON. Throws Error if it is nested deeper than any of ours: parsers recurse.
 std::string read_json_text(const Path &path);
 void require_shallow_json(std::string_view text, const std::string &source);
+enum class Markup { Brackets, Toml, Xml }; ///< what nests: [ and { (YAML, JSON), these and dotted keys, elements
+/// The same for the files of others, before a parser sees them. Quotes do not count: what is one is the parser's to say.
+void require_shallow(std::string_view text, Markup markup, const std::string &source);
 
 void write_actor(const Path &path, const RiggedMesh &actor); // actor.npz
 RiggedMesh read_actor(const Path &path);

@@ -24,6 +24,8 @@ def register(commands) -> None:
     command.add_argument("--write-bone-map", type=Path, metavar="FILE", help=text)
     text = "which joint of the motion plays which of ours, from a TOML file; --retarget-joint-names beats it"
     command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
+    text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
+    command.add_argument("--animation", default="", metavar="NAME", help=text)
     common_flags(command)
     add_option_flags(command, ANIMATE_GROUPS)
     command.usage = (
@@ -36,13 +38,15 @@ def register(commands) -> None:
 def run(arguments) -> None:
     options = chosen_options(arguments, ANIMATE_GROUPS)
     if arguments.write_bone_map:
-        bone_map.write(arguments.write_bone_map, read_clip(arguments.motion), options["retarget"].joint_names)
+        bone_map.write(
+            arguments.write_bone_map, read_clip(arguments.motion, arguments.animation), options["retarget"].joint_names
+        )
         print(arguments.write_bone_map)
         return
     if not arguments.out:
         arguments.usage_error("the following arguments are required: -o/--out")
     console = make_console(arguments)
-    output = Output(options["animate"], options["glb"], arguments.bone_map)
+    output = Output(options["animate"], options["glb"], arguments.bone_map, arguments.animation)
     frames = animate(arguments.character, arguments.motion, arguments.out, console, options["retarget"], output)
     console.finish()
     print(f"{arguments.out}: {frames} frames")

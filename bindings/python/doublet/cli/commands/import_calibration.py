@@ -27,7 +27,7 @@ def calibration_options(arguments: argparse.Namespace) -> d.CalibrationOptions:
 
 
 def register(commands) -> None:
-    text = "cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope or Qualisys -> calibration.yml"
+    text = "cameras of another program (docs/calibration.md has the list) -> calibration.yml"
     command = commands.add_parser("import-calibration", help=text, description=text)
     flag = command.add_argument
     flag("input", type=Path, metavar="INPUT", help="file, or the folder that the program writes")
@@ -53,7 +53,7 @@ def calibration_flags(parser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    cameras = d.read_calibration(arguments.input, calibration_options(arguments))
+    cameras = d.read_calibration(arguments.input, calibration_options(arguments), d.Context(log=print))
     d.write_calibration(arguments.out, cameras)
     print(*map(camera_line, cameras), sep="\n")
     print(f"{arguments.out}: {len(cameras)} cameras{distances(cameras)}")

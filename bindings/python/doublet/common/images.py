@@ -1,0 +1,84 @@
+"""Images, and series of them, which are read as a video is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageOps
+
+MOST_NUMBER = 10**12  #: of an image; what is larger is a time
+
+
+@dataclass(frozen=True)
+class ImageSeries:
+    """Numbered images, read as a video."""
+
+    path: Path  # the folder
+    files: tuple[Path, ...]
+    fps: float
+    origin: int | None = None  # number of the image at 0 s; None = the first one's
+    rotation = 0
+    sound_start = None
+    alpha = None
+
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """(N) of the images, those that are missing left out; 0 to N - 1 if their names do not count."""
+        return counted([file.stem for file in self.files])
+
+    @property
+    def times(self) -> np.ndarray:
+        first = self.numbers[0] if self.origin is None else self.origin
+        return (self.numbers - first) / self.fps
+
+    @cached_property
+    def size(self) -> tuple[int, int]:
+        return read_image(self.files[0]).size
+
+    @property
+    def stored_size(self) -> tuple[int, int]:
+        return self.size
+
+    def frames(self, size: tuple[int, int] | None = None, grey: bool = False, upright: bool = True) -> Iterator[np.ndarray]:
+        """As those of a video."""
+        for file in self.files:
+            image = read_image(file)
+            image = image.convert("L" if grey else "RGB")
+            image = image.resize(size, Image.BOX) if size else image
+            yield np.asarray(image) if grey else np.asarray(image)[..., ::-1]
+
+
+def last_number(stem: str) -> int:
+    """By which images of a series are ordered; -1 = none."""
+    digits = re.search(r"(\d+)\D*$", stem)
+    return int(digits[1]) if digits else -1
+
+
+def counted(stems: Sequence[str]) -> np.ndarray:
+    """(N) the numbers in names, in steps of the usual one (every image, every second): where one is missing, they leave it out.
+    0 to N - 1 if they are no such numbers (times of a clock, numbers of cameras)."""
+    found = [last_number(stem) for stem in stems]
+    steps = np.diff(np.array(found, dtype=object))
+    usual = sorted(steps)[len(steps) // 2] if len(steps) else 1
+    regular = min(found) >= 0 and usual >= 1 and all(step >= 1 and step % usual == 0 for step in steps)
+    if not regular or max(found) > MOST_NUMBER or max(steps, default=1) > usual * len(found):
+        return np.arange(len(stems))
+    first = found[0] // usual
+    return np.array([first + (number - found[0]) // usual for number in found], dtype=np.int64)
+
+
+def read_image(path: Path) -> Image.Image:
+    """Decoded, and turned as its EXIF data say. Raises RuntimeError naming the file if that is not possible."""
+    try:
+        with Image.open(path) as image:
+            image.load()
+            return ImageOps.exif_transpose(image)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise RuntimeError(f"{path}: expected an image, found a file that cannot be decoded ({error})") from error

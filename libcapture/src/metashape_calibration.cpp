@@ -1,0 +1,138 @@
+// Cameras that Metashape exports as "Agisoft XML": sensors with a lens, cameras with a place in the chunk, and the chunk's own in
+// the world. Names and meanings: Metashape's manual, appendix on camera models.
+
+#include "calibration_formats.h"
+#include "doublet/core/error.h"
+#include "doublet/files/files.h"
+
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <pugixml.hpp>
+#include <sstream>
+
+namespace doublet::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The numbers of an element's text; empty if anything in it is none.
+std::vector<double> xml_numbers(const pugi::xml_node &node) {
+  std::istringstream text(node.child_value());
+  text.imbue(std::locale::classic());
+  std::vector<double> result;
+  for (double value; text >> value;)
+    result.push_back(value);
+  return text.eof() ? result : std::vector<double>();
+}
+
+double xml_number(const pugi::xml_node &parent, const char *name, double otherwise, const std::string &where) {
+  const pugi::xml_node node = parent.child(name);
+  if (!node)
+    return otherwise;
+  const std::vector<double> found = xml_numbers(node);
+  if (found.size() != 1)
+    throw Error(where + ": expected a number in <" + name + ">, found '" + std::string(node.child_value()).substr(0, 40) + "'");
+  return found[0];
+}
+
+CalibratedCamera read_sensor(const pugi::xml_node &sensor, const std::string &where) {
+  const pugi::xml_node adjusted = sensor.find_child_by_attribute("calibration", "class", "adjusted");
+  const pugi::xml_node node = adjusted ? adjusted : sensor.child("calibration");
+  const std::string type = node.attribute("type").value();
+  if (type != "frame" && type != "fisheye")
+    throw Error(where + ": expected a <calibration> of the type frame or fisheye, found '" + type + "'");
+  const pugi::xml_node resolution = node.child("resolution") ? node.child("resolution") : sensor.child("resolution");
+  CalibratedCamera result;
+  set_size(result, size_from({resolution.attribute("width").as_double(), resolution.attribute("height").as_double()}));
+  const auto get = [&](const char *name) { return xml_number(node, name, 0, where); };
+  const double f = get("f");
+  if (result.camera.width == 0 || !(f > 0))
+    throw Error(where + ": expected a <resolution> and a focal length <f>, found none");
+  // The principal point is that from the image's centre; pixels have their corner, not their centre, at integers.
+  const double cx = 0.5 * result.camera.width + get("cx") - 0.5, cy = 0.5 * result.camera.height + get("cy") - 0.5;
+  result.camera.K << f + get("b1"), get("b2"), cx, 0, f, cy, 0, 0, 1;
+  const bool fisheye = type == "fisheye";
+  if (get("p3") != 0 || get("p4") != 0 || (fisheye ? get("p1") != 0 || get("p2") != 0 : get("k4") != 0))
+    throw Error(where + ": expected a lens of " + (fisheye ? "k1 to k4" : "k1, k2, k3, p1 and p2") +
+                ", found one of more terms; calibrate with these alone");
+  // Its p1 belongs to r^2 + 2 x^2, which is OpenCV's second.
+  set_distortion(result,
+                 fisheye ? std::vector<double>{get("k1"), get("k2"), get("k3"), get("k4")}
+                         : std::vector<double>{get("k1"), get("k2"), get("p2"), get("p1"), get("k3")},
+                 fisheye, where);
+  return result;
+}
+
+/// The chunk in the world; scale 1 at the origin if it was not brought to one.
+struct ChunkPlace {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+  double scale = 1;
+};
+
+ChunkPlace read_place(const pugi::xml_node &chunk, const std::string &where) {
+  ChunkPlace place;
+  const pugi::xml_node node = chunk.child("transform");
+  if (!node)
+    return place;
+  const std::vector<double> R = xml_numbers(node.child("rotation")), t = xml_numbers(node.child("translation"));
+  place.scale = xml_number(node, "scale", 1, where);
+  if ((node.child("rotation") && R.size() != 9) || (node.child("translation") && t.size() != 3) || !(place.scale > 0))
+    throw Error(where + ": expected the chunk's <transform> to be a rotation of 9 numbers, a translation of 3 and a scale, found "
+                        "something else");
+  if (R.size() == 9)
+    place.R = matrix_from(R);
+  if (t.size() == 3)
+    place.t = Eigen::Vector3d(t.data());
+  if (place.t.norm() > 1e5)
+    throw Error(where + ": expected cameras in local coordinates, found them on the globe (the chunk is " +
+                std::to_string(static_cast<long>(place.t.norm() / 1000)) + " km from the origin)");
+  return place;
+}
+
+void set_pose(CalibratedCamera &camera, const std::vector<double> &m, const ChunkPlace &chunk) {
+  Eigen::Matrix3d R;
+  R << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+  const Eigen::Vector3d centre = chunk.scale * (chunk.R * Eigen::Vector3d(m[3], m[7], m[11])) + chunk.t;
+  camera.camera.R = (chunk.R * R).transpose();
+  camera.camera.t = -camera.camera.R * centre;
+}
+
+} // namespace
+
+std::vector<CalibratedCamera> read_metashape_calibration(const fs::path &path, std::vector<std::string> &left_out) {
+  const std::string text = read_text(path), source = path.string();
+  require_shallow(text, Markup::Xml, source);
+  pugi::xml_document document;
+  if (const pugi::xml_parse_result parsed = document.load_buffer(text.data(), text.size()); !parsed)
+    throw Error(source + ": expected XML, found a syntax error at byte " + std::to_string(parsed.offset) + " (" +
+                parsed.description() + ")");
+  const pugi::xml_node chunk = document.child("document").child("chunk");
+  const ChunkPlace place = read_place(chunk, source);
+  std::map<std::string, CalibratedCamera> sensors;
+  for (const pugi::xml_node &sensor : chunk.child("sensors").children("sensor"))
+    if (sensor.child("calibration"))
+      sensors.emplace(sensor.attribute("id").value(),
+                      read_sensor(sensor, source + ": sensor '" + sensor.attribute("id").value() + "'"));
+  std::vector<CalibratedCamera> cameras;
+  for (const pugi::xml_node &node : chunk.child("cameras").children("camera")) {
+    const std::string name = node.attribute("label").value(), where = source + ": camera '" + name + "'";
+    const std::vector<double> pose = xml_numbers(node.child("transform"));
+    if (!node.child("transform")) {
+      left_out.push_back("camera '" + name + "' has no place (it was not aligned)");
+      continue;
+    }
+    const auto sensor = sensors.find(node.attribute("sensor_id").value());
+    if (sensor == sensors.end() || pose.size() != 16)
+      throw Error(where + ": expected a <transform> of 16 numbers and a sensor with a <calibration>, found something else");
+    cameras.push_back(sensor->second);
+    cameras.back().camera.name = fs::path(name).stem().string();
+    set_pose(cameras.back(), pose, place);
+  }
+  if (cameras.empty())
+    throw Error(source + ": expected <document><chunk><cameras> with a <camera> that was aligned, found none");
+  return cameras;
+}
+
+} // namespace doublet::detail

@@ -1,0 +1,360 @@
+"""Videos, series of images and masks as people have them: what a container says wrongly, frames that were dropped, files that
+were trimmed without coding them anew, alpha channels, palettes in any order, key points that are not there. Every picture shows
+its number by where a bar stands."""
+
+import json
+import runpy
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet.common.images import counted
+from doublet.common.video import read_video
+from doublet.scan.keypoints import joints_of, read_frame
+from doublet.session.external_masks import read_masks
+from doublet.session.new_session import Request, new_session
+from PIL import Image
+
+ROOT = Path(__file__).parents[2]
+WIDTH, HEIGHT, CAMERAS = 160, 120, 2
+
+
+def picture(number: int) -> np.ndarray:
+    """RGB: a red bar whose left edge says the number."""
+    image = np.full((HEIGHT, WIDTH, 3), (40, 170, 60), np.uint8)
+    image[::7] = (30, 150, 50)
+    image[20:100, 10 + 2 * number : 22 + 2 * number] = (220, 40, 50)
+    return image
+
+
+def number_in(image: np.ndarray) -> int | None:
+    """Of an image of the library, B G R."""
+    if image.size == 0:
+        return None
+    bar = np.argwhere(image[..., 2].astype(int) > image[..., 1])
+    return round((bar[:, 1].mean() - 15.5) / 2)
+
+
+def rig() -> list:
+    cameras = [d.orbit_camera(np.array([0, 1.0, 0]), 1.25, c, 0.1, WIDTH, HEIGHT) for c in range(CAMERAS)]
+    for c, camera in enumerate(cameras):
+        camera.name = f"cam{c}"
+    return cameras
+
+
+def ffmpeg(*arguments, data=b"") -> None:
+    subprocess.run(["ffmpeg", "-loglevel", "error", "-y", *map(str, arguments)], check=True, input=data)
+
+
+def film(path: Path, numbers, *codec, rate=25) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-r", rate, "-i", "-"]
+    ffmpeg(*raw, *(codec or ("-c:v", "libx264", "-bf", 2, "-g", 10)), path, data=b"".join(picture(n).tobytes() for n in numbers))
+
+
+def session_of(folder: Path, messages=None, **more):
+    d.write_calibration(folder / "calibration.yml", rig())
+    request = Request([folder / "films"], folder / "calibration.yml", folder / "new", sync="none", **more)
+    made = new_session(request)
+    if messages is not None:
+        messages += made.messages
+    return d.FrameSource.open(d.Session(folder / "new"))
+
+
+def shown(frames) -> list[list]:
+    return [[number_in(np.asarray(frames.image(c, t))) for t in range(frames.frame_count)] for c in range(CAMERAS)]
+
+
+# --- containers
+
+
+def mjpeg_avi(path: Path, numbers, dropped=(), stated=None) -> None:
+    """As a recorder writes it: a chunk without bytes for a frame that it dropped, a number of frames that it meant to film."""
+    film(path, numbers, "-c:v", "mjpeg", "-q:v", 2, "-pix_fmt", "yuvj444p")
+    data = bytearray(path.read_bytes())
+    movi, index = data.index(b"movi") - 8, data.rindex(b"idx1")
+    chunks, at = [], movi + 12
+    while data[at : at + 4] == b"00dc":
+        length = struct.unpack_from("<I", data, at + 4)[0]
+        chunks.append(bytes(data[at + 8 : at + 8 + length]))
+        at += 8 + length + length % 2
+    body, entries = b"movi", b""
+    for k, chunk in enumerate(chunks):
+        chunk = b"" if k in dropped else chunk
+        entries += struct.pack("<4sIII", b"00dc", 16, len(body), len(chunk))
+        body += struct.pack("<4sI", b"00dc", len(chunk)) + chunk + b"\0" * (len(chunk) % 2)
+    assert index > movi
+    out = bytes(data[:movi]) + struct.pack("<4sI", b"LIST", len(body)) + body
+    out = bytearray(out + struct.pack("<4sI", b"idx1", len(entries)) + entries)
+    struct.pack_into("<I", out, 4, len(out) - 8)
+    if stated:
+        struct.pack_into("<I", out, out.index(b"avih") + 8 + 16, stated)
+        struct.pack_into("<I", out, out.index(b"strh") + 8 + 32, stated)
+    path.write_bytes(out)
+
+
+def test_an_avi_that_says_more_frames_than_it_has(tmp_path):
+    mjpeg_avi(tmp_path / "films/cam0.avi", range(20), stated=23)
+    mjpeg_avi(tmp_path / "films/cam1.avi", range(20))
+    assert shown(session_of(tmp_path)) == [list(range(20))] * 2
+
+
+def test_an_avi_that_was_cut_off_is_refused(tmp_path):
+    mjpeg_avi(tmp_path / "films/cam0.avi", range(20))
+    mjpeg_avi(tmp_path / "films/cam1.avi", range(20))
+    path = tmp_path / "films/cam0.avi"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(RuntimeError, match=r"cam0\.avi: expected 20 frames as the file says, found \d+; it is truncated"):
+        session_of(tmp_path)
+
+
+def test_dropped_frames_shift_nothing_that_follows(tmp_path):
+    mjpeg_avi(tmp_path / "films/cam0.avi", range(20), dropped=(6, 13))
+    mjpeg_avi(tmp_path / "films/cam1.avi", range(20))
+    messages = []
+    frames = session_of(tmp_path, messages)
+    cam0, cam1 = shown(frames)
+    assert frames.frame_count == 20 and cam1 == list(range(20))
+    assert [n for k, n in enumerate(cam0) if k not in (6, 13)] == [k for k in range(20) if k not in (6, 13)]
+    assert cam0[6] in (5, 7) and cam0[13] in (12, 14)
+    assert "cam0: 2 frames are shown twice, it has fewer" in messages
+
+
+def test_an_uneven_clock_with_a_pause_keeps_its_rate(tmp_path):
+    film(tmp_path / "films/cam1.mp4", range(25))
+    film(tmp_path / "all.mp4", range(25))
+    keep = "select='not(eq(n,8)+eq(n,9))',setpts='PTS+0.2*sin(N)/25/TB*0.5'"
+    ffmpeg("-i", tmp_path / "all.mp4", "-vf", keep, "-vsync", "vfr", "-enc_time_base", "1/10000", "-video_track_timescale", 10000,
+           tmp_path / "films/cam0.mp4")  # fmt: skip
+    assert read_video(tmp_path / "films/cam0.mp4").fps == pytest.approx(25, rel=0.01)
+    cam0, cam1 = shown(session_of(tmp_path))
+    assert cam1 == list(range(25))
+    assert [n for k, n in enumerate(cam0) if k not in (8, 9)] == [k for k in range(25) if k not in (8, 9)]
+
+
+@pytest.mark.parametrize("form", ["mp4", "mov", "mkv", "ts.mts", "avi"])
+def test_what_was_trimmed_without_coding_it_anew(tmp_path, form):
+    """Cut between key frames: every picture that can be decoded is counted once, in its order. (AVI has no times: the last
+    ones, some of which are cut off, are guessed there.)"""
+    film(tmp_path / "whole.mp4", range(40))
+    for c in range(CAMERAS):
+        target = tmp_path / f"films/cam{c}.{form.split('.')[-1]}"
+        target.parent.mkdir(exist_ok=True)
+        kind = ["-f", "mpegts"] if form == "ts.mts" else []
+        ffmpeg("-ss", 0.52, "-i", tmp_path / "whole.mp4", "-t", 0.8, "-c", "copy", *kind, target)
+    video = read_video(tmp_path / f"films/cam0.{form.split('.')[-1]}")
+    decoded = [number_in(frame) for frame in video.frames()]
+    sure = len(decoded) if form != "avi" else 22
+    expected = decoded[0] + np.round(25 * video.times).astype(int)
+    assert len(decoded) == len(video.times) >= 18 and decoded[:sure] == expected.tolist()[:sure]
+    for numbers in shown(session_of(tmp_path)):
+        for t, number in enumerate(numbers[:sure]):
+            assert number == decoded[0] + t or (decoded[0] + t not in decoded and abs(number - decoded[0] - t) == 1)
+
+
+def test_a_stream_that_begins_between_key_frames(tmp_path):
+    """A transport stream from a broken-off recorder: what cannot be decoded is no frame."""
+    for c in range(CAMERAS):
+        film(tmp_path / f"films/cam{c}.mts", range(40), "-c:v", "libx264", "-g", 12, "-bf", 2, "-f", "mpegts")
+        path = tmp_path / f"films/cam{c}.mts"
+        data = path.read_bytes()
+        path.write_bytes(data[:564] + data[len(data) // 3 // 188 * 188 :])
+    video = read_video(tmp_path / "films/cam0.mts")
+    assert len(list(video.frames())) == len(video.times)
+    cam0, cam1 = shown(session_of(tmp_path))
+    assert cam0 == cam1 and len(cam0) > 10
+
+
+# --- series of images
+
+
+def save_series(folder: Path, numbers, form="{:06d}.png", first=101) -> None:
+    folder.mkdir(parents=True)
+    for n in numbers:
+        Image.fromarray(picture(n)).save(folder / form.format(first + n))
+
+
+@pytest.mark.parametrize("form", ["{:06d}.png", "frame_{}.png", "take2_img{:04d}_left.png"])
+def test_a_series_with_a_gap_stays_in_step(tmp_path, form):
+    save_series(tmp_path / "films/cam0", range(20), form)
+    save_series(tmp_path / "films/cam1", [k for k in range(20) if k not in (7, 12, 13)], form)
+    messages = []
+    cam0, cam1 = shown(session_of(tmp_path, messages, fps=25))
+    assert cam0 == list(range(20))
+    assert cam1 == [None if k in (7, 12, 13) else k for k in range(20)]
+    assert any(m.startswith("cam1: 3 images are missing by their numbers, the first behind ") for m in messages)
+
+
+def test_a_series_that_lost_its_first_images_stays_in_step(tmp_path):
+    save_series(tmp_path / "films/cam0", range(20))
+    save_series(tmp_path / "films/cam1", range(3, 20))
+    cam0, cam1 = shown(session_of(tmp_path, fps=25))
+    assert cam0 == cam1 == list(range(3, 20))
+
+
+def test_every_camera_may_count_for_itself(tmp_path):
+    save_series(tmp_path / "films/cam0", range(20), first=0)
+    save_series(tmp_path / "films/cam1", range(20), first=7000)
+    assert shown(session_of(tmp_path, fps=25)) == [list(range(20))] * 2
+
+
+def test_numbers_that_do_not_count_images():
+    assert list(counted(["a_0", "a_2", "a_4", "a_8"])) == [0, 1, 2, 4]  # every second one, and one is missing
+    assert list(counted(["1634200000041", "1634200000083", "1634200000124"])) == [0, 1, 2]  # times
+    assert list(counted(["1_left", "1_right"])) == [0, 1]
+    assert list(counted(["a", "b", "c"])) == [0, 1, 2]
+    assert list(counted(["7"])) == [7]
+
+
+def test_masks_of_a_series_with_a_gap_are_those_of_its_images(tmp_path):
+    for c, numbers in enumerate([range(20), [k for k in range(20) if k != 7]]):
+        save_series(tmp_path / f"films/cam{c}", numbers)
+        (tmp_path / f"masks/cam{c}").mkdir(parents=True)
+        for n in numbers:
+            mask = (picture(n)[..., 0] > 100).astype(np.uint8)
+            Image.fromarray(255 * mask).save(tmp_path / f"masks/cam{c}/{101 + n:06d}.png")
+    frames = session_of(tmp_path, fps=25, masks=[tmp_path / "masks"])
+    for t in (6, 8, 15):
+        mask = np.asarray(frames.mask(1, t))
+        assert (mask > 0).tolist() == (picture(t)[..., 0] > 100).tolist()
+    assert np.asarray(frames.mask(1, 7)).size == 0
+
+
+# --- masks
+
+
+ACTOR = np.zeros((HEIGHT, WIDTH), bool)
+ACTOR[20:100, 40:70] = True
+
+
+def cut_outs(count=6) -> bytes:
+    """RGBA: dark clothes before nothing."""
+    frames = b""
+    for k in range(count):
+        rgba = np.zeros((HEIGHT, WIDTH, 4), np.uint8)
+        rgba[..., :3] = 30
+        rgba[..., 3] = 255 * np.roll(ACTOR, k, axis=1)
+        frames += rgba.tobytes()
+    return frames
+
+
+@pytest.mark.parametrize(
+    ("name", "codec"),
+    [
+        ("a.mov", ("-c:v", "png")),
+        ("a.mov", ("-c:v", "qtrle")),
+        ("a.mov", ("-c:v", "prores_ks", "-profile:v", "4444", "-pix_fmt", "yuva444p10le")),
+        ("a.webm", ("-c:v", "libvpx-vp9", "-pix_fmt", "yuva420p", "-auto-alt-ref", "0")),
+        ("a.webm", ("-c:v", "libvpx", "-pix_fmt", "yuva420p", "-auto-alt-ref", "0")),
+        ("a.mkv", ("-c:v", "ffv1", "-pix_fmt", "yuva444p")),
+        ("a.avi", ("-c:v", "rawvideo", "-pix_fmt", "bgra")),
+    ],
+    ids=["png", "qtrle", "prores", "vp9", "vp8", "ffv1", "raw"],
+)
+def test_the_alpha_channel_of_a_video_is_the_mask(tmp_path, name, codec):
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{WIDTH}x{HEIGHT}", "-r", 25, "-i", "-"]
+    ffmpeg(*raw, *codec, tmp_path / name, data=cut_outs())
+    masks = read_masks(tmp_path / name)
+    found = list(masks.masks())
+    assert masks.kind == "alpha" and len(found) == 6
+    for k, mask in enumerate(found):
+        actor = np.roll(ACTOR, k, axis=1)
+        assert (mask & actor).sum() / (mask | actor).sum() > 0.97
+    assert next(masks.masks((WIDTH // 2, HEIGHT // 2))).shape == (HEIGHT // 2, WIDTH // 2)
+
+
+def test_an_alpha_channel_that_is_not_used_is_no_mask(tmp_path):
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{WIDTH}x{HEIGHT}", "-r", 25, "-i", "-"]
+    grey = np.repeat(255 * ACTOR.astype(np.uint8)[..., None], 4, axis=2)
+    grey[..., 3] = 255
+    ffmpeg(*raw, "-c:v", "png", tmp_path / "a.mov", data=grey.tobytes() * 3)
+    masks = read_masks(tmp_path / "a.mov")
+    assert masks.kind == "grey" and all((mask == ACTOR).all() for mask in masks.masks())
+
+
+#: Palettes: colour of the background, of the actor, and what else.
+PALETTES = {
+    "white actor first": ([255, 255, 255, 0, 0, 0], 1, 0),
+    "black last": ([9, 200, 9, 200, 0, 0, 0, 0, 0], 2, 1),
+    "numbers": ([0, 0, 0, 128, 0, 0, 0, 128, 0], 0, 2),
+    "greys that count": ([0, 0, 0, 1, 1, 1, 2, 2, 2], 0, 2),
+    "nearly white and black": ([254, 254, 255, 200, 200, 200, 1, 0, 0], 2, 0),
+    "no black": ([60, 60, 200, 200, 60, 60], 0, 1),
+}
+
+
+@pytest.mark.parametrize("name", PALETTES)
+def test_a_palette_may_have_any_order(tmp_path, name):
+    colours, background, actor = PALETTES[name]
+    image = Image.fromarray(np.where(ACTOR, actor, background).astype(np.uint8), "P")
+    image.putpalette(colours)
+    image.save(tmp_path / "0.png")
+    (mask,) = read_masks(tmp_path, (tmp_path / "0.png",)).masks()
+    np.testing.assert_array_equal(mask, ACTOR)
+
+
+def test_a_transparent_colour_of_a_palette_is_background(tmp_path):
+    image = Image.fromarray(np.where(ACTOR, 0, 1).astype(np.uint8), "P")
+    image.putpalette([20, 20, 20, 255, 0, 255])
+    image.save(tmp_path / "0.png", transparency=1)
+    (mask,) = read_masks(tmp_path, (tmp_path / "0.png",)).masks()
+    np.testing.assert_array_equal(mask, ACTOR)
+
+
+def test_an_image_of_a_thousand_million_pixels_is_refused_unread(tmp_path):
+    Image.new("1", (32000, 32000)).save(tmp_path / "0.png")
+    with pytest.raises(RuntimeError, match="expected an image, found a file that cannot be decoded"):
+        read_masks(tmp_path, (tmp_path / "0.png",))
+
+
+# --- key points
+
+
+@pytest.mark.parametrize("nothing", [np.nan, np.inf, None])
+def test_key_points_that_are_not_there_have_no_confidence(nothing):
+    person = [[10.0 * k, 5.0, 0.9] for k in range(17)]
+    person[7] = [nothing, nothing, nothing]
+    person[9] = [3.0, 4.0, nothing]
+    found = joints_of([[[nothing] * 3] * 17, json.loads(json.dumps(person))], Path("a.json"))
+    assert (found[[2, 4]] == 0).all()  # l_elbow, l_wrist
+    np.testing.assert_array_equal(found[0], [50, 5, 0.9])
+
+
+@pytest.mark.parametrize("form", ["folder", "instance_info"])
+def test_frames_without_key_points_are_left_out(tmp_path, form):
+    """Programs write nothing where they see nobody: what follows stays in step."""
+    frames = {k: {"instances": [{"keypoints": [[k, 1.0]] * 17, "keypoint_scores": [0.9] * 17}]} for k in (0, 1, 4, 5)}
+    path = tmp_path / "cam0"
+    if form == "folder":
+        path.mkdir()
+        for k, content in frames.items():
+            (path / f"take_{k + 12:09d}_keypoints.json").write_text(json.dumps(content))
+    else:
+        path = tmp_path / "cam0.json"
+        path.write_text(json.dumps({"instance_info": [{"frame_id": k + 1, **content} for k, content in frames.items()]}))
+    assert read_frame(path, 4)[0].tolist() == [4, 1, 0.9] and read_frame(path, 1)[0].tolist() == [1, 1, 0.9]
+    assert not read_frame(path, 2).any()
+    with pytest.raises(ValueError, match="expected keypoints of frame 6, found those of 4 frames"):
+        read_frame(path, 6)
+
+
+# --- examples
+
+
+def test_a_mediapipe_without_its_networks_is_named(tmp_path, monkeypatch, capsys):
+    (tmp_path / "mediapipe.py").write_text("__version__ = '0.10.35'\n")
+    (tmp_path / "cv2.py").write_text("")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(sys, "argv", ["mediapipe_masks.py", "x.mp4", "-o", str(tmp_path / "m")])
+    for name in ("mediapipe", "cv2"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    with pytest.raises(SystemExit):
+        runpy.run_path(str(ROOT / "examples" / "mediapipe_masks.py"), run_name="__main__")
+    said = capsys.readouterr().err
+    assert "expected MediaPipe 0.10.21, the last with its networks inside, found 0.10.35; it needs Python 3.9 to 3.12" in said
+    for name in ("mediapipe", "cv2"):
+        sys.modules.pop(name, None)
