@@ -128,10 +128,11 @@ public:
     require_bounded(jpeg_.image_width, jpeg_.image_height);
     const int channels = jpeg_.num_components == 4 ? 4 : 3;
     cv::Mat image(static_cast<int>(jpeg_.image_height), static_cast<int>(jpeg_.image_width), CV_8UC(channels));
+    const int orientation = orientation_of(jpeg_); // the markers go with the last row
     require(read_rows(jpeg_, complaints_, image.data, image.step));
     if (complaints_.ends_early)
       throw Error("it is damaged, or ends too early");
-    return turned(channels == 4 ? bgr_of_cmyk(image) : image, orientation_of(jpeg_));
+    return turned(channels == 4 ? bgr_of_cmyk(image) : image, orientation);
   }
 
 private:
