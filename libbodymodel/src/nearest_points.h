@@ -6,7 +6,7 @@
 
 namespace doublet {
 
-/// Exact nearest neighbour among points (FLANN's kd-tree behind it). Immutable; safe from many threads.
+/// Exact nearest neighbour among points (nanoflann's kd-tree behind it). Immutable; safe from many threads.
 class NearestPoints {
 public:
   explicit NearestPoints(const Vertices &points); ///< (N, 3), N >= 1

@@ -1,15 +1,13 @@
 #include "frame_reader.h"
 
 #include "doublet/core/error.h"
+#include "image_file.h"
 #include "lens_map.h"
+#include "video_reader.h"
 
-#include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
 #include <optional>
 #include <regex>
 
@@ -18,10 +16,7 @@ namespace fs = std::filesystem;
 
 void quiet_opencv() {
   static std::once_flag once;
-  std::call_once(once, [] {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0); // AV_LOG_QUIET; read by OpenCV when it opens its first video
-  });
+  std::call_once(once, [] { cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT); });
 }
 
 namespace {
@@ -68,10 +63,7 @@ public:
     const std::string name = file(frame);
     if (!fs::exists(name))
       return image_; // the camera dropped out
-    image_ = cv::imread(name, cv::IMREAD_COLOR);
-    if (image_.empty())
-      throw Error(name + ": expected an image, found a file that OpenCV cannot decode");
-    return image_;
+    return image_ = read_image(name);
   }
 
 private:
@@ -79,65 +71,6 @@ private:
   int first_;
   int current_ = -1;
   cv::Mat image_;
-};
-
-class Video : public FrameReader {
-public:
-  explicit Video(const fs::path &path) : path_(path) {
-    if (!fs::exists(path))
-      throw FileNotFound(path.string() + ": the video does not exist");
-    rewind();
-  }
-
-  /// What the container says; may be wrong.
-  int stated_frames() const { return static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_COUNT)); }
-
-  double stated_fps() const {
-    const double fps = capture_.get(cv::CAP_PROP_FPS);
-    return fps > 0 && std::isfinite(fps) ? fps : 0;
-  }
-
-  const cv::Mat &read(int frame) override {
-    if (frame == next_ - 1)
-      return image_;
-    if (frame < next_ || frame > next_ + kSkim)
-      seek(frame);
-    for (; next_ < frame; ++next_)
-      if (!capture_.grab())
-        fail(next_);
-    if (!capture_.read(image_) || image_.empty())
-      fail(frame);
-    ++next_;
-    return image_;
-  }
-
-private:
-  static constexpr int kSkim = 32; // frames; up to here decoding on is not slower than jumping to a key frame
-
-  void rewind() {
-    if (!capture_.open(path_.string(), cv::CAP_FFMPEG))
-      throw Error(path_.string() +
-                  ": expected a complete video file, found one that cannot be opened (truncated, or not a video)");
-    next_ = 0;
-  }
-
-  void seek(int frame) {
-    capture_.set(cv::CAP_PROP_POS_FRAMES, frame);
-    next_ = static_cast<int>(capture_.get(cv::CAP_PROP_POS_FRAMES));
-    if (next_ > frame || next_ < 0)
-      rewind(); // this container's time stamps do not allow a jump: decode from the start
-  }
-
-  [[noreturn]] void fail(int frame) {
-    next_ = std::numeric_limits<int>::min() + 1; // forces a fresh seek should the caller go on
-    throw Error(path_.string() + ": frame " + std::to_string(frame) + " cannot be decoded (the video states " +
-                std::to_string(stated_frames()) + " frames; it may be truncated)");
-  }
-
-  fs::path path_;
-  cv::VideoCapture capture_;
-  cv::Mat image_;
-  int next_ = 0; // frame that capture_ delivers next
 };
 
 } // namespace
@@ -158,7 +91,7 @@ std::unique_ptr<FrameReader> FrameReader::open(const fs::path &path) {
   if (fs::is_directory(path))
     throw Error(path.string() + ": expected a video file or a pattern such as " + (path / "%04d.png").string() +
                 ", found a folder");
-  return std::make_unique<Video>(path);
+  return std::make_unique<VideoReader>(path);
 }
 
 Image to_image(const cv::Mat &mat) {
@@ -173,9 +106,7 @@ std::vector<Image> read_plates(const fs::path &path, const LensMap *lens) {
   quiet_opencv();
   std::vector<Image> plates;
   const auto read = [&](const fs::path &file) {
-    const cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
-    if (image.empty())
-      throw Error(file.string() + ": expected an image, found a file that OpenCV cannot decode");
+    const cv::Mat image = read_image(file);
     plates.push_back(to_image(lens ? lens->image(image) : image));
   };
   if (const auto field = number_field(path))
@@ -188,10 +119,12 @@ std::vector<Image> read_plates(const fs::path &path, const LensMap *lens) {
 
 ProbedFrames probe_frames(const fs::path &path, int frame_count) {
   const auto reader = FrameReader::open(path);
-  const auto *video = dynamic_cast<const Video *>(reader.get());
-  if (video && video->stated_frames() < frame_count)
+  auto *video = dynamic_cast<VideoReader *>(reader.get());
+  if (const int found = video ? static_cast<int>(video->index().times.size()) : frame_count; found < frame_count)
     throw Error(path.string() + ": expected " + std::to_string(frame_count) + " frames as session.json says, found " +
-                std::to_string(video->stated_frames()));
+                std::to_string(found) + (video->index().damaged ? "; the video is damaged or truncated" : ""));
+  if (video) // is of one size
+    return {reader->read(frame_count - 1).size(), video->index().fps()};
   const cv::Size size = reader->read(0).size();
   const cv::Mat &last = reader->read(frame_count - 1);
   if (last.empty())
@@ -200,7 +133,7 @@ ProbedFrames probe_frames(const fs::path &path, int frame_count) {
   if (last.size() != size)
     throw Error(path.string() + ": the last image is " + std::to_string(last.cols) + " x " + std::to_string(last.rows) +
                 ", the first is " + std::to_string(size.width) + " x " + std::to_string(size.height));
-  return {size, video ? video->stated_fps() : 0};
+  return {size, 0};
 }
 
 } // namespace doublet::detail

@@ -11,7 +11,7 @@
 
 namespace doublet::detail {
 
-/// Keeps OpenCV and FFmpeg from writing to stderr; what went wrong is told by our own exceptions.
+/// Keeps OpenCV from writing to stderr; what went wrong is told by our own exceptions.
 void quiet_opencv();
 
 Image to_image(const cv::Mat &mat);
@@ -36,7 +36,7 @@ std::vector<Image> read_plates(const std::filesystem::path &path, const LensMap 
 /// returns what they are like. Throws FileNotFound or Error naming the file.
 struct ProbedFrames {
   cv::Size size;
-  double fps = 0; ///< what a video's container says; 0 = nothing
+  double fps = 0; ///< of a video, measured; 0 = unknown
 };
 ProbedFrames probe_frames(const std::filesystem::path &path, int frame_count);
 

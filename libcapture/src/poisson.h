@@ -8,7 +8,7 @@ struct PoissonSurface {
   Eigen::VectorXd density; ///< (V) octree depth at which the scan has about one sample a cell: high = well sampled
 };
 
-/// Screened Poisson reconstruction (Kazhdan & Hoppe 2013, Open3D) of the scan's vertices with their angle-weighted normals.
+/// Screened Poisson reconstruction (Kazhdan & Hoppe 2013) of the scan's vertices with their angle-weighted normals.
 PoissonSurface poisson_surface(const Mesh &scan, int depth);
 /// The same of points and their unit normals; points whose normal is zero are left out.
 PoissonSurface poisson_surface(const Vertices &points, const Vertices &normals, int depth);
