@@ -7,7 +7,7 @@
 #include "doublet/animate/animator.h"
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
-#include "doublet/animate/parts/body_tuck.h"
+#include "doublet/animate/parts/body_penetration.h"
 #include "doublet/animate/retarget.h"
 
 #include <benchmark/benchmark.h>
@@ -109,7 +109,7 @@ void part_transfer(benchmark::State &state) {
 }
 void part_body(benchmark::State &state) {
   const Character &c = scene().character;
-  const Skin skin(c.body.vertices, c.body_weights);
+  const SkinBinding skin(c.body.vertices, c.body_weights);
   std::vector<DualQuaternion> joints;
   dual_quaternions(c.actor.skeleton, forward_kinematics(c.actor.skeleton, pose_at(0)), joints);
   Vertices body;
@@ -120,7 +120,7 @@ void part_body(benchmark::State &state) {
 }
 void part_tuck(benchmark::State &state) {
   Player player(scene().character);
-  BodyTuck tuck(scene().character);
+  BodyPenetrationFix tuck(scene().character);
   std::size_t t = 0;
   player.reset(pose_at(0));
   for (auto unused : state) {

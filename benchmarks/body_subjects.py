@@ -97,7 +97,7 @@ class Subject:
         names = self.people.joint_names
         off = {name: away(rng, max(0.01, self.marks_off)) for name in names}
         marks = [
-            d.JointMark(name, names[p] if p >= 0 else "", self.joints[j] + off[name], 6 if p < 0 else 0)
+            d.JointAnnotation(name, names[p] if p >= 0 else "", self.joints[j] + off[name], 6 if p < 0 else 0)
             for j, (name, p) in enumerate(zip(names, self.people.parents))
         ]
         skeleton = d.Skeleton(marks)

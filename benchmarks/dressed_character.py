@@ -11,6 +11,7 @@ with folds. Body and garment have patterns of their own, so that there is someth
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 from pathlib import Path
 
 import doublet as d
@@ -22,12 +23,25 @@ FPS = 40.0
 BAND = 0.04  # m, of the cloth that is fastened
 SLIT = 0.04  # m, half the width of the open front
 LEGS, ARMS = ("hip", "knee"), ("shoulder", "elbow")
-#: Garment -> bones that it covers, bones beside which it is fastened, open in front.
+TRUNK = ("pelvis", "spine1", "spine2", "chest", "clavicle")
+
+
+@dataclass
+class Cut:
+    """What a garment covers: bone -> share of its length, from its joint on; the bones beside which it is fastened."""
+
+    covers: dict[str, float]
+    fastened: tuple[str, ...]
+    is_open: bool = False  # in front
+
+
+WAIST, NECK = ("spine1", "spine2"), ("neck", "head")
 GARMENTS = {
-    "trousers": (("pelvis", *LEGS), ("spine1", "spine2"), False),
-    "shirt": (("pelvis", "spine1", "spine2", "chest", "clavicle", *ARMS), ("neck", "head"), False),
-    "jacket": (("pelvis", "spine1", "spine2", "chest", "clavicle", *ARMS), ("neck", "head"), True),
+    "trousers": Cut(dict.fromkeys(("pelvis", *LEGS), 1.0), WAIST),
+    "shirt": Cut(dict.fromkeys((*TRUNK, *ARMS), 1.0), NECK),
+    "jacket": Cut(dict.fromkeys((*TRUNK, *ARMS), 1.0), NECK, True),
 }
+SKIN_TINT, CLOTH_TINT = (0.35, 0.5, 0.7), (0.55, 0.15, 0.1)  # B G R
 #: As a session's joints.json has them.
 DEGREES = {"pelvis": 6, "spine1": 3, "neck": 3, "shoulder": 3, "elbow": 2, "wrist": 2, "hip": 3, "knee": 1, "ankle": 1}
 MATERIAL = {"d_n": 2.0, "d_t": 2.0, "k_bend": 0.3, "k_stretch": 1.0, "k_friction": 0.3}
@@ -64,26 +78,38 @@ class Person:
     def skeleton(self) -> d.Skeleton:
         parents = [self.names[p] if p >= 0 else "" for p in self.parents]
         marks = zip(self.names, parents, self.joints)
-        return d.Skeleton([d.JointMark(n, p, at, DEGREES.get(without_side(n), 0)) for n, p, at in marks])
+        return d.Skeleton([d.JointAnnotation(n, p, at, DEGREES.get(without_side(n), 0)) for n, p, at in marks])
+
+    def covered(self, cut: Cut) -> np.ndarray:
+        """bool (V)"""
+        bones = self.weights.argmax(axis=1)
+        along = np.zeros(len(self.vertices))
+        for joint in range(len(self.names)):
+            children = [c for c, parent in enumerate(self.parents) if parent == joint]
+            if len(children) == 1:
+                way = self.joints[children[0]] - self.joints[joint]
+                at = bones == joint
+                along[at] = (self.vertices[at] - self.joints[joint]) @ way / (way @ way)
+        share = np.array([cut.covers.get(without_side(name), -np.inf) for name in self.names])[bones]
+        return (share == 1) | (along <= share)
 
 
 def distance_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     return np.array([np.linalg.norm(others - p, axis=1).min() for p in points])
 
 
-def dressed(person: Person, garment: str, ease: float, random: np.random.Generator):
+def dressed(person: Person, cut: Cut, ease: float, random: np.random.Generator):
     """(vertices, faces, clothness, weights) of skin and cloth."""
-    covered, fastened, is_open = GARMENTS[garment]
     body, faces = person.vertices, person.faces
-    cover = np.isin(person.bone, covered)
-    if is_open:
+    cover = person.covered(cut)
+    if cut.is_open:
         trunk = np.isin(person.bone, ("pelvis", "spine1", "spine2", "chest"))
         cover &= ~(trunk & (np.abs(body[:, 0]) < SLIT) & (d.vertex_normals(body, faces)[:, 2] > 0))
     normals = smooth_normals(body, faces)
     wave = np.sin(body @ random.normal(0, 40, (3, 4)) + random.uniform(0, 6, 4)).mean(axis=1)
     _, gap = d.RayScene(d.Mesh(body, faces)).cast(body, normals, 0.002)
     wide = np.minimum(ease * (0.75 + 0.5 * wave), 0.3 * gap)  # the cloth of a leg does not enter that of the other
-    band = distance_to(body, body[np.isin(person.bone, fastened)]) < BAND
+    band = distance_to(body, body[np.isin(person.bone, cut.fastened)]) < BAND
     cloth = body + np.where(band, 0.3 * wide, wide)[:, None] * normals
     index = np.arange(len(body))[:, None] * [1.0, 0, 0]  # which vertex of the body each is, carried through join()
     inside = cover[faces].all(axis=1)
@@ -108,7 +134,7 @@ def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
     return colour
 
 
-def picture(character: d.Character, camera: d.Camera, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def picture(character: d.Character, camera: d.Camera, seed: int, cloth_tint) -> tuple[np.ndarray, np.ndarray]:
     """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, and where it is."""
     mesh, cloth = character.actor.mesh, np.asarray(character.segmentation.clothness)
     face, depth = d.rasterize(mesh.vertices, mesh.faces, camera)
@@ -118,16 +144,16 @@ def picture(character: d.Character, camera: d.Camera, seed: int) -> tuple[np.nda
     garment = cloth[mesh.faces[face[rows, columns]]].max(axis=1) > 0
     cell = np.where(garment, CELL[True], CELL[False])
     colours = pattern(points, cell, seed)
-    tint = np.where(garment[:, None], [0.55, 0.15, 0.1], [0.35, 0.5, 0.7])  # no green: the screen is
+    tint = np.where(garment[:, None], cloth_tint, SKIN_TINT)  # no green: the screen is
     shown = 255 * (0.5 * tint + 0.5 * colours * [1, 0.6, 1])
     image = np.zeros((camera.height, camera.width, 3), np.uint8)
     image[rows, columns] = np.clip(shown, 0, 255)
     return image, (255 * (face >= 0)).astype(np.uint8)
 
 
-def dressed_character(garment: str, ease: float, shape: int) -> d.Character:
+def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT) -> d.Character:
     person, random = Person(shape), np.random.default_rng(shape)
-    vertices, faces, clothness, weights = dressed(person, garment, ease, random)
+    vertices, faces, clothness, weights = dressed(person, cut, ease, random)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, person.skeleton())
     region = np.where(clothness > 0, 0, -1).astype(np.int32)
     segmentation = d.Segmentation(np.zeros(len(vertices)), clothness, region)
@@ -138,9 +164,8 @@ def dressed_character(garment: str, ease: float, shape: int) -> d.Character:
     material, solver = d.Material(**MATERIAL), d.SolverSettings(1 / FPS, d.ClothOptions(substeps=16))
     high_valid = [1] * len(faces)
     character = d.make_character(actor, segmentation, fit, proxies, [material], solver, actor.mesh, high_valid)
-    character.name = garment
     cameras = ring_of_cameras(character, d.Motion(FPS, np.zeros((1, len(actor.skeleton.dof_names)))), 12, 1400)
-    pictures = [picture(character, camera, shape) for camera in cameras]
+    pictures = [picture(character, camera, shape, cloth_tint) for camera in cameras]
     d.texture_character(character, vertices, cameras, [p[0] for p in pictures], [p[1] for p in pictures])
     return character
 
@@ -152,7 +177,9 @@ def main() -> None:
     parser.add_argument("--ease", type=float, default=0.03, help="m, how far the cloth stands off the body")
     parser.add_argument("--shape", type=int, default=1, help="seed of the person and the folds")
     options = parser.parse_args()
-    dressed_character(options.garment, options.ease, options.shape).write(options.output)
+    character = dressed_character(GARMENTS[options.garment], options.ease, options.shape)
+    character.name = options.garment
+    character.write(options.output)
 
 
 if __name__ == "__main__":

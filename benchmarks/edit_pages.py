@@ -41,14 +41,14 @@ def template(driver) -> None:
 
 
 def segmentation(driver) -> None:
-    """A seam all around."""
-    driver.find_element(By.ID, "seam").click()
+    """A border all around."""
+    driver.find_element(By.ID, "border").click()
     for side in ("left", "back", "right", "front"):
         look(driver, side)
         across(driver)
     shown = driver.find_element(By.ID, "regions").text
     if not shown.startswith("2 "):
-        raise RuntimeError(f"expected a seam that parts 2 regions, found {shown}")
+        raise RuntimeError(f"expected a border that parts 2 regions, found {shown}")
 
 
 PAGES = {"template": (edit_template.open_page, template), "segmentation": (edit_segmentation.open_page, segmentation)}

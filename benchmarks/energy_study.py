@@ -17,7 +17,7 @@ from sect7.reconstructions import random_materials
 
 #: Of the energy: the paper's form, in which a miss is free; nothing free, images alone; features weighted less; the default.
 ENERGIES = {
-    "the paper's": {"beta": 10.0, "gamma": 0.0, "delta": 0.0, "same_comparisons": False, "fast_features": False},
+    "the paper's": {"beta": 10.0, "gamma": 0.0, "delta": 0.0, "fixed_correspondences": False, "speed_dependent_cap": False},
     "images alone, beta 10": {"beta": 10.0, "delta": 0.0},
     "images alone, beta 1": {"delta": 0.0},
     "the default": {},

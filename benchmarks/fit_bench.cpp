@@ -115,7 +115,7 @@ void estimate(benchmark::State &state) {
   CmaEsOptions cma;
   cma.population = static_cast<int>(state.range(0));
   cma.max_evaluations = static_cast<int>(state.range(1));
-  cma.smallest_deviation = 1e-9; // all evaluations
+  cma.min_deviation = 1e-9; // all evaluations
   EnergyTimes times;
   double evaluations = 0, image_bytes = 0;
   const std::clock_t start = std::clock();

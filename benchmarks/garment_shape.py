@@ -42,7 +42,7 @@ def ways(vertices: np.ndarray, faces: np.ndarray, sources: np.ndarray) -> np.nda
 def true_garment(truth: Truth, actor: d.RiggedMesh, garment: d.Garment) -> tuple[float, float]:
     """Hem, m, and area, m^2, in the scan pose, of what of the true garment lies where ours is."""
     vertices = truth.frame(0)[1]
-    skin = actor.mesh.faces[np.asarray(actor.face_valid, bool) & ~np.asarray(garment.covers, bool)]
+    skin = actor.mesh.faces[np.asarray(actor.face_valid, bool) & ~np.asarray(garment.replaced_faces, bool)]
     worn = np.vstack([skin, garment.mesh.faces + len(actor.mesh.vertices)])
     scene = d.RayScene(d.Mesh(np.vstack([actor.mesh.vertices, garment.mesh.vertices]), worn))
 

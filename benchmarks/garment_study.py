@@ -1,7 +1,7 @@
 """What the video says about an option of the garment's mesh, and what the truth says: E_fit of the same ordinary materials with
 each value, and how far from the truth the best of them are.
 
-python benchmarks/garment_study.py OUT --option spreads --values 0.15 0.25 0.35 0.5 [--truth SESSION/ground_truth] [--materials N]
+python benchmarks/garment_study.py OUT --values 0.15 0.25 0.35 0.5 [--option NAME] [--truth SESSION/ground_truth] [--materials N]
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path, help="a reconstruction up to stage 'body'")
     parser.add_argument(
-        "--option", default="spreads", choices=list(d.GarmentOptions.described()), help="of GarmentOptions (default: spreads)"
+        "--option",
+        default="length_exceedances",
+        choices=list(d.GarmentOptions.described()),
+        help="of GarmentOptions (default: length_exceedances)",
     )
     parser.add_argument(
         "--values", type=float, nargs="+", required=True, help="of the option; the first is what others are set against"
@@ -44,7 +47,7 @@ def main() -> None:
     lowest = arguments.materials // 4
     for value in arguments.values:
         job = reconstruct.Job(reconstruct.recorded_session(arguments.out), arguments.out)
-        chosen = {"spreads": [0.25], arguments.option: [value] if arguments.option == "spreads" else value}
+        chosen = {"length_exceedances": [0.25], arguments.option: [value] if arguments.option == "length_exceedances" else value}
         options = d.GarmentOptions(**{**job.options["garment"].to_dict(), **chosen})
         body, captured = d.read_body(job.path("body.npz")).body, job.results.performance().surface
         job.results.offered_garment = d.GarmentMesher.create(options).mesh(

@@ -65,7 +65,7 @@ void skirt_frames(benchmark::State &bench, bool narrow) {
     in.previous_targets = &previous;
     in.capsules = &capsules;
     in.previous_capsules = &previous_capsules;
-    benchmark::DoNotOptimize(solver->step_each(states, {&in, 1}, materials));
+    benchmark::DoNotOptimize(solver->step_batch(states, {&in, 1}, materials));
     previous.swap(current);
     previous_capsules.swap(capsules);
   }

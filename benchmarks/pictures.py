@@ -226,7 +226,9 @@ def with_the_scans_triangles(job: reconstruct.Job) -> d.Character:
     """The character of `job`, its cloth drawn by what was scanned in the place of the garment's own mesh."""
     character = d.Character.read(job.path("character.glb"))
     scanned = d.read_mesh(job.path("template_high.ply"))
-    valid = d.make_display(job.results.actor, job.results.segmentation(), scanned).valid  # of the actor: it wears no garment
+    valid = d.build_display_mesh(
+        job.results.actor, job.results.segmentation(), scanned
+    ).valid  # of the actor: it wears no garment
     made = d.make_character(
         character.actor,
         character.segmentation,

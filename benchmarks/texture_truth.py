@@ -1,8 +1,8 @@
 """How often a character's texture has another colour than the actor, by part of the body (docs/animation.md).
 
-python benchmarks/texture_truth.py OUT SESSION [--label-reach 0 0.05]
+python benchmarks/texture_truth.py OUT SESSION [--label-margin 0 0.05]
 
-Bakes the texture of OUT's character again, as photographed, with each label_reach, and prints the share of its colours, at ten
+Bakes the texture of OUT's character again, as photographed, with each label_margin, and prints the share of its colours, at ten
 points of every drawn face, that are off by more than 12 in a, b of Lab (where brightness is not). The true colour is what cameras
 see of the true surface, at the nearest point of the same kind (body, garment) that one of them sees.
 """
@@ -87,7 +87,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("session", type=Path)
-    parser.add_argument("--label-reach", type=float, nargs="+", default=[0.0, d.TextureOptions().label_reach], help="m")
+    parser.add_argument("--label-margin", type=float, nargs="+", default=[0.0, d.TextureOptions().label_margin], help="m")
     options = parser.parse_args()
     job, truth = Job(options.session, options.out), Truth(options.session / "ground_truth")
     performance, character = job.results.dressed_performance(), d.Character.read(options.out / "character.glb")
@@ -99,10 +99,10 @@ def main() -> None:
     for name, faces in parts.items():
         chosen = np.repeat(faces, len(WEIGHTS))
         true_ab[name] = chosen, lab_ab(true.at(points[chosen], name == "garment"))
-    for reach in options.label_reach:
-        baking, start = d.TextureOptions(albedo=False, label_reach=reach), time.perf_counter()
+    for margin in options.label_margin:
+        baking, start = d.TextureOptions(albedo=False, label_margin=margin), time.perf_counter()
         d.texture_character(character, surface, job.filmed.rig, images, masks, baking)
-        print(f"label_reach {reach:g} m, {time.perf_counter() - start:.1f} s:", end="")
+        print(f"label_margin {margin:g} m, {time.perf_counter() - start:.1f} s:", end="")
         found = lab_ab(textured(character))
         for name, (chosen, expected) in true_ab.items():
             off = np.linalg.norm(found[chosen] - expected, axis=1) > OFF

@@ -161,7 +161,7 @@ def main(out, frames=40):
     simulator = d.CharacterSimulator(
         character.actor, character.segmentation, character.proxies, character.solver.cloth, make_solver=NumpySolver
     )
-    fit = d.FitOptions(max_evaluations=8, population=4, first_samples=4)
+    fit = d.FitOptions(max_evaluations=8, population=4, initial_design_size=4)
     fit.energy, fit.space = d.EnergyOptions(dt=dt, settle_frames=4), d.ParameterSpace(names=["d_n", "d_t"])
     found = d.estimate_material(simulator, part, seen, fit).to_dict()["regions"]
     energy = [region["energy"] for region in found]

@@ -93,7 +93,7 @@ def two_limbs():
     a, b, top, n = np.arange(around), (np.arange(around) + 1) % around, (rows - 1) * around, len(side)
     caps = [np.stack([np.full(around, n), b, a], 1), np.stack([np.full(around, n + 1), top + a, top + b], 1)]
     faces = np.vstack([np.stack([i, j, i + around], 1), np.stack([j, j + around, i + around], 1), *caps]).astype(np.int32)
-    skeleton = d.Skeleton([d.JointMark("low", "", [0, 0.4, 0], 6), d.JointMark("high", "low", [0, 0.9, 0], 3)])
+    skeleton = d.Skeleton([d.JointAnnotation("low", "", [0, 0.4, 0], 6), d.JointAnnotation("high", "low", [0, 0.9, 0], 3)])
     up = np.clip((vertices[:, 1] - 0.8) / 0.2, 0, 1)
     return d.RiggedMesh(d.Mesh(vertices, faces), np.ones(len(faces), np.uint8), np.stack([1 - up, up], 1), skeleton)
 

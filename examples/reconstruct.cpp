@@ -61,7 +61,7 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   const ReferencePerformance motion = dress(performance, actor, garment);
   // Sect. 6: material and width
   std::vector<CharacterSimulator> widths;
-  for (const Garment &width : offered(garment)) {
+  for (const Garment &width : width_variants(garment)) {
     const DressedActor worn = dress(actor, segmentation, width);
     widths.emplace_back(worn.actor, worn.segmentation, proxies);
   }
@@ -72,13 +72,13 @@ void reconstruct(const Session &session, const Path &out, const Path &body_model
   fit.log = out / "fit_log.csv";
   const FitResult result = estimate_material({take}, fit, context);
   write_materials(out / "material.json", result);
-  const DressedActor dressed = dress(actor, segmentation, worn(garment, result.chosen_widths()));
+  const DressedActor dressed = dress(actor, segmentation, choose_widths(garment, result.chosen_widths()));
   const CharacterSimulator simulator(dressed.actor, dressed.segmentation, proxies);
   // Sect. 7: the character
   const auto simulated =
       simulate_reference(simulator, motion, result.materials(), result.solver.dt, fit.energy.settle_frames, context);
   write_simulated(out / "simulated.npz", simulated, actor.mesh.vertices.rows());
-  const Display display = make_display(dressed.actor, dressed.segmentation, read_mesh(out / "template_high.ply"));
+  const DisplayMesh display = build_display_mesh(dressed.actor, dressed.segmentation, read_mesh(out / "template_high.ply"));
   Character character = make_character(dressed.actor, dressed.segmentation, body, proxies, result.materials(), result.solver,
                                        display.mesh, display.valid, display.garment_subdivisions);
   character.name = session.name;

@@ -37,7 +37,7 @@ def table(class_name: str) -> str:
             continue  # a table of its own
         told = described[name]
         takes = (told["takes"] or "").removeprefix("a number ").removeprefix("of ")
-        meaning = told["meaning"].replace("|", "\\|")
+        meaning = ". ".join(text for text in (told["meaning"], told["why"]) if text).replace("|", "\\|")
         rows.append(f"| `{name}` | {default_of(value, papers.get(name, value), told['unit'])} | {takes} | {meaning} |")
     return "\n".join(rows) + "\n"
 

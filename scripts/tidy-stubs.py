@@ -29,6 +29,18 @@ def setters(node: ast.ClassDef) -> dict[str, str]:
     return found
 
 
+def without_deprecated(text: str) -> str:
+    """Without the members that only warn."""
+    lines, gone = text.split("\n"), set()
+    for node in ast.parse(text).body:
+        members = [m for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)]
+        old = {m.name for m in members if (ast.get_docstring(m) or "").startswith("Deprecated: ")}
+        for member in members:
+            if member.name in old:
+                gone |= set(range(member.decorator_list[0].lineno - 1, member.end_lineno))
+    return "\n".join(line for i, line in enumerate(lines) if i not in gone)
+
+
 def keywords(options_class, types: dict[str, str]) -> str:
     """iterations: int = 8, substeps: int = 4, ... in the order of the description, then what is no option."""
     described, defaults = options_class.described(), options_class().to_dict()
@@ -44,6 +56,7 @@ def keywords(options_class, types: dict[str, str]) -> str:
 def tidy(text: str) -> str:
     for before, after in PLAIN:
         text = text.replace(before, after)
+    text = without_deprecated(text)
     lines = text.split("\n")
     for node in ast.parse(text).body:
         options_class = getattr(d, node.name, None) if isinstance(node, ast.ClassDef) else None

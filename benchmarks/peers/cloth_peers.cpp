@@ -128,7 +128,7 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
         capsules = scene.dancer.capsules(f * kH);
       },
       [&] {
-        solver->step_each(states, {&in, 1}, materials);
+        solver->step_batch(states, {&in, 1}, materials);
       },
       samples, [&] { return states[0].positions; });
 }
@@ -206,7 +206,7 @@ double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, in
     for (int c = 0; c <= columns; ++c)
       current(c, 2) += 0.05 * std::sin(6 * f * kH + 20 * curtain.rest(c, 0));
     const double start = cpu_ms();
-    solver->step_each(states, {&in, 1}, materials);
+    solver->step_batch(states, {&in, 1}, materials);
     if (f > kSettle)
       times.push_back((cpu_ms() - start) / lanes);
   }

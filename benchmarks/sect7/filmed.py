@@ -57,7 +57,7 @@ def seen_in_images(made: reconstruct.Job, dofs: np.ndarray) -> d.Observations:
     """Contours and feature matches of made.session's images, by the pipeline's own capture with the poses given: neither
     depends on pose or surface."""
     # The poses are given, one a frame, of the actor as it is.
-    once = {"second_pass": False, "ends_turn": 0.0, "refine_cameras": False}
+    once = {"second_pass": False, "extra_twist_range": 0.0, "refine_cameras": False}
     options = d.CaptureOptions(find_lost_limbs=False, use_feature_map=False, smooth_window=1, **once)
     options.features = made.options["features"]
     capture = d.PerformanceCapture.create(options, d.CaptureParts(pose=GivenPose(dofs), surface=ExpectedSurface()))

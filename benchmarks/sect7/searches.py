@@ -21,7 +21,7 @@ FACTORS = (1, 2, 4)
 #: What the search offers beyond the paper: name -> groups of options.
 VARIANTS = {
     "as the paper": {},
-    "search in the box itself": {"space": {"even_steps": False}},
+    "search in the box itself": {"space": {"warp_parameters": False}},
     "windows of 40 frames": {"energy": {"window": 40}},
     "penalty omega 256": {"fit": {"penalty": 256}},
     "population 16": {"fit": {"population": 16}},
@@ -36,7 +36,7 @@ def search(job: dict) -> dict:
     options = reconstruct.fit.fit_options(made)
     if "start" in job:
         options.make_optimizer = lambda n, seed: cma_from(job["start"], job["sigma"], seed, options)
-    take, context = reconstruct.simulation.take(made), d.Context(threads=job["threads"])
+    take, context = reconstruct.simulation.make_take(made), d.Context(threads=job["threads"])
     start = time.monotonic()
     result = d.estimate_material([take], options, context)
     seconds = time.monotonic() - start
@@ -47,7 +47,7 @@ def search(job: dict) -> dict:
 def cma_from(start: list[float], sigma: float, seed: int, options: d.FitOptions) -> d.Optimizer:
     """CMA-ES with a mean of its own along every axis: its state before the first generation, moved."""
     chosen = d.CmaEsOptions(initial_sigma=sigma, max_evaluations=options.max_evaluations, seed=seed)
-    chosen.population, chosen.smallest_deviation = options.population, options.smallest_deviation
+    chosen.population, chosen.min_deviation = options.population, options.min_deviation
     optimizer = d.create_cma_es(len(start), chosen)
     optimizer.restore(json.dumps({**json.loads(optimizer.save()), "mean": list(start)}))
     return optimizer

@@ -343,11 +343,11 @@ void bind_texture(py::module_ &m) {
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "(10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for SegmentInputs.colours.");
-  Class<Display>(m, "Display", "What is drawn of a character, in the scan pose.")
-      .def_readonly("mesh", &Display::mesh, "M_high, scan pose")
-      .def_readonly("valid", &Display::valid, "(FH) 0 = not drawn")
-      .def_readonly("garment_subdivisions", &Display::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
-  m.def("make_display", &make_display, py::arg("actor"), py::arg("segmentation"), py::arg("high"), Release(),
+  Class<DisplayMesh>(m, "DisplayMesh", "What is drawn of a character, in the scan pose.")
+      .def_readonly("mesh", &DisplayMesh::mesh, "M_high, scan pose")
+      .def_readonly("valid", &DisplayMesh::valid, "(FH) 0 = not drawn")
+      .def_readonly("garment_subdivisions", &DisplayMesh::garment_subdivisions, "-1 = `mesh` is one surface, as scanned");
+  m.def("build_display_mesh", &build_display_mesh, py::arg("actor"), py::arg("segmentation"), py::arg("high"), Release(),
         "The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.");
   Class<DisplaySurface>(m, "DisplaySurface", "The display mesh of a character, which follows its M.")
       .def(py::init<const Character &>(), py::arg("character"), Release())

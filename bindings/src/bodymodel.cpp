@@ -1,7 +1,7 @@
 #include "common.h"
 
 #include "doublet/bodymodel/body_fitter.h"
-#include "doublet/bodymodel/body_marks.h"
+#include "doublet/bodymodel/detect_joints.h"
 #include "doublet/bodymodel/proxies.h"
 #include "doublet/bodymodel/train_body_model.h"
 #include "doublet/testing/body_fitter_conformance.h"
@@ -100,7 +100,7 @@ public:
     return call_override<BodyFit>(static_cast<const BodyFitter *>(this), "BodyFitter.fit", "a BodyFit", actor, segmentation,
                                   &model, landmarks, context);
   }
-  std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
+  std::vector<BodyFit> fit_together(const std::vector<ClothedScan> &scans, const BodyModel &model,
                                     const Context &context) const override {
     PYBIND11_OVERRIDE_IMPL(std::vector<BodyFit>, BodyFitter, "fit_together", scans, &model, context);
     return BodyFitter::fit_together(scans, model, context);
@@ -108,13 +108,13 @@ public:
 };
 
 void bind_marks(py::module_ &m) {
-  Class<BodyMarks>(m, "BodyMarks", "Joints and landmarks of a person that nobody marked.")
-      .def_readonly("joints", &BodyMarks::joints, "the standard joints, JointMark")
-      .def_readonly("landmarks", &BodyMarks::landmarks, "name -> point on the body, m")
-      .def_readonly("fit", &BodyMarks::fit, "the body that they were read from")
-      .def_readonly("rival", &BodyMarks::rival,
+  Class<DetectedJoints>(m, "DetectedJoints", "Joints and landmarks of a person that nobody marked.")
+      .def_readonly("joints", &DetectedJoints::joints, "the standard joints, JointAnnotation")
+      .def_readonly("landmarks", &DetectedJoints::landmarks, "name -> point on the body, m")
+      .def_readonly("fit", &DetectedJoints::fit, "the body that they were read from")
+      .def_readonly("facing_ambiguity", &DetectedJoints::facing_ambiguity,
                     "how unlikely it is over the fit that looks the other way: near 1 = hard to tell");
-  m.def("find_body_marks", &find_body_marks, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
+  m.def("detect_joints", &detect_joints, py::arg("surface"), py::arg("face_valid"), py::arg("model"),
         py::arg("options") = BodyFitOptions{}, py::arg("seen") = std::map<std::string, Eigen::Vector3d>{},
         py::arg("context") = interruptible_context(), Release(),
         "Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: "
@@ -207,18 +207,18 @@ void bind_bodymodel(py::module_ &m) {
         "One sentence for each rule that a BodyModel breaks: counts, indices, derivatives, the same bits twice, refusals.");
   OptionsClass<BodyFitOptions>(m, "Options of BodyFitter.");
   OptionsClass<ProxyOptions>(m, "Options of fit_proxies.");
-  Class<DressedScan>(m, "DressedScan", "One of several scans of the same person.")
+  Class<ClothedScan>(m, "ClothedScan", "One of several scans of the same person.")
       .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const Landmarks &landmarks) {
-             return DressedScan{&actor, &segmentation, landmarks};
+             return ClothedScan{&actor, &segmentation, landmarks};
            }),
            py::arg("actor"), py::arg("segmentation"), py::arg("landmarks"), py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
       .def_property_readonly(
-          "actor", [](const DressedScan &scan) { return scan.actor; }, py::return_value_policy::reference,
+          "actor", [](const ClothedScan &scan) { return scan.actor; }, py::return_value_policy::reference,
           "RiggedMesh in the scan pose")
       .def_property_readonly(
-          "segmentation", [](const DressedScan &scan) { return scan.segmentation; }, py::return_value_policy::reference,
+          "segmentation", [](const ClothedScan &scan) { return scan.segmentation; }, py::return_value_policy::reference,
           "what of it is cloth")
-      .def_readonly("landmarks", &DressedScan::landmarks, "name -> point on the surface, m");
+      .def_readonly("landmarks", &ClothedScan::landmarks, "name -> point on the surface, m");
   Class<BodyFitter, PyBodyFitter>(m, "BodyFitter", "Stage: dressed surface -> body underneath. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &BodyFitter::create, py::arg("options") = BodyFitOptions{}, "The built-in fitter.")

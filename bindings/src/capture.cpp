@@ -50,7 +50,7 @@ void bind_calibration(py::module_ &m) {
       .def(py::init<>())
       .def_readwrite("fisheye", &Lens::fisheye, "OpenCV's fisheye model; otherwise its extensions of Brown's")
       .def_readwrite("distortion", &Lens::distortion, "fisheye: k1 .. k4; otherwise 8, 12 or 14 terms; empty = none")
-      .def_property_readonly("undone", &Lens::undone, "whether there is anything to undo");
+      .def_property_readonly("needs_undistortion", &Lens::needs_undistortion, "whether there is anything to undo");
   Class<CalibratedCamera>(m, "CalibratedCamera", "A camera as it was calibrated, and its lens.")
       .def(py::init([](Camera camera, Lens lens, int late) {
              return CalibratedCamera{std::move(camera), std::move(lens), late};
@@ -212,12 +212,12 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("before", &LostLimb::before, "m, error after the local optimisation")
       .def_readwrite("after", &LostLimb::after, "m, error of the pose that was kept")
       .def_readwrite("recovered", &LostLimb::recovered, "was it found again?");
-  Class<JointSight>(m, "JointSight", "In how many frames a joint's bone was seen, inferred, lost.")
+  Class<JointVisibility>(m, "JointVisibility", "In how many frames a joint's bone was seen, inferred, lost.")
       .def(py::init<>())
-      .def_readwrite("joint", &JointSight::joint, "name of one with degrees of freedom")
-      .def_readwrite("seen", &JointSight::seen, "enough of it visible that moves with the skeleton")
-      .def_readwrite("inferred", &JointSight::inferred, "hidden; it follows from the joints before and after it")
-      .def_readwrite("lost", &JointSight::lost, "its limb was lost and not found again");
+      .def_readwrite("joint", &JointVisibility::joint, "name of one with degrees of freedom")
+      .def_readwrite("seen", &JointVisibility::seen, "enough of it visible that moves with the skeleton")
+      .def_readwrite("inferred", &JointVisibility::inferred, "hidden; it follows from the joints before and after it")
+      .def_readwrite("lost", &JointVisibility::lost, "its limb was lost and not found again");
   Class<RefinedCamera>(m, "RefinedCamera", "What a take says about a camera of its calibration.")
       .def(py::init<>())
       .def_readwrite("camera", &RefinedCamera::camera, "its name")

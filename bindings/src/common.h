@@ -229,16 +229,17 @@ private:
 /// "m, kept between cloth and proxies: a number in [0, 1]".
 template <class Field> std::string docstring(const Field &field) {
   std::string text = *field.unit ? std::string(field.unit) + ", " + field.meaning : field.meaning;
-  if constexpr (!std::is_same_v<decltype(field.allowed), options::Anything>)
-    text += ": " + options::shown(field.allowed);
-  return text;
+  if constexpr (!std::is_same_v<decltype(field.allowed), options::Unconstrained>)
+    text += ": " + options::to_text(field.allowed);
+  return *field.why ? text + ". " + field.why : text;
 }
 
-/// What a field says about itself: unit, meaning, and what it takes.
+/// What a field says about itself: unit, meaning, why, and what it takes.
 template <class Field> py::dict described_field(const Field &field) {
   py::dict result;
   result["unit"] = field.unit;
   result["meaning"] = field.meaning;
+  result["why"] = field.why;
   result["takes"] = py::none();
   if constexpr (std::is_same_v<decltype(field.allowed), options::Choices>)
     result["choices"] = std::vector<std::string>(field.allowed.begin(), field.allowed.end());
@@ -246,8 +247,8 @@ template <class Field> py::dict described_field(const Field &field) {
     result["lower"] = field.allowed.lower;
     result["upper"] = field.allowed.upper;
   }
-  if constexpr (!std::is_same_v<decltype(field.allowed), options::Anything>)
-    result["takes"] = options::shown(field.allowed);
+  if constexpr (!std::is_same_v<decltype(field.allowed), options::Unconstrained>)
+    result["takes"] = options::to_text(field.allowed);
   return result;
 }
 
@@ -268,7 +269,7 @@ template <class T> bool same_fields(const T &one, const T &other);
 
 template <class Field, class T> bool same_field(const Field &field, const T &one, const T &other) {
   using Value = std::remove_cvref_t<decltype(one.*field.member)>;
-  if constexpr (std::is_same_v<decltype(field.allowed), options::NoOption>)
+  if constexpr (std::is_same_v<decltype(field.allowed), options::NotSerialised>)
     return same_value(one.*field.member, other.*field.member);
   else if constexpr (options::Described<Value>)
     return same_fields(one.*field.member, other.*field.member);
@@ -293,7 +294,7 @@ public:
                }),
                "Every field may be given by keyword.");
     T defaults;
-    options::each(defaults, [this](const auto &field, auto &) { bind(field); });
+    options::for_each_field(defaults, [this](const auto &field, auto &) { bind(field); });
     class_.def("__repr__", &text);
     class_.def("to_dict", &to_dict, "Name -> value of every option.");
     class_.def(
@@ -316,10 +317,10 @@ public:
         [] {
           py::dict fields;
           const T object;
-          options::each(object, [&](const auto &field, const auto &) { fields[field.name] = described_field(field); });
+          options::for_each_field(object, [&](const auto &field, const auto &) { fields[field.name] = described_field(field); });
           return fields;
         },
-        "Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.");
+        "Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.");
   }
   Class<T> &get() { return class_; }
 
@@ -338,7 +339,8 @@ private:
 
   static py::dict to_dict(const py::object &self) {
     py::dict values;
-    options::each(self.cast<const T &>(), [&](const auto &field, const auto &) { values[field.name] = self.attr(field.name); });
+    options::for_each_field(self.cast<const T &>(),
+                            [&](const auto &field, const auto &) { values[field.name] = self.attr(field.name); });
     return values;
   }
 

@@ -101,9 +101,9 @@ void bind_context(py::module_ &m) {
            py::kw_only(), py::arg("progress") = nullptr, py::arg("log") = nullptr, py::arg("threads") = 0,
            "progress(stage, fraction in [0, 1]); log(line); threads: 0 = one a core, results do not depend on it.")
       .def_readwrite("threads", &Context::threads, "0 = one a core; results do not depend on it")
-      .def("report", &Context::report, py::arg("stage"), py::arg("fraction"), Release(),
+      .def("report_progress", &Context::report_progress, py::arg("stage"), py::arg("fraction"), Release(),
            "Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.")
-      .def("say", &Context::say, py::arg("line"), Release(), "Hands a line to log.")
+      .def("log_line", &Context::log_line, py::arg("line"), Release(), "Hands a line to log.")
       .def("__repr__", [](const Context &context) {
         return context.threads ? "Context(threads=" + std::to_string(context.threads) + ")" : std::string("Context()");
       });
@@ -185,15 +185,15 @@ void bind_camera(py::module_ &m) {
 }
 
 void bind_skeleton(py::module_ &m) {
-  Class<JointMark>(m, "JointMark", "A joint as the user marks it.")
+  Class<JointAnnotation>(m, "JointAnnotation", "A joint as the user marks it.")
       .def(py::init([](std::string name, std::string parent, Eigen::Vector3d position, std::optional<int> dof) {
-             return JointMark{std::move(name), std::move(parent), position, dof};
+             return JointAnnotation{std::move(name), std::move(parent), position, dof};
            }),
            py::arg("name"), py::arg("parent"), py::arg("position"), py::arg("dof") = std::nullopt)
-      .def_readwrite("name", &JointMark::name, "of the joint")
-      .def_readwrite("parent", &JointMark::parent, "name of the joint that carries it; empty = the root")
-      .def_readwrite("position", &JointMark::position, "(3) m")
-      .def_readwrite("dof", &JointMark::dof, "rotational degrees of freedom; None = as usual for a joint of this name");
+      .def_readwrite("name", &JointAnnotation::name, "of the joint")
+      .def_readwrite("parent", &JointAnnotation::parent, "name of the joint that carries it; empty = the root")
+      .def_readwrite("position", &JointAnnotation::position, "(3) m")
+      .def_readwrite("dof", &JointAnnotation::dof, "rotational degrees of freedom; None = as usual for a joint of this name");
   Class<Skeleton>(m, "Skeleton", "Kinematic skeleton; joints are sorted parents first.")
       .def(py::init(&make_skeleton), py::arg("marks"))
       .def_property_readonly(
@@ -307,12 +307,12 @@ void bind_stage_values(py::module_ &m) {
           "(T, J, 3) m; a copy")
       .def_numbers_readwrite("frames", &ReferencePerformance::frames, "(T) video frame numbers");
   m.def(
-      "unposed_frames",
+      "canonical_frames",
       [](const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
         std::vector<Vertices> frames;
         {
           py::gil_scoped_release release;
-          frames = unposed_frames(actor, performance, context);
+          frames = canonical_frames(actor, performance, context);
         }
         return stack(frames);
       },
@@ -343,15 +343,15 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("barycentric", &Garment::barycentric, "(G, 3) of that face's corners")
       .def_readwrite("widths", &Garment::widths,
                      "[K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone")
-      .def_readwrite("covers", &Garment::covers, "(F) faces of the actor that the garment stands for")
+      .def_readwrite("replaced_faces", &Garment::replaced_faces, "(F) faces of the actor that the garment stands for")
       .def_readwrite("region_count", &Garment::region_count, "cloth regions");
-  m.def("worn", &worn, py::arg("garment"), py::arg("chosen") = std::vector<double>{}, Release(),
+  m.def("choose_widths", &choose_widths, py::arg("garment"), py::arg("chosen") = std::vector<double>{}, Release(),
         "The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, "
         "in its "
         "`rest`.");
   m.def("common_widths", &common_widths, py::arg("garments"), py::arg("count"), Release(),
         "[garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.");
-  m.def("offered", &offered, py::arg("garment"), Release(), "The garment in each of the widths that it offers.");
+  m.def("width_variants", &width_variants, py::arg("garment"), Release(), "The garment in each of the widths that it offers.");
   Class<DressedActor>(m, "DressedActor", "The actor in a garment of its own mesh.")
       .def_readwrite("actor", &DressedActor::actor, "V + G vertices: the actor's, then the garment's")
       .def_readwrite("segmentation", &DressedActor::segmentation, "of the V + G vertices");

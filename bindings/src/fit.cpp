@@ -276,7 +276,7 @@ py::dict result_dict(const FitResult &result) {
     entry["best"] = region.best;
     entry["best_energy"] = region.best_energy;
     entry["deviations"] = region.deviations;
-    entry["spread"] = region.spread;
+    entry["spread"] = region.answer_half_range;
     entry["answer"] = region.answer;
     entry["width"] = region.width;
     entry["energy_noise"] = region.energy_noise;

@@ -86,8 +86,8 @@ private:
 };
 
 /// States lie one behind the other in C++; Python holds each on its own.
-std::vector<int> step_each(const ClothSolver &solver, const std::vector<ClothState *> &states,
-                           const std::vector<OwnedInputs> &inputs, const std::vector<Material> &materials, int threads) {
+std::vector<int> step_batch(const ClothSolver &solver, const std::vector<ClothState *> &states,
+                            const std::vector<OwnedInputs> &inputs, const std::vector<Material> &materials, int threads) {
   std::vector<ClothState> stepped;
   for (const ClothState *state : states) {
     if (!state)
@@ -97,7 +97,7 @@ std::vector<int> step_each(const ClothSolver &solver, const std::vector<ClothSta
   std::vector<StepInputs> views;
   for (const OwnedInputs &one : inputs)
     views.push_back(one.view());
-  const std::vector<int> failed = solver.step_each(stepped, views, materials, threads);
+  const std::vector<int> failed = solver.step_batch(stepped, views, materials, threads);
   for (std::size_t i = 0; i < states.size(); ++i)
     *states[i] = std::move(stepped[i]);
   return failed;
@@ -212,7 +212,8 @@ void bind_pbd(py::module_ &m) {
           },
           py::arg("state"), py::arg("inputs"), py::arg("material"), Release(), "Advances the state by one frame.")
       .def(
-          "step_each", &step_each, py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads") = 1, Release(),
+          "step_batch", &step_batch, py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads") = 1,
+          Release(),
           "step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], "
           "or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were "
           "left as they were.");

@@ -54,7 +54,7 @@ void bind_segment(py::module_ &m) {
           [](SegmentInputs &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
             s.canonical = unstack(frames, "canonical");
           },
-          "(T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy")
+          "(T, V, 3) m: the frames brought back to the scan pose (canonical_frames), or empty; a copy")
       .def_readwrite("colours", &SegmentInputs::colours,
                      "(F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.")
       .def_readwrite("prior", &SegmentInputs::prior, "(V) log odds of cloth before anything is seen (cloth_prior); or empty");
@@ -74,7 +74,7 @@ void bind_segment(py::module_ &m) {
       py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
       py::arg("context") = interruptible_context(), Release(),
       "ClothSegmenter.create(options).segment(SegmentInputs(sequence, face_valid), context).");
-  m.def("segmented_pose", &segmented_pose, py::arg("actor"), py::arg("performance"), Release(),
+  m.def("segmentation_pose", &segmentation_pose, py::arg("actor"), py::arg("performance"), Release(),
         "The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.");
   m.def(
       "segment_performance",
@@ -96,9 +96,9 @@ void bind_segment(py::module_ &m) {
       .def_readonly("uncertain_area", &SegmentSummary::uncertain_area, "share with a probability of cloth from 0.1 to 0.9");
   m.def("summarise_segmentation", &summarise_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("segmentation"),
         Release(), "Areas, noise and how sure a segmentation is.");
-  m.def("corrected_segmentation", &corrected_segmentation, py::arg("pose"), py::arg("face_valid"), py::arg("found"),
-        py::arg("painted"), Release(),
-        "What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.");
+  m.def("apply_corrections", &apply_corrections, py::arg("pose"), py::arg("face_valid"), py::arg("found"), py::arg("painted"),
+        Release(),
+        "What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a border between regions.");
   m.def("cloth_segmenter_violations", &testing::cloth_segmenter_violations, py::arg("segmenter"), Release(),
         "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");

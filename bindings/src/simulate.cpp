@@ -50,14 +50,15 @@ void bind_simulate(py::module_ &m) {
           py::arg("state"), py::arg("previous"), py::arg("current"), py::arg("materials"), py::arg("dt"), Release(),
           "Advances every cloth region from one posed frame to the next; materials: one a region.")
       .def(
-          "step_each",
+          "step_batch",
           [](const CharacterSimulator &simulator, const std::vector<CharacterState *> &states, const PosedFrame &previous,
              const PosedFrame &current, const std::vector<std::vector<pbd::Material>> &materials, double dt) {
             std::vector<const std::vector<pbd::Material> *> lists;
             for (const std::vector<pbd::Material> &list : materials)
               lists.push_back(&list);
             std::vector<std::pair<int, int>> failed;
-            for (const FailedRegion &one : simulator.step_each(require_objects(states, "states"), previous, current, lists, dt))
+            for (const DivergedRegion &one :
+                 simulator.step_batch(require_objects(states, "states"), previous, current, lists, dt))
               failed.emplace_back(one.character, one.region);
             return failed;
           },

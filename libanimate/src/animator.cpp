@@ -1,6 +1,6 @@
 #include "doublet/animate/animator.h"
 
-#include "doublet/animate/parts/body_tuck.h"
+#include "doublet/animate/parts/body_penetration.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
 
@@ -29,8 +29,8 @@ Motion at_character_rate(const Character &character, const Motion &motion) {
 
 } // namespace
 
-Vertices tuck_body(const Character &character, const Vertices &surface, Vertices body) {
-  BodyTuck(character).apply(surface, body);
+Vertices resolve_body_penetration(const Character &character, const Vertices &surface, Vertices body) {
+  BodyPenetrationFix(character).apply(surface, body);
   return body;
 }
 
@@ -44,17 +44,17 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
     throw std::invalid_argument("animate: motion must have finite poses of " +
                                 std::to_string(character.actor.skeleton.dof_count()) + " degrees of freedom and a rate, found (" +
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
-                                options::shown(motion.fps) + " 1/s");
+                                options::to_text(motion.fps) + " 1/s");
   const Motion poses = at_character_rate(character, motion);
   const int frames = static_cast<int>(poses.dofs.rows());
   Player player(character, options, make_solver);
   for (int t = 0; t < frames; ++t) {
-    context.report("animate", static_cast<double>(t) / frames);
+    context.report_progress("animate", static_cast<double>(t) / frames);
     const Eigen::VectorXd dofs = poses.dofs.row(t);
     advance(player, t, dofs);
     frame(player.frame());
   }
-  context.report("animate", 1.0);
+  context.report_progress("animate", 1.0);
   return frames;
 }
 

@@ -2,7 +2,7 @@
 
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/motion.h"
-#include "doublet/animate/parts/body_tuck.h"
+#include "doublet/animate/parts/body_penetration.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
 #include "doublet/rays/parts/self_intersection.h"
@@ -43,7 +43,7 @@ struct Cut {
 };
 Cut cut_step(const SolverSettings &solver, double seconds) {
   if (!(seconds > 0 && seconds <= kLongestStep))
-    throw std::invalid_argument("Player::step: expected seconds in (0, 1], found " + options::shown(seconds));
+    throw std::invalid_argument("Player::step: expected seconds in (0, 1], found " + options::to_text(seconds));
   if (seconds == solver.dt)
     return {true, 1, seconds};
   const int count = std::max(1, static_cast<int>(std::lround(seconds / solver.dt * solver.cloth.substeps)));
@@ -81,9 +81,9 @@ void require_pose(const Character &character, const Eigen::VectorXd &dofs) {
 
 void require_vector(const Eigen::Vector3d &value, double most, const char *what, const char *unit) {
   if (!(value.cwiseAbs().maxCoeff() <= most) || !value.allFinite())
-    throw std::invalid_argument(std::string("Player: expected ") + what + " within " + options::shown(most) + " " + unit +
-                                ", found (" + options::shown(value.x()) + ", " + options::shown(value.y()) + ", " +
-                                options::shown(value.z()) + ")");
+    throw std::invalid_argument(std::string("Player: expected ") + what + " within " + options::to_text(most) + " " + unit +
+                                ", found (" + options::to_text(value.x()) + ", " + options::to_text(value.y()) + ", " +
+                                options::to_text(value.z()) + ")");
 }
 
 } // namespace
@@ -94,7 +94,7 @@ struct Player::Shared {
   AnimateOptions options;
   CharacterSimulator simulator, substeps; ///< a whole frame of the character's at once; one substep
   std::optional<DisplaySurface> display;
-  std::optional<Skin> body;
+  std::optional<SkinBinding> body;
   std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
@@ -114,7 +114,7 @@ struct Player::Shared {
         watched.back().push_back(edges[i * edges.size() / kWatched]);
     }
   }
-  Shared(const Shared &) = delete; // BodyTuck keeps the character's address
+  Shared(const Shared &) = delete; // BodyPenetrationFix keeps the character's address
 };
 
 /// What is a player's own.
@@ -122,7 +122,7 @@ struct Player::Playing {
   explicit Playing(const Shared &shared) : materials(shared.character.materials), proxies(shared.character.proxies) {
     world.dt = shared.character.solver.dt;
     world.gravity = shared.character.solver.cloth.gravity;
-    if (shared.body && shared.options.tuck_body)
+    if (shared.body && shared.options.resolve_body_penetration)
       tuck.emplace(shared.character);
   }
   Playing(const Playing &other, const Shared &shared) : Playing(shared) {
@@ -154,13 +154,13 @@ struct Player::Playing {
   }
 
   /// Cloth that is put on in the rest pose and goes along from there to the pose of these dofs, and rests there.
-  CharacterState put_on(const Shared &shared, const Eigen::VectorXd &dofs) const {
-    World meanwhile = world;
+  CharacterState drape_along(const Shared &shared, const Eigen::VectorXd &dofs) const {
+    StepEnvironment meanwhile = world;
     meanwhile.dt = shared.character.solver.dt;
     std::vector<PosedFrame> way;
-    for (const Eigen::VectorXd &on_the_way : way_in(shared.character.actor.skeleton, dofs, meanwhile.dt))
+    for (const Eigen::VectorXd &on_the_way : lead_in_poses(shared.character.actor.skeleton, dofs, meanwhile.dt))
       pose(shared, on_the_way, way.emplace_back());
-    CharacterState cloth = shared.simulator.put_on(way, materials, meanwhile);
+    CharacterState cloth = shared.simulator.drape_along(way, materials, meanwhile);
     for (pbd::ClothState &region : cloth.regions)
       region.velocities.setZero();
     return cloth;
@@ -190,9 +190,9 @@ struct Player::Playing {
     come_to_rest(shared);
     carry_caught(shared);
     std::swap(posed, next);
-    if (shared.options.free_caught && !looked && held_seconds >= kCaughtAfter)
-      free_caught(shared);
-    if (shared.options.free_caught)
+    if (shared.options.redrape_when_tangled && !looked && held_seconds >= kCaughtAfter)
+      redrape_when_tangled(shared);
+    if (shared.options.redrape_when_tangled)
       watch_for_knots(shared);
   }
   void watch_for_knots(const Shared &shared) {
@@ -202,7 +202,7 @@ struct Player::Playing {
     watched_seconds = 0;
     const bool was = std::exchange(knotted, share_of_knots(shared) > kAllKnotted);
     if (was && knotted)
-      free_caught(shared);
+      redrape_when_tangled(shared);
   }
   /// Of the watched edges those that pass through a face. Allocates nothing once warm.
   double share_of_knots(const Shared &shared) {
@@ -250,12 +250,12 @@ struct Player::Playing {
     }
   }
   /// Once in a pose that is held: cloth that passes through itself, or has a limb through it, is put on anew if that is better.
-  void free_caught(const Shared &shared) {
+  void redrape_when_tangled(const Shared &shared) {
     looked = true;
     const double faults = faults_of(shared, state);
     if (faults == 0)
       return;
-    CharacterState anew = put_on(shared, frame.dofs);
+    CharacterState anew = drape_along(shared, frame.dofs);
     if (faults_of(shared, anew) >= faults)
       return;
     std::swap(caught, state);
@@ -283,7 +283,7 @@ struct Player::Playing {
   /// What was caught goes along until it is no longer seen.
   void carry_caught(const Shared &shared) {
     if (caught_seconds > 0)
-      shared.simulator.carry(caught, posed, next);
+      shared.simulator.move_rigidly(caught, posed, next);
     caught_seconds = std::max(0.0, caught_seconds - world.dt);
   }
   void draw_surface(const Shared &shared) {
@@ -337,7 +337,7 @@ struct Player::Playing {
 
   std::vector<pbd::Material> materials, step_materials; ///< as given; of the step at hand
   std::vector<TaperedCapsule> proxies;
-  World world;
+  StepEnvironment world;
   CharacterState state;
   PosedFrame posed, next;     ///< where it stands, and where it goes
   double held_seconds = 0;    ///< since the pose moved last
@@ -352,7 +352,7 @@ struct Player::Playing {
   Eigen::VectorXd between;
   StepBuffers buffers;
   DisplayBuffers display;
-  std::optional<BodyTuck> tuck;
+  std::optional<BodyPenetrationFix> tuck;
   AnimationFrame frame;
 };
 
@@ -379,7 +379,7 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
   p.pose(*shared_, dofs, p.posed);
   p.start_over();
   p.world.dt = character().solver.dt;
-  p.state = shared_->options.settle_seconds > 0 ? p.put_on(*shared_, dofs) : shared_->simulator.start(p.posed);
+  p.state = shared_->options.settle_seconds > 0 ? p.drape_along(*shared_, dofs) : shared_->simulator.start(p.posed);
   const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
   for (long i = 0; i < frames; ++i)
     shared_->simulator.step(p.state, p.posed, p.posed, p.materials, p.world, p.buffers);
@@ -411,9 +411,9 @@ const AnimationFrame &Player::teleport(const Eigen::VectorXd &dofs) {
   require_pose(character(), dofs);
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.next);
-  shared_->simulator.carry(p.state, p.posed, p.next);
+  shared_->simulator.move_rigidly(p.state, p.posed, p.next);
   if (p.caught_seconds > 0)
-    shared_->simulator.carry(p.caught, p.posed, p.next);
+    shared_->simulator.move_rigidly(p.caught, p.posed, p.next);
   std::swap(p.posed, p.next);
   p.wake();
   p.show(*shared_, dofs, p.frame.index + 1);
@@ -512,7 +512,7 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
     std::vector<CharacterState *> states;
     std::vector<const PosedFrame *> before, after;
     std::vector<const std::vector<pbd::Material> *> materials;
-    std::vector<World> worlds;
+    std::vector<StepEnvironment> worlds;
     for (const int k : moving) {
       Player::Playing &p = *players[k]->playing_;
       states.push_back(&p.state);
@@ -522,7 +522,7 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
       worlds.push_back(p.world);
     }
     std::vector<char> failed(moving.size(), 0);
-    for (const FailedRegion &one : simulator.step_each(states, before, after, materials, worlds, context.threads))
+    for (const DivergedRegion &one : simulator.step_batch(states, before, after, materials, worlds, context.threads))
       failed[one.character] = 1;
     std::vector<int> going_on;
     for (std::size_t k = 0; k < moving.size(); ++k)

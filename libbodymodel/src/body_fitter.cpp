@@ -357,14 +357,14 @@ public:
     return fit_together({{&actor, &segmentation, landmarks}}, model, context)[0];
   }
 
-  std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
+  std::vector<BodyFit> fit_together(const std::vector<ClothedScan> &scans, const BodyModel &model,
                                     const Context &context) const override {
-    context.report("body", 0.0);
+    context.report_progress("body", 0.0);
     std::vector<Subject> subjects = prepare(scans, model);
     for (int iteration = 0; iteration < 10; ++iteration)
       move(subjects, equations(subjects, model, [](const Subject &, NormalEquations &) {}).solve());
     for (int iteration = 0; iteration < options_.iterations; ++iteration) {
-      context.report("body", 0.1 + 0.8 * iteration / options_.iterations);
+      context.report_progress("body", 0.1 + 0.8 * iteration / options_.iterations);
       move(subjects, surface_equations(subjects, model, robust_scale(iteration), context).solve());
     }
     // What the last step left: the posterior of the unknowns around the answer (Laplace's approximation).
@@ -372,12 +372,12 @@ public:
     std::vector<BodyFit> fits;
     for (const Subject &subject : subjects)
       fits.push_back(result(subject, model, certainty, context));
-    context.report("body", 1.0);
+    context.report_progress("body", 1.0);
     return fits;
   }
 
 private:
-  std::vector<Subject> prepare(const std::vector<DressedScan> &scans, const BodyModel &model) const {
+  std::vector<Subject> prepare(const std::vector<ClothedScan> &scans, const BodyModel &model) const {
     if (scans.empty())
       throw std::invalid_argument("body fit: expected at least one scan, found none");
     std::vector<Subject> subjects;
@@ -483,7 +483,7 @@ std::unique_ptr<BodyFitter> BodyFitter::create(const BodyFitOptions &options) {
   return std::make_unique<IcpBodyFitter>(options);
 }
 
-std::vector<BodyFit> BodyFitter::fit_together(const std::vector<DressedScan> &, const BodyModel &, const Context &) const {
+std::vector<BodyFit> BodyFitter::fit_together(const std::vector<ClothedScan> &, const BodyModel &, const Context &) const {
   throw std::logic_error("this body fitter takes one scan at a time");
 }
 

@@ -245,7 +245,7 @@ std::vector<double> flat(const MatrixRM &matrix) {
 TrainSummary train_body_model(const std::filesystem::path &population_path, const std::filesystem::path &out,
                               const TrainOptions &options, const Context &context) {
   options.validate();
-  context.report("train body", 0.0);
+  context.report_progress("train body", 0.0);
   Npz population_file = Npz::read(population_path);
   Population population = read_population(population_file);
   population_file.arrays.erase("vertices_q");
@@ -261,7 +261,7 @@ TrainSummary train_body_model(const std::filesystem::path &population_path, cons
   const int meshes = static_cast<int>(chosen.size()), v = population.vertices, j = population.joints;
   MatrixRM data(meshes, 3 * (v + j));
   for (int first = 0; first < meshes; first += 32) {
-    context.report("train body", 0.1 + 0.5 * first / meshes);
+    context.report_progress("train body", 0.1 + 0.5 * first / meshes);
     parallel_for(context, std::min(32, meshes - first),
                  [&](int i) { data.row(first + i) = unposed(population, chosen[first + i]); });
   }
@@ -269,7 +269,7 @@ TrainSummary train_body_model(const std::filesystem::path &population_path, cons
     throw Error(population_file.source + ": the meshes hold values that are not finite");
   population.quantised.clear();
   population.quantised.shrink_to_fit();
-  context.report("train body", 0.6);
+  context.report_progress("train body", 0.6);
   const Components components = principal_components(std::move(data), options.components, v);
   Eigen::RowVectorXd pose_mean;
   MatrixRM pose;
@@ -292,7 +292,7 @@ TrainSummary train_body_model(const std::filesystem::path &population_path, cons
   file.set_f4("pose_components", {pose.rows(), 3 * j}, flat(pose));
   store_landmarks(file, population_file);
   file.write(out);
-  context.report("train body", 1.0);
+  context.report_progress("train body", 1.0);
   return {meshes, v, static_cast<int>(components.rows.rows()), components.kept, 1000 * components.error};
 }
 

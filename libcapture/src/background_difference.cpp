@@ -82,7 +82,7 @@ public:
                                   std::to_string(image.height));
     Image mask(image.width, image.height, 1);
     compare(smoothed(image), background, mask);
-    clean_mask(mask, options_.smallest_blob);
+    clean_mask(mask, options_.min_blob_area);
     return mask;
   }
 

@@ -188,9 +188,9 @@ void require_plausible_distance(const std::vector<CalibratedCamera> &cameras, do
   std::string fitting;
   for (const auto &[name, other] : kUnits)
     if (const double converted = distance / unit * other; converted >= kNearestCameras && converted <= kFarthestCameras)
-      fitting += (fitting.empty() ? "; " : ", ") + name + " would make it " + options::shown(converted, 4) + " m";
+      fitting += (fitting.empty() ? "; " : ", ") + name + " would make it " + options::to_text(converted, 4) + " m";
   throw Error(where + ": expected the two cameras farthest apart to be 0.3 to 30 m from each other, found " +
-              options::shown(distance, 4) + " m: say which units the file has (--units m, cm, mm, or metres a unit" + fitting +
+              options::to_text(distance, 4) + " m: say which units the file has (--units m, cm, mm, or metres a unit" + fitting +
               ")");
 }
 
@@ -225,7 +225,7 @@ void require_size(const Camera &camera, ImageSize given, const std::string &wher
 } // namespace
 
 Eigen::Vector2d CalibratedCamera::project(const Eigen::Vector3d &point) const {
-  if (!lens.undone())
+  if (!lens.needs_undistortion())
     return camera.project(point);
   detail::require_lens(lens);
   const Eigen::Vector3d p = camera.R * point + camera.t;
@@ -271,7 +271,7 @@ std::vector<CalibratedCamera> read_calibration(const fs::path &path, const Calib
   if (!convention.declared && options.up == "found")
     require_upright(cameras, up, where);
   for (const std::string &sentence : left_out)
-    context.say(where + ": " + sentence + ": left out");
+    context.log_line(where + ": " + sentence + ": left out");
   return cameras;
 }
 
@@ -325,7 +325,7 @@ void set_size(CalibratedCamera &camera, ImageSize size) {
 
 void require_lens(const Lens &lens) {
   const auto count = lens.distortion.size();
-  if (lens.fisheye ? count != 4 : lens.undone() && count != 8 && count != 12 && count != 14)
+  if (lens.fisheye ? count != 4 : lens.needs_undistortion() && count != 8 && count != 12 && count != 14)
     throw std::invalid_argument("lens: expected 8, 12 or 14 numbers of distortion, or the 4 of a fisheye, found " +
                                 std::to_string(count));
 }
@@ -336,10 +336,10 @@ void validate_calibrated(const CalibratedCamera &camera, const std::string &sour
   if (!camera.lens.distortion.allFinite())
     throw Error(where + ": expected finite numbers in distortion, found NaN or infinity");
   require_lens(camera.lens);
-  if (camera.lens.undone() && camera.camera.K(0, 1) != 0)
+  if (camera.lens.needs_undistortion() && camera.camera.K(0, 1) != 0)
     throw Error(where + ": expected no skew in K beside a lens of more than five terms, found " +
-                options::shown(camera.camera.K(0, 1), 4));
-  if (camera.lens.undone() && camera.camera.distorted())
+                options::to_text(camera.camera.K(0, 1), 4));
+  if (camera.lens.needs_undistortion() && camera.camera.distorted())
     throw Error(where + ": expected the distortion in the lens or in the camera, found both");
 }
 
@@ -359,7 +359,8 @@ void write_camera(cv::FileStorage &storage, const CalibratedCamera &calibrated) 
     return std::vector<double>(rows.data(), rows.data() + 9);
   };
   const auto flat = [](const auto &v) { return std::vector<double>(v.begin(), v.end()); };
-  const std::vector<double> terms = calibrated.lens.undone() ? flat(calibrated.lens.distortion) : flat(camera.distortion);
+  const std::vector<double> terms =
+      calibrated.lens.needs_undistortion() ? flat(calibrated.lens.distortion) : flat(camera.distortion);
   write_matrix(storage, name + "_K", 3, 3, row_by_row(camera.K));
   write_matrix(storage, name + "_distortion", 1, static_cast<int>(terms.size()), terms);
   if (calibrated.lens.fisheye)

@@ -74,7 +74,7 @@ public:
     for (int k = 0; k < options_.iterations; ++k) {
       const double progress = options_.iterations > 1 ? static_cast<double>(k) / (options_.iterations - 1) : 1.0;
       iterate(between(kWidestGate, kNarrowestGate, progress), between(kWidest, kNarrowest, progress));
-      context_.check_cancelled();
+      context_.throw_if_cancelled();
     }
     estimate.after_px = residual();
     tell(estimate);

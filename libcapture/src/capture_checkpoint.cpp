@@ -54,7 +54,7 @@ std::vector<TrackedFrame> CaptureCheckpoint::read(std::size_t most, const Contex
   std::string start(header().size(), '\0');
   std::ifstream(path_, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
   if (const std::string why = why_not(start); !why.empty()) {
-    context.say("capture: " + path_.string() + " " + why + "; starting over");
+    context.log_line("capture: " + path_.string() + " " + why + "; starting over");
     start_over();
     return {};
   }
@@ -81,8 +81,8 @@ std::vector<TrackedFrame> CaptureCheckpoint::read_records(std::size_t most, cons
   }
   in.close();
   if (whole < file_size) {
-    context.say("capture: " + path_.string() + " is damaged or cut short after " + std::to_string(frames.size()) +
-                " frames; what follows is not used");
+    context.log_line("capture: " + path_.string() + " is damaged or cut short after " + std::to_string(frames.size()) +
+                     " frames; what follows is not used");
     std::error_code error;
     std::filesystem::resize_file(path_, whole, error);
     if (error)

@@ -113,9 +113,9 @@ public:
     if (usable.empty())
       throw std::invalid_argument("images: expected at least one image of camera " + std::to_string(camera) + ", found none");
     const SharedHue hue = shared_hue(border_pixels(usable));
-    if (hue.share < options_.smallest_key_share)
+    if (hue.share < options_.min_key_share)
       throw Error("camera " + std::to_string(camera) + ": no key colour: expected one saturated hue on at least " +
-                  percent(options_.smallest_key_share) + " of the image border, found " + percent(hue.share) +
+                  percent(options_.min_key_share) + " of the image border, found " + percent(hue.share) +
                   "; give the session ready masks instead (\"masks\" in session.json)");
     const KeyColour key = key_colour(hue.pixels);
     tests_[camera] = KeyTest(key, class_threshold(key, usable));
@@ -128,7 +128,7 @@ public:
     require_colour(image);
     Image mask(image.width, image.height, 1);
     test->second.apply(image.data.data(), image.width * image.height, mask.data.data());
-    clean_mask(mask, options_.smallest_blob);
+    clean_mask(mask, options_.min_blob_area);
     return mask;
   }
 

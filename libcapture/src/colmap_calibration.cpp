@@ -248,7 +248,7 @@ CalibratedCamera posed(const Intrinsics &cameras, const Picture &picture, const 
                 ", which the file of cameras does not have");
   if (!(std::abs(picture.q.norm() - 1) < 1e-3))
     throw Error(where + ": image '" + picture.name + "': expected a quaternion of length 1, found " +
-                options::shown(picture.q.norm(), 4));
+                options::to_text(picture.q.norm(), 4));
   CalibratedCamera result = found->second;
   result.camera.R = Eigen::Quaterniond(picture.q[0], picture.q[1], picture.q[2], picture.q[3]).normalized().toRotationMatrix();
   result.camera.t = picture.t;

@@ -39,7 +39,7 @@ SurfacePoint lift(const Eigen::Vector2d &pixel, const Vertices &surface, const R
   if (x < 0 || y < 0 || x >= visible.width || y >= visible.height)
     return point;
   const int face = visible.face_at(x, y);
-  if (face < 0 || !actor.face_valid[face] || overstretched(surface, actor.mesh, face))
+  if (face < 0 || !actor.face_valid[face] || is_overstretched(surface, actor.mesh, face))
     return point;
   const Faces &faces = actor.mesh.faces;
   const Eigen::Vector3d a = surface.row(faces(face, 0)), b = surface.row(faces(face, 1)), c = surface.row(faces(face, 2));

@@ -112,7 +112,7 @@ PlacedPose best_place(const Placement &placement, const RiggedMesh &actor, int h
       best_score = score;
       best = placed;
     }
-    context.check_cancelled();
+    context.throw_if_cancelled();
   }
   return best;
 }
@@ -146,7 +146,7 @@ std::vector<PlacedPose> placed_all_around(const RiggedMesh &actor, const CameraR
   for (int k = 0; placement.views() >= 2 && k < headings; ++k) {
     placed.push_back({placement.facing(2 * std::numbers::pi * heading_step(k) / headings), 0});
     placed.back().overlap = placement.settle(placed.back().dofs);
-    context.check_cancelled();
+    context.throw_if_cancelled();
   }
   return placed;
 }

@@ -83,7 +83,7 @@ private:
 
   /// What is to be undone; null if nothing is.
   const detail::LensMap *lens_of(int camera) {
-    if (session_.lenses.empty() || !session_.lenses[camera].undone())
+    if (session_.lenses.empty() || !session_.lenses[camera].needs_undistortion())
       return nullptr;
     if (!maps_[camera])
       maps_[camera].emplace(session_.rig[camera], session_.lenses[camera]);

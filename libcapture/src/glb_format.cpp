@@ -151,7 +151,7 @@ private:
   std::size_t add_vertices(int accessor, const Affine3d &place) {
     const std::vector<double> points = numbers(accessor, TINYGLTF_TYPE_VEC3);
     if (growing_.coordinates.size() + points.size() > 3 * kMostMeshVertices)
-      fail("expected at most " + options::shown(static_cast<double>(kMostMeshVertices)) + " vertices, found more");
+      fail("expected at most " + options::to_text(static_cast<double>(kMostMeshVertices)) + " vertices, found more");
     for (std::size_t v = 0; v + 2 < points.size(); v += 3) {
       const Eigen::Vector3d p = place * Eigen::Vector3d(points.data() + v);
       growing_.add_vertex(p.x(), p.y(), p.z());
@@ -164,10 +164,10 @@ private:
       for (std::size_t v = 0; v < count; ++v)
         indices.push_back(static_cast<double>(v));
     if (growing_.corners.size() + 3 * indices.size() > 6 * kMostMeshVertices)
-      fail("expected at most " + options::shown(2.0 * static_cast<double>(kMostMeshVertices)) + " triangles, found more");
+      fail("expected at most " + options::to_text(2.0 * static_cast<double>(kMostMeshVertices)) + " triangles, found more");
     const auto corner = [&](std::size_t i) {
       if (!(indices[i] >= 0 && indices[i] < static_cast<double>(count) && indices[i] == std::floor(indices[i])))
-        fail("expected vertices from 0 to " + std::to_string(count) + ", found number " + options::shown(indices[i]));
+        fail("expected vertices from 0 to " + std::to_string(count) + ", found number " + options::to_text(indices[i]));
       return first + static_cast<int>(indices[i]);
     };
     const std::size_t step = mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1;

@@ -141,9 +141,9 @@ void check_arguments(const Mesh &mesh, const std::vector<std::uint8_t> &face_val
 MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const Skeleton &skeleton,
                       const HeatWeightOptions &options, const Context &context) {
   check_arguments(mesh, face_valid, skeleton, options);
-  context.report("template: weights", 0.0);
+  context.report_progress("template: weights", 0.0);
   const std::vector<Source> sources = heat_sources(mesh, skeleton, context);
-  context.report("template: weights", 0.5);
+  context.report_progress("template: weights", 0.5);
   const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
   const Eigen::Index count = mesh.vertices.rows();
   auto entries = conduction(mesh, face_valid);
@@ -159,7 +159,7 @@ MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_va
   MatrixRM weights = solve_symmetric(entries, right, "the heat equilibrium of the mesh's skin weights").cwiseMax(0.0);
   for (Eigen::Index v = 0; v < count; ++v)
     weights.row(v) /= weights.row(v).sum();
-  context.report("template: weights", 1.0);
+  context.report_progress("template: weights", 1.0);
   return weights;
 }
 

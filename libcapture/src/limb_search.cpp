@@ -243,7 +243,7 @@ public:
   Eigen::VectorXd operator()(const Eigen::MatrixXd &samples) const {
     Eigen::VectorXd energies(samples.rows());
     parallel_for(context_, static_cast<int>(samples.rows()), [&](int i) { energies[i] = energy(samples.row(i)); });
-    context_.check_cancelled();
+    context_.throw_if_cancelled();
     return energies;
   }
 
@@ -345,7 +345,7 @@ Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &d
     if (views[v].mask.empty())
       return;
     const FaceBuffer rendered = rasterize(surface, actor.mesh.faces, views[v].camera, actor.face_valid);
-    const ViewCheck check(views[v], rendered, of_face, reliability, options.reach);
+    const ViewCheck check(views[v], rendered, of_face, reliability, options.max_error);
     check.add_outside(parts[v]);
     check.add_uncovered(bones_in_view(actor.skeleton, joints, of_joint, views[v].camera), parts[v]);
   });

@@ -26,8 +26,8 @@ void drop_small_regions(cv::Mat &mask, std::uint8_t value, int smallest) {
 
 } // namespace
 
-void clean_mask(Image &mask, int smallest_blob) {
-  const int smallest = static_cast<int>(smallest_blob * (double(mask.width) * mask.height) / (1004.0 * 1004.0) + 0.5);
+void clean_mask(Image &mask, int min_blob_area) {
+  const int smallest = static_cast<int>(min_blob_area * (double(mask.width) * mask.height) / (1004.0 * 1004.0) + 0.5);
   cv::Mat view(mask.height, mask.width, CV_8UC1, mask.data.data());
   drop_small_regions(view, 255, smallest);
   if (const cv::Rect box = cv::boundingRect(view); !box.empty()) {

@@ -3,8 +3,8 @@
 
 namespace doublet {
 
-/// Drops foreground islands, then background holes, with fewer than `smallest_blob` pixels (of an image of 1004 x 1004).
-void clean_mask(Image &mask, int smallest_blob);
+/// Drops foreground islands, then background holes, with fewer than `min_blob_area` pixels (of an image of 1004 x 1004).
+void clean_mask(Image &mask, int min_blob_area);
 
 /// Throws std::invalid_argument unless the image has three channels and pixels.
 void require_colour(const Image &image);

@@ -48,7 +48,7 @@ public:
   void move() {
     const Eigen::MatrixXd scaled = samples_ * deviation_.cwiseInverse().asDiagonal();
     const Eigen::MatrixXd centred = scaled.rowwise() - scaled.colwise().mean();
-    Eigen::MatrixXd covariance = options_.spread / (samples_.rows() - 1) * centred.transpose() * centred;
+    Eigen::MatrixXd covariance = options_.covariance_share / (samples_.rows() - 1) * centred.transpose() * centred;
     covariance.diagonal().array() += kFloor;
     const Eigen::MatrixXd root = covariance.llt().matrixL();
     Eigen::VectorXd z(samples_.cols());

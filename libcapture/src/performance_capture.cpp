@@ -211,8 +211,9 @@ public:
            FrameSource &frames, const SilhouetteExtractor *extractor, int count, CaptureCheckpoint &checkpoint,
            const Context &context)
       : options_(options), parts_(parts), actor_(actor), studio_(studio), rig_(studio.rig), frames_(frames),
-        extractor_(extractor), count_(count), checkpoint_(checkpoint), context_(context), looseness_(actor, options.loose),
-        offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)), limbs_(find_limbs(actor.skeleton)), limb_record_(no_record()) {
+        extractor_(extractor), count_(count), checkpoint_(checkpoint), context_(context),
+        looseness_(actor, options.cloth_deviation_scale), offset_(Vertices::Zero(actor.mesh.vertices.rows(), 3)),
+        limbs_(find_limbs(actor.skeleton)), limb_record_(no_record()) {
     for (const Joint &joint : actor.skeleton.joints)
       if (joint.dof_count > 0)
         result_.summary.joints.push_back({joint.name});
@@ -230,7 +231,7 @@ public:
   /// to be tracked again.
   CaptureResult run(std::vector<TrackedFrame> known) {
     if (!options_.use_sift)
-      context_.say("capture: silhouettes alone, no texture features");
+      context_.log_line("capture: silhouettes alone, no texture features");
     done_ = static_cast<int>(known.size());
     try {
       report_progress();
@@ -245,14 +246,14 @@ public:
       say_what_was_hidden();
       smooth();
       result_.summary.seconds_per_frame = seconds().back() / count_;
-      context_.report("capture", 1);
+      context_.report_progress("capture", 1);
     } catch (const OtherCapture &) {
       throw;
     } catch (const CamerasMoved &) {
       throw;
     } catch (...) {
       if (checkpoint_.used())
-        context_.say("capture: stopped; " + checkpoint_.path().string() + " goes on " + place());
+        context_.log_line("capture: stopped; " + checkpoint_.path().string() + " goes on " + place());
       throw;
     }
     return std::move(result_);
@@ -267,7 +268,7 @@ private:
   /// Never less than before, though frames out of a checkpoint may be of runs to come.
   void report_progress() {
     reached_ = std::max(reached_, progress(done_));
-    context_.report("capture", reached_);
+    context_.report_progress("capture", reached_);
   }
 
   /// The frame index that a step is about.
@@ -334,7 +335,7 @@ private:
       say_where_it_goes_on();
   }
 
-  void say_where_it_goes_on() const { context_.say("capture: " + checkpoint_.path().string() + " goes on " + place()); }
+  void say_where_it_goes_on() const { context_.log_line("capture: " + checkpoint_.path().string() + " goes on " + place()); }
 
   /// After the first frame, if it is in the scan's pose, by that; after the first pass by frames of the whole take. Throws
   /// CamerasMoved if the given cameras are clearly off: nothing that was found by them is kept.
@@ -364,7 +365,7 @@ private:
   bool clearly_off(const CalibrationEstimate &found) const {
     constexpr double kClearly = 2; // standard deviations
     const auto seen = [](const RefinedCamera &camera) { return camera.seen; };
-    const double least = options_.calibration.least;
+    const double least = options_.calibration.min_change;
     return std::count_if(found.cameras.begin(), found.cameras.end(), seen) >= 3 && found.after_px < found.before_px &&
            (studio_.moved ? found.change > least / 2 : found.change > std::max(least, kClearly * found.sure));
   }
@@ -391,7 +392,8 @@ private:
   CalibrationEstimate refine_by_take() const {
     Looseness settled = looseness_;
     settled.settle(offsets_);
-    const Eigen::VectorXd learnt = settled.reliability(), expected = Looseness(actor_, options_.loose).reliability();
+    const Eigen::VectorXd learnt = settled.reliability(),
+                          expected = Looseness(actor_, options_.cloth_deviation_scale).reliability();
     CalibrationEstimate timed;
     if (options_.calibration.late > 0)
       timed = refine_by_take(learnt.cwiseMax(expected));
@@ -431,7 +433,7 @@ private:
   /// A frame that was tracked before. Its features are detected only where they are still needed: in the start for the map and
   /// for the way back, in the `latest` one for the matches of the next.
   void go_over(int t, const TrackedFrame &found, bool latest) {
-    context_.check_cancelled();
+    context_.throw_if_cancelled();
     if (found.frame != t || !fits(found, actor_, rig_.size(), limbs_.size(), !again_))
       throw OtherCapture("is damaged");
     if (again_) {
@@ -501,7 +503,7 @@ private:
     std::vector<ViewMeasurement> current = measure_next(t, tracker());
     const auto has_image = [](const ViewMeasurement &view) { return view.has_image; };
     if (t == start_ && tracker() && std::none_of(current.begin(), current.end(), has_image))
-      context_.say("capture: masks without images: silhouettes alone, no texture features");
+      context_.log_line("capture: masks without images: silhouettes alone, no texture features");
     found.images = fingerprint(current);
     found.matches = match(t, current);
     keep(t, std::move(current), found.matches);
@@ -519,7 +521,7 @@ private:
       stretch_.clear();
       stretch_tracker_ = tracker;
       for (int s = std::max(0, t + 1 - kStretch); s <= t; ++s) {
-        context_.check_cancelled();
+        context_.throw_if_cancelled();
         stretch_.push_back(measure_views(s, tracker));
       }
     }
@@ -583,7 +585,7 @@ private:
   /// Everything is tracked a second time, from the start on and with the measurements at hand, knowing what is loose: until
   /// a garment has been seen to swing it passes for skin, and drags the limbs under it along.
   void start_again() {
-    context_.say("capture: again, knowing what is loose");
+    context_.log_line("capture: again, knowing what is loose");
     again_ = true;
     looseness_.settle(offsets_);
     offset_.setZero();
@@ -605,7 +607,7 @@ private:
   /// The way to the last frame is done; the one from the start to the first begins with what was known at the start. What is
   /// loose is known better by now, and stays.
   void turn_back() {
-    context_.say("capture: back from frame " + std::to_string(frame(start_)) + " to frame " + std::to_string(frame(0)));
+    context_.log_line("capture: back from frame " + std::to_string(frame(start_)) + " to frame " + std::to_string(frame(0)));
     last_ = std::move(at_start_.views);
     last_surface_ = std::move(at_start_.surface);
     visible_ = std::move(at_start_.visible);
@@ -645,8 +647,8 @@ private:
     const int views = static_cast<int>(rig_.size());
     std::vector<std::vector<SurfaceTrack>> found(views);
     parallel_for(context_, views, [&](int v) {
-      found[v] =
-          map_.find(last_[v].features, *parts_.features, actor_, expected, v, rig_[v], options_.map_reach * last_[v].height);
+      found[v] = map_.find(last_[v].features, *parts_.features, actor_, expected, v, rig_[v],
+                           options_.map_search_radius * last_[v].height);
     });
     for (const auto &part : found)
       all.insert(all.end(), part.begin(), part.end());
@@ -674,7 +676,7 @@ private:
     say("frame %d is not in the scan's pose (overlap %.2f, expected %.1f)", frame(start_), placed.overlap, kScanPoseOverlap);
     if (best < kNearScanPose && !given)
       refuse_to_start("at best frame " + std::to_string(likely.front().frame) + " overlaps the scan by " +
-                      options::shown(best, 2) + ", expected " + options::shown(kNearScanPose, 2));
+                      options::to_text(best, 2) + ", expected " + options::to_text(kNearScanPose, 2));
     if (best >= kScanPoseOverlap) {
       begin_at(likely.front().frame, likely.front().placed.dofs);
       say("frame %d is (overlap %.2f); it goes on from there, and back", frame(start_), best);
@@ -710,7 +712,7 @@ private:
         break;
     }
     if (doubt > 1)
-      refuse_to_start("with the best one " + options::shown(std::round(100 * least_wrong), 3) +
+      refuse_to_start("with the best one " + options::to_text(std::round(100 * least_wrong), 3) +
                       " % of the silhouettes are wrong");
     say("the pose was found in frame %d, where %.0f %% of the silhouettes are wrong; it goes on from there, and back",
         frame(start_), 100 * best.wrong);
@@ -736,7 +738,7 @@ private:
   template <class... Numbers> void say(const char *format, Numbers... numbers) const {
     char line[200];
     std::snprintf(line, sizeof line, format, numbers...);
-    context_.say(std::string("capture: ") + line);
+    context_.log_line(std::string("capture: ") + line);
   }
 
   static std::vector<Image> masks_of(const std::vector<ViewMeasurement> &views) {
@@ -792,7 +794,7 @@ private:
     const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, options_.limbs, context_);
     std::vector<Limb> sought;
     for (size_t l = 0; l < limbs_.size(); ++l)
-      if (before[l] > options_.limbs.lost && age(t) >= next_search[l])
+      if (before[l] > options_.limbs.lost_error && age(t) >= next_search[l])
         sought.push_back(limbs_[l]);
     Eigen::VectorXd after = before;
     if (!sought.empty()) {
@@ -813,12 +815,12 @@ private:
       }
     }
     for (size_t l = 0; l < limbs_.size(); ++l) {
-      const bool lost = after[l] > options_.limbs.lost, searched = age(t) >= next_search[l];
+      const bool lost = after[l] > options_.limbs.lost_error, searched = age(t) >= next_search[l];
       if (!lost)
         misses[l] = 0;
       else if (searched)
         next_search[l] = age(t) + std::min(++misses[l], kLongestWait);
-      if (before[l] > options_.limbs.lost) {
+      if (before[l] > options_.limbs.lost_error) {
         found.lost.push_back({frame(t), limbs_[l].name, before[l], after[l], !lost});
         if (searched)
           say_lost(found.lost.back());
@@ -830,7 +832,7 @@ private:
     char line[200];
     std::snprintf(line, sizeof line, "capture: frame %d, limb '%s' lost (%.1f cm off), %s (%.1f cm)", lost.frame,
                   lost.limb.c_str(), 100 * lost.before, lost.recovered ? "found again" : "not found", 100 * lost.after);
-    context_.say(line);
+    context_.log_line(line);
   }
 
   /// From the last three frames: damped velocity and a share of its change; both only since the limb was last found again.
@@ -935,7 +937,7 @@ private:
     }
   }
 
-  /// Which joints the frame shows: see JointSight.
+  /// Which joints the frame shows: see JointVisibility.
   void watch_joints(int t) {
     constexpr double kSeen = 0.08;    // m^2 for each m^2 of the bone's length: a fifth of a bare shank
     constexpr double kReliable = 0.5; // moves with the skeleton
@@ -956,7 +958,7 @@ private:
       for (size_t l = 0; limb.frame == result_.performance.frames[t] && !limb.recovered && l < limbs_.size(); ++l)
         for (int j : limbs_[l].joints)
           lost[j] = lost[j] || limbs_[l].name == limb.limb;
-    for (JointSight &sight : result_.summary.joints) {
+    for (JointVisibility &sight : result_.summary.joints) {
       const int j = skeleton.find(sight.joint);
       const double length = bone_length(j);
       ++(lost[j] ? sight.lost : seen[j] >= kSeen * length * length ? sight.seen : sight.inferred);
@@ -973,10 +975,10 @@ private:
   }
 
   void say_what_was_hidden() const {
-    for (const JointSight &sight : result_.summary.joints)
+    for (const JointVisibility &sight : result_.summary.joints)
       if (sight.inferred + sight.lost > 0)
-        context_.say("capture: joint '" + sight.joint + "': seen in " + std::to_string(sight.seen) + " frames, inferred in " +
-                     std::to_string(sight.inferred) + ", lost in " + std::to_string(sight.lost));
+        context_.log_line("capture: joint '" + sight.joint + "': seen in " + std::to_string(sight.seen) +
+                          " frames, inferred in " + std::to_string(sight.inferred) + ", lost in " + std::to_string(sight.lost));
   }
 
   void log(int t, double seconds_per_frame) const {
@@ -986,7 +988,7 @@ private:
                   "capture: frame %d, %d cameras, outline %.2f px, features %.2f px (%zu), overlap %.3f, %.2f s a frame",
                   result_.performance.frames[t], s.views[t], s.rim_px[t], s.sift_px[t], tracks_.size(), s.silhouette_iou[t],
                   seconds_per_frame);
-    context_.say(line);
+    context_.log_line(line);
   }
 
   const CaptureOptions &options_;
@@ -1076,7 +1078,7 @@ public:
                                   " to " + std::to_string(options_.first_frame + count - 1) + ", found " +
                                   std::to_string(options_.start_frame));
     const CameraChoice chosen(options_.cameras, rig, frames, extractor);
-    const TrackedActor tracked = track_actor(actor, options_.ends_turn);
+    const TrackedActor tracked = track_actor(actor, options_.extra_twist_range);
     CaptureCheckpoint checkpoint(options_.checkpoint, fingerprint(options_, own_parts_, tracked.actor, chosen.rig(), count));
     const auto track = [&](std::vector<TrackedFrame> known) {
       return track_until_cameras_stay(tracked.actor, chosen, count, checkpoint, std::move(known), context);
@@ -1086,7 +1088,7 @@ public:
       const int most = (passes(options_) + (options_.refine_cameras ? kMostMoves : 0)) * count;
       result = track(checkpoint.read(static_cast<std::size_t>(most), context));
     } catch (const OtherCapture &why) {
-      context.say("capture: " + checkpoint.path().string() + " " + why.what() + "; starting over");
+      context.log_line("capture: " + checkpoint.path().string() + " " + why.what() + "; starting over");
       checkpoint.start_over();
       result = track({});
     }
@@ -1139,7 +1141,7 @@ private:
     std::snprintf(line, sizeof line, "the calibration is %.1f mm off on the actor (outlines %.2f px, %.2f when refined)",
                   1000 * found.change, found.before_px, found.after_px);
     const std::string cameras = moved.late_alone ? "the calibration stays as it is" : line;
-    context.say("capture: " + cameras + (late.empty() ? "" : "; frames late: " + late) + "; it begins again");
+    context.log_line("capture: " + cameras + (late.empty() ? "" : "; frames late: " + late) + "; it begins again");
   }
 
   /// A letter for each piece that is not made from the options.
@@ -1171,7 +1173,7 @@ Session filmed(Session session, const CaptureResult &captured) {
 void CaptureOptions::validate() const {
   options::check(*this);
   if (frame_count == 0)
-    options::refuse("CaptureOptions: frame_count", "a number of frames, or -1 for all", "0");
+    options::throw_invalid("CaptureOptions: frame_count", "a number of frames, or -1 for all", "0");
   savitzky_golay_weights(smooth_window, std::min(smooth_order, smooth_window - 1));
 }
 

@@ -184,7 +184,7 @@ void pass_on(Eigen::Ref<Eigen::Array<float, 1, Eigen::Dynamic>> costs, float slo
 Costs beliefs(const Costs &own, const Edges &edges, float slope, float most, const Context &context) {
   Costs messages = Costs::Zero(static_cast<Eigen::Index>(edges.from.size()), own.cols()), next = messages, sums = own;
   for (int round = 0; round <= kRounds; ++round) {
-    context.report("scan: smooth depths", static_cast<double>(round) / kRounds);
+    context.report_progress("scan: smooth depths", static_cast<double>(round) / kRounds);
     parallel_for(context, static_cast<int>(own.rows()), [&](int v) {
       sums.row(v) = own.row(v);
       for (int e = edges.first[v]; e < edges.first[v + 1]; ++e)
@@ -228,7 +228,7 @@ Vertices photo_consistent(const Mesh &hull, const CameraRig &rig, const std::vec
   Costs own = Costs::Zero(count, labels);
   constexpr int kChunk = 4096;
   for (int start = 0; start < count; start += kChunk) {
-    context.report("scan: comparing cameras", static_cast<double>(start) / count);
+    context.report_progress("scan: comparing cameras", static_cast<double>(start) / count);
     parallel_for(context, std::min(kChunk, count - start), [&](int offset) {
       const int v = start + offset;
       const Eigen::Vector3d point = hull.vertices.row(v), normal = normals.row(v);

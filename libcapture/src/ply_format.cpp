@@ -237,7 +237,7 @@ private:
     const double length = values_.next(property.count_type);
     if (!(length >= 0) || length != std::floor(length) || length > static_cast<double>(bytes_) ||
         !values_.room_for(static_cast<std::size_t>(length), property.type))
-      fail("expected a list '" + property.name + "' that the file has room for, found one of " + options::shown(length) +
+      fail("expected a list '" + property.name + "' that the file has room for, found one of " + options::to_text(length) +
            " values at element " + std::to_string(row_));
     if (corners && length < 3)
       fail("expected faces of at least 3 corners, found " + std::to_string(static_cast<int>(length)) + " at face " +

@@ -61,7 +61,7 @@ public:
       match(problem, estimate.dofs, context);
       step(problem, context, estimate, damping);
       estimate.iterations = k + 1;
-      context.check_cancelled();
+      context.throw_if_cancelled();
     }
     estimate.dofs = clamped(estimate.dofs);
     measure(problem, estimate);

@@ -55,7 +55,7 @@ bool seen_at(int v, const std::vector<Vertices> &frames, const MatrixRM &bends, 
              Eigen::RowVector3d &at) {
   std::vector<std::pair<double, int>> least;
   for (int t = 0; t < static_cast<int>(frames.size()); ++t)
-    if (bends(t, v) <= options.most_bend * std::numbers::pi / 180)
+    if (bends(t, v) <= options.max_bend * std::numbers::pi / 180)
       least.emplace_back(bends(t, v), t);
   const auto count = std::min<std::size_t>(options.frames, least.size());
   if (count == 0)
@@ -79,7 +79,7 @@ Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &p
   if (static_cast<Eigen::Index>(rigid.size()) != rest.rows())
     throw std::invalid_argument("refine_rest_pose: expected " + std::to_string(rest.rows()) + " entries in rigid, found " +
                                 std::to_string(rigid.size()));
-  const std::vector<Vertices> frames = unposed_frames(actor, performance, context);
+  const std::vector<Vertices> frames = canonical_frames(actor, performance, context);
   MatrixRM bends(static_cast<Eigen::Index>(frames.size()), rest.rows());
   for (Eigen::Index t = 0; t < bends.rows(); ++t)
     bends.row(t) = bends_of(actor, performance.dofs.row(t)).transpose();
@@ -87,7 +87,8 @@ Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &p
   // The membrane: the Laplacian's energy, and squares of the distance to what is seen, or of the correction in cloth.
   const std::vector<std::uint8_t> valid = on_valid_faces(actor);
   const Eigen::VectorXd areas = vertex_areas(rest, actor.mesh.faces);
-  const double seen_weight = 1 / (options.smoothing * options.smoothing), cloth_weight = 1 / (options.reach * options.reach);
+  const double seen_weight = 1 / (options.smoothing * options.smoothing),
+               cloth_weight = 1 / (options.fade_distance * options.fade_distance);
   std::vector<Eigen::Triplet<double>> entries;
   for (const Triplet &t : cotangent_laplacian(rest, actor.mesh.faces))
     entries.emplace_back(t.row, t.col, t.value);
@@ -108,7 +109,7 @@ Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &p
   }
   if (!any_seen)
     throw Error("refine_rest_pose: expected skin on valid faces that some of " + std::to_string(frames.size()) +
-                " frames show bent by less than " + options::shown(options.most_bend) + " degrees, found none");
+                " frames show bent by less than " + options::to_text(options.max_bend) + " degrees, found none");
   return rest + solve_symmetric(entries, right, "the membrane of the rest pose's correction");
 }
 

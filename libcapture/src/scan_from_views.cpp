@@ -65,11 +65,11 @@ Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views,
   // Coarse first: where the hull is far off its normals are, too, and point past what the cameras could agree on.
   const int passes = options.search_depth > 0 ? 2 : 0;
   const auto depth_of = [&](int pass) { return options.poisson_depth - (pass + 1 < passes); };
-  context.report("scan: surface of the hull", 0);
+  context.report_progress("scan: surface of the hull", 0);
   Mesh surface = one_piece(detail::poisson_surface(points.points, points.normals, depth_of(-1)));
   for (int pass = 0; pass < passes; ++pass) {
     surface.vertices = detail::photo_consistent(surface, rig, views, options, context);
-    context.report("scan: surface", 0);
+    context.report_progress("scan: surface", 0);
     surface = one_piece(detail::poisson_surface(surface, depth_of(pass)));
   }
   return without_sheets(surface, rig, views, options.grazing_angle, context);

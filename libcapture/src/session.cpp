@@ -148,9 +148,9 @@ void read_rig(Session &session) {
   }
 }
 
-JointMark read_joint(const std::string &name, const Json &object, const fs::path &source) {
+JointAnnotation read_joint(const std::string &name, const Json &object, const fs::path &source) {
   const std::string where = source.string() + ": joint '" + name + "'";
-  JointMark mark;
+  JointAnnotation mark;
   mark.name = name;
   mark.position = point(object, "position", where);
   if (object.contains("parent") && !object.at("parent").is_null())
@@ -172,9 +172,9 @@ void read_joints(const fs::path &path, Session &session) {
   for (const auto &[name, object] : joints.items())
     session.joints.push_back(read_joint(name, object, path));
   std::set<std::string> names;
-  for (const JointMark &mark : session.joints)
+  for (const JointAnnotation &mark : session.joints)
     names.insert(mark.name);
-  for (const JointMark &mark : session.joints)
+  for (const JointAnnotation &mark : session.joints)
     if (!mark.parent.empty() && !names.count(mark.parent))
       throw Error(path.string() + ": joint '" + mark.name + "' has the unknown parent '" + mark.parent + "'");
   try {
@@ -241,7 +241,7 @@ Session read_session(const fs::path &folder) {
   session.fps = value<double>(json, "fps", where, "frames per second");
   session.frame_count = value<int>(json, "frame_count", where, "a number of frames");
   if (!(session.fps > 0) || !std::isfinite(session.fps))
-    throw Error(where + ": expected \"fps\" to be positive, found " + options::shown(session.fps));
+    throw Error(where + ": expected \"fps\" to be positive, found " + options::to_text(session.fps));
   if (session.frame_count < 1 || session.frame_count > kMostFrames)
     throw Error(where + ": expected \"frame_count\" to be in [1, " + std::to_string(kMostFrames) + "], found " +
                 std::to_string(session.frame_count));

@@ -78,7 +78,7 @@ public:
 private:
   std::vector<Image> plates(int camera) const {
     const std::vector<Lens> &lenses = session_.lenses;
-    if (lenses.empty() || !lenses.at(camera).undone())
+    if (lenses.empty() || !lenses.at(camera).needs_undistortion())
       return detail::read_plates(session_.cameras[camera].background);
     const detail::LensMap lens(session_.rig.at(camera), lenses[camera]);
     return detail::read_plates(session_.cameras[camera].background, &lens);
@@ -106,14 +106,14 @@ std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session,
   std::map<std::string, std::string> cameras; // by method
   const int count = static_cast<int>(session.cameras.size());
   for (int c = 0; c < count; ++c) {
-    context.report("silhouettes", double(c) / count);
+    context.report_progress("silhouettes", double(c) / count);
     if (session.cameras[c].masks.empty()) {
       std::string &names = cameras[trainer.train(c, *all)];
       names += (names.empty() ? "" : ", ") + session.cameras[c].name;
     }
   }
   for (const auto &[method, names] : cameras)
-    context.say("silhouettes: " + names + ": " + method);
+    context.log_line("silhouettes: " + names + ": " + method);
   return cameras.empty() ? nullptr : std::move(all);
 }
 

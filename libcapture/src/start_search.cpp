@@ -106,8 +106,8 @@ std::vector<LikelyStart> frames_like_the_scan(const RiggedMesh &actor, const Cam
   const double looks = (count + stride - 1) / stride + most * (2 * stride - 1);
   int looked = 0;
   const auto look = [&](int frame) {
-    context.check_cancelled();
-    context.report("where to begin", std::min(1.0, looked++ / looks));
+    context.throw_if_cancelled();
+    context.report_progress("where to begin", std::min(1.0, looked++ / looks));
     return LikelyStart{frame, rough_first_pose(actor, rig, masks_at(rig, frames, extractor, frame, context), context)};
   };
   std::vector<LikelyStart> tried;
@@ -184,7 +184,7 @@ private:
     const Eigen::VectorXd errors = limb_errors(about(dofs), dofs, limbs_, options_, context_);
     std::vector<Limb> lost;
     for (size_t l = 0; l < limbs_.size(); ++l)
-      if (errors[l] > options_.lost)
+      if (errors[l] > options_.lost_error)
         lost.push_back(limbs_[l]);
     return lost;
   }

@@ -127,13 +127,14 @@ public:
       const double scale = options_.scale_start * std::pow(options_.scale_end / options_.scale_start, progress);
       const std::vector<Pull> pulls = find_pulls(problem, estimate, displacement, gate, scale, context);
       // What has already left its skinned position is not held there: the anchor, too, is robust.
-      const Eigen::ArrayXd away = (displacement - to_skinned).rowwise().squaredNorm().array() / (options_.loose * options_.loose);
+      const Eigen::ArrayXd away =
+          (displacement - to_skinned).rowwise().squaredNorm().array() / (options_.anchor_falloff * options_.anchor_falloff);
       const Eigen::VectorXd rigid = problem.reliability.array() / (1 + away).square();
       const Eigen::VectorXd anchor = options_.anchor_cloth + (options_.anchor_rigid - options_.anchor_cloth) * rigid.array();
-      displacement = system_.solve(anchor, rigid.asDiagonal() * to_skinned, options_.memory * to_skinned, pulls,
+      displacement = system_.solve(anchor, rigid.asDiagonal() * to_skinned, options_.offset_prior_share * to_skinned, pulls,
                                    problem.actor->mesh.faces, displacement);
       estimate.vertices = problem.base + displacement;
-      context.check_cancelled();
+      context.throw_if_cancelled();
     }
     measure(problem, estimate);
     return estimate;
@@ -228,7 +229,7 @@ private:
 
 } // namespace
 
-bool overstretched(const Vertices &vertices, const Mesh &rest, int face) {
+bool is_overstretched(const Vertices &vertices, const Mesh &rest, int face) {
   constexpr double kMost = 2;
   double now = 0, before = 0;
   for (int c = 0; c < 3; ++c) {

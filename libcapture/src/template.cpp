@@ -22,7 +22,7 @@ namespace {
 
 void expect(bool good, const std::string &name, const std::string &expectation, double found) {
   if (!good)
-    options::refuse(name, expectation, options::shown(found));
+    options::throw_invalid(name, expectation, options::to_text(found));
 }
 
 /// The sizes of holes are in metres, so the scan must be.
@@ -30,15 +30,15 @@ void expect_metres(const Mesh &scan) {
   constexpr double kSmallest = 0.2, kLargest = 10; // m
   const double extent = (scan.vertices.colwise().maxCoeff() - scan.vertices.colwise().minCoeff()).maxCoeff();
   if (!(extent >= kSmallest && extent <= kLargest))
-    throw Error("scan: expected a person in metres, 0.2 to 10 from end to end, found " + options::shown(extent, 4) +
+    throw Error("scan: expected a person in metres, 0.2 to 10 from end to end, found " + options::to_text(extent, 4) +
                 (extent > kLargest ? " (millimetres or centimetres?)" : ""));
 }
 
 /// The closed surface of the scan before decimation; labels: 1 = valid.
 detail::LabelledMesh close_scan(const Mesh &scan, const TemplateOptions &options, const Context &context) {
-  context.report("template: Poisson reconstruction", 0.0);
+  context.report_progress("template: Poisson reconstruction", 0.0);
   const detail::PoissonSurface poisson = detail::poisson_surface(scan, options.poisson_depth);
-  context.report("template: closing", 0.6);
+  context.report_progress("template: closing", 0.6);
   std::vector<int> source, kept;
   detail::LabelledMesh closed;
   const Mesh whole = detail::closed_surface(poisson.mesh, source);
@@ -49,15 +49,15 @@ detail::LabelledMesh close_scan(const Mesh &scan, const TemplateOptions &options
     const int from = source[kept[v]];
     density[static_cast<Eigen::Index>(v)] = from < 0 ? std::numeric_limits<double>::quiet_NaN() : poisson.density[from];
   }
-  context.report("template: holes", 0.65);
+  context.report_progress("template: holes", 0.65);
   std::vector<detail::HolePatch> patches = detail::find_holes(closed.mesh, density, scan, options, context);
   std::erase_if(patches, [&](const detail::HolePatch &patch) { return patch.area < options.sheet_hole; });
   detail::flatten(closed.mesh, patches);
   closed.labels.assign(closed.mesh.faces.rows(), 1);
   for (const detail::HolePatch &patch : patches) {
     const bool large = detail::is_large(patch, options);
-    context.say("template: hole of " + std::to_string(std::lround(1e4 * patch.area)) + " cm^2 with " +
-                std::to_string(patch.borders) + " border(s): " + (large ? "suggested as invalid" : "closed"));
+    context.log_line("template: hole of " + std::to_string(std::lround(1e4 * patch.area)) + " cm^2 with " +
+                     std::to_string(patch.borders) + " border(s): " + (large ? "suggested as invalid" : "closed"));
     if (large)
       for (int f : patch.wide_faces)
         closed.labels[f] = 0;
@@ -100,16 +100,16 @@ Template build_template(const Mesh &scan, const TemplateOptions &options, const 
   require_usable(scan, "scan");
   expect_metres(scan);
   const detail::LabelledMesh closed = close_scan(detail::oriented_scan(scan), options, context);
-  context.report("template: decimation", 0.75);
+  context.report_progress("template: decimation", 0.75);
   detail::LabelledMesh high = detail::decimate(closed, options.high_triangles),
                        coarse = detail::decimate(high, options.triangles);
   untangle(high.mesh, context);
   untangle(coarse.mesh, context);
-  context.report("template: decimation", 1.0);
+  context.report_progress("template: decimation", 1.0);
   return {coarse.mesh, high.mesh, coarse.labels, high.labels};
 }
 
-RiggedMesh rig_template(const Template &surface, const std::vector<JointMark> &joints, const Context &context) {
+RiggedMesh rig_template(const Template &surface, const std::vector<JointAnnotation> &joints, const Context &context) {
   require_usable(surface.mesh, "template");
   detail::expect_mask(surface.face_valid, surface.mesh, "face_valid");
   RiggedMesh actor;

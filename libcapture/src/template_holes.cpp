@@ -44,7 +44,7 @@ std::vector<std::uint8_t> invented_vertices(const Mesh &surface, const Eigen::Ve
       usual.push_back(density[v]);
   if (usual.empty())
     throw Error("scan: expected the reconstruction to follow the scan, found no point of it within " +
-                options::shown(options.hole_gap) + " m of the scan");
+                options::to_text(options.hole_gap) + " m of the scan");
   const double sparse = median(usual) - options.density_drop;
   std::vector<std::uint8_t> invented(count);
   for (int v = 0; v < count; ++v)
@@ -66,7 +66,7 @@ Eigen::VectorXd distances_from(const Mesh &surface, const std::vector<std::vecto
 /// The vertices within `reach` (m, along edges) of `from`, itself included.
 std::vector<int> within_reach(const Mesh &surface, const std::vector<std::vector<int>> &neighbours, int from, double reach) {
   std::map<int, double> distances{{from, 0.0}};
-  spread_along_edges(surface.vertices, neighbours, {from}, reach, [&](int v) -> double & {
+  propagate_along_edges(surface.vertices, neighbours, {from}, reach, [&](int v) -> double & {
     return distances.try_emplace(v, std::numeric_limits<double>::infinity()).first->second;
   });
   std::vector<int> found;

@@ -74,12 +74,12 @@ TemplateSummary summarise_template(const Template &surface, const Mesh &scan, co
   require_usable(scan, "scan");
   detail::expect_mask(surface.face_valid, surface.mesh, "face_valid");
   detail::expect_mask(surface.high_face_valid, surface.high, "high_face_valid");
-  context.report("template: summary", 0.0);
+  context.report_progress("template: summary", 0.0);
   TemplateSummary out;
   out.mesh = quality(surface.mesh, surface.face_valid, scan, context);
-  context.report("template: summary", 0.5);
+  context.report_progress("template: summary", 0.5);
   out.high = quality(surface.high, surface.high_face_valid, scan, context);
-  context.report("template: summary", 1.0);
+  context.report_progress("template: summary", 1.0);
   return out;
 }
 

@@ -1,6 +1,6 @@
 #include "tracked_actor.h"
 
-#include "doublet/core/parts/sheets.h"
+#include "doublet/core/parts/invalid_faces.h"
 
 namespace doublet {
 namespace {
@@ -50,7 +50,7 @@ TrackedActor let_ends_turn(const RiggedMesh &actor, double most) {
 
 TrackedActor track_actor(const RiggedMesh &actor, double most_turn) {
   TrackedActor tracked = let_ends_turn(actor, most_turn);
-  tracked.actor.face_valid = extend_sheets(actor.mesh, actor.face_valid);
+  tracked.actor.face_valid = extend_invalid_faces(actor.mesh, actor.face_valid);
   return tracked;
 }
 

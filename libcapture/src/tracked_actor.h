@@ -15,7 +15,7 @@ struct TrackedActor {
 /// Where a limb ends with a single hinge (an ankle), what follows may turn about the bone before it as well, by `most_turn` (rad)
 /// each way: "l_ankle.turn". A foot turns in and out; a skeleton that denies it has to turn the whole leg, and the knee with it.
 ///
-/// Its sheets are extended (extend_sheets), so that a garment does not drag at the limb that it touches.
+/// Its sheets are extended (extend_invalid_faces), so that a garment does not drag at the limb that it touches.
 TrackedActor track_actor(const RiggedMesh &actor, double most_turn);
 
 /// Bones of limbs: the joint at the end of each is a hinge (knee, ankle, elbow, wrist). (J) the end of the bone that starts at a

@@ -28,7 +28,7 @@ void require_usable(const Features &features, const Camera &camera, int frame) {
   for (const Eigen::Vector2f &p : features.points)
     if (!(p.x() >= 0 && p.y() >= 0 && p.x() <= float(camera.width - 1) && p.y() <= float(camera.height - 1)))
       throw Error(where + " have a point outside the image of " + std::to_string(camera.width) + " x " +
-                  std::to_string(camera.height) + " at (" + options::shown(p.x(), 4) + ", " + options::shown(p.y(), 4) + ")");
+                  std::to_string(camera.height) + " at (" + options::to_text(p.x(), 4) + ", " + options::to_text(p.y(), 4) + ")");
 }
 
 } // namespace

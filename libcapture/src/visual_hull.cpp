@@ -59,13 +59,14 @@ Silhouette silhouette_of(const Camera &camera, const Image &mask) {
 /// The hull as an implicit function, m: positive inside.
 class Hull {
 public:
-  Hull(std::vector<Silhouette> silhouettes, int outvoted) : silhouettes_(std::move(silhouettes)), outvoted_(outvoted) {}
+  Hull(std::vector<Silhouette> silhouettes, int max_missing_views)
+      : silhouettes_(std::move(silhouettes)), outvoted_(max_missing_views) {}
 
   const std::vector<Silhouette> &silhouettes() const { return silhouettes_; }
 
-  /// The least of what the cameras say, but for the outvoted ones; points that fewer than half of them see are outside.
+  /// The least of what the cameras say, but for the max_missing_views ones; points that fewer than half of them see are outside.
   double operator()(const Eigen::Vector3d &point) const {
-    std::array<double, ViewScanOptions::kMostOutvoted + 1> least;
+    std::array<double, ViewScanOptions::kMaxMissingViews + 1> least;
     least.fill(std::numeric_limits<double>::infinity());
     int count = 0;
     for (const Silhouette &silhouette : silhouettes_) {
@@ -160,7 +161,7 @@ OrientedPoints sample(const Hull &hull, const Cube &cube, double cell, const Con
   std::vector<Samples> of_layer(blocks);
   constexpr int kChunk = 8;
   for (int first = 0; first < blocks; first += kChunk) {
-    context.report("scan: visual hull", static_cast<double>(first) / blocks);
+    context.report_progress("scan: visual hull", static_cast<double>(first) / blocks);
     parallel_for(context, std::min(kChunk, blocks - first), [&](int offset) {
       const int z = first + offset;
       for (int y = 0; y < blocks; ++y)
@@ -200,7 +201,7 @@ std::string blame(const std::vector<Silhouette> &silhouettes, const ViewScanOpti
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(without));
     Eigen::Index size = 0;
     try {
-      size = sample(Hull(others, options.outvoted), cube_around(others), kCoarse * options.cell, context).points.rows();
+      size = sample(Hull(others, options.max_missing_views), cube_around(others), kCoarse * options.cell, context).points.rows();
     } catch (const Error &) { // then it is not this camera alone
     }
     if (size > largest)
@@ -229,7 +230,7 @@ OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &
     throw Error("scan: expected the actor in at least 3 cameras, found " + std::to_string(silhouettes.size()) + " of " +
                 std::to_string(rig.size()) + " with a silhouette");
   const Cube cube = cube_around(silhouettes);
-  OrientedPoints points = sample(Hull(silhouettes, options.outvoted), cube, options.cell, context);
+  OrientedPoints points = sample(Hull(silhouettes, options.max_missing_views), cube, options.cell, context);
   if (points.points.rows() < kFewestPoints)
     throw Error("scan: the silhouettes have no point in common" + blame(silhouettes, options, context));
   return points;

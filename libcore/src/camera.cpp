@@ -86,14 +86,14 @@ void validate_camera(const Camera &camera, const std::string &source) {
   if (!camera.K.allFinite() || !camera.distortion.allFinite() || !camera.R.allFinite() || !camera.t.allFinite())
     fail("expected finite numbers in K, distortion, R and t, found NaN or infinity");
   if (camera.K(0, 0) <= 0 || camera.K(1, 1) <= 0)
-    fail("expected positive focal lengths in K, found " + options::shown(camera.K(0, 0)) + " and " +
-         options::shown(camera.K(1, 1)));
+    fail("expected positive focal lengths in K, found " + options::to_text(camera.K(0, 0)) + " and " +
+         options::to_text(camera.K(1, 1)));
   if (camera.K(1, 0) != 0 || camera.K.row(2) != Eigen::RowVector3d(0, 0, 1))
     fail("expected K to be upper triangular with last row 0 0 1");
   const double off = (camera.R * camera.R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (off > 1e-3 || camera.R.determinant() < 0)
-    fail("expected R to be a rotation, found |R R^T - I| = " + options::shown(off, 4) + " and determinant " +
-         options::shown(camera.R.determinant(), 4));
+    fail("expected R to be a rotation, found |R R^T - I| = " + options::to_text(off, 4) + " and determinant " +
+         options::to_text(camera.R.determinant(), 4));
 }
 
 } // namespace doublet

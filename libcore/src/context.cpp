@@ -13,18 +13,18 @@
 
 namespace doublet {
 
-void Context::report(const std::string &stage, double fraction) const {
+void Context::report_progress(const std::string &stage, double fraction) const {
   if (progress)
     progress(stage, std::clamp(fraction, 0.0, 1.0));
-  check_cancelled();
+  throw_if_cancelled();
 }
 
-void Context::say(const std::string &line) const {
+void Context::log_line(const std::string &line) const {
   if (log)
     log(line);
 }
 
-void Context::check_cancelled() const {
+void Context::throw_if_cancelled() const {
   if (cancelled && cancelled())
     throw Cancelled();
 }

@@ -7,7 +7,7 @@ Eigen::VectorXd edge_distances(const Vertices &vertices, const std::vector<std::
   Eigen::VectorXd distances = Eigen::VectorXd::Constant(vertices.rows(), std::numeric_limits<double>::infinity());
   for (int v : sources)
     distances[v] = 0;
-  spread_along_edges(vertices, neighbours, sources, limit, [&](int v) -> double & { return distances[v]; });
+  propagate_along_edges(vertices, neighbours, sources, limit, [&](int v) -> double & { return distances[v]; });
   return distances;
 }
 

@@ -23,7 +23,7 @@ std::vector<double> all_at(const Garment &garment, double width) {
 
 /// m^2 at rest, with all regions at this position among the widths.
 double area_at(const Garment &garment, double width) {
-  return face_areas(worn(garment, all_at(garment, width)).rest, garment.mesh.faces).sum();
+  return face_areas(choose_widths(garment, all_at(garment, width)).rest, garment.mesh.faces).sum();
 }
 
 /// Where the area is `area`, by bisection: it falls from the first width to the last.
@@ -56,9 +56,9 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
   }
   expect("actor_face", garment.actor_face.size());
   expect("barycentric", garment.barycentric.rows());
-  if (static_cast<Eigen::Index>(garment.covers.size()) != actor.mesh.faces.rows())
+  if (static_cast<Eigen::Index>(garment.replaced_faces.size()) != actor.mesh.faces.rows())
     throw Error(what + ": array 'covers': expected " + std::to_string(actor.mesh.faces.rows()) +
-                " entries, one a face of the actor, found " + std::to_string(garment.covers.size()));
+                " entries, one a face of the actor, found " + std::to_string(garment.replaced_faces.size()));
   for (Eigen::Index v = 0; v < count; ++v) {
     const auto fail = [&](const std::string &expected, double found) {
       throw Error(what + ": vertex " + std::to_string(v) + ": expected " + expected + ", found " + std::to_string(found));
@@ -76,13 +76,13 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
   }
 }
 
-Garment worn(const Garment &garment, const std::vector<double> &chosen) {
+Garment choose_widths(const Garment &garment, const std::vector<double> &chosen) {
   const Eigen::Index count = garment.mesh.vertices.rows();
   bool fits = garment.rest.rows() == count && garment.region.size() == count;
   for (const Vertices &width : garment.widths)
     fits = fits && width.rows() == count;
   if (!fits || (count > 0 && (garment.region.minCoeff() < 0 || garment.region.maxCoeff() >= garment.region_count)))
-    throw std::invalid_argument("worn: garment: expected rest, widths and a region below " +
+    throw std::invalid_argument("choose_widths: garment: expected rest, widths and a region below " +
                                 std::to_string(garment.region_count) + " for each of " + std::to_string(count) +
                                 " vertices, found others");
   Garment result = garment;
@@ -90,12 +90,12 @@ Garment worn(const Garment &garment, const std::vector<double> &chosen) {
   if (garment.widths.empty() || chosen.empty())
     return result;
   if (static_cast<int>(chosen.size()) != garment.region_count)
-    throw std::invalid_argument("worn: expected one width for each of " + std::to_string(garment.region_count) +
+    throw std::invalid_argument("choose_widths: expected one width for each of " + std::to_string(garment.region_count) +
                                 " regions, found " + std::to_string(chosen.size()));
   const double last = static_cast<double>(garment.widths.size()) - 1;
   for (double width : chosen)
     if (!(width >= 0 && width <= last))
-      throw std::invalid_argument("worn: expected a width between 0 and " + std::to_string(garment.widths.size() - 1) +
+      throw std::invalid_argument("choose_widths: expected a width between 0 and " + std::to_string(garment.widths.size() - 1) +
                                   ", found " + std::to_string(width));
   for (Eigen::Index v = 0; v < result.rest.rows(); ++v) {
     const double width = chosen[garment.region[v]], below = std::floor(width), share = width - below;
@@ -107,10 +107,10 @@ Garment worn(const Garment &garment, const std::vector<double> &chosen) {
   return result;
 }
 
-std::vector<Garment> offered(const Garment &garment) {
+std::vector<Garment> width_variants(const Garment &garment) {
   std::vector<Garment> result;
   for (std::size_t width = 0; width < garment.widths.size(); ++width)
-    result.push_back(worn(garment, all_at(garment, static_cast<double>(width))));
+    result.push_back(choose_widths(garment, all_at(garment, static_cast<double>(width))));
   if (result.empty())
     result.push_back(garment);
   return result;
@@ -137,7 +137,7 @@ std::vector<std::vector<double>> common_widths(const std::vector<Garment> &garme
   return positions;
 }
 
-MatrixRM at_garment(const Garment &garment, const Faces &actor_faces, const MatrixRM &values) {
+MatrixRM interpolate_to_garment(const Garment &garment, const Faces &actor_faces, const MatrixRM &values) {
   MatrixRM result = MatrixRM::Zero(garment.actor_face.size(), values.cols());
   for (Eigen::Index v = 0; v < result.rows(); ++v)
     for (int k = 0; k < 3; ++k)
@@ -157,11 +157,11 @@ DressedActor dress(const RiggedMesh &actor, const Segmentation &segmentation, co
   mesh.skeleton = actor.skeleton;
   mesh.mesh.vertices = stacked(actor.mesh.vertices, garment.mesh.vertices);
   mesh.mesh.faces = stacked(actor.mesh.faces, Faces(garment.mesh.faces.array() + static_cast<int>(bare)));
-  mesh.weights = stacked(actor.weights, at_garment(garment, actor.mesh.faces, actor.weights));
+  mesh.weights = stacked(actor.weights, interpolate_to_garment(garment, actor.mesh.faces, actor.weights));
   mesh.face_valid = actor.face_valid;
   mesh.face_valid.resize(faces, 1);
   for (Eigen::Index f = 0; f < faces; ++f)
-    if (garment.covers[f])
+    if (garment.replaced_faces[f])
       mesh.face_valid[f] = 0;
   mesh.face_valid.resize(faces + garment.mesh.faces.rows(), 1);
 
@@ -186,7 +186,7 @@ ReferencePerformance dress(const ReferencePerformance &performance, const Rigged
   const Faces cloth = garment.mesh.faces.array() + static_cast<int>(actor.mesh.vertices.rows());
   dressed.surface.faces = stacked(actor.mesh.faces, cloth);
   for (Vertices &frame : dressed.surface.frames)
-    frame = stacked<Vertices>(frame, at_garment(garment, actor.mesh.faces, frame));
+    frame = stacked<Vertices>(frame, interpolate_to_garment(garment, actor.mesh.faces, frame));
   return dressed;
 }
 

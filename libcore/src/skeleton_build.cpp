@@ -26,7 +26,7 @@ std::string without_side(const std::string &name) {
   return name.rfind("l_", 0) == 0 || name.rfind("r_", 0) == 0 ? name.substr(2) : name;
 }
 
-int default_dof(const JointMark &mark) {
+int default_dof(const JointAnnotation &mark) {
   static const std::map<std::string, int> by_name = {{"spine", 3}, {"neck", 3}, {"shoulder", 3}, {"elbow", 2},
                                                      {"wrist", 2}, {"hip", 3},  {"knee", 1},     {"ankle", 1}};
   if (mark.parent.empty())
@@ -35,7 +35,7 @@ int default_dof(const JointMark &mark) {
   return it == by_name.end() ? 0 : it->second;
 }
 
-std::map<std::string, int> index_by_name(const std::vector<JointMark> &marks) {
+std::map<std::string, int> index_by_name(const std::vector<JointAnnotation> &marks) {
   std::map<std::string, int> index;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     if (marks[i].name.empty())
@@ -48,11 +48,11 @@ std::map<std::string, int> index_by_name(const std::vector<JointMark> &marks) {
   return index;
 }
 
-std::vector<int> parent_indices(const std::vector<JointMark> &marks) {
+std::vector<int> parent_indices(const std::vector<JointAnnotation> &marks) {
   const std::map<std::string, int> index = index_by_name(marks);
   std::vector<int> parents;
   std::string root;
-  for (const JointMark &mark : marks) {
+  for (const JointAnnotation &mark : marks) {
     if (mark.parent.empty()) {
       if (!root.empty())
         throw Error("skeleton: expected one root (a joint without parent), found '" + root + "' and '" + mark.name + "'");
@@ -72,7 +72,7 @@ std::vector<int> parent_indices(const std::vector<JointMark> &marks) {
 }
 
 /// Marks' indices, parents first, otherwise in the order given.
-std::vector<int> parents_first(const std::vector<JointMark> &marks, const std::vector<int> &parents) {
+std::vector<int> parents_first(const std::vector<JointAnnotation> &marks, const std::vector<int> &parents) {
   std::vector<int> order;
   std::vector<bool> placed(marks.size(), false);
   for (std::size_t i = 0; i < marks.size(); ++i) {
@@ -267,7 +267,7 @@ std::vector<Freedom> freedoms(const Skeleton &skeleton, int joint, int dof, cons
 
 } // namespace
 
-Skeleton make_skeleton(const std::vector<JointMark> &marks) {
+Skeleton make_skeleton(const std::vector<JointAnnotation> &marks) {
   const std::vector<int> parents = parent_indices(marks);
   const std::vector<int> order = parents_first(marks, parents);
   std::vector<int> place(marks.size());
@@ -305,8 +305,8 @@ Skeleton make_skeleton(const std::vector<JointMark> &marks) {
   return skeleton;
 }
 
-std::vector<JointMark> joint_marks(const Skeleton &skeleton) {
-  std::vector<JointMark> marks;
+std::vector<JointAnnotation> joint_annotations(const Skeleton &skeleton) {
+  std::vector<JointAnnotation> marks;
   for (const Joint &j : skeleton.joints)
     marks.push_back({j.name, j.parent < 0 ? "" : skeleton.joints[j.parent].name, j.rest, j.dof_count});
   return marks;

@@ -148,18 +148,18 @@ void dual_quaternions(const Skeleton &skeleton, const Transforms &world_from_res
   }
 }
 
-Skin::Skin(const Vertices &rest, const MatrixRM &weights) : rest_(rest), joint_count_(weights.cols()), first_{0} {
-  require_sizes("Skin", rest.rows(), weights, weights.cols());
-  require_finite_rest(rest, "Skin");
+SkinBinding::SkinBinding(const Vertices &rest, const MatrixRM &weights) : rest_(rest), joint_count_(weights.cols()), first_{0} {
+  require_sizes("SkinBinding", rest.rows(), weights, weights.cols());
+  require_finite_rest(rest, "SkinBinding");
   for (Eigen::Index v = 0; v < rest.rows(); ++v) {
     pivots_.push_back(append_shares(weights, v, joints_, weights_));
     first_.push_back(static_cast<int>(joints_.size()));
   }
 }
 
-void Skin::pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) const {
+void SkinBinding::pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) const {
   if (static_cast<Eigen::Index>(joints.size()) != joint_count_)
-    throw std::invalid_argument("Skin::pose: expected " + std::to_string(joint_count_) + " dual quaternions, found " +
+    throw std::invalid_argument("SkinBinding::pose: expected " + std::to_string(joint_count_) + " dual quaternions, found " +
                                 std::to_string(joints.size()));
   skinned.resize(rest_.rows(), 3);
   for (Eigen::Index v = 0; v < rest_.rows(); ++v) {

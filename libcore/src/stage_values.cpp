@@ -85,8 +85,8 @@ void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton 
     if (!capsule.p0.allFinite() || !capsule.p1.allFinite() || !(capsule.r0 > 0) || !(capsule.r1 > 0) ||
         !std::isfinite(capsule.r0 + capsule.r1))
       throw Error(what + ": a proxy of joint " + std::to_string(capsule.joint) +
-                  ": expected finite ends and positive radii, found radii " + options::shown(capsule.r0) + " and " +
-                  options::shown(capsule.r1));
+                  ": expected finite ends and positive radii, found radii " + options::to_text(capsule.r0) + " and " +
+                  options::to_text(capsule.r1));
   }
 }
 
@@ -97,9 +97,9 @@ void require_body(const BodyFit &fit, const std::string &what) {
   expect_finite(what + ": body.coefficients", fit.coefficients);
 }
 
-std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
-  expect("unposed_frames: actor.weights", actor.weights.rows(), actor.mesh.vertices.rows());
-  require_performance(performance, actor, "unposed_frames");
+std::vector<Vertices> canonical_frames(const RiggedMesh &actor, const ReferencePerformance &performance, const Context &context) {
+  expect("canonical_frames: actor.weights", actor.weights.rows(), actor.mesh.vertices.rows());
+  require_performance(performance, actor, "canonical_frames");
   const int frames = static_cast<int>(performance.surface.frames.size()), vertices = static_cast<int>(actor.mesh.vertices.rows());
   std::vector<Vertices> unposed(frames, Vertices(vertices, 3));
   parallel_for(context, frames, [&](int t) {

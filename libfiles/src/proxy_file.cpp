@@ -53,7 +53,7 @@ TaperedCapsule read_capsule(const json &j, const Skeleton &skeleton, const std::
   c.r0 = number(member(j, "r0", what), what + ": r0");
   c.r1 = number(member(j, "r1", what), what + ": r1");
   if (c.r0 <= 0 || c.r1 <= 0)
-    throw Error(what + ": expected positive radii, found " + options::shown(c.r0) + " and " + options::shown(c.r1));
+    throw Error(what + ": expected positive radii, found " + options::to_text(c.r0) + " and " + options::to_text(c.r1));
   return c;
 }
 

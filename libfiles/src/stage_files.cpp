@@ -67,7 +67,7 @@ MatrixRM read_weights(const Npz &npz, Eigen::Index vertices, Eigen::Index joints
     const double sum = weights.row(v).sum();
     if (!(std::abs(sum - 1) < 1e-3) || weights.row(v).minCoeff() < 0)
       throw Error(npz.source + ": array 'weights': expected rows of weights >= 0 with sum one, found row " + std::to_string(v) +
-                  " with sum " + options::shown(sum, 4) + " and minimum " + options::shown(weights.row(v).minCoeff(), 4));
+                  " with sum " + options::to_text(sum, 4) + " and minimum " + options::to_text(weights.row(v).minCoeff(), 4));
     weights.row(v) /= sum;
   }
   return weights;
@@ -83,7 +83,7 @@ Skeleton read_skeleton(const Npz &npz) {
   std::map<std::string, int> dof;
   for (const std::string &name : dof_names)
     ++dof[name.substr(0, name.rfind('.'))];
-  std::vector<JointMark> marks;
+  std::vector<JointAnnotation> marks;
   for (int j = 0; j < count; ++j) {
     if (parents[j] >= j || parents[j] < -1)
       throw Error(npz.source + ": array 'joint_parents': expected parents before their children, found " +
@@ -314,7 +314,7 @@ void write_garment(const Path &path, const Garment &garment) {
   }
   npz.set_i4("actor_face", {G}, {garment.actor_face.data(), garment.actor_face.data() + G});
   npz.set_f4("barycentric", {G, 3}, flat(garment.barycentric));
-  npz.set_b1("covers", garment.covers);
+  npz.set_b1("covers", garment.replaced_faces);
   npz.write(path, kFileFormat);
 }
 
@@ -345,7 +345,7 @@ Garment read_garment(const Path &path, const RiggedMesh &actor) {
   }
   out.barycentric = npz.matrix("barycentric");
   for (int covered : npz.integers("covers"))
-    out.covers.push_back(covered ? 1 : 0);
+    out.replaced_faces.push_back(covered ? 1 : 0);
   out.region_count = G > 0 ? out.region.maxCoeff() + 1 : 0;
   if (G > 0)
     validate_garment(out, actor, npz.source);

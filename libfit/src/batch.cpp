@@ -45,7 +45,7 @@ void Batch::run_groups(std::span<Group> groups, const Context &context) const {
     for (const Group &group : some)
       longest = std::max(longest, group.window->end - group.window->start);
     for (int done = 0; done < longest; done += kFramesPerChunk) {
-      context.check_cancelled();
+      context.throw_if_cancelled();
       parallel_for(context, static_cast<int>(some.size()), [&](int g) {
         Group &group = some[g];
         const int start = group.window->start, end = group.window->end;

@@ -119,7 +119,7 @@ public:
 private:
   std::string reason() const {
     if (settled())
-      return "the answer gained less than " + state::Json(options_.smallest_gain).dump() + " in " + std::to_string(kSettled) +
+      return "the answer gained less than " + state::Json(options_.min_gain).dump() + " in " + std::to_string(kSettled) +
              " generations";
     if (energies_.size() >= options_.max_evaluations)
       return std::to_string(options_.max_evaluations) + " evaluations";
@@ -130,10 +130,10 @@ private:
   /// on, which went anywhere.
   bool settled() const {
     const std::size_t count = answers_.size();
-    if (options_.smallest_gain == 0 || count < kSettled + 2)
+    if (options_.min_gain == 0 || count < kSettled + 2)
       return false;
     const double before = answers_[count - 1 - kSettled], now = answers_.back();
-    return before - now < options_.smallest_gain * std::fabs(now);
+    return before - now < options_.min_gain * std::fabs(now);
   }
 
   Eigen::RowVectorXd on_level(Eigen::RowVectorXd point) const {

@@ -71,11 +71,11 @@ CapturedFeatures CapturedCloth::features(const CoarseCamera &camera, const Verti
   CapturedFeatures result;
   for (int i = 0; i < located.count; ++i) {
     const int at = i * lanes, face = located.face[at];
-    if (face < 0 && options_->same_comparisons)
+    if (face < 0 && options_->fixed_correspondences)
       continue;
     const FeatureMatch &match = matches[located.match[i]];
     const bool confirmed = face >= 0 && residual[at] <= cap * cap;
-    const float moved = confirmed && options_->fast_features ? (match.current - match.previous).norm() + cap / 2 : 0.f;
+    const float moved = confirmed && options_->speed_dependent_cap ? (match.current - match.previous).norm() + cap / 2 : 0.f;
     result.matches.push_back(match);
     result.face.push_back(face);
     for (int k = 0; k < 3; ++k)

@@ -40,8 +40,8 @@ class CapturedCloth {
 public:
   CapturedCloth(const CharacterSimulator &simulator, const ClothTopology &topology, const EnergyOptions &options)
       : simulator_(&simulator), topology_(&topology), options_(&options), view_(topology, 1) {}
-  /// before, now (V, 3): captured in the frames from which and to which the matches go. With same_comparisons, those that lie on
-  /// the captured cloth alone.
+  /// before, now (V, 3): captured in the frames from which and to which the matches go. With fixed_correspondences, those that
+  /// lie on the captured cloth alone.
   CapturedFeatures features(const CoarseCamera &camera, const Vertices &before, const CoarseBuffer &others, const Vertices &now,
                             const std::vector<FeatureMatch> &matches);
   /// [R]

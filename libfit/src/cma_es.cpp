@@ -142,8 +142,8 @@ private:
   Eigen::VectorXd deviations() const { return sigma_ * covariance_.diagonal().cwiseSqrt(); }
 
   std::string reason() const {
-    if (deviations().maxCoeff() < options_.smallest_deviation)
-      return "every standard deviation below " + state::Json(options_.smallest_deviation).dump();
+    if (deviations().maxCoeff() < options_.min_deviation)
+      return "every standard deviation below " + state::Json(options_.min_deviation).dump();
     if (settled(bests_) && settled(medians_))
       return "energies of " + std::to_string(2 * kHalf) + " generations within " + state::Json(options_.stagnation).dump();
     if (evaluations_ >= options_.max_evaluations)

@@ -100,8 +100,8 @@ std::vector<int> nearest_seed(int width, int height, const std::vector<std::uint
 
 DistanceField::DistanceField(const std::vector<Eigen::Vector2f> &points, const Box &box, int cell, float cap)
     : cell_(cell), cap_(cap) {
-  require(cell >= 1 && cap > 0, "DistanceField: cell and cap: expected positive numbers, found " + options::shown(cell) +
-                                    " and " + options::shown(cap));
+  require(cell >= 1 && cap > 0, "DistanceField: cell and cap: expected positive numbers, found " + options::to_text(cell) +
+                                    " and " + options::to_text(cap));
   require(box.x1 >= box.x0 && box.y1 >= box.y0, "DistanceField: box: expected x0 <= x1 and y0 <= y1");
   width_ = static_cast<int>(std::ceil((box.x1 - box.x0) / static_cast<float>(cell))) + 1;
   height_ = static_cast<int>(std::ceil((box.y1 - box.y0) / static_cast<float>(cell))) + 1;

@@ -108,7 +108,7 @@ void FrameEnergy::locate(int t, std::size_t c, Measure &measure) const {
   measure.largest[c].clear();
   for (const int match : located.match)
     measure.largest[c].push_back(features.largest[match]);
-  if (observed_.options.same_comparisons)
+  if (observed_.options.fixed_correspondences)
     place_missed(features, located, measure.view.lanes());
 }
 
@@ -146,7 +146,7 @@ void FrameEnergy::measure(std::span<Rollout> group, int t, Measure &measure) con
 void FrameEnergy::finish(Rollout &rollout, int t) const {
   for (int r = 0; r < observed_.regions(); ++r) {
     FrameTerms &terms = (*rollout.terms)[r][t];
-    const double no_rims = observed_.options.same_comparisons ? observed_.worst[r][t].silhouette : 0;
+    const double no_rims = observed_.options.fixed_correspondences ? observed_.worst[r][t].silhouette : 0;
     terms.silhouette = terms.rims > 0 ? terms.silhouette / terms.rims : no_rims;
     terms.feature = terms.features > 0 ? terms.feature / terms.features : 0;
     terms.contour = terms.points > 0 ? terms.contour / terms.points : 0;

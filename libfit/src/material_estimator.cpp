@@ -39,7 +39,7 @@ struct Searched {
 /// (count, n) spread evenly over the box; three of four do not stretch, as hardly any cloth does, and groups share a width, from
 /// the widest to the narrowest.
 /// `share`: which `count` of the sequence, so that searches side by side begin with different ones.
-MatrixRM first_samples(const Searched &searched, int count, int share) {
+MatrixRM initial_design_size(const Searched &searched, int count, int share) {
   MatrixRM samples = even_points(count, searched.size(), share * count);
   const auto &names = searched.space.names;
   const auto stretch = std::find(names.begin(), names.end(), "k_stretch") - names.begin();
@@ -59,7 +59,7 @@ CmaEsOptions cma_options(const FitOptions &options, std::uint64_t seed) {
   cma.population = options.population;
   cma.initial_sigma = options.initial_sigma;
   cma.max_evaluations = options.max_evaluations;
-  cma.smallest_deviation = options.smallest_deviation;
+  cma.min_deviation = options.min_deviation;
   cma.stagnation = options.stagnation;
   cma.seed = seed;
   return cma;
@@ -71,7 +71,7 @@ AnnealingOptions annealing_options(const FitOptions &options, std::uint64_t seed
     annealing.chains = options.population;
   annealing.max_evaluations = options.max_evaluations;
   annealing.initial_step = options.initial_sigma;
-  annealing.final_step = std::max(options.smallest_deviation, kSmallestStep);
+  annealing.final_step = std::max(options.min_deviation, kSmallestStep);
   annealing.seed = seed;
   return annealing;
 }
@@ -81,11 +81,11 @@ BayesianOptions bayesian_options(const FitOptions &options, const Searched &sear
   if (options.population > 0)
     bayesian.population = options.population;
   bayesian.max_evaluations = options.max_evaluations;
-  bayesian.smallest_gain = options.smallest_gain;
+  bayesian.min_gain = options.min_gain;
   bayesian.levels = searched.widths > 1 ? searched.widths : 0;
   bayesian.seed = seed;
   constexpr std::uint64_t kShares = 1000; // the sequence is long, not endless
-  bayesian.first = first_samples(searched, options.first_samples, static_cast<int>(seed % kShares));
+  bayesian.first = initial_design_size(searched, options.initial_design_size, static_cast<int>(seed % kShares));
   return bayesian;
 }
 
@@ -233,7 +233,7 @@ std::string problem_of(const FitOptions &options, const AllTakes &objective) {
     return name != "max_evaluations" || options.optimizer == "annealing";
   };
   std::string problem = objective.fingerprint();
-  for (const auto &[name, value] : options::listed(options))
+  for (const auto &[name, value] : options::to_pairs(options))
     if (counts(name))
       problem += " " + name + " " + value;
   return problem + (options.make_optimizer ? " own optimiser" : "");
@@ -364,7 +364,7 @@ RegionFit final_region(const MinimiseResult &found, const Searches &searches, in
   region.energy_at_centre = cost.centre;
   region.best_energy = found.energies[part].minCoeff();
   if (searches.count() > 1)
-    region.spread = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
+    region.answer_half_range = (answers.colwise().maxCoeff() - answers.colwise().minCoeff()).transpose() / 2;
   if (found.energies[part].size() > 1) {
     PosteriorOptions posterior;
     posterior.noise = cost.noise;
@@ -394,27 +394,27 @@ CharacterState cloth_at_first_pose(const CharacterSimulator &simulator, const Re
     return simulator.start(first, &performance.surface.frames[0]);
   }
   std::vector<PosedFrame> way;
-  for (const Eigen::VectorXd &pose : way_in(simulator.actor().skeleton, dofs, dt))
+  for (const Eigen::VectorXd &pose : lead_in_poses(simulator.actor().skeleton, dofs, dt))
     way.push_back(simulator.pose(pose));
   first = way.back();
-  World world;
+  StepEnvironment world;
   world.dt = dt;
-  return simulator.put_on(way, materials, world);
+  return simulator.drape_along(way, materials, world);
 }
 
 struct NamedKind {
   FitFinding::Kind kind;
   const char *name;
 };
-constexpr NamedKind kKinds[] = {{FitFinding::Kind::kLowerBound, "lower_bound"},
-                                {FitFinding::Kind::kUpperBound, "upper_bound"},
-                                {FitFinding::Kind::kGuess, "guess"},
-                                {FitFinding::Kind::kSeeds, "seeds"}};
+constexpr NamedKind kKinds[] = {{FitFinding::Kind::LowerBound, "lower_bound"},
+                                {FitFinding::Kind::UpperBound, "upper_bound"},
+                                {FitFinding::Kind::Guess, "guess"},
+                                {FitFinding::Kind::Seeds, "seeds"}};
 
 } // namespace
 
 const char *confidence_name(Confidence confidence) {
-  return confidence == Confidence::kLow ? "low" : confidence == Confidence::kMedium ? "medium" : "high";
+  return confidence == Confidence::Low ? "low" : confidence == Confidence::Medium ? "medium" : "high";
 }
 
 const char *finding_name(FitFinding::Kind kind) {
@@ -432,16 +432,16 @@ FitFinding::Kind finding_kind(const std::string &name) {
 }
 
 std::string FitFinding::text() const {
-  const std::string is = parameter + " = " + options::shown(value, 3), from = options::shown(low, 3),
-                    to = options::shown(high, 3);
+  const std::string is = parameter + " = " + options::to_text(value, 3), from = options::to_text(low, 3),
+                    to = options::to_text(high, 3);
   switch (kind) {
-  case Kind::kLowerBound:
+  case Kind::LowerBound:
     return is + " lies at the lower bound of its box, " + from + ": the search would go further if it could.";
-  case Kind::kUpperBound:
+  case Kind::UpperBound:
     return is + " lies at the upper bound of its box, " + to + ": the search would go further if it could.";
-  case Kind::kGuess:
+  case Kind::Guess:
     return is + " is a guess: the film tells no more than that it lies between " + from + " and " + to + " (90 %).";
-  case Kind::kSeeds:
+  case Kind::Seeds:
     return is + " depends on the seed: the answers of the searches lie between " + from + " and " + to + ".";
   }
   return is;
@@ -451,7 +451,7 @@ std::vector<Confidence> RegionFit::confidence() const {
   std::vector<Confidence> result;
   for (const auto &interval : posterior.interval.rowwise()) {
     const double length = interval[1] - interval[0];
-    result.push_back(length > kGuess ? Confidence::kLow : length > kFound ? Confidence::kMedium : Confidence::kHigh);
+    result.push_back(length > kGuess ? Confidence::Low : length > kFound ? Confidence::Medium : Confidence::High);
   }
   return result;
 }
@@ -470,14 +470,14 @@ std::vector<FitFinding> RegionFit::findings(const ParameterSpace &space) const {
       result.push_back({kind, space.names[i], material.*parameter.value, low, high});
     };
     if (answer[i] <= kAtBound)
-      add(FitFinding::Kind::kLowerBound, parameter.lower, parameter.upper);
+      add(FitFinding::Kind::LowerBound, parameter.lower, parameter.upper);
     if (answer[i] >= 1 - kAtBound)
-      add(FitFinding::Kind::kUpperBound, parameter.lower, parameter.upper);
-    if (i < static_cast<int>(known.size()) && known[i] == Confidence::kLow)
-      add(FitFinding::Kind::kGuess, value_at(i, posterior.interval(i, 0)), value_at(i, posterior.interval(i, 1)));
-    if (i < spread.size() && spread[i] > kDisputed)
-      add(FitFinding::Kind::kSeeds, value_at(i, std::max(0.0, answer[i] - 2 * spread[i])),
-          value_at(i, std::min(1.0, answer[i] + 2 * spread[i])));
+      add(FitFinding::Kind::UpperBound, parameter.lower, parameter.upper);
+    if (i < static_cast<int>(known.size()) && known[i] == Confidence::Low)
+      add(FitFinding::Kind::Guess, value_at(i, posterior.interval(i, 0)), value_at(i, posterior.interval(i, 1)));
+    if (i < answer_half_range.size() && answer_half_range[i] > kDisputed)
+      add(FitFinding::Kind::Seeds, value_at(i, std::max(0.0, answer[i] - 2 * answer_half_range[i])),
+          value_at(i, std::min(1.0, answer[i] + 2 * answer_half_range[i])));
   }
   return result;
 }
@@ -535,7 +535,7 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
   result.seed = options.seed;
   result.solver = {takes[0].dt, simulator.options()};
   if (simulator.regions().empty()) {
-    context.say("fit: no cloth, so there is no material to estimate");
+    context.log_line("fit: no cloth, so there is no material to estimate");
     if (!options.log.empty())
       write_fit_log(options.log, {}, options.space);
     return result;
@@ -544,7 +544,7 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
   AllTakes objective(takes, options, context);
   for (const Take &take : takes)
     if (!has_matches(*take.observations))
-      context.say("fit: no feature matches: E_fit is the silhouettes' term alone");
+      context.log_line("fit: no feature matches: E_fit is the silhouettes' term alone");
   Searches searches(objective, options.seeds);
   const FitResult frame = result; // what every interrupted result has
   const MinimiseResult found = minimise(searches, minimise_options(options, objective, searches, searched, frame), context);
@@ -554,7 +554,7 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
   for (int r = 0; r < objective.part_count(); ++r) {
     result.regions.push_back(final_region(found, searches, r, costs, options, searched, chosen[r]));
     for (const FitFinding &finding : result.regions.back().findings(options.space))
-      context.say("fit: region " + std::to_string(r) + ": " + finding.text());
+      context.log_line("fit: region " + std::to_string(r) + ": " + finding.text());
   }
   result.log = log_of(found, searches, chosen);
   return result;
@@ -571,7 +571,7 @@ std::vector<double> material_energy(const CharacterSimulator &simulator, const R
 std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                                          const std::vector<pbd::Material> &materials, double dt, int settle_frames,
                                          const Context &context) {
-  require(dt > 0 && std::isfinite(dt), "simulate_reference: dt: expected a positive number, found " + options::shown(dt));
+  require(dt > 0 && std::isfinite(dt), "simulate_reference: dt: expected a positive number, found " + options::to_text(dt));
   require(settle_frames >= 0, "simulate_reference: settle_frames: expected at least 0, found " + std::to_string(settle_frames));
   for (const pbd::Material &material : materials)
     pbd::validate(material);
@@ -586,7 +586,7 @@ std::vector<Vertices> simulate_reference(const CharacterSimulator &simulator, co
   result.push_back(simulator.surface(state, previous));
   for (int t = 1; t < count; ++t) {
     if (t % kFramesPerReport == 0)
-      context.report("simulate", t / static_cast<double>(count));
+      context.report_progress("simulate", t / static_cast<double>(count));
     PosedFrame current = simulator.pose(performance.dofs.row(t).transpose());
     simulator.step(state, previous, current, materials, dt);
     result.push_back(simulator.surface(state, current));

@@ -140,8 +140,8 @@ void write_materials(const Path &path, const FitResult &result) {
     entry["best_sample"] = {{"parameters", options::to_json<Json>(region.best)}, {"energy", region.best_energy}};
     for (std::size_t i = 0; i < names.size(); ++i)
       entry["deviations"][names[i]] = region.deviations[static_cast<Eigen::Index>(i)];
-    for (Eigen::Index i = 0; i < region.spread.size(); ++i)
-      entry["spread"][names[static_cast<std::size_t>(i)]] = region.spread[i];
+    for (Eigen::Index i = 0; i < region.answer_half_range.size(); ++i)
+      entry["spread"][names[static_cast<std::size_t>(i)]] = region.answer_half_range[i];
     add_posterior(entry, result, region);
     entry["findings"] = findings_of(region, result.space);
     entry["evaluations"] = region.evaluations;
@@ -219,17 +219,17 @@ void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, cons
   text += ",seconds\n";
   for (const GenerationRow &row : log) {
     text += std::to_string(row.part) + "," + std::to_string(row.generation) + "," + std::to_string(row.evaluations) + "," +
-            options::shown(row.best) + "," + options::shown(row.generation_best);
+            options::to_text(row.best) + "," + options::to_text(row.generation_best);
     const pbd::Material mean = space.material(row.mean.head(space.size()));
     for (const std::string &name : space.names)
       for (const pbd::MaterialParameter &parameter : pbd::material_parameters())
         if (name == parameter.name)
-          text += ',' + options::shown(mean.*parameter.value);
+          text += ',' + options::to_text(mean.*parameter.value);
     for (Eigen::Index i = space.size(); i < row.mean.size(); ++i)
-      text += ',' + options::shown(row.mean[i]);
+      text += ',' + options::to_text(row.mean[i]);
     for (Eigen::Index i = 0; i < row.deviation.size(); ++i)
-      text += ',' + options::shown(row.deviation[i]);
-    text += ',' + options::shown(std::round(row.seconds * 1000) / 1000) + "\n";
+      text += ',' + options::to_text(row.deviation[i]);
+    text += ',' + options::to_text(std::round(row.seconds * 1000) / 1000) + "\n";
   }
   write_text(path, text);
 }

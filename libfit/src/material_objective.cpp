@@ -99,7 +99,7 @@ std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const
   CharacterState *const states[] = {&state};
   const std::vector<pbd::Material> materials(simulator.regions().size(), material);
   const std::vector<pbd::Material> *const lists[] = {&materials};
-  simulator.step_each(states, first, last, lists, dt);
+  simulator.step_batch(states, first, last, lists, dt);
   return state.regions;
 }
 

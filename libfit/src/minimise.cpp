@@ -86,15 +86,15 @@ private:
       if (!optimizers_[r]->stop())
         evaluations = now(r).evaluations;
     const double fraction = std::min(1.0, evaluations / static_cast<double>(options_.expected_evaluations));
-    context.report("fit", fraction);
+    context.report_progress("fit", fraction);
     if (log_.empty())
       return;
     std::string line = "fit: " + std::to_string(evaluations) + " evaluations";
     for (int r = 0; r < parts_; ++r)
-      line += (r ? ", " : ", best ") + options::shown(now(r).best_energy, 4);
+      line += (r ? ", " : ", best ") + options::to_text(now(r).best_energy, 4);
     if (fraction > 0)
       line += ", at most " + std::to_string(std::lround(seconds() * (1 - fraction) / fraction)) + " s left";
-    context.say(line);
+    context.log_line(line);
   }
 
   void generation(const Context &context) {
@@ -210,11 +210,11 @@ private:
     state::read(read_json_text(options_.checkpoint), kMinimise, [&](const state::Json &json) {
       if (json.at("problem") != options_.problem || json.at("optimizers").size() != optimizers_.size() ||
           json.value("penalties", state::Json()).size() != penalties_.size()) {
-        context.say("fit: " + options_.checkpoint.string() + " belongs to other data or options; starting over");
+        context.log_line("fit: " + options_.checkpoint.string() + " belongs to other data or options; starting over");
         return;
       }
       if (beyond_budget(json.at("log"))) {
-        context.say("fit: " + options_.checkpoint.string() + " belongs to a longer search; starting over");
+        context.log_line("fit: " + options_.checkpoint.string() + " belongs to a longer search; starting over");
         return;
       }
       for (int r = 0; r < parts_; ++r)
@@ -229,7 +229,7 @@ private:
       }
       penalties_ = json.at("penalties").get<std::vector<double>>();
       seconds_before_ = json.at("seconds");
-      context.say("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");
+      context.log_line("fit: resuming after " + std::to_string(now(0).evaluations) + " evaluations");
     });
   } catch (const Error &error) {
     fail_to_resume(error);

@@ -63,8 +63,9 @@ ObservedFrames::ObservedFrames(const std::vector<const CharacterSimulator *> &mo
   shapes.resize(count);
   probes = probes_of(topology);
   if (count > 0 && model.has_rest_shape())
-    for (const Eigen::VectorXd &dofs : doublet::way_in(model.actor().skeleton, performance.dofs.row(0).transpose(), options.dt))
-      way_in.push_back(model.pose(dofs));
+    for (const Eigen::VectorXd &dofs :
+         doublet::lead_in_poses(model.actor().skeleton, performance.dofs.row(0).transpose(), options.dt))
+      lead_in_poses.push_back(model.pose(dofs));
   prepare(0, times, context, [&](int t) {
     frames[t] = model.pose(performance.dofs.row(t).transpose());
     for (std::size_t c = 0; c < cameras.size(); ++c)
@@ -83,7 +84,7 @@ ObservedFrames::ObservedFrames(const std::vector<const CharacterSimulator *> &mo
 /// Calls frame(t) for every frame, on all threads: one half of the preparation, which begins when `done` of it is over.
 void ObservedFrames::prepare(double done, CpuTimes &times, const Context &context, const std::function<void(int)> &frame) {
   for (int from = 0; from < frame_count(); from += kFramesPerChunk) {
-    context.report("fit: images", done + 0.5 * from / static_cast<double>(frame_count()));
+    context.report_progress("fit: images", done + 0.5 * from / static_cast<double>(frame_count()));
     parallel_for(context, std::min(kFramesPerChunk, frame_count() - from), [&](int i) {
       Stopwatch watch;
       frame(from + i);
@@ -159,7 +160,7 @@ FrameTerms ObservedFrames::worst_terms(int region, int t) const {
   result.silhouette = result.rims > 0 ? farthest_rim : 0;
   result.contour = result.points > 0 ? farthest_rim : 0;
   result.surface = shapes[t].has(region) ? farthest_rim : 0;
-  if (!options.same_comparisons) { // every frame counts
+  if (!options.fixed_correspondences) { // every frame counts
     result.silhouette = farthest_rim;
     result.feature = std::max(result.feature, std::pow(options.feature_cap * side, 2));
   }

@@ -37,7 +37,7 @@ public:
   ClothTopology topology;
   std::vector<CoarseCamera> cameras;
   std::vector<PosedFrame> frames;                  ///< [T], shared by all samples
-  std::vector<PosedFrame> way_in;                  ///< in which cloth with a rest shape is put on before the first of them
+  std::vector<PosedFrame> lead_in_poses;           ///< in which cloth with a rest shape is put on before the first of them
   std::vector<std::vector<FrameView>> views;       ///< [T][cameras]
   std::vector<std::vector<CapturedView>> captured; ///< [T][cameras], features from t-1 to t
   std::vector<CapturedShape> shapes;               ///< [T], in some frames, unless delta is 0

@@ -17,10 +17,10 @@ const pbd::MaterialParameter *find(const std::string &name) {
   return nullptr;
 }
 
-constexpr double kStretchPower = 4; // see ParameterSpace::even_steps
+constexpr double kStretchPower = 4; // see ParameterSpace::warp_parameters
 
 /// The share of a parameter's range at u, and back; both increase from 0 to 1.
-double spread(const std::string &name, double u) {
+double warped(const std::string &name, double u) {
   if (name == "d_n" || name == "d_t")
     return u * u;
   return name == "k_stretch" ? 1 - std::pow(1 - u, kStretchPower) : u;
@@ -48,8 +48,8 @@ pbd::Material ParameterSpace::material(const Eigen::VectorXd &unit) const {
   for (int i = 0; i < size(); ++i) {
     const pbd::MaterialParameter &parameter = *find(names[i]);
     double u = std::clamp(unit[i], 0.0, 1.0);
-    if (even_steps)
-      u = spread(names[i], u);
+    if (warp_parameters)
+      u = warped(names[i], u);
     result.*parameter.value = parameter.lower + u * (parameter.upper - parameter.lower);
   }
   result.k_stretch = std::max(result.k_stretch, kLeastStretch);
@@ -61,7 +61,7 @@ Eigen::VectorXd ParameterSpace::unit(const pbd::Material &material) const {
   for (int i = 0; i < size(); ++i) {
     const pbd::MaterialParameter &parameter = *find(names[i]);
     double u = (material.*parameter.value - parameter.lower) / (parameter.upper - parameter.lower);
-    if (even_steps)
+    if (warp_parameters)
       u = gathered(names[i], u);
     result[i] = u;
   }

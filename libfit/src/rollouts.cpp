@@ -79,7 +79,7 @@ std::vector<CharacterState> Rollouts::states_at(int start, const MeshSequence &s
 
 CharacterState Rollouts::state_at(const CharacterSimulator &simulator, int start, const MeshSequence &surface) const {
   if (start == 0 && simulator.has_rest_shape())
-    return simulator.start(observed_.way_in.front());
+    return simulator.start(observed_.lead_in_poses.front());
   CharacterState state = simulator.start(observed_.frames[start], &surface.frames[start]);
   if (start == 0)
     return state;
@@ -102,8 +102,8 @@ void Rollouts::start(Group &group) const {
     rollout.exploded.assign(observed_.regions(), 0);
   }
   if (group.window->start == 0) {
-    for (std::size_t i = 1; i < observed_.way_in.size(); ++i)
-      step(group.rollouts, observed_.way_in[i - 1], observed_.way_in[i], true);
+    for (std::size_t i = 1; i < observed_.lead_in_poses.size(); ++i)
+      step(group.rollouts, observed_.lead_in_poses[i - 1], observed_.lead_in_poses[i], true);
     for (int i = 0; i < observed_.options.settle_frames; ++i)
       step(group.rollouts, observed_.frames[0], observed_.frames[0], true);
     for (Rollout &rollout : group.rollouts)

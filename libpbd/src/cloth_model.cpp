@@ -21,7 +21,7 @@ void check_mesh(const Vertices &rest, const Faces &faces, const Eigen::VectorXd 
     if (!rest.row(i).allFinite() || rest.row(i).cwiseAbs().maxCoeff() > 1e6)
       refuse_model("rest position of vertex " + std::to_string(i) + " is not a finite point within 1e6 m");
     if (!(clothness[i] >= 0 && clothness[i] <= 1))
-      refuse_model("clothness must lie in [0, 1], found " + options::shown(clothness[i]) + " at vertex " + std::to_string(i));
+      refuse_model("clothness must lie in [0, 1], found " + options::to_text(clothness[i]) + " at vertex " + std::to_string(i));
   }
   for (int f = 0; f < faces.rows(); ++f)
     for (int k = 0; k < 3; ++k)
@@ -43,7 +43,7 @@ Eigen::VectorXd inverse_masses_of(const Vertices &rest, const Faces &faces, cons
     const double area = face_area(rest, faces, f);
     if (!(area > 1e-12))
       refuse_model("face " + std::to_string(f) + " is degenerate: its area must exceed 1e-12 m^2, found " +
-                   options::shown(area, 4));
+                   options::to_text(area, 4));
     for (int v : faces.row(f))
       mass[v] += fullness[v] * area / 3;
   }

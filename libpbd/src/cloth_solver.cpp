@@ -35,12 +35,12 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
   if (in.previous_targets)
     check_vertices(in.previous_targets, n, "previous_targets");
   if (!(in.dt > 0 && in.dt <= 1))
-    refuse_step("dt must lie in (0, 1] s, found " + options::shown(in.dt));
+    refuse_step("dt must lie in (0, 1] s, found " + options::to_text(in.dt));
   if (!in.wind.allFinite())
     refuse_step("wind is not finite");
   if (in.gravity && !(in.gravity->cwiseAbs().maxCoeff() <= 1000))
-    refuse_step("gravity must lie within 1000 m/s^2, found (" + options::shown(in.gravity->x()) + ", " +
-                options::shown(in.gravity->y()) + ", " + options::shown(in.gravity->z()) + ")");
+    refuse_step("gravity must lie within 1000 m/s^2, found (" + options::to_text(in.gravity->x()) + ", " +
+                options::to_text(in.gravity->y()) + ", " + options::to_text(in.gravity->z()) + ")");
   if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
     refuse_step("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
                 std::to_string(in.previous_capsules->size()));
@@ -50,7 +50,7 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
         const Capsule &c = (*list)[i];
         if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
           refuse_step("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
-                      options::shown(c.r0) + " and " + options::shown(c.r1));
+                      options::to_text(c.r0) + " and " + options::to_text(c.r1));
       }
 }
 
@@ -84,8 +84,8 @@ ClothSolver::ClothSolver(std::shared_ptr<const ClothModel> model) : model_(std::
     throw std::invalid_argument("ClothSolver: expected a model, found none");
 }
 
-std::vector<int> ClothSolver::step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
-                                        std::span<const Material> materials, int threads) const {
+std::vector<int> ClothSolver::step_batch(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                                         std::span<const Material> materials, int threads) const {
   check_counts(states.size(), inputs.size(), materials.size());
   for (const StepInputs &in : inputs) {
     check_inputs(*model_, in);
@@ -103,7 +103,7 @@ std::vector<int> ClothSolver::step_each(std::span<ClothState> states, std::span<
 }
 
 void ClothSolver::step(ClothState &state, const StepInputs &inputs, const Material &material) const {
-  if (!step_each({&state, 1}, {&inputs, 1}, {&material, 1}).empty())
+  if (!step_batch({&state, 1}, {&inputs, 1}, {&material, 1}).empty())
     throw std::runtime_error("cloth step: it came out with a position or velocity that is not finite");
 }
 

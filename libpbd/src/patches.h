@@ -6,11 +6,11 @@
 namespace doublet::pbd {
 inline namespace DOUBLET_PBD_ISA {
 
-constexpr int kLooks = 7;         ///< the directions that faces may look along, see looks_along
+constexpr int kDirections = 7;    ///< the directions that faces may look along, see cosines_along
 constexpr float kSameSide = 0.3f; ///< least cosine of a face's normal with a direction that it looks along
 
 /// Cosines of the normal n of a face with three axes and four diagonals.
-template <class T> inline void looks_along(const Vec3<T> &n, T *cosine) {
+template <class T> inline void cosines_along(const Vec3<T> &n, T *cosine) {
   const Vec3<T> u = (T(1) / lane_max(lane_sqrt(dot(n, n)), T(1e-12f))) * n;
   const T diagonal(0.57735027f), plus = u.y + u.z, minus = u.y - u.z;
   cosine[0] = u.x, cosine[1] = u.y, cosine[2] = u.z;
@@ -20,7 +20,7 @@ template <class T> inline void looks_along(const Vec3<T> &n, T *cosine) {
 
 /// The least and the most of each cosine over some faces.
 template <class T> struct Looks {
-  T least[kLooks], most[kLooks];
+  T least[kDirections], most[kDirections];
 
   /// Of a patch's faces. points: positions of vertices
   template <class Points> static Looks of_patch(const LaneModel &m, const Points &points, const Patch &patch) {
@@ -28,8 +28,8 @@ template <class T> struct Looks {
     for (int k = 0; k < patch.face_count; ++k) {
       const int *v = m.faces[m.patch_faces[patch.first_face + k]].v;
       Looks one;
-      looks_along(cross<T>(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]), one.least);
-      for (int i = 0; i < kLooks; ++i)
+      cosines_along(cross<T>(points[v[1]] - points[v[0]], points[v[2]] - points[v[0]]), one.least);
+      for (int i = 0; i < kDirections; ++i)
         one.most[i] = one.least[i];
       all = k == 0 ? one : united(all, one);
     }
@@ -37,19 +37,19 @@ template <class T> struct Looks {
   }
   static Looks every_way() {
     Looks all;
-    for (int i = 0; i < kLooks; ++i)
+    for (int i = 0; i < kDirections; ++i)
       all.least[i] = T(-1), all.most[i] = T(1);
     return all;
   }
   friend Looks united(const Looks &a, const Looks &b) {
     Looks out;
-    for (int i = 0; i < kLooks; ++i)
+    for (int i = 0; i < kDirections; ++i)
       out.least[i] = lane_min(a.least[i], b.least[i]), out.most[i] = lane_max(a.most[i], b.most[i]);
     return out;
   }
   /// Those of the lanes in which the two do not look one way.
   template <class M> friend M may_meet(const Looks &a, const Looks &b, M lanes) {
-    for (int i = 0; i < kLooks && any(lanes); ++i)
+    for (int i = 0; i < kDirections && any(lanes); ++i)
       lanes = lanes & (lane_min(a.least[i], b.least[i]) <= T(kSameSide)) & (lane_max(a.most[i], b.most[i]) >= T(-kSameSide));
     return lanes;
   }
@@ -69,9 +69,9 @@ template <> struct Looks<float> {
           v[k][l] = m.faces[face].v[k];
       }
       const Vec3<Pack<4>> corner = gather<4>(points.data(), v[0]);
-      Pack<4> cosine[kLooks + 1];
-      looks_along(cross(gather<4>(points.data(), v[1]) - corner, gather<4>(points.data(), v[2]) - corner), cosine);
-      cosine[kLooks] = cosine[0];
+      Pack<4> cosine[kDirections + 1];
+      cosines_along(cross(gather<4>(points.data(), v[1]) - corner, gather<4>(points.data(), v[2]) - corner), cosine);
+      cosine[kDirections] = cosine[0];
       Looks four;
       for (int half = 0; half < 2; ++half) {
         Pack<4> of_face[4];

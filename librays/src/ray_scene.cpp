@@ -90,8 +90,8 @@ constexpr double kLargestCoordinate = 1e18;
 void require_in_reach(const Eigen::Vector3d &vector, const char *what) {
   if (vector.hasNaN() || !(vector.cwiseAbs().maxCoeff() <= kLargestCoordinate))
     throw std::invalid_argument(std::string("RayScene: expected ") + what + " of numbers within 1e18, found (" +
-                                options::shown(vector.x()) + ", " + options::shown(vector.y()) + ", " +
-                                options::shown(vector.z()) + ")");
+                                options::to_text(vector.x()) + ", " + options::to_text(vector.y()) + ", " +
+                                options::to_text(vector.z()) + ")");
 }
 
 RTCRay float_ray(const ExactRay &ray) {
@@ -219,7 +219,7 @@ private:
 RayScene::RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid) {
   require_usable(mesh, "RayScene");
   if (!(mesh.vertices.cwiseAbs().maxCoeff() < kLargestCoordinate))
-    throw Error("RayScene: expected coordinates below 1e18 m, found " + options::shown(mesh.vertices.cwiseAbs().maxCoeff()));
+    throw Error("RayScene: expected coordinates below 1e18 m, found " + options::to_text(mesh.vertices.cwiseAbs().maxCoeff()));
   if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != mesh.faces.rows())
     throw std::invalid_argument("RayScene: expected " + std::to_string(mesh.faces.rows()) + " entries in face_valid, found " +
                                 std::to_string(face_valid.size()));

@@ -35,7 +35,7 @@ Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface
   Eigen::VectorXd distances(points.rows());
   constexpr int kChunk = 50000; // between two looks at the user's wish to stop, well under a second
   for (int begin = 0; begin < points.rows(); begin += kChunk) {
-    context.check_cancelled();
+    context.throw_if_cancelled();
     parallel_for(context, std::min<int>(kChunk, static_cast<int>(points.rows()) - begin),
                  [&](int i) { distances[begin + i] = scene.closest(points.row(begin + i)).distance; });
   }
@@ -45,7 +45,7 @@ Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface
 std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras,
                                            double tolerance) {
   if (!(tolerance >= 0))
-    throw std::invalid_argument("visible_vertices: expected a tolerance of at least 0 m, found " + options::shown(tolerance));
+    throw std::invalid_argument("visible_vertices: expected a tolerance of at least 0 m, found " + options::to_text(tolerance));
   std::vector<std::uint8_t> visible(vertices.rows(), 0);
   for (const Camera &camera : cameras) {
     const FaceBuffer buffer = rasterize(vertices, faces, camera);

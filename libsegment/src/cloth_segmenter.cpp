@@ -144,8 +144,8 @@ void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const Segment
   const int before = result.region_count;
   detail::label_regions(surface, detail::colour_seams(surface, inputs, result, options), result);
   if (result.region_count > before)
-    context.say("segment: cloth of two looks meets where it moves little: " + std::to_string(result.region_count) +
-                " garments in the place of " + std::to_string(before));
+    context.log_line("segment: cloth of two looks meets where it moves little: " + std::to_string(result.region_count) +
+                     " garments in the place of " + std::to_string(before));
 }
 
 void require_inputs(const SegmentInputs &inputs) {
@@ -172,21 +172,21 @@ public:
 
   Segmentation segment(const SegmentInputs &inputs, const Context &context) const override {
     require_inputs(inputs);
-    context.report("segment", 0.0);
+    context.report_progress("segment", 0.0);
     const Mesh pose{inputs.surface.frames.front(), inputs.surface.faces};
     const OppositePoints points = find_opposite_points(pose, inputs.face_valid, options_.opposite, context);
-    context.report("segment", 0.3);
+    context.report_progress("segment", 0.3);
     // Of both deviations the smaller counts: skin that a bent joint or a twisted spine deforms keeps its place in the scan pose,
     // and skin that the skin weights misplace keeps its shape.
     Eigen::VectorXd sigma = opposite_distance_deviation(inputs.surface, points, options_.opposite, context);
     if (!inputs.canonical.empty())
       sigma = sigma.cwiseMin(
           opposite_distance_deviation({inputs.surface.faces, inputs.canonical}, points, options_.opposite, context));
-    context.report("segment", 0.8);
+    context.report_progress("segment", 0.8);
     Segmentation result = segmentation_of(pose, inputs, sigma, options_);
     if (inputs.colours.rows() > 0 && options_.colour > 0)
       part_by_colour(pose, inputs, options_, context, result);
-    context.report("segment", 1.0);
+    context.report_progress("segment", 1.0);
     return result;
   }
 
@@ -199,8 +199,9 @@ private:
 void SegmentOptions::validate() const {
   options::check(*this);
   if (!(rigid_threshold < cloth_threshold))
-    options::refuse("SegmentOptions: rigid_threshold", "less than cloth_threshold, " + options::shown(cloth_threshold) + " m",
-                    options::shown(rigid_threshold));
+    options::throw_invalid("SegmentOptions: rigid_threshold",
+                           "less than cloth_threshold, " + options::to_text(cloth_threshold) + " m",
+                           options::to_text(rigid_threshold));
 }
 
 Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
@@ -259,9 +260,9 @@ bool begins_in_scan_pose(const Skeleton &skeleton, const ReferencePerformance &p
 
 } // namespace
 
-Mesh segmented_pose(const RiggedMesh &actor, const ReferencePerformance &performance) {
-  require_actor(actor, "segmented_pose");
-  require_performance(performance, actor, "segmented_pose");
+Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &performance) {
+  require_actor(actor, "segmentation_pose");
+  require_performance(performance, actor, "segmentation_pose");
   if (begins_in_scan_pose(actor.skeleton, performance))
     return {performance.surface.frames.front(), performance.surface.faces};
   return actor.mesh;
@@ -271,8 +272,8 @@ Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerform
                                  const ClothSegmenter &segmenter, const Vertices &colours, const FullnessOptions &fullness,
                                  const Context &context) {
   require_actor(actor, "segment_performance");
-  SegmentInputs inputs{performance.surface, actor.face_valid, unposed_frames(actor, performance, context), colours,
-                       cloth_prior(actor, segmented_pose(actor, performance))};
+  SegmentInputs inputs{performance.surface, actor.face_valid, canonical_frames(actor, performance, context), colours,
+                       cloth_prior(actor, segmentation_pose(actor, performance))};
   if (!begins_in_scan_pose(actor.skeleton, performance)) {
     inputs.surface.frames.insert(inputs.surface.frames.begin(), actor.mesh.vertices);
     inputs.canonical.insert(inputs.canonical.begin(), actor.mesh.vertices);

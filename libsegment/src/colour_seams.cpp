@@ -138,8 +138,8 @@ std::vector<char> colour_seams(const Surface &surface, const SegmentInputs &inpu
   for (int region = 0; region < segmentation.region_count; ++region) {
     const std::vector<char> member = choose(surface, [&](int v) { return segmentation.region[v] == region; });
     Kinds kinds = two_kinds(surface, inputs, member, looks);
-    merge_small(surface, member, options.smallest_region, kinds.second);
-    for (int v : seam_of(surface, member, kinds, segmentation.sigma, options.smallest_region))
+    merge_small(surface, member, options.min_region_area, kinds.second);
+    for (int v : seam_of(surface, member, kinds, segmentation.sigma, options.min_region_area))
       seams[v] = 1;
   }
   return seams;

@@ -28,7 +28,7 @@ Eigen::VectorXd diffuse_on_surface(const Vertices &vertices, const Faces &faces,
     throw std::invalid_argument("diffuse_on_surface: expected " + std::to_string(n) + " values, one a vertex, found " +
                                 std::to_string(values.size()));
   if (!(length >= 0))
-    throw std::invalid_argument("diffuse_on_surface: length must be >= 0, found " + options::shown(length));
+    throw std::invalid_argument("diffuse_on_surface: length must be >= 0, found " + options::to_text(length));
   int count = 0;
   const Eigen::VectorXi component = vertex_components(faces, n, &count);
   const std::vector<char> known = components_known(component, count, values);

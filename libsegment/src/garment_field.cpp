@@ -234,11 +234,11 @@ std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sh
 Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
                               int region, const GarmentOptions &options) {
   Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, excluded, segmentation, region));
-  field = diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, field, options.closing);
+  field = diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, field, options.closing_length);
   for (double &value : field)
     value = std::isfinite(value) ? value : 0.0;
-  drop_small_sets(actor.mesh, options.smallest_hole, false, field);
-  drop_small_sets(actor.mesh, options.smallest_piece, true, field);
+  drop_small_sets(actor.mesh, options.min_hole_area, false, field);
+  drop_small_sets(actor.mesh, options.min_piece_area, true, field);
   for (double &value : field)
     if (std::abs(value - kCut) < kOffCut)
       value = value > kCut ? kCut + kOffCut : kCut - kOffCut;

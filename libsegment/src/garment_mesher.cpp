@@ -103,10 +103,10 @@ int wide_frame(const RiggedMesh &actor, const Piece &piece, const MeshSequence &
 
 /// (N) 1 for the vertices of the piece's boundary that the garment hangs from.
 std::vector<char> hanging_vertices(const Piece &piece, const Eigen::VectorXd &skin_at_cut, const Eigen::VectorXd &ends,
-                                   const Eigen::VectorXd &limbs, double smallest_edge) {
+                                   const Eigen::VectorXd &limbs, double min_edge_run) {
   std::vector<char> result(piece.mesh.vertices.rows(), 0);
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces)) {
-    const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, ends, limbs, smallest_edge);
+    const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, ends, limbs, min_edge_run);
     for (std::size_t i = 0; i < loop.size(); ++i)
       result[loop[i]] = kinds[i];
   }
@@ -165,19 +165,19 @@ Mesh remeshed(const Mesh &mesh, double vertices) {
 }
 
 /// The piece in the frame in which it is spread out.
-struct SpreadOut {
+struct WidestFrame {
   int frame = -1; ///< row of the captured frames; -1 = the scan pose, there are none
   Mesh mesh;
 };
 
-SpreadOut spread_out(const RiggedMesh &actor, const Piece &piece, const MeshSequence &captured) {
+WidestFrame widest_frame_of(const RiggedMesh &actor, const Piece &piece, const MeshSequence &captured) {
   const int wide = wide_frame(actor, piece, captured);
   const Vertices &vertices = wide < 0 ? actor.mesh.vertices : captured.frames[wide];
   return {wide, {placed(piece, actor.mesh.faces, vertices), piece.mesh.faces}};
 }
 
 /// Some rows of so many frames, all over the motion, and `wide`.
-std::vector<int> spread_rows(std::size_t frames, int wide) {
+std::vector<int> sampled_rows(std::size_t frames, int wide) {
   constexpr int kRows = 8;
   std::set<int> rows{wide};
   for (int k = 0; k < kRows; ++k)
@@ -215,18 +215,18 @@ Garment placed_garment(const RiggedMesh &actor, const Piece &piece, const Faces 
     garment.actor_face[static_cast<Eigen::Index>(v)] = piece.actor_face[places[v].face];
     garment.barycentric.row(static_cast<Eigen::Index>(v)) = (place / place.sum()).transpose();
   }
-  garment.mesh.vertices = at_garment(garment, actor.mesh.faces, actor.mesh.vertices);
+  garment.mesh.vertices = interpolate_to_garment(garment, actor.mesh.faces, actor.mesh.vertices);
   return garment;
 }
 
-/// [spreads] (N, 3) m, from what the frames show; `wide`: the one in which it is spread out.
+/// [exceedances] (N, 3) m, from what the frames show; `wide`: the one in which it is spread out.
 std::vector<Vertices> rest_shapes_of(const Garment &garment, const RiggedMesh &actor, const MeshSequence &captured, int wide,
-                                     const std::vector<int> &attached, const std::vector<double> &spreads) {
+                                     const std::vector<int> &attached, const std::vector<double> &exceedances) {
   std::vector<Vertices> frames, shapes;
   for (const Vertices &frame : captured.frames)
-    frames.push_back(at_garment(garment, actor.mesh.faces, frame));
-  for (double spread : spreads)
-    shapes.push_back(detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, wide, attached, spread));
+    frames.push_back(interpolate_to_garment(garment, actor.mesh.faces, frame));
+  for (double exceedance : exceedances)
+    shapes.push_back(detail::rest_shape(garment.mesh.faces, garment.mesh.vertices, frames, wide, attached, exceedance));
   return shapes;
 }
 
@@ -282,7 +282,7 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
   std::vector<Vertices> of_piece{piece.mesh.vertices}, of_from{from.mesh.vertices};
   for (int row : rows) {
     of_piece.push_back(placed(piece, actor.mesh.faces, captured.frames[row]));
-    of_from.push_back(at_garment(from, actor.mesh.faces, captured.frames[row]));
+    of_from.push_back(interpolate_to_garment(from, actor.mesh.faces, captured.frames[row]));
   }
   const MatrixRM corners = side_by_side(of_piece), from_points = side_by_side(of_from);
   MatrixRM points = MatrixRM::Zero(static_cast<Eigen::Index>(on_from.size()), corners.cols());
@@ -298,28 +298,28 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 /// One region's part of a garment, before it is one of several. Its triangles are regular in the rest shape: what is folded even
 /// in the frame in which the piece is spread out would be left with a few long ones. So the piece is meshed there first, which
 /// gives a rest shape of every width, and the answer is the middle one, meshed again; the others are carried over to its mesh.
-Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const SpreadOut &spread,
+Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const WidestFrame &widest,
                     const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
-  const Mesh first = remeshed(detail::without_handles(spread.mesh, kHandle), vertices);
-  const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, spread.mesh.vertices, hangs); };
-  Garment garment = placed_garment(actor, piece, first.faces, places_on(spread.mesh, first.vertices));
+  const Mesh first = remeshed(detail::without_handles(widest.mesh, kHandle), vertices);
+  const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, widest.mesh.vertices, hangs); };
+  Garment garment = placed_garment(actor, piece, first.faces, places_on(widest.mesh, first.vertices));
   std::vector<int> seam = attached(first);
-  const std::size_t middle = (options.spreads.size() - 1) / 2;
-  if (spread.frame < 0) // nothing to tell widths from
-    garment.rest = rest_shapes_of(garment, actor, captured, spread.frame, seam, {options.spreads[middle]})[0];
+  const std::size_t middle = (options.length_exceedances.size() - 1) / 2;
+  if (widest.frame < 0) // nothing to tell widths from
+    garment.rest = rest_shapes_of(garment, actor, captured, widest.frame, seam, {options.length_exceedances[middle]})[0];
   else {
-    const std::vector<Vertices> shapes = rest_shapes_of(garment, actor, captured, spread.frame, seam, options.spreads);
+    const std::vector<Vertices> shapes = rest_shapes_of(garment, actor, captured, widest.frame, seam, options.length_exceedances);
     const Mesh rest{shapes[middle], garment.mesh.faces};
     const Mesh second = remeshed(rest, vertices);
     const std::vector<Place> on_first = places_on(rest, second.vertices);
-    const std::vector<int> rows = spread_rows(captured.frames.size(), spread.frame);
+    const std::vector<int> rows = sampled_rows(captured.frames.size(), widest.frame);
     garment = placed_garment(actor, piece, second.faces, carried_places(actor, captured, rows, piece, garment, on_first));
-    seam = attached({at_garment(garment, actor.mesh.faces, captured.frames[spread.frame]), second.faces});
+    seam = attached({interpolate_to_garment(garment, actor.mesh.faces, captured.frames[widest.frame]), second.faces});
     garment.rest = second.vertices;
     for (std::size_t k = 0; k < shapes.size() && shapes.size() > 1; ++k)
       garment.widths.push_back(k == middle ? garment.rest : points_at(on_first, rest.faces, shapes[k]));
   }
-  garment.clothness = clothness_of(garment, seam, options.band);
+  garment.clothness = clothness_of(garment, seam, options.attachment_width);
   garment.region = Eigen::VectorXi::Constant(garment.mesh.vertices.rows(), region);
   return garment;
 }
@@ -366,11 +366,11 @@ void say_what_falls(const Piece &whole, const Piece &hung, int region, const Con
   const std::string name = "garment: region " + std::to_string(region);
   const auto area = [](const Piece &piece) { return face_areas(piece.mesh.vertices, piece.mesh.faces).sum(); };
   if (whole.mesh.faces.rows() == 0)
-    context.say(name + " is too small or too thin for a mesh; it moves as skin");
+    context.log_line(name + " is too small or too thin for a mesh; it moves as skin");
   else if (hung.mesh.faces.rows() == 0)
-    context.say(name + " does not touch skin and hangs on nothing; it moves as skin");
+    context.log_line(name + " does not touch skin and hangs on nothing; it moves as skin");
   else if (hung.mesh.faces.rows() < whole.mesh.faces.rows())
-    context.say(name + ": " + options::shown(area(whole) - area(hung), 4) + " m^2 of it hang on nothing and move as skin");
+    context.log_line(name + ": " + options::to_text(area(whole) - area(hung), 4) + " m^2 of it hang on nothing and move as skin");
 }
 
 class IsotropicMesher : public GarmentMesher {
@@ -384,8 +384,8 @@ public:
     garment.mesh = {Vertices(0, 3), Faces(0, 3)};
     garment.barycentric.resize(0, 3);
     garment.rest.resize(0, 3);
-    garment.covers.assign(actor.mesh.faces.rows(), 0);
-    if (!options_.own_mesh)
+    garment.replaced_faces.assign(actor.mesh.faces.rows(), 0);
+    if (!options_.remesh)
       return garment;
     const std::vector<char> sheet = detail::closing_sheet(actor);
     std::vector<char> excluded = detail::bare_ends(actor, sheet, segmentation, body);
@@ -393,33 +393,33 @@ public:
       excluded[f] |= sheet[f];
     std::vector<Eigen::VectorXd> fields;
     std::vector<Piece> pieces;
-    std::vector<SpreadOut> spread;
+    std::vector<WidestFrame> widest;
     std::vector<std::vector<char>> hangs; // [R][N]
     std::vector<double> areas;            // [R] m^2, spread out
     for (int r = 0; r < segmentation.region_count; ++r) {
       fields.push_back(detail::garment_field(actor, excluded, segmentation, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
-      const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing);
+      const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing_length);
       hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), detail::on_limbs(actor, whole),
-                                       options_.smallest_edge));
+                                       options_.min_edge_run));
       pieces.push_back(hanging_part(whole, hangs.back()));
       say_what_falls(whole, pieces.back(), r, context);
-      spread.push_back(spread_out(actor, pieces.back(), captured));
-      areas.push_back(face_areas(spread.back().mesh.vertices, spread.back().mesh.faces).sum());
+      widest.push_back(widest_frame_of(actor, pieces.back(), captured));
+      areas.push_back(face_areas(widest.back().mesh.vertices, widest.back().mesh.faces).sum());
     }
     const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
     for (int r = 0; r < segmentation.region_count; ++r) {
-      context.report("garment", static_cast<double>(r) / segmentation.region_count);
+      context.report_progress("garment", static_cast<double>(r) / segmentation.region_count);
       if (pieces[r].mesh.faces.rows() == 0)
         continue;
-      const Garment part = mesh_region(actor, captured, pieces[r], spread[r], hangs[r], garment.region_count,
+      const Garment part = mesh_region(actor, captured, pieces[r], widest[r], hangs[r], garment.region_count,
                                        options_.vertices * areas[r] / area, options_);
       append(garment, part);
       for (int f : pieces[r].actor_face)
-        garment.covers[f] = !is_waistband(actor, segmentation, fields[r], f);
+        garment.replaced_faces[f] = !is_waistband(actor, segmentation, fields[r], f);
       ++garment.region_count;
     }
-    context.report("garment", 1.0);
+    context.report_progress("garment", 1.0);
     return garment;
   }
 
@@ -431,9 +431,9 @@ private:
 
 void GarmentOptions::validate() const {
   options::check(*this);
-  if (spreads.empty() || !std::is_sorted(spreads.begin(), spreads.end()))
-    throw std::invalid_argument("GarmentOptions: spreads: expected at least one, ascending, found " +
-                                std::string(spreads.empty() ? "none" : "others"));
+  if (length_exceedances.empty() || !std::is_sorted(length_exceedances.begin(), length_exceedances.end()))
+    throw std::invalid_argument("GarmentOptions: length_exceedances: expected at least one, ascending, found " +
+                                std::string(length_exceedances.empty() ? "none" : "others"));
 }
 
 std::unique_ptr<GarmentMesher> GarmentMesher::create(const GarmentOptions &options) {

@@ -111,9 +111,9 @@ Vertices fair_shape(Vertices x, const std::vector<std::vector<int>> &neighbours,
   return x;
 }
 
-/// What each edge exceeds in the share `spread` of the frames; the seam that the garment hangs from does not give.
+/// What each edge exceeds in the share `exceedance` of the frames; the seam that the garment hangs from does not give.
 std::vector<double> lengths_over_time(const std::vector<Eigen::Vector2i> &edges, const std::vector<Vertices> &frames,
-                                      const Vertices &scan, const std::vector<int> &attached, double spread) {
+                                      const Vertices &scan, const std::vector<int> &attached, double exceedance) {
   std::vector<char> hangs(scan.rows(), 0);
   for (int v : attached)
     hangs[v] = 1;
@@ -124,7 +124,7 @@ std::vector<double> lengths_over_time(const std::vector<Eigen::Vector2i> &edges,
     std::vector<double> seen;
     for (const Vertices &frame : frames)
       seen.push_back((frame.row(edges[e][1]) - frame.row(edges[e][0])).norm());
-    lengths[e] = quantile(std::move(seen), 1 - spread);
+    lengths[e] = quantile(std::move(seen), 1 - exceedance);
   }
   return lengths;
 }
@@ -213,7 +213,7 @@ Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<
 } // namespace
 
 Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
-                    const std::vector<int> &attached, double spread) {
+                    const std::vector<int> &attached, double exceedance) {
   const auto neighbours = smoothing_neighbours(faces, scan.rows());
   if (frames.empty())
     return untangled(scan, faces, neighbours, attached);
@@ -222,7 +222,7 @@ Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<
   std::vector<Vertices> smooth;
   for (const Vertices &frame : frames)
     smooth.push_back(smoothed(frame, neighbours));
-  std::vector<double> lengths = lengths_over_time(edges, smooth, scan, attached, spread);
+  std::vector<double> lengths = lengths_over_time(edges, smooth, scan, attached, exceedance);
   Vertices shape = fair_shape(smooth[wide], neighbours, edges, lengths, kStiff, kSoft);
   for (int i = 0; i < 2; ++i) { // the second time for what the bending gave back
     lengths = lengths_as_hung(faces, shape, scan, edges, attached);

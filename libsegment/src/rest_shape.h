@@ -12,7 +12,7 @@ namespace doublet::detail {
 /// pose; `frames`: in the captured frames (none: the answer is `scan`, untangled), of which it is spread out in number `wide`;
 /// `attached`: the vertices that the garment hangs from.
 ///  1. The frames are smoothed (Taubin 1995, which does not shrink): their roughness would count as length.
-///  2. An edge gets the length that it exceeds in the share `spread` of the frames.
+///  2. An edge gets the length that it exceeds in the share `exceedance` of the frames.
 ///  3. The smoothest surface with these lengths (bending against springs), from the wide frame: a metric that is not smooth
 ///  crumples.
 ///  4. The way from the attachment is known from the scan, where cloth hangs straight: edges lead away from it as far as there.
@@ -20,6 +20,6 @@ namespace doublet::detail {
 ///  Where it passes through itself even so, or a triangle lies folded on the next one, it is smoothed until it does not, or 24
 ///  times: cloth in a knot at rest never leaves it, and what is drawn of a folded triangle is stretched when that opens.
 Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<Vertices> &frames, int wide,
-                    const std::vector<int> &attached, double spread);
+                    const std::vector<int> &attached, double exceedance);
 
 } // namespace doublet::detail

@@ -1,7 +1,7 @@
 #include "surface_patches.h"
 
 #include "doublet/core/parts/edge_distances.h"
-#include "doublet/core/parts/sheets.h"
+#include "doublet/core/parts/invalid_faces.h"
 
 #include <algorithm>
 #include <functional>
@@ -51,7 +51,7 @@ Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid
   if (!face_valid.empty() && static_cast<long>(face_valid.size()) != pose.faces.rows())
     throw std::invalid_argument("face_valid: expected " + std::to_string(pose.faces.rows()) + " entries, one a face, found " +
                                 std::to_string(face_valid.size()));
-  const std::vector<std::uint8_t> scanned = extend_sheets(pose, face_valid);
+  const std::vector<std::uint8_t> scanned = extend_invalid_faces(pose, face_valid);
   const Faces faces = valid_faces(pose.faces, scanned);
   const Eigen::VectorXi hole = holes(pose.faces, scanned, n);
   std::vector<char> seam(n);

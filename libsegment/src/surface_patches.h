@@ -19,7 +19,7 @@ struct Surface {
   int size() const { return static_cast<int>(vertices.rows()); }
 };
 
-/// With the sheets of the mask extended (extend_sheets). Throws std::invalid_argument if face_valid has another length.
+/// With the sheets of the mask extended (extend_invalid_faces). Throws std::invalid_argument if face_valid has another length.
 Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid);
 
 struct Patch {

@@ -75,7 +75,7 @@ void check_regions(const CharacterState &state, const std::vector<pbd::Material>
 
 /// What a region's solver is told about a frame; `targets` must outlive it.
 pbd::StepInputs region_inputs(const ClothRegion &region, const PosedFrame &previous, const PosedFrame &current,
-                              const World &world, Vertices &previous_targets, Vertices &targets) {
+                              const StepEnvironment &world, Vertices &previous_targets, Vertices &targets) {
   gather(previous.skinned, region.vertex_from_cloth, previous_targets);
   gather(current.skinned, region.vertex_from_cloth, targets);
   return {&targets, &previous_targets, &current.capsules, &previous.capsules, world.dt, world.wind, world.gravity};
@@ -132,14 +132,14 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   return state;
 }
 
-CharacterState CharacterSimulator::put_on(std::span<const PosedFrame> way, const std::vector<pbd::Material> &materials,
-                                          const World &world) const {
-  if (way.empty())
-    throw std::invalid_argument("CharacterSimulator::put_on: expected at least one pose, found none");
-  CharacterState state = start(way[0]);
+CharacterState CharacterSimulator::drape_along(std::span<const PosedFrame> poses, const std::vector<pbd::Material> &materials,
+                                               const StepEnvironment &world) const {
+  if (poses.empty())
+    throw std::invalid_argument("CharacterSimulator::drape_along: expected at least one pose, found none");
+  CharacterState state = start(poses[0]);
   StepBuffers buffers;
-  for (std::size_t i = 1; i < way.size(); ++i)
-    step(state, way[i - 1], way[i], materials, world, buffers);
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    step(state, poses[i - 1], poses[i], materials, world, buffers);
   return state;
 }
 
@@ -151,8 +151,8 @@ void CharacterSimulator::pin(CharacterState &state, const PosedFrame &frame) con
         state.regions[r].positions.row(static_cast<Eigen::Index>(i)) = frame.skinned.row(regions_[r].vertex_from_cloth[i]);
 }
 
-void CharacterSimulator::carry(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const {
-  require_state(state, "CharacterSimulator::carry");
+void CharacterSimulator::move_rigidly(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const {
+  require_state(state, "CharacterSimulator::move_rigidly");
   const Eigen::Isometry3d way = to.world_from_rest.at(0) * from.world_from_rest.at(0).inverse();
   for (pbd::ClothState &cloth : state.regions)
     for (Eigen::Index i = 0; i < cloth.positions.rows(); ++i) {
@@ -174,53 +174,55 @@ void CharacterSimulator::settle(CharacterState &state, const PosedFrame &frame, 
 
 void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
                               const std::vector<pbd::Material> &materials, double dt) const {
-  World world;
+  StepEnvironment world;
   world.dt = dt;
   StepBuffers buffers;
   step(state, previous, current, materials, world, buffers);
 }
 
 void CharacterSimulator::step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
-                              const std::vector<pbd::Material> &materials, const World &world, StepBuffers &buffers) const {
+                              const std::vector<pbd::Material> &materials, const StepEnvironment &world,
+                              StepBuffers &buffers) const {
   check_regions(state, materials, regions_.size());
   buffers.targets.resize(regions_.size());
   buffers.previous_targets.resize(regions_.size());
   for (std::size_t r = 0; r < regions_.size(); ++r) {
     const pbd::StepInputs inputs =
         region_inputs(regions_[r], previous, current, world, buffers.previous_targets[r], buffers.targets[r]);
-    if (!regions_[r].solver->step_each({&state.regions[r], 1}, {&inputs, 1}, {&materials[r], 1}).empty())
+    if (!regions_[r].solver->step_batch({&state.regions[r], 1}, {&inputs, 1}, {&materials[r], 1}).empty())
       throw Error("CharacterSimulator::step: cloth region " + std::to_string(r) +
                   " came out with a position or velocity that is not finite; expected a stable simulation");
   }
 }
 
-std::vector<FailedRegion> CharacterSimulator::step_each(std::span<CharacterState *const> states, const PosedFrame &previous,
-                                                        const PosedFrame &current,
-                                                        std::span<const std::vector<pbd::Material> *const> materials,
-                                                        double dt) const {
+std::vector<DivergedRegion> CharacterSimulator::step_batch(std::span<CharacterState *const> states, const PosedFrame &previous,
+                                                           const PosedFrame &current,
+                                                           std::span<const std::vector<pbd::Material> *const> materials,
+                                                           double dt) const {
   const PosedFrame *const before = &previous, *const after = &current;
-  World world;
+  StepEnvironment world;
   world.dt = dt;
-  return step_each(states, {&before, 1}, {&after, 1}, materials, {&world, 1});
+  return step_batch(states, {&before, 1}, {&after, 1}, materials, {&world, 1});
 }
 
-std::vector<FailedRegion> CharacterSimulator::step_each(std::span<CharacterState *const> states,
-                                                        std::span<const PosedFrame *const> previous,
-                                                        std::span<const PosedFrame *const> current,
-                                                        std::span<const std::vector<pbd::Material> *const> materials,
-                                                        std::span<const World> worlds, int threads) const {
+std::vector<DivergedRegion> CharacterSimulator::step_batch(std::span<CharacterState *const> states,
+                                                           std::span<const PosedFrame *const> previous,
+                                                           std::span<const PosedFrame *const> current,
+                                                           std::span<const std::vector<pbd::Material> *const> materials,
+                                                           std::span<const StepEnvironment> worlds, int threads) const {
   const std::size_t count = states.size(), poses = current.size();
   if (materials.size() != count)
-    throw std::invalid_argument("CharacterSimulator::step_each: " + std::to_string(count) + " states and " +
+    throw std::invalid_argument("CharacterSimulator::step_batch: " + std::to_string(count) + " states and " +
                                 std::to_string(materials.size()) + " lists of materials, expected equally many");
   if (previous.size() != poses || worlds.size() != poses || (poses != count && poses != 1))
-    throw std::invalid_argument("CharacterSimulator::step_each: expected as many poses before, poses after and worlds as states, "
-                                "or one of each, found " +
-                                std::to_string(previous.size()) + ", " + std::to_string(poses) + " and " +
-                                std::to_string(worlds.size()) + " for " + std::to_string(count));
+    throw std::invalid_argument(
+        "CharacterSimulator::step_batch: expected as many poses before, poses after and worlds as states, "
+        "or one of each, found " +
+        std::to_string(previous.size()) + ", " + std::to_string(poses) + " and " + std::to_string(worlds.size()) + " for " +
+        std::to_string(count));
   for (std::size_t i = 0; i < count; ++i)
     check_regions(*states[i], *materials[i], regions_.size());
-  std::vector<FailedRegion> failed;
+  std::vector<DivergedRegion> failed;
   for (int r = 0; r < static_cast<int>(regions_.size()); ++r)
     for (int i : step_region(r, states, previous, current, materials, worlds, threads))
       failed.push_back({i, r});
@@ -237,7 +239,7 @@ std::vector<int> CharacterSimulator::step_region(int region, std::span<Character
   for (std::size_t i = 0; i < states.size(); ++i)
     check_regions(*states[i], *materials[i], regions_.size());
   const PosedFrame *const before = &previous, *const after = &current;
-  World world;
+  StepEnvironment world;
   world.dt = dt;
   return step_region(region, states, {&before, 1}, {&after, 1}, materials, {&world, 1}, 1);
 }
@@ -246,7 +248,7 @@ std::vector<int> CharacterSimulator::step_region(int region, std::span<Character
                                                  std::span<const PosedFrame *const> previous,
                                                  std::span<const PosedFrame *const> current,
                                                  std::span<const std::vector<pbd::Material> *const> materials,
-                                                 std::span<const World> worlds, int threads) const {
+                                                 std::span<const StepEnvironment> worlds, int threads) const {
   const std::size_t count = states.size(), poses = current.size();
   std::vector<pbd::ClothState> cloth(count);
   std::vector<pbd::Material> material(count);
@@ -263,7 +265,7 @@ std::vector<int> CharacterSimulator::step_region(int region, std::span<Character
   lend();
   std::vector<int> failed;
   try {
-    failed = regions_[region].solver->step_each(cloth, inputs, material, threads);
+    failed = regions_[region].solver->step_batch(cloth, inputs, material, threads);
   } catch (...) {
     lend();
     throw;
@@ -303,10 +305,10 @@ void CharacterSimulator::require_state(const CharacterState &state, const char *
   }
 }
 
-std::vector<Eigen::VectorXd> way_in(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt) {
+std::vector<Eigen::VectorXd> lead_in_poses(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt) {
   constexpr double kSeconds = 0.6, kNear = 0.35; // rad
   if (dofs.size() != skeleton.dof_count() || !dofs.allFinite() || !(dt > 0) || !std::isfinite(dt))
-    throw std::invalid_argument("way_in: expected a pose of " + std::to_string(skeleton.dof_count()) +
+    throw std::invalid_argument("lead_in_poses: expected a pose of " + std::to_string(skeleton.dof_count()) +
                                 " finite numbers and a time step above 0");
   Eigen::VectorXd rest = Eigen::VectorXd::Zero(dofs.size());
   for (const Joint &joint : skeleton.joints)

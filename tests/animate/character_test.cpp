@@ -58,10 +58,10 @@ void expect_same(const Character &a, const Character &b) {
     EXPECT_EQ(a.proxies[i].r0, b.proxies[i].r0);
   }
   ASSERT_EQ(a.materials.size(), b.materials.size());
-  EXPECT_EQ(options::listed(a.materials[0]), options::listed(b.materials[0]));
+  EXPECT_EQ(options::to_pairs(a.materials[0]), options::to_pairs(b.materials[0]));
   EXPECT_EQ(a.segmentation.fullness, b.segmentation.fullness);
   EXPECT_TRUE(as_float(a.segmentation.rest) == b.segmentation.rest);
-  EXPECT_EQ(options::listed(a.solver), options::listed(b.solver));
+  EXPECT_EQ(options::to_pairs(a.solver), options::to_pairs(b.solver));
   EXPECT_TRUE(as_float(a.body.vertices) == b.body.vertices);
   EXPECT_TRUE(as_float(a.body_weights) == b.body_weights);
   EXPECT_TRUE(a.body_shown == b.body_shown);
@@ -128,7 +128,7 @@ TEST(CharacterFile, OlderOnesKnowNoRestShapeAndNoCompliance) {
   const Character old = read_character(folder / "old.glb");
   EXPECT_EQ(old.segmentation.rest.rows(), 0);
   const SolverSettings meant{0.02, {7, 2, pbd::Stiffness::Sweeps, 1.0, 1.0, {0, -9, 0}, 0.5, 0.01, 0.003, false}};
-  EXPECT_EQ(options::listed(old.solver), options::listed(meant));
+  EXPECT_EQ(options::to_pairs(old.solver), options::to_pairs(meant));
 }
 
 TEST(CharacterFile, ANewerOneIsRefusedInASentence) {

@@ -93,11 +93,11 @@ struct BeforeScreen {
           for (int k = 0; k < 3; ++k)
             images[c].data[3 * i + k] = static_cast<std::uint8_t>(0.6 * images[c].data[3 * i + k]);
   }
-  Vertices baked(double screen_reach) const {
+  Vertices baked(double screen_margin) const {
     TextureOptions options;
     options.size = 1024;
     options.albedo = false;
-    options.screen_reach = screen_reach;
+    options.screen_margin = screen_margin;
     return face_colours(bake_texture(ball, {}, cameras, images, masks, {}, options));
   }
 };
@@ -253,7 +253,7 @@ TEST(TextureColours, AGapBetweenFingersIsNotPainted) {
   EXPECT_LT(greenest(scene.baked(0.05)), kSkin[1] - kSkin[2] + 5);
 }
 
-/// The same between an arm and the body: too deep for screen_reach.
+/// The same between an arm and the body: too deep for screen_margin.
 TEST(TextureColours, AGapDeepInsideAMaskIsNotPainted) {
   BeforeScreen scene(kSkin, kGreenScreen, 1280, 48);
   const Eigen::Vector2i middle = scene.cameras[0].project({0, 0.9, 0}).cast<int>();
@@ -365,7 +365,7 @@ TEST(TextureLabels, ChangeNothingUnlessBothAreThereWithinReach) {
   for (SurfaceLabel one : {SurfaceLabel::Body, SurfaceLabel::Garment})
     EXPECT_TRUE(scene.baked(std::vector(scene.labels().size(), one)).image.data == without);
   for (double reach : {0.0, 0.001}) {
-    scene.options.label_reach = reach;
+    scene.options.label_margin = reach;
     EXPECT_TRUE(scene.labels_change_nothing()) << reach;
   }
 }

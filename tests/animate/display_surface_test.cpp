@@ -76,7 +76,7 @@ Wearer wearer(double fold = 0, bool with_leg = false) {
 }
 
 Character character_of(const Wearer &w) {
-  const Display display = make_display(w.actor, w.segmentation, w.high);
+  const DisplayMesh display = build_display_mesh(w.actor, w.segmentation, w.high);
   return make_character(w.actor, w.segmentation, {}, {}, {pbd::Material{}}, {}, display.mesh, display.valid,
                         display.garment_subdivisions);
 }
@@ -87,7 +87,7 @@ Mesh part_of(const Vertices &vertices, const Faces &faces, Eigen::Index first, E
 }
 
 /// (faces of the skin, faces of all) of a display mesh
-std::pair<Eigen::Index, Eigen::Index> split(const Wearer &w, const Display &display) {
+std::pair<Eigen::Index, Eigen::Index> split(const Wearer &w, const DisplayMesh &display) {
   const Eigen::Index garment = 14 * 36 * 2, all = display.mesh.faces.rows();
   EXPECT_GE(w.actor.mesh.faces.rows(), garment);
   return {all - garment * (1 << (2 * display.garment_subdivisions)), all};
@@ -103,7 +103,7 @@ std::vector<int> range(Eigen::Index first, Eigen::Index end) {
 
 TEST(DisplaySurface, HemIsOneSmoothCurve) {
   const Wearer w = wearer();
-  const Display display = make_display(w.actor, w.segmentation, w.high);
+  const DisplayMesh display = build_display_mesh(w.actor, w.segmentation, w.high);
   ASSERT_EQ(display.garment_subdivisions, 1); // edges of 35 mm and 13 mm
   EXPECT_TRUE(std::all_of(display.valid.begin(), display.valid.end(), [](int v) { return v == 1; }));
   const EdgeTopology topology = edge_topology(display.mesh.faces);
@@ -149,7 +149,7 @@ TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
   longer(w.segmentation.region, -1);
   w.segmentation.rest = w.actor.mesh.vertices;
   w.high = join({w.high, sheet(14, 60), leg(30, 40)});
-  const Display display = make_display(w.actor, w.segmentation, w.high);
+  const DisplayMesh display = build_display_mesh(w.actor, w.segmentation, w.high);
   const Vertices normals = face_normals(display.mesh.vertices, display.mesh.faces);
   int legs = 0;
   for (Eigen::Index f = 0; f < normals.rows(); ++f) {
@@ -162,7 +162,7 @@ TEST(DisplaySurface, WhatTheMaskLeftOfTheSheetIsNotDrawn) {
 TEST(DisplaySurface, BridgedFoldIsNotFollowed) {
   const Wearer w = wearer(0.08);
   const Character c = character_of(w);
-  const auto [skin, all] = split(w, make_display(w.actor, w.segmentation, w.high));
+  const auto [skin, all] = split(w, build_display_mesh(w.actor, w.segmentation, w.high));
   const Mesh garment = part_of(w.actor.mesh.vertices, w.actor.mesh.faces, 30 * 48 * 2, w.actor.mesh.faces.rows());
   const Mesh cloth = submesh(c.high, range(skin, all));
   EXPECT_LT(distances_to_surface(cloth.vertices, garment).maxCoeff(), 0.012); // the scan is 80 mm away in the fold
@@ -180,7 +180,7 @@ TEST(DisplaySurface, BridgedFoldIsNotFollowed) {
 TEST(DisplaySurface, SkinGoesOnUnderTheSeam) {
   const Wearer w = wearer();
   const Character c = character_of(w);
-  const auto [skin, all] = split(w, make_display(w.actor, w.segmentation, w.high));
+  const auto [skin, all] = split(w, build_display_mesh(w.actor, w.segmentation, w.high));
   double lowest = kTop;
   for (Eigen::Index f = 0; f < skin; ++f)
     for (int k = 0; k < 3; ++k) {
@@ -283,7 +283,7 @@ TEST(DisplaySurface, LegsDoNotTakeTheColourOfAHemThatHungLower) {
   TextureOptions options;
   options.albedo = false;
   EXPECT_GT(red_of_legs(c, seen, options, 0.03, 0.05), 0.85 * kLeg[2]);
-  options.label_reach = 0;
+  options.label_margin = 0;
   EXPECT_LT(red_of_legs(c, seen, options, 0.03, 0.05), 0.7 * kLeg[2]);
 }
 
@@ -317,7 +317,7 @@ TEST(DisplaySurface, SkinInTheGarmentsShadowGoesOverIntoTheHidden) {
 TEST(DisplaySurface, WithoutAGarmentOfItsOwnTheScanIsDrawnWhereMIsValid) {
   Wearer w = wearer();
   w.segmentation.rest.resize(0, 3);
-  const Display display = make_display(w.actor, w.segmentation, w.high);
+  const DisplayMesh display = build_display_mesh(w.actor, w.segmentation, w.high);
   EXPECT_EQ(display.garment_subdivisions, -1);
   EXPECT_TRUE(display.mesh.vertices == w.high.vertices && display.mesh.faces == w.high.faces);
 }

@@ -285,10 +285,10 @@ TEST(TextureBaker, HandsOfACharacterDoNotTakeItsSkirtsColour) {
       if (seen.face[i] >= skin_faces)
         images.back().data[3 * i] = images.back().data[3 * i + 1] = 20; // a red skirt, white skin
   }
-  const auto red_faces = [&](double label_reach) {
+  const auto red_faces = [&](double label_margin) {
     TextureOptions options;
     options.albedo = false;
-    options.label_reach = label_reach;
+    options.label_margin = label_margin;
     texture_character(c, c.actor.mesh.vertices, cameras, images, masks, options);
     const Image texture = decode_image(c.texture);
     int red = 0;
@@ -360,7 +360,7 @@ TEST(BakedFile, GlbHasOneShapeAKey) {
   EXPECT_EQ(count(json, "\"doubleSided\":true"), 1u); // the inner side of cloth
   EXPECT_EQ(count(json, "\"path\":\"translation\""), 1u);
   EXPECT_EQ(count(json, "\"NORMAL\""), 24u); // two meshes and eleven targets each
-  few.most_keys = 5;
+  few.max_keys = 5;
   write_baked_glb(folder / "b.glb", c, animation, few);
   EXPECT_LE(count(glb_json(folder / "b.glb"), "\"NORMAL\""), 14u);
   EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
@@ -393,5 +393,5 @@ TEST(Animator, DrawnBodyStaysUnderTheCloth) {
     return n;
   };
   EXPECT_GT(outside(body), 10);
-  EXPECT_EQ(outside(tuck_body(c, surface, body)), 0);
+  EXPECT_EQ(outside(resolve_body_penetration(c, surface, body)), 0);
 }

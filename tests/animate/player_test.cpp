@@ -326,14 +326,14 @@ int piercing(const Player &player) {
   }
   return count;
 }
-Player ready_to_be_caught(bool free_caught) {
+Player ready_to_be_caught(bool redrape_when_tangled) {
   AnimateOptions options = cloth_alone();
-  options.free_caught = free_caught;
+  options.redrape_when_tangled = redrape_when_tangled;
   return ready(options);
 }
 /// The same with every vertex of the cloth moved.
-template <class Move> Player with_cloth_moved(bool free_caught, const Move &move) {
-  Player player = ready_to_be_caught(free_caught);
+template <class Move> Player with_cloth_moved(bool redrape_when_tangled, const Move &move) {
+  Player player = ready_to_be_caught(redrape_when_tangled);
   CharacterState state = player.state();
   Vertices &cloth = state.regions[0].positions;
   for (Eigen::Index v = 0; v < cloth.rows(); ++v)
@@ -342,9 +342,9 @@ template <class Move> Player with_cloth_moved(bool free_caught, const Move &move
   return player;
 }
 /// The lower skirt turned over: its front hangs behind the legs, its back before them.
-Player turned_over(bool free_caught) {
+Player turned_over(bool redrape_when_tangled) {
   const double middle = ready().frame().joints(0, 2);
-  return with_cloth_moved(free_caught, [&](auto x) { x[2] = x[1] < 0.85 ? 2 * middle - x[2] : x[2]; });
+  return with_cloth_moved(redrape_when_tangled, [&](auto x) { x[2] = x[1] < 0.85 ? 2 * middle - x[2] : x[2]; });
 }
 void hold(Player &player, double seconds) {
   for (int t = 0; t < std::lround(40 * seconds); ++t)
@@ -420,8 +420,8 @@ TEST(Player, CaughtClothIsDrawnOnItsWay) {
 }
 
 /// Slanted, so that the legs come out at its side; it does not cross itself.
-Player slanted(bool free_caught) {
-  return with_cloth_moved(free_caught, [](auto x) { x[0] += 2 * std::max(0.0, 0.95 - x[1]); });
+Player slanted(bool redrape_when_tangled) {
+  return with_cloth_moved(redrape_when_tangled, [](auto x) { x[0] += 2 * std::max(0.0, 0.95 - x[1]); });
 }
 TEST(Player, ClothWithALimbThroughItIsFreed) {
   Player freed = slanted(true), left = slanted(false);
@@ -451,9 +451,9 @@ TEST(Player, CaughtClothIsLookedForAgainAfterATeleport) {
 
 /// In a heap, where every vertex has another's place.
 TEST(Player, ClothThatIsAllInAKnotIsPutOnAnewInMotion) {
-  const auto in_a_heap = [](bool free_caught) {
+  const auto in_a_heap = [](bool redrape_when_tangled) {
     AnimateOptions options = cloth_alone();
-    options.free_caught = free_caught;
+    options.redrape_when_tangled = redrape_when_tangled;
     options.edge_collision = false; // which would move it apart in a second or two
     Player player = ready(options);
     CharacterState state = player.state();

@@ -112,7 +112,7 @@ TEST(CalibrationRefinement, FindsKnownErrors) {
 TEST(CalibrationRefinement, RightCamerasHardlyMove) {
   const Take take;
   const CalibrationEstimate found = refine_calibration(take.problem, {}, {});
-  EXPECT_LT(found.change, CalibrationRefinementOptions().least);
+  EXPECT_LT(found.change, CalibrationRefinementOptions().min_change);
 }
 
 TEST(CalibrationRefinement, GoesByTheGivenCamerasWhereverItBegins) {

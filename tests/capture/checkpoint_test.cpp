@@ -57,7 +57,7 @@ std::string bits(const CaptureResult &result) {
   print.add(Eigen::Vector2d(s.jitter_before, s.jitter_after));
   for (const LostLimb &lost : s.lost_limbs)
     print.add(lost.limb).add(Eigen::Vector4d(lost.frame, lost.before, lost.after, lost.recovered));
-  for (const JointSight &joint : s.joints)
+  for (const JointVisibility &joint : s.joints)
     print.add(joint.joint).add(Eigen::Vector3i(joint.seen, joint.inferred, joint.lost));
   return print.text();
 }
@@ -91,7 +91,7 @@ TEST_P(CaptureCheckpoint, EveryFrameGoesOnToTheSameBits) {
   const doublet::testing::TempFolder folder;
   CaptureOptions options;
   const int start = options.start_frame = GetParam();
-  options.limbs.lost = 0.008;
+  options.limbs.lost_error = 0.008;
   options.limbs.annealing.particles = 10;
   options.limbs.annealing.iterations = 2;
   const auto capture = [&](const Context &context) {

@@ -110,7 +110,7 @@ TEST(ChromaKey, WrongArgumentsThrow) {
   EXPECT_THROW(key->extract(0, scene.truth), std::invalid_argument);
   EXPECT_THROW(key->extract(0, Image()), std::invalid_argument);
   ChromaKeyOptions options;
-  options.smallest_blob = -1;
+  options.min_blob_area = -1;
   EXPECT_THROW(SilhouetteExtractor::create(options), std::invalid_argument);
 }
 

@@ -11,8 +11,9 @@ namespace doublet {
 namespace heat_weights_test {
 
 /// A chain of fixed joints along +Y through (x, ., 0); joint i+1 is the child of joint i.
-std::vector<JointMark> chain(const std::string &prefix, const std::string &parent, double x, const std::vector<double> &heights) {
-  std::vector<JointMark> marks;
+std::vector<JointAnnotation> chain(const std::string &prefix, const std::string &parent, double x,
+                                   const std::vector<double> &heights) {
+  std::vector<JointAnnotation> marks;
   for (std::size_t i = 0; i < heights.size(); ++i)
     marks.push_back({prefix + std::to_string(i),
                      i == 0 ? parent : prefix + std::to_string(i - 1),
@@ -66,7 +67,7 @@ TEST(HeatWeights, TubeMatchesTheLineEquation) {
 
 TEST(HeatWeights, ALastJointThatTurnsMovesWhatLiesBeyondIt) {
   const Mesh arm = testing::capsule(0.04, 0, 0.6, 32, 120);
-  std::vector<JointMark> marks = chain("b", "", 0, {0, 0.2, 0.4}); // shoulder, elbow, wrist; no hand
+  std::vector<JointAnnotation> marks = chain("b", "", 0, {0, 0.2, 0.4}); // shoulder, elbow, wrist; no hand
   const auto beyond_wrist = [&] {
     const Skeleton skeleton = make_skeleton(marks);
     const MatrixRM weights = heat_weights(arm, {}, skeleton);
@@ -99,7 +100,7 @@ TEST(HeatWeights, ABoneAcrossAGapGetsNothing) {
   const Mesh torso = testing::capsule(0.10, 0, 0.6, 64, 60), arm = testing::capsule(0.02, 0.1, 0.5, 24, 40, 0.125);
   const Mesh both = testing::join({torso, arm});
   auto marks = chain("t", "", 0, {0, 0.6});
-  for (const JointMark &mark : chain("a", "t0", 0.125, {0.1, 0.5}))
+  for (const JointAnnotation &mark : chain("a", "t0", 0.125, {0.1, 0.5}))
     marks.push_back(mark);
   // t0 also owns the bone to the arm's first joint, which leaves the torso: it is not visible from most of it, and belongs to t0
   // anyway.

@@ -27,8 +27,8 @@ double joint_error(const CaptureResult &result, const RiggedMesh &actor, const s
 TEST(HiddenLimbs, AFootThatTurnsDoesNotTurnTheLeg) {
   const Scene scene;
   // The true ankle has a second hinge, about the shank.
-  std::vector<JointMark> marks = joint_marks(scene.actor.skeleton);
-  for (JointMark &mark : marks)
+  std::vector<JointAnnotation> marks = joint_annotations(scene.actor.skeleton);
+  for (JointAnnotation &mark : marks)
     if (mark.name == "l_ankle")
       mark.dof = 2;
   RiggedMesh truth = scene.actor;
@@ -52,7 +52,7 @@ TEST(HiddenLimbs, AFootThatTurnsDoesNotTurnTheLeg) {
   EXPECT_LT(joint_error(free, scene.actor, joints, "l_toe"), 0.015);
   EXPECT_LT(joint_error(free, scene.actor, joints, "l_knee"), 0.010);
   EXPECT_EQ(free.performance.dofs.cols(), scene.actor.skeleton.dof_count()); // the poses are the actor's
-  options.ends_turn = 0;
+  options.extra_twist_range = 0;
   const CaptureResult stiff = track(scene.actor, scene.rig, surfaces, options);
   EXPECT_GT(joint_error(stiff, scene.actor, joints, "l_toe") + joint_error(stiff, scene.actor, joints, "l_knee"), 0.03);
 }
@@ -93,7 +93,7 @@ TEST(HiddenLimbs, KneesUnderASkirtFollowFromTheShanks) {
   options.second_pass = false;
   const CaptureResult result = PerformanceCapture::create(options)->capture(actor, scene.rig, film, nullptr, {});
   EXPECT_LT(joint_error(result, actor, joints, "l_knee"), 0.010);
-  for (const JointSight &sight : result.summary.joints) {
+  for (const JointVisibility &sight : result.summary.joints) {
     EXPECT_EQ(sight.seen + sight.inferred + sight.lost, dofs.rows()) << sight.joint;
     if (sight.joint != "r_hip") { // whose half of the skirt hangs still
       EXPECT_EQ(sight.inferred, sight.joint == "l_hip" ? dofs.rows() : 0) << sight.joint;

@@ -22,7 +22,7 @@ TEST(Anneal, FindsTheLowestOfManyMinima) {
   options.particles = 300;
   options.iterations = 30;
   options.coldness = 0.3; // the ripples are 1 deep
-  options.spread = 0.7;
+  options.covariance_share = 0.7;
   for (int seed = 1; seed <= 5; ++seed) {
     options.seed = seed;
     const auto result = anneal(rippled, constant(4, -0.7), constant(4, 1.0), -infinity, infinity, options);
@@ -56,12 +56,12 @@ TEST(Anneal, SaysWhatIsWrong) {
   options.particles = 1;
   EXPECT_THROW(options.validate(), std::invalid_argument);
   LimbSearchOptions search;
-  search.lost = 0;
+  search.lost_error = 0;
   EXPECT_THROW(LimbSearch::create(search), std::invalid_argument);
 }
 
 TEST(Limbs, AreTheChainsBetweenForks) {
-  std::vector<JointMark> marks = doublet::testing::stick_figure();
+  std::vector<JointAnnotation> marks = doublet::testing::stick_figure();
   marks.push_back({"l_thumb", "l_wrist", {0.55, 1.0, 0.1}, 0}); // a branch without freedom is no fork
   const Skeleton skeleton = make_skeleton(marks);
   const std::vector<Limb> limbs = find_limbs(skeleton);
@@ -96,7 +96,7 @@ TEST(LimbErrors, NameTheLimbThatIsWrong) {
       Eigen::Index worst;
       errors.maxCoeff(&worst);
       EXPECT_EQ(scene.limbs[worst].name, name) << turn << " " << angle;
-      EXPECT_GT(errors[worst], LimbSearchOptions().lost) << turn << " " << angle;
+      EXPECT_GT(errors[worst], LimbSearchOptions().lost_error) << turn << " " << angle;
       EXPECT_GT(overlap_energy(scene.problem(), wrong, {}, scene.context), 0.05);
     }
 }
@@ -135,7 +135,7 @@ TEST(LimbSearch, FindsALimbSeventyDegreesOff) {
     const Vertices truth = scene.joints(scene.truth), before = scene.joints(expected), after = scene.joints(found);
     const double off = (before - truth).rowwise().norm().maxCoeff(), left = (after - truth).rowwise().norm().maxCoeff();
     EXPECT_LT(left, 0.25 * off) << turn;
-    EXPECT_LT(limb_errors(problem, found, lost, {}, scene.context)[0], LimbSearchOptions().lost) << turn;
+    EXPECT_LT(limb_errors(problem, found, lost, {}, scene.context)[0], LimbSearchOptions().lost_error) << turn;
   }
 }
 

@@ -202,7 +202,7 @@ TEST(ScanFromViews, ASilhouetteWithAHoleMayBeOutvoted) {
   const auto wall = [&] { return RayScene(scan_from_views(rig, views, options)).cast({0, 0.9, 2}, {0, 0, -1}); };
   const auto cut = wall();
   EXPECT_TRUE(!cut || cut->distance > 1.78) << "the slit lets the ray in, or cuts off the half that is not the largest piece";
-  options.outvoted = 1;
+  options.max_missing_views = 1;
   const auto whole = wall();
   ASSERT_TRUE(whole.has_value());
   EXPECT_NEAR(whole->distance, 1.75, 0.03);

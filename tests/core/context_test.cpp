@@ -61,13 +61,13 @@ TEST(Context, ReportsProgressAndStops) {
     seen.push_back(f);
   };
   context.cancelled = [&] { return stop; };
-  context.report("stage", 0.25);
-  context.report("stage", 7);
+  context.report_progress("stage", 0.25);
+  context.report_progress("stage", 7);
   stop = true;
-  EXPECT_THROW(context.report("stage", 0.5), Cancelled);
+  EXPECT_THROW(context.report_progress("stage", 0.5), Cancelled);
   EXPECT_EQ(seen, (std::vector<double>{0.25, 1, 0.5}));
-  EXPECT_NO_THROW(Context{}.report("stage", 0.1)); // nobody listens
-  Context{}.say("nobody listens");
+  EXPECT_NO_THROW(Context{}.report_progress("stage", 0.1)); // nobody listens
+  Context{}.log_line("nobody listens");
   EXPECT_GE(Context{}.thread_count(), 1);
 }
 

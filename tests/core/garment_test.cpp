@@ -109,7 +109,7 @@ TEST(Dress, RefusesWhatDoesNotFit) {
   s.segmentation.clothness.conservativeResize(5);
   EXPECT_THROW(dress(s.actor, s.segmentation, s.garment), std::invalid_argument);
   s.segmentation = Scene().segmentation;
-  s.garment.covers.pop_back();
+  s.garment.replaced_faces.pop_back();
   EXPECT_THROW(dress(s.actor, s.segmentation, s.garment), Error);
 }
 
@@ -132,7 +132,7 @@ TEST(ValidateGarment, SaysWhatIsWrong) {
   EXPECT_EQ(said([](Garment &g) { g.barycentric.conservativeResize(5, 3); }),
             "coat.npz: array 'barycentric': expected 6 rows, one a vertex, found 5");
   const std::string faces = std::to_string(good.actor.mesh.faces.rows());
-  EXPECT_EQ(said([](Garment &g) { g.covers.resize(3); }),
+  EXPECT_EQ(said([](Garment &g) { g.replaced_faces.resize(3); }),
             "coat.npz: array 'covers': expected " + faces + " entries, one a face of the actor, found 3");
   EXPECT_EQ(said([](Garment &g) { g.region[4] = 2; }), "coat.npz: vertex 4: expected a region below 2, found 2.000000");
   EXPECT_EQ(said([](Garment &g) { g.region[1] = -1; }), "coat.npz: vertex 1: expected a region below 2, found -1.000000");

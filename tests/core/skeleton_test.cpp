@@ -34,7 +34,7 @@ Vertices posed(const Skeleton &s, const std::string &name, double value) {
   return joint_positions(s, forward_kinematics(s, pose));
 }
 
-std::string error_of(const std::vector<JointMark> &marks) {
+std::string error_of(const std::vector<JointAnnotation> &marks) {
   try {
     make_skeleton(marks);
   } catch (const Error &error) {
@@ -56,13 +56,13 @@ TEST(Skeleton, StandardNamesGiveThirtySixDofs) {
 }
 
 TEST(Skeleton, SortsParentsFirstWhateverTheOrder) {
-  std::vector<JointMark> marks = testing::stick_figure();
+  std::vector<JointAnnotation> marks = testing::stick_figure();
   std::reverse(marks.begin(), marks.end());
   const Skeleton s = make_skeleton(marks);
   for (int j = 0; j < s.joint_count(); ++j)
     EXPECT_LT(s.joints[j].parent, j);
   EXPECT_EQ(s.dof_count(), 36);
-  const Skeleton again = make_skeleton(joint_marks(s)); // the inverse, and sorting is stable
+  const Skeleton again = make_skeleton(joint_annotations(s)); // the inverse, and sorting is stable
   EXPECT_EQ(again.dof_names, s.dof_names);
   EXPECT_EQ(again.lower, s.lower);
   for (int j = 0; j < s.joint_count(); ++j) {
@@ -72,10 +72,10 @@ TEST(Skeleton, SortsParentsFirstWhateverTheOrder) {
 }
 
 TEST(Skeleton, RefusesWhatIsNoTree) {
-  std::vector<JointMark> marks = testing::stick_figure();
+  std::vector<JointAnnotation> marks = testing::stick_figure();
   EXPECT_EQ(error_of(marks), "");
   const auto with = [&](auto change) {
-    std::vector<JointMark> m = marks;
+    std::vector<JointAnnotation> m = marks;
     change(m);
     return error_of(m);
   };
@@ -108,8 +108,8 @@ TEST(Skeleton, PositiveFlexionBendsAsPeopleDo) {
 }
 
 TEST(Skeleton, KneesAndAnklesMayTurnAboutTheShank) {
-  std::vector<JointMark> marks = testing::stick_figure();
-  for (JointMark &m : marks)
+  std::vector<JointAnnotation> marks = testing::stick_figure();
+  for (JointAnnotation &m : marks)
     if (m.name.size() > 2 && (m.name.substr(2) == "knee" || m.name.substr(2) == "ankle"))
       m.dof = 2;
   const Skeleton s = make_skeleton(marks), plain = testing::figure_skeleton();
@@ -128,8 +128,8 @@ TEST(Skeleton, KneesAndAnklesMayTurnAboutTheShank) {
 }
 
 TEST(Skeleton, StraightLimbsBendTheRightWayToo) {
-  std::vector<JointMark> t_pose = testing::stick_figure();
-  for (JointMark &m : t_pose) {
+  std::vector<JointAnnotation> t_pose = testing::stick_figure();
+  for (JointAnnotation &m : t_pose) {
     const double side = m.name[0] == 'l' ? 1 : -1;
     const std::string joint = m.name.substr(std::min<std::size_t>(2, m.name.size()));
     if (joint == "elbow" || joint == "wrist" || joint == "hand")
@@ -194,7 +194,7 @@ TEST(Skeleton, ForwardKinematicsKnowsItsDefinition) {
 }
 
 TEST(Skeleton, TwistsAreTheDerivativesOfForwardKinematics) {
-  std::vector<JointMark> marks = testing::stick_figure();
+  std::vector<JointAnnotation> marks = testing::stick_figure();
   marks.push_back({"tail", "spine", {0, 1, -0.3}, 6}); // a second free joint, below others
   const Skeleton s = make_skeleton(marks);
   const auto moved = dof_moves_joint(s);

@@ -129,7 +129,7 @@ TEST(Skinning, AlongASkeletonOrdinaryPosesHaveTheBitsOfAnySkinning) {
   const Skeleton s = testing::figure_skeleton();
   const Mesh body = testing::figure_surface(0.06);
   const MatrixRM weights = testing::figure_weights(body.vertices, s);
-  const Skin skin(body.vertices, weights);
+  const SkinBinding skin(body.vertices, weights);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> angle(-0.7, 0.7), turn(-3, 3); // three such joints in a row stay below half a turn
   for (int i = 0; i < 20; ++i) {

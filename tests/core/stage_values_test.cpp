@@ -38,10 +38,10 @@ TEST(UnposedFrames, UndoSkinning) {
   for (int t = 0; t < 4; ++t)
     performance.surface.frames.push_back(dual_quaternion_skinning(actor.mesh.vertices, actor.weights,
                                                                   forward_kinematics(actor.skeleton, performance.dofs.row(t))));
-  for (const Vertices &frame : unposed_frames(actor, performance))
+  for (const Vertices &frame : canonical_frames(actor, performance))
     EXPECT_LT((frame - actor.mesh.vertices).cwiseAbs().maxCoeff(), 1e-12);
   performance.dofs.conservativeResize(3, Eigen::NoChange);
-  EXPECT_THROW(unposed_frames(actor, performance), std::invalid_argument);
+  EXPECT_THROW(canonical_frames(actor, performance), std::invalid_argument);
 }
 
 TEST(Capsules, FollowTheirJoints) {

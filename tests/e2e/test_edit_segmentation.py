@@ -1,4 +1,4 @@
-"""The page that `doublet edit-segmentation` opens, in a headless browser: seams, skin, save, and what the stage makes of it."""
+"""The page that `doublet edit-segmentation` opens, in a headless browser: borders, skin, save, and what the stage makes of it."""
 
 import json
 import signal
@@ -47,7 +47,7 @@ def out(tmp_path_factory):
     faces = np.vstack(halves).astype(np.int32)
     still = tube(np.full(ROWS, RADIUS))
     loose = np.where((heights() > 0.2) & (heights() < 0.9), 0.03, 0.0)
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.6, 0], 6)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 0.6, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(still, faces), [1] * len(faces), np.ones((len(still), 1)), skeleton)
     performance, count = d.ReferencePerformance(), 12
     performance.dofs, performance.joints = np.zeros((count, 6)), np.zeros((count, 1, 3))
@@ -88,13 +88,13 @@ def wait_for_regions(browser, text: str) -> None:  # noqa: F811
     WebDriverWait(browser, 30).until(lambda b: b.find_element(By.ID, "regions").text == text)
 
 
-def test_a_seam_all_around_parts_two_regions(out, job, served, browser):  # noqa: F811
+def test_a_border_all_around_parts_two_regions(out, job, served, browser):  # noqa: F811
     url, process = served
     browser.get(url)
     wait_for_status(browser, "Ready")
     assert job.results.segmentation().region_count == 1
     wait_for_regions(browser, "1 region")
-    press(browser, "seam")
+    press(browser, "border")
     across(browser)
     for side in ("1.5708", "3.1416", "-1.5708"):
         wait_for_regions(browser, "1 region")
@@ -115,8 +115,8 @@ def test_a_seam_all_around_parts_two_regions(out, job, served, browser):  # noqa
     assert reconstruct.run_stage(job, SEGMENT) and not reconstruct.run_stage(job, SEGMENT)
     corrected, height = job.results.segmentation(), tube(np.full(ROWS, RADIUS))[:, 1]
     assert corrected.region_count == 2 and (corrected.clothness == found.clothness).all()
-    seam = height[segmentation_paint.read(out, len(height)) == segmentation_paint.SEAM]
-    assert len(seam) > AROUND and (np.abs(seam - HEIGHT / 2) < 0.1).all()
+    border = height[segmentation_paint.read(out, len(height)) == segmentation_paint.BORDER]
+    assert len(border) > AROUND and (np.abs(border - HEIGHT / 2) < 0.1).all()
     parts = [corrected.region[(height > low) & (height < high)] for low, high in ((0.25, 0.45), (0.75, 0.85))]
     assert len(set(parts[0])) == len(set(parts[1])) == 1 and parts[0][0] != parts[1][0]
     assert job.record.data["stages"]["segment"]["summary"]["corrections"] == "painted"

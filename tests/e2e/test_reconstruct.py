@@ -289,7 +289,7 @@ def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
     for threads in (1, 2):
         out = tmp_path / str(threads)
         shutil.copytree(made[0], out)
-        done = doublet("fit", out, "--force", "--threads", threads, "--fit-first-samples", 8, "--fit-max-evaluations", 8)
+        done = doublet("fit", out, "--force", "--threads", threads, "--fit-initial-design-size", 8, "--fit-max-evaluations", 8)
         assert done.returncode == 0, done.stderr
         runs.append(json.loads((out / "material.json").read_text())["regions"])
     assert runs[0] == runs[1]

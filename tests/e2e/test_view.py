@@ -45,7 +45,7 @@ def tube(radius, low, high, around, rows):
 def character():
     """A column in a skirt."""
     vertices, faces = tube(0.2, 0.4, 1.6, 28, 20)
-    marks = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
+    marks = [d.JointAnnotation("pelvis", "", [0, 1, 0], 6), d.JointAnnotation("spine", "pelvis", [0, 1.2, 0], 3)]
     upper = np.clip((vertices[:, 1] - 0.9) / 0.4, 0, 1)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), np.stack([1 - upper, upper], 1), d.Skeleton(marks))
     cloth = (vertices[:, 1] < 1).astype(float)

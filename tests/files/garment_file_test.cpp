@@ -25,7 +25,7 @@ TEST(GarmentFile, ComesBackAsItWas) {
   EXPECT_TRUE(back.rest.isApprox(s.garment.rest, 1e-7));
   EXPECT_EQ(back.actor_face, s.garment.actor_face);
   EXPECT_EQ(back.barycentric, s.garment.barycentric);
-  EXPECT_EQ(back.covers, s.garment.covers);
+  EXPECT_EQ(back.replaced_faces, s.garment.replaced_faces);
 }
 
 TEST(GarmentFile, EmptyOneToo) {
@@ -37,7 +37,7 @@ TEST(GarmentFile, EmptyOneToo) {
   EXPECT_EQ(back.mesh.faces.rows(), 0);
   EXPECT_EQ(back.rest.rows(), 0);
   EXPECT_EQ(back.region_count, 0);
-  EXPECT_EQ(back.covers.size(), s.actor.face_valid.size());
+  EXPECT_EQ(back.replaced_faces.size(), s.actor.face_valid.size());
   EXPECT_EQ(dress(s.actor, s.segmentation, back).actor.mesh.vertices, s.actor.mesh.vertices);
 }
 

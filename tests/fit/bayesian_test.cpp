@@ -91,7 +91,7 @@ TEST(Bayesian, GoesOnToTheSameBits) {
 TEST(Bayesian, HowLowTheEnergiesAreDoesNotMatter) {
   const auto answer = [](double offset, double unit) {
     BayesianOptions options;
-    options.smallest_gain = 0;
+    options.min_gain = 0;
     options.max_evaluations = 128;
     const auto search = create_bayesian(2, options);
     while (!search->stop())

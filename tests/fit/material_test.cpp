@@ -347,7 +347,7 @@ TEST(MaterialObjective, TheFingerprintSeesWhateverTheEnergyDependsOn) {
   const auto s = make_scene({cotton()}, {12, 2, 160});
   Fingerprints prints(*s);
   const auto change_each = [](const auto &object, const auto &use) { // every option, to another valid value
-    options::each(object, [&](const auto &field, const auto &value) {
+    options::for_each_field(object, [&](const auto &field, const auto &value) {
       auto changed = object;
       auto &member = changed.*field.member;
       using Value = std::remove_cvref_t<decltype(value)>;
@@ -358,7 +358,7 @@ TEST(MaterialObjective, TheFingerprintSeesWhateverTheEnergyDependsOn) {
       else if constexpr (std::is_integral_v<Value>)
         member = value + 1;
       else if constexpr (std::is_floating_point_v<Value>)
-        member = field.allowed.holds(value * 1.01 + 1e-4) ? value * 1.01 + 1e-4 : value * 0.99;
+        member = field.allowed.contains(value * 1.01 + 1e-4) ? value * 1.01 + 1e-4 : value * 0.99;
       else if constexpr (std::is_same_v<Value, Eigen::Vector3d>)
         member.x() += 0.01;
       else
@@ -506,7 +506,7 @@ TEST(MaterialObjective, CapsAreForMismatchesNotForFastCloth) {
   const auto [still, wrong] = still_and_wrong(options, 10);
   EXPECT_GT(still, 2 * cap);
   EXPECT_GT(wrong, 1.2 * still);
-  options.fast_features = false;
+  options.speed_dependent_cap = false;
   const auto [capped_still, capped_wrong] = still_and_wrong(options, 10);
   EXPECT_LE(capped_still, cap * (1 + 1e-6));
   EXPECT_LE(capped_wrong, cap * (1 + 1e-6));
@@ -600,7 +600,7 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
   EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Constant(5, 0.5)).d_n, 16);
   EXPECT_GT(space.material(Eigen::VectorXd::Zero(5)).k_stretch, 0);
   for (bool even : {false, true}) {
-    space.even_steps = even;
+    space.warp_parameters = even;
     const Eigen::VectorXd unit = space.unit(cotton());
     EXPECT_NEAR((space.unit(space.material(unit)) - unit).norm(), 0, 1e-12);
     EXPECT_DOUBLE_EQ(space.material(Eigen::VectorXd::Ones(5)).d_t, 32);
@@ -610,7 +610,7 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
   EXPECT_DOUBLE_EQ(middle.d_n, 8);
   EXPECT_DOUBLE_EQ(middle.k_bend, 0.5);
   EXPECT_DOUBLE_EQ(middle.k_stretch, 1 - 0.0625);
-  space.even_steps = false;
+  space.warp_parameters = false;
   space.names = {"k_damping", "d_n"};
   space.fixed = cotton();
   const pbd::Material material = space.material(Eigen::Vector2d(0.25, 0.5));
@@ -654,7 +654,7 @@ TEST(EstimateMaterial, RecoversTheMaterialOfItsOwnSimulationFromEverySeed) {
     EXPECT_NEAR(fit.material.d_n, 4, 0.5);
     EXPECT_LT(fit.energy, 0.25 * fit.energy_at_centre); // not 0: the first frame is captured as it rests
     EXPECT_DOUBLE_EQ(fit.material.d_t, cotton().d_t);
-    EXPECT_EQ(fit.confidence()[0], Confidence::kHigh);
+    EXPECT_EQ(fit.confidence()[0], Confidence::High);
     EXPECT_LE(fit.evaluations, 256);
   }
 }
@@ -736,9 +736,9 @@ TEST_P(EstimateMaterialWith, ResumesToTheSameBitsForAnyNumberOfThreads) {
   const auto quick = [] {
     FitOptions options = doublet::quick();
     options.optimizer = GetParam();
-    options.first_samples = 16;
+    options.initial_design_size = 16;
     options.population = 8;
-    options.smallest_gain = 0;
+    options.min_gain = 0;
     return options;
   };
   const auto run = [&](const FitOptions &options, const Context &context) {
@@ -805,8 +805,8 @@ TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
     EXPECT_EQ(fit.energy, better.energy);
     EXPECT_EQ(fit.best_energy, better.best_energy);
     EXPECT_EQ(fit.evaluations, first.evaluations + second.evaluations);
-    EXPECT_NEAR((fit.spread - (first.answer - second.answer).cwiseAbs() / 2).norm(), 0, 1e-15);
-    EXPECT_EQ(first.spread.size(), 0);
+    EXPECT_NEAR((fit.answer_half_range - (first.answer - second.answer).cwiseAbs() / 2).norm(), 0, 1e-15);
+    EXPECT_EQ(first.answer_half_range.size(), 0);
   }
   EXPECT_EQ(both.log.size(), one.log.size()); // of the searches that are answered
   EXPECT_EQ(both.log[0].part, 0);
@@ -821,7 +821,7 @@ TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
   const FitResult resumed = run(1, 2, folder / "checkpoint.json");
   for (int r : {0, 1}) {
     EXPECT_EQ(resumed.regions[r].answer, both.regions[r].answer);
-    EXPECT_EQ(resumed.regions[r].spread, both.regions[r].spread);
+    EXPECT_EQ(resumed.regions[r].answer_half_range, both.regions[r].answer_half_range);
   }
   options.seeds = 0;
   EXPECT_THROW(options.validate(), std::invalid_argument);
@@ -857,7 +857,7 @@ TEST(RegionFit, FindingsNameWhatIsDoubtful) {
   EXPECT_EQ(texts(), (std::vector<std::string>{
                          "d_n = 8 is a guess: the film tells no more than that it lies between 2 and 20.5 (90 %)."}));
   fit.posterior.interval(0, 1) = 0.3;
-  fit.spread = Eigen::Vector3d(0.1, 0.2, 0);
+  fit.answer_half_range = Eigen::Vector3d(0.1, 0.2, 0);
   ASSERT_EQ(texts().size(), 1u);
   EXPECT_EQ(texts()[0].substr(0, 27), "d_t = 0 depends on the seed");
   for (const char *kind : {"lower_bound", "upper_bound", "guess", "seeds"})
@@ -871,7 +871,7 @@ TEST(RegionFit, ConfidenceFollowsFromTheInterval) {
   fit.posterior.interval.resize(3, 2);
   fit.posterior.interval << 0.1, 0.2, 0.1, 0.5, 0.1, 0.9;
   using enum Confidence;
-  EXPECT_EQ(fit.confidence(), (std::vector{kHigh, kMedium, kLow}));
+  EXPECT_EQ(fit.confidence(), (std::vector{High, Medium, Low}));
 }
 
 TEST(EstimateMaterial, SaysWhatIsDoubtful) {
@@ -910,7 +910,7 @@ TEST(MaterialFiles, AreReadBack) {
   region.deviations = Eigen::Vector2d(0.1, 0.02);
   result.regions = {region, region};
   result.regions[1].material.d_n = 1.0 / 3;
-  result.regions[1].spread = Eigen::Vector2d(0.25, 0);
+  result.regions[1].answer_half_range = Eigen::Vector2d(0.25, 0);
   result.regions[1].posterior.draws = MatrixRM::Constant(2, 2, 0.123456);
   result.regions[1].posterior.interval.resize(2, 2);
   result.regions[1].posterior.interval << 0.25, 0.9, 0.2, 0.3;

@@ -15,7 +15,7 @@ using namespace testing;
 CmaEsOptions unlimited(std::uint64_t seed) {
   CmaEsOptions options;
   options.max_evaluations = 100000;
-  options.smallest_deviation = 0;
+  options.min_deviation = 0;
   options.seed = seed;
   return options;
 }

@@ -137,7 +137,7 @@ class World:
     def __init__(self):
         vertices, faces = tube(0.2, 0.5, 1.5)
         self.mesh = d.Mesh(vertices, faces)
-        self.marks = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
+        self.marks = [d.JointAnnotation("pelvis", "", [0, 1, 0], 6), d.JointAnnotation("spine", "pelvis", [0, 1.2, 0], 3)]
         self.skeleton = d.Skeleton(self.marks)
         upper = np.clip((vertices[:, 1] - 0.9) / 0.4, 0, 1)
         self.weights = np.stack([1 - upper, upper], axis=1)
@@ -177,7 +177,7 @@ class World:
         texture = d.TextureOptions(size=64)
         d.texture_character(self.character, vertices, self.cameras, [self.picture] * 2, [self.mask] * 2, texture)
         self.garment = d.mesh_garment(
-            self.actor, self.segmentation, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=60, own_mesh=False)
+            self.actor, self.segmentation, d.Mesh(), d.MeshSequence(), d.GarmentOptions(vertices=60, remesh=False)
         )
 
 

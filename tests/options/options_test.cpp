@@ -39,13 +39,13 @@ struct Press {
         option(&O::folds, "folds", above(0), "m", "where they lie"),
         option(&O::weaves, "weaves", kWeaves, "that are pressed alike"),
         option(&O::plate, "plate", "its own"),
-        no_option(&O::on_stroke, "on_stroke", "called after each"),
+        not_serialised(&O::on_stroke, "on_stroke", "called after each"),
     };
   }
   void validate() const {
     options::check(*this);
     if (strokes > 9 && !steam)
-      options::refuse("Press: strokes", "less than 10 without steam", std::to_string(strokes));
+      options::throw_invalid("Press: strokes", "less than 10 without steam", std::to_string(strokes));
   }
 };
 
@@ -83,28 +83,28 @@ TEST(Options, RefusalsNameStructFieldRangeUnitAndValue) {
 
 TEST(Options, AreListedWithNestedOnesButWithoutWhatIsNoOption) {
   using List = std::vector<std::pair<std::string, std::string>>;
-  EXPECT_EQ(options::listed(Press{}), (List{{"strokes", "3"},
-                                            {"steam", "true"},
-                                            {"weave", "twill"},
-                                            {"starch", "'rice'"},
-                                            {"folds", "(0.1, 0.25)"},
-                                            {"weaves", "('plain')"},
-                                            {"plate.heat", "150"}}));
+  EXPECT_EQ(options::to_pairs(Press{}), (List{{"strokes", "3"},
+                                              {"steam", "true"},
+                                              {"weave", "twill"},
+                                              {"starch", "'rice'"},
+                                              {"folds", "(0.1, 0.25)"},
+                                              {"weaves", "('plain')"},
+                                              {"plate.heat", "150"}}));
 }
 
 TEST(Options, NumbersAreShownSoThatTheyReadBack) {
-  EXPECT_EQ(options::shown(1e-9), "1e-09");
-  EXPECT_EQ(options::shown(0.1), "0.1");
-  EXPECT_EQ(options::shown(1.0 / 3, 3), "0.333");
-  EXPECT_EQ(options::shown(1234567.8, 3), "1234568");
-  EXPECT_EQ(options::shown(-0.00012345, 2), "-0.00012");
-  EXPECT_EQ(options::shown(std::numeric_limits<double>::infinity(), 3), "inf");
+  EXPECT_EQ(options::to_text(1e-9), "1e-09");
+  EXPECT_EQ(options::to_text(0.1), "0.1");
+  EXPECT_EQ(options::to_text(1.0 / 3, 3), "0.333");
+  EXPECT_EQ(options::to_text(1234567.8, 3), "1234568");
+  EXPECT_EQ(options::to_text(-0.00012345, 2), "-0.00012");
+  EXPECT_EQ(options::to_text(std::numeric_limits<double>::infinity(), 3), "inf");
 }
 
 TEST(Options, OneBitOfANumberChangesItsText) {
   Press press;
   press.plate.heat = std::nextafter(150, 151);
-  EXPECT_NE(options::listed(press), options::listed(Press{}));
+  EXPECT_NE(options::to_pairs(press), options::to_pairs(Press{}));
 }
 
 } // namespace

@@ -88,7 +88,7 @@ TEST(Allocation, AWarmStepAllocatesNothing) {
     const auto play = [&] {
       for (int f = 1; f <= 40; ++f) {
         const StepInputs in = inputs(f);
-        solver->step_each(states, {&in, 1}, materials);
+        solver->step_batch(states, {&in, 1}, materials);
         solver->step(single, in, materials[3]);
       }
     };

@@ -75,7 +75,7 @@ std::vector<int> play(const ClothSolver &solver, const Sheet &s, std::vector<Clo
   std::vector<int> failed;
   for (int f = 0; f < frames; ++f) {
     const Frame frame(s, f * kH);
-    for (int i : solver.step_each(states, {&frame.inputs, 1}, materials, threads))
+    for (int i : solver.step_batch(states, {&frame.inputs, 1}, materials, threads))
       failed.push_back(i);
   }
   return failed;
@@ -154,7 +154,7 @@ TEST(Lanes, TakeTheirOwnInputs) {
       inputs.push_back(frames[i].inputs);
       single->step(start[i], inputs[i], materials[i]);
     }
-    wide->step_each(together, inputs, materials);
+    wide->step_batch(together, inputs, materials);
   }
   EXPECT_EQ(hashes(together), hashes(start));
   EXPECT_NE(hash(start[0]), hash(start[1]));

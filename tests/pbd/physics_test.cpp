@@ -398,9 +398,9 @@ TEST(Cloth, FewerThreadsChangeNoBit) {
   const std::vector<Material> materials(19);
   const scenes::DancerFrame frame(scenes::Dancer{1.5}, s.rest, 0);
   std::vector<ClothState> with(materials.size(), initial_state(s.rest)), without = with;
-  solver->step_each(with, {&frame.inputs, 1}, materials, 4);
+  solver->step_batch(with, {&frame.inputs, 1}, materials, 4);
   const NoThreads none;
-  solver->step_each(without, {&frame.inputs, 1}, materials, 4);
+  solver->step_batch(without, {&frame.inputs, 1}, materials, 4);
   for (size_t i = 0; i < materials.size(); ++i)
     EXPECT_EQ(without[i].positions, with[i].positions) << i;
 }
@@ -420,7 +420,7 @@ TEST(Cloth, CompanyChangesNoBit) {
   const auto play = [&](std::vector<ClothState> &states, const std::vector<Material> &with) {
     for (int f = 0; f < 25; ++f) {
       const scenes::DancerFrame frame(dancer, s.rest, f * kH);
-      solver->step_each(states, {&frame.inputs, 1}, with);
+      solver->step_batch(states, {&frame.inputs, 1}, with);
     }
   };
   std::vector<ClothState> together(count, initial_state(s.rest));

@@ -110,7 +110,7 @@ TEST(Robustness, RefusesBadInputs) {
   EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = &negative; }), "capsule 0"));
   std::vector<ClothState> states(2, start);
   const std::vector<Material> materials(3);
-  EXPECT_TRUE(says(refusal([&] { solver->step_each(states, std::vector<StepInputs>(1), materials); }), "equally many"));
+  EXPECT_TRUE(says(refusal([&] { solver->step_batch(states, std::vector<StepInputs>(1), materials); }), "equally many"));
   EXPECT_TRUE(says(refusal([] { ClothSolver::create(nullptr); }), "expected a model, found none"));
 }
 
@@ -231,7 +231,7 @@ private:
                            int threads) const override {
     if (fault_ == Frozen)
       return {};
-    std::vector<int> failed = real_->step_each(states, inputs, materials, threads);
+    std::vector<int> failed = real_->step_batch(states, inputs, materials, threads);
     for (ClothState &state : states)
       if (fault_ == Forgetful)
         state.positions.col(2).array() += 1e-3 * ++calls_;

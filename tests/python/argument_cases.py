@@ -32,7 +32,7 @@ def calls(world, folder) -> dict:
     objective = d.MaterialObjective(
         w.simulator, w.performance, w.observations, d.EnergyOptions(dt=1 / 40, settle_frames=1), d.ParameterSpace(names=["d_n"])
     )
-    fit = d.FitOptions(max_evaluations=4, population=4, first_samples=4)
+    fit = d.FitOptions(max_evaluations=4, population=4, initial_design_size=4)
     fit.energy, fit.space = d.EnergyOptions(dt=1 / 40, settle_frames=1), d.ParameterSpace(names=["d_n"])
     cma = d.create_cma_es(2, d.CmaEsOptions(population=4))
     sequence, valid = w.performance.surface, [1] * len(f)
@@ -48,7 +48,7 @@ def calls(world, folder) -> dict:
         solver.step(d.ClothState(positions), d.StepInputs(targets=targets, dt=dt), material)
 
     def stepped_each(states, targets, materials):
-        solver.step_each([d.ClothState(p) for p in states], [d.StepInputs(targets=targets)], materials)
+        solver.step_batch([d.ClothState(p) for p in states], [d.StepInputs(targets=targets)], materials)
 
     def state_at(positions):
         state = w.simulator.start(posed)
@@ -82,7 +82,7 @@ def calls(world, folder) -> dict:
         "ViewObservation": (
             d.ViewObservation, {"contour": np.zeros((3, 2), np.float32), "matches": np.zeros((3, 4), np.float32)},
         ),
-        "unposed_frames": (d.unposed_frames, {"actor": w.actor, "performance": w.performance}),
+        "canonical_frames": (d.canonical_frames, {"actor": w.actor, "performance": w.performance}),
         "dress": (d.dress, {"actor": w.actor, "segmentation": w.segmentation, "garment": w.garment}),
         "dress performance": (d.dress, {"performance": w.performance, "actor": w.actor, "garment": w.garment}),
         "pose_surface": (d.pose_surface, {"actor": w.actor, "dofs": w.dofs[0], "offset": np.zeros_like(v)}),
@@ -117,13 +117,13 @@ def calls(world, folder) -> dict:
             lambda **given: d.ClothSegmenter.create().segment(d.SegmentInputs(**given)),
             {"surface": sequence, "face_valid": valid, "prior": np.zeros(len(v))},
         ),
-        "segmented_pose": (d.segmented_pose, {"actor": w.actor, "performance": w.performance}),
+        "segmentation_pose": (d.segmentation_pose, {"actor": w.actor, "performance": w.performance}),
         "segment_performance": (
             lambda **given: d.segment_performance(**given, segmenter=d.ClothSegmenter.create()),
             {"actor": w.actor, "performance": w.performance},
         ),
-        "corrected_segmentation": (
-            d.corrected_segmentation,
+        "apply_corrections": (
+            d.apply_corrections,
             {"pose": w.mesh, "face_valid": valid, "found": w.segmentation, "painted": np.full(len(v), -1)},
         ),
         "estimate_fullness": (
@@ -140,7 +140,7 @@ def calls(world, folder) -> dict:
         "capsule_mesh": (d.capsule_mesh, {"p0": np.zeros(3), "p1": np.ones(3), "r0": 0.1, "r1": 0.2}),
         "ClothModel": (d.ClothModel, {"rest": v, "faces": f, "clothness": w.cloth, "fullness": np.ones(len(v))}),
         "ClothSolver.step": (stepped, {"positions": v, "targets": v, "material": w.material, "dt": 0.02}),
-        "ClothSolver.step_each": (stepped_each, {"states": [v, v], "targets": v, "materials": [w.material] * 2}),
+        "ClothSolver.step_batch": (stepped_each, {"states": [v, v], "targets": v, "materials": [w.material] * 2}),
         "CharacterSimulator": (d.CharacterSimulator, dict(**clothed, proxies=w.proxies)),
         "CharacterSimulator.pose": (w.simulator.pose, {"dofs": w.dofs[0]}),
         "CharacterSimulator.start": (lambda surface: w.simulator.start(posed, surface), {"surface": v}),
@@ -152,8 +152,8 @@ def calls(world, folder) -> dict:
             lambda positions, materials, dt: w.simulator.step(state_at(positions), posed, posed, materials, dt),
             {"positions": on_cloth, "materials": [w.material], "dt": 0.02},
         ),
-        "CharacterSimulator.step_each": (
-            lambda positions, materials, dt: w.simulator.step_each([state_at(positions)], posed, posed, [materials], dt),
+        "CharacterSimulator.step_batch": (
+            lambda positions, materials, dt: w.simulator.step_batch([state_at(positions)], posed, posed, [materials], dt),
             {"positions": on_cloth, "materials": [w.material], "dt": 0.02},
         ),
         "CharacterSimulator.surface": (
@@ -176,8 +176,14 @@ def calls(world, folder) -> dict:
             {"samples": np.array([[0.1], [0.5], [0.9]]), "energies": np.array([3.0, 2.0, 4.0]), "noise": 0.1, "draws": 4},
         ),
         "FitFinding": (d.FitFinding, {"kind": "guess", "parameter": "d_n", "value": 1.0, "low": 0.0, "high": 2.0}),
-        "worn": (d.worn, {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)}),
-        "offered": (d.offered, {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)}),
+        "choose_widths": (
+            d.choose_widths,
+            {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)},
+        ),
+        "width_variants": (
+            d.width_variants,
+            {"garment": d.mesh_garment(w.actor, w.segmentation, d.Mesh(), w.performance.surface, small)},
+        ),
         "ParameterSpace.material": (d.ParameterSpace().material, {"unit": np.full(len(d.ParameterSpace().names), 0.5)}),
         "Optimizer.tell": (cma.tell, {"samples": np.array(cma.ask()), "energies": np.ones(4)}),
         "create_cma_es": (d.create_cma_es, {"dimension": 2}),
@@ -190,7 +196,7 @@ def calls(world, folder) -> dict:
                 high_valid=[1] * len(w.high.faces),
             ),
         ),
-        "make_display": (d.make_display, dict(**clothed, high=w.high)),
+        "build_display_mesh": (d.build_display_mesh, dict(**clothed, high=w.high)),
         "DisplaySurface": (d.DisplaySurface, {"character": w.character}),
         "DisplaySurface.apply": (display.apply, {"surface": v}),
         "DisplaySurface.sample": (display.sample, {"values": np.ones((len(v), 2))}),
@@ -281,7 +287,7 @@ ELSEWHERE = {
     "minimise", "explain_match", "retarget", "session_silhouettes", "train_body_model", "write_materials",
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",
-    "find_body_marks", "require_scanned", "surface_refiner_violations",
+    "detect_joints", "require_scanned", "surface_refiner_violations",
     "limb_search_violations", "performance_capture_violations", "cloth_solver_violations",
     "optimizer_violations", "objective_violations",
     "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
@@ -410,8 +416,8 @@ def duplicate(value, folder):
         return copy_of(value, folder)
     if isinstance(value, d.TaperedCapsule):
         return d.TaperedCapsule(value.joint, value.p0, value.p1, value.r0, value.r1)
-    if isinstance(value, d.JointMark):
-        return d.JointMark(value.name, value.parent, value.position, value.dof)
+    if isinstance(value, d.JointAnnotation):
+        return d.JointAnnotation(value.name, value.parent, value.position, value.dof)
     if isinstance(value, d.Motion):
         return d.Motion(value.fps, np.array(value.dofs))
     other = type(value)()
@@ -440,7 +446,7 @@ def spoilt_proxy(value: d.TaperedCapsule, folder) -> dict:
     return wrong
 
 
-def spoilt_mark(value: d.JointMark, folder) -> dict:
+def spoilt_mark(value: d.JointAnnotation, folder) -> dict:
     wrong = {}
     for name, bad in (("position", np.full(3, np.nan)), ("dof", 7), ("dof", -1), ("parent", value.name), ("parent", "nobody")):
         other = duplicate(value, folder)
@@ -465,7 +471,7 @@ SPOIL = (
     (d.RiggedMesh, spoilt_fields("mesh", "face_valid", "weights")),
     (d.Segmentation, spoilt_fields("sigma", "clothness", "region", "fullness", "rest")),
     (d.ReferencePerformance, spoilt_fields("surface", "dofs", "joints", "frames")),
-    (d.Garment, spoilt_fields("mesh", "region", "clothness", "rest", "actor_face", "barycentric", "covers")),
+    (d.Garment, spoilt_fields("mesh", "region", "clothness", "rest", "actor_face", "barycentric", "replaced_faces")),
     (d.BodyFit, spoilt_fields("body", "coefficients", "deviation")),
     (d.Observations, spoilt_fields("cameras", "frames", "views")),
     (d.Template, spoilt_fields("mesh", "high", "face_valid", "high_face_valid")),
@@ -475,6 +481,6 @@ SPOIL = (
     ),
     (d.Camera, spoilt_camera),
     (d.TaperedCapsule, spoilt_proxy),
-    (d.JointMark, spoilt_mark),
+    (d.JointAnnotation, spoilt_mark),
     (d.Motion, spoilt_motion),
 )

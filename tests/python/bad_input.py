@@ -663,7 +663,7 @@ for command in ("check session -o new", TEMPLATE, *(f"{stage} out --force" for s
     )
 spoilt_by("Options", RECONSTRUCT + " --segment-rigid-threshold -1", a_threshold_below_0=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --capture-start-frame 500", a_start_after_the_last_frame=lambda folder: None)
-spoilt_by("Options", RECONSTRUCT + " --garment-spreads 0.5 0.3", widths_that_are_not_in_order=lambda folder: None)
+spoilt_by("Options", RECONSTRUCT + " --garment-length-exceedances 0.5 0.3", widths_that_are_not_in_order=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --cloth-substeps 0", no_steps_at_all=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --fit-optimizer newton", an_optimiser_that_is_not_there=lambda folder: None)
 spoilt_by("Options", RECONSTRUCT + " --energy-dt x", an_option_that_is_not_there=lambda folder: None)

@@ -63,7 +63,7 @@ def bell(tmp_path_factory):
     import doublet as d
 
     vertices, faces = tube(lambda h: 0.35 - 0.15 * h, 0.5, 1.5, around=24, rows=13)
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 1, 0], 6)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 1, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), np.ones((len(vertices), 1)), skeleton)
     cloth = (vertices[:, 1] < 1).astype(float)
     clothness = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
@@ -86,7 +86,7 @@ def bell(tmp_path_factory):
     d.write_actor(out / "actor.npz", actor)
     d.write_performance(out / "performance.npz", performance)
     d.write_segmentation(out / "segmentation.npz", clothness)
-    as_it_is = d.GarmentOptions(own_mesh=False)
+    as_it_is = d.GarmentOptions(remesh=False)
     d.write_garment(out / "garment.npz", d.mesh_garment(actor, clothness, d.Mesh(), performance.surface, as_it_is))
     d.write_proxies(out / "proxies.json", [], skeleton)
     d.write_observations(out / "observations.npz", observations)

@@ -38,12 +38,12 @@ MAY = (
     (".*", "captured|sequence", "faces .*"),  # likewise
     (".*", "observations|performance", "frames (first:|index) .*"),  # video frame numbers
     ("(face|vertex)_(normals|areas)|rasterize|visible_vertices", "vertices", "nan|-?inf"),  # such a face is degenerate, not drawn
-    ("pose_surface|unposed_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone
+    ("pose_surface|canonical_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone
     ("dress performance|simulate_reference", "performance", "surface frames (shorter|longer|empty)|(dofs|joints|frames) .*"),
     ("body_regions|fit_proxies|proxy_statistics", "actor|segmentation", "(weights|sigma|region|fullness|rest) .*"),  # not used
     ("CharacterRenderer.*", "surface", ".*"),  # `high` is drawn
     ("CharacterRenderer.meshes|DisplaySurface.sample|CharacterSimulator.surface", ".*", "nan|-?inf|a column less"),  # pass on
-    ("dress.*|summarise_garment|write_garment|offered", "garment", ".*"),  # one without faces: the rest does not count
+    ("dress.*|summarise_garment|write_garment|width_variants", "garment", ".*"),  # one without faces: the rest does not count
     ("rig_template", "surface", "high.*"),  # is not rigged
     ("texture_character|sample_colours", "images|masks", "first: empty"),  # that camera has none
     ("scan_from_views", "masks", "first: empty"),  # likewise: it takes no part
@@ -51,7 +51,8 @@ MAY = (
     ("orbit_camera", "azimuth|elevation", "-1"),
     ("RayScene.cast|FeatureTracker.match|visible_vertices", "min_distance|reach|tolerance", "-1|inf"),
     ("SourceMotion", "joint_parents", "first: -1"),  # as it was
-    ("worn", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|covers|mesh vertices) .*"),  # handed on
+    # handed on
+    ("choose_widths", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|replaced_faces|mesh vertices) .*"),
     ("FitFinding", "value|low|high", "-1"),
 )  # fmt: skip
 

@@ -35,7 +35,7 @@ def turning(shapes):
     """A bell-shaped person in a painted skirt who bends and turns by 200 degrees a second; the body stands out of the cloth."""
     bell = shapes["tube"]
     vertices, faces = bell(lambda h: 0.35 - 0.15 * h, 0.5, 1.5, around=24, rows=21)
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.9, 0], 6), d.JointMark("spine", "pelvis", [0, 1.1, 0], 3)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 0.9, 0], 6), d.JointAnnotation("spine", "pelvis", [0, 1.1, 0], 3)])
     upper = np.clip((vertices[:, 1] - 0.9) / 0.4, 0, 1)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), np.stack([1 - upper, upper], axis=1), skeleton)
     cloth = (vertices[:, 1] < 1).astype(float)

@@ -9,7 +9,7 @@ import pytest
 
 TETRAHEDRON = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], np.int32)
-MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
+MARKS = [d.JointAnnotation("pelvis", "", [0, 1, 0], 6), d.JointAnnotation("spine", "pelvis", [0, 1.2, 0], 3)]
 
 
 def moving_tetrahedron():
@@ -46,7 +46,7 @@ def test_errors_are_pythons(tmp_path):
         d.read_segmentation(tmp_path / "broken.npz")
     assert issubclass(d.Error, RuntimeError)
     with pytest.raises(d.Error, match="nobody"):
-        d.Skeleton([*MARKS, d.JointMark("head", "nobody", [0, 1.6, 0])])
+        d.Skeleton([*MARKS, d.JointAnnotation("head", "nobody", [0, 1.6, 0])])
 
 
 def test_skeleton_kinematics():
@@ -88,7 +88,7 @@ def test_files_round_trip(tmp_path):
 def test_a_stage_can_be_written_in_python():
     class EverythingIsCloth(d.ClothSegmenter):
         def segment(self, inputs, context):
-            context.report("python stage", 0.5)
+            context.report_progress("python stage", 0.5)
             count = inputs.surface.frames.shape[1]
             return d.Segmentation(np.zeros(count), np.ones(count), np.zeros(count, np.int32))
 
@@ -185,7 +185,7 @@ def test_exceptions_of_callbacks_come_back():
 
     class Reporting(Bowl):
         def evaluate(self, samples, context):
-            context.report("bowl", 0.1)
+            context.report_progress("bowl", 0.1)
             return super().evaluate(samples, context)
 
     with pytest.raises(LookupError, match="from the callback"):

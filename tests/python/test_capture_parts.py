@@ -254,7 +254,7 @@ def test_the_kits_try_what_python_makes(scene):
     actor, rig, stage, extractor = scene
     kit = Kit()
     options = d.CaptureOptions(smooth_window=1, second_pass=False)
-    options.limbs.lost = 1e-9  # every limb in every frame
+    options.limbs.lost_error = 1e-9  # every limb in every frame
     capture(scene, options=options, limbs=kit)
     assert kit.found == []
     assert any("is of no lost limb" in s for s in kit.wild) and any("beyond its limits" in s for s in kit.wild)

@@ -175,7 +175,7 @@ def small_searches(monkeypatch):
     from doublet.evaluation import study
 
     monkeypatch.setattr(study, "local_workers", lambda count: local_workers(2))
-    few = {"fit.max_evaluations": 4, "fit.population": 4, "fit.first_samples": 4, "space.names": ["d_n"]}
+    few = {"fit.max_evaluations": 4, "fit.population": 4, "fit.initial_design_size": 4, "space.names": ["d_n"]}
     fit_jobs = study.fit_jobs
     monkeypatch.setattr(
         study, "fit_jobs", lambda *a, options=({},), **k: fit_jobs(*a, options=[{**few, **o} for o in options], **k)

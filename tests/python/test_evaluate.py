@@ -38,7 +38,7 @@ def scene(tmp_path, shapes):
 
 def reconstruct(scene, shift=(0, 0, 0), clothness=None):
     vertices, faces = scene["vertices"], scene["faces"]
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), np.ones((len(vertices), 1)), skeleton)
     performance = d.ReferencePerformance()
     performance.surface = d.MeshSequence(faces, np.stack([vertices + shift] * FRAMES))
@@ -264,7 +264,7 @@ def test_new_motion_is_measured_on_the_characters_own_mesh(scene, monkeypatch):
     np.savez(novel / "frames_0000.npz", start=0, body=scene["body"][0][None], cloth=truth.frame(0)[1][None])
     vertices = np.vstack([scene["vertices"], [[0, 2, 0]]])
     faces = np.vstack([scene["faces"], [[0, 1, len(vertices) - 1]]])
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)])
     dressed = d.RiggedMesh(d.Mesh(vertices, faces), [1] * (len(faces) - 1) + [0], np.ones((len(vertices), 1)), skeleton)
     cloth = np.append(is_cloth(scene), 1)
     clothness = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))

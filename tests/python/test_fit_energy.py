@@ -48,7 +48,7 @@ def test_cloth_is_put_on_before_a_first_pose_that_is_bent(shapes):
     """Whoever is filmed from a lunge on: at its rest shape the skirt would be several times as long between the legs."""
     vertices, faces = shapes["tube"](lambda h: 0.4 - 0.25 * h, 0.4, 1.0, around=32, rows=17)
     marks = [("pelvis", "", [0, 1, 0]), ("l_hip", "pelvis", [0.1, 0.9, 0]), ("r_hip", "pelvis", [-0.1, 0.9, 0])]
-    skeleton = d.Skeleton([d.JointMark(name, parent, at) for name, parent, at in marks])
+    skeleton = d.Skeleton([d.JointAnnotation(name, parent, at) for name, parent, at in marks])
     left, legs = np.clip(0.5 + 4 * vertices[:, 0], 0, 1), np.clip((0.95 - vertices[:, 1]) / 0.2, 0, 1)
     weights = np.stack([1 - legs, legs * left, legs * (1 - left)], axis=1)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, skeleton)

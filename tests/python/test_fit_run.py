@@ -11,10 +11,10 @@ from functools import partial
 
 import pytest
 from doublet.common.console import Console
-from doublet.pages.fit_page import in_words
+from doublet.pages.fit_page import describe_confidence
 
 OPTIONS = ["--cloth-iterations", "24", "--cloth-substeps", "1", "--cloth-stiffness", "sweeps", "--cloth-rest-curvature", "1"]
-OPTIONS += ["--fit-max-evaluations", "56", "--fit-first-samples", "16", "--fit-population", "8", "--fit-smallest-gain", "0"]
+OPTIONS += ["--fit-max-evaluations", "56", "--fit-initial-design-size", "16", "--fit-population", "8", "--fit-min-gain", "0"]
 OPTIONS += ["--space-names", "d_n", "k_stretch", "k_friction"]
 
 
@@ -161,20 +161,20 @@ def test_words_follow_the_confidence():
     def region(**levels):
         return {"confidence": levels}
 
-    assert in_words({}) == []
-    (line,) = in_words(region(d_n="high", d_t="high", k_bend="high"))
+    assert describe_confidence({}) == []
+    (line,) = describe_confidence(region(d_n="high", d_t="high", k_bend="high"))
     assert line == "The film tells drag along the normal, drag along the surface and bending."
-    high, medium = in_words(region(d_n="high", k_bend="medium", k_friction="low"))
+    high, medium = describe_confidence(region(d_n="high", k_bend="medium", k_friction="low"))
     assert high == "The film tells drag along the normal." and medium.startswith("It tells something about bending")
-    assert in_words(region(k_friction="low")) == []  # the findings say it
+    assert describe_confidence(region(k_friction="low")) == []  # the findings say it
 
 
 def test_progress_shows_what_the_stage_said_last(capsys):
     console = Console()
     context = console.context()
-    context.report("fit", 0.1)
-    context.say("fit: 8 evaluations, best 3.5")
-    context.report("fit", 0.6)
-    context.report("simulate", 0.6)
+    context.report_progress("fit", 0.1)
+    context.log_line("fit: 8 evaluations, best 3.5")
+    context.report_progress("fit", 0.6)
+    context.report_progress("simulate", 0.6)
     lines = capsys.readouterr().err.splitlines()
     assert lines[0].endswith("s (8 evaluations, best 3.5)") and lines[1].endswith(" s")

@@ -28,7 +28,7 @@ def skirt(shapes):
     sheet = np.stack([np.full(around, below), (np.arange(around) + 1) % around, np.arange(around)], axis=1)
     vertices, faces = np.vstack([vertices, [[0, 0.5, 0]]]), np.vstack([faces, sheet]).astype(np.int32)
     valid = np.arange(len(faces)) < len(faces) - around
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 1, 0], 6)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 1, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), valid.tolist(), np.ones((len(vertices), 1)), skeleton)
     cloth = (vertices[:, 1] < 1).astype(float)
     return actor, d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
@@ -40,7 +40,7 @@ def test_a_mesher_of_ones_own(skirt, tmp_path):
     d.write_garment(tmp_path / "garment.npz", garment)
     back = d.read_garment(tmp_path / "garment.npz", actor)
     np.testing.assert_allclose(back.rest, garment.mesh.vertices, atol=1e-6)
-    np.testing.assert_array_equal(back.covers, garment.covers)
+    np.testing.assert_array_equal(back.replaced_faces, garment.replaced_faces)
     assert back.region_count == 1
     summary = d.summarise_garment(back)
     assert (summary.regions, summary.loops, summary.hanging_loops) == (1, 2, 1)
@@ -55,7 +55,10 @@ def test_the_dressed_actor_has_the_garment_behind_its_own_vertices(skirt):
     np.testing.assert_array_equal(dressed.segmentation.clothness, np.r_[np.zeros(bare), garment.clothness])
     np.testing.assert_array_equal(dressed.segmentation.rest[bare:], garment.rest)
     valid = np.asarray(dressed.actor.face_valid, bool)
-    assert valid[len(actor.mesh.faces) :].all() and not valid[: len(actor.mesh.faces)][np.asarray(garment.covers, bool)].any()
+    assert (
+        valid[len(actor.mesh.faces) :].all()
+        and not valid[: len(actor.mesh.faces)][np.asarray(garment.replaced_faces, bool)].any()
+    )
     performance = d.ReferencePerformance()
     performance.dofs, performance.frames, performance.joints = np.zeros((2, 6)), [0, 1], np.zeros((2, 1, 3))
     performance.surface = d.MeshSequence(actor.mesh.faces, np.stack([actor.mesh.vertices, actor.mesh.vertices + [0, 0.1, 0]]))
@@ -107,11 +110,11 @@ def test_widths_are_offered_worn_and_read_back(skirt, tmp_path):
     body = d.BodyFit()
     body.body = d.Mesh(np.array(actor.mesh.vertices) * [0.6, 1, 0.6], actor.mesh.faces)
     d.write_body(tmp_path / "body.npz", body)
-    job = reconstruct.Job(tmp_path, tmp_path, {"garment": d.GarmentOptions(vertices=300, spreads=[0.1, 0.5, 0.9])})
+    job = reconstruct.Job(tmp_path, tmp_path, {"garment": d.GarmentOptions(vertices=300, length_exceedances=[0.1, 0.5, 0.9])})
     areas = reconstruct.stages.run_garment(job)["areas_m2"]
     assert len(areas) == 3 and areas[0] > 1.02 * areas[1] > 1.02 * 1.02 * areas[2]
     assert area_of(job.results.garment) == pytest.approx(areas[1], rel=1e-4)  # until the video has chosen, the middle one
-    assert [area_of(g) for g in d.offered(job.results.offered_garment)] == pytest.approx(areas, rel=1e-4)
+    assert [area_of(g) for g in d.width_variants(job.results.offered_garment)] == pytest.approx(areas, rel=1e-4)
     (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 0}]}))
     job.results.forget_garment()
     assert area_of(job.results.garment) == pytest.approx(areas[0], rel=1e-4) and not job.results.garment.widths
@@ -119,10 +122,12 @@ def test_widths_are_offered_worn_and_read_back(skirt, tmp_path):
     job.results.forget_garment()
     assert len(job.results.dressed_performance().surface.frames) == 4  # what the next search needs
     with pytest.raises(ValueError, match="expected a width between 0 and 2, found 3"):
-        d.worn(job.results.offered_garment, [3])
+        d.choose_widths(job.results.offered_garment, [3])
     with pytest.raises(ValueError, match="one width for each of 1 regions, found 2"):
-        d.worn(job.results.offered_garment, [0, 0])
-    one = d.mesh_garment(actor, clothness, body.body, performance.surface, d.GarmentOptions(vertices=300, spreads=[0.5]))
-    assert not one.widths and len(d.offered(one)) == 1
-    with pytest.raises(ValueError, match="spreads: expected at least one, ascending"):
-        d.GarmentMesher.create(d.GarmentOptions(spreads=[0.5, 0.1]))
+        d.choose_widths(job.results.offered_garment, [0, 0])
+    one = d.mesh_garment(
+        actor, clothness, body.body, performance.surface, d.GarmentOptions(vertices=300, length_exceedances=[0.5])
+    )
+    assert not one.widths and len(d.width_variants(one)) == 1
+    with pytest.raises(ValueError, match="length_exceedances: expected at least one, ascending"):
+        d.GarmentMesher.create(d.GarmentOptions(length_exceedances=[0.5, 0.1]))

@@ -101,7 +101,7 @@ def write_scene(folder, skirt, true_frames, delay):
     """A truth in which all turns together, known in some frames, and a re-animation whose skirt turns `delay` frames late. The
     character is all cloth but its top row, which trembles."""
     vertices, faces = skirt
-    marks = [d.JointMark(name, parent, [x, 0, 0], None if parent else 6) for name, parent, x in MARKS]
+    marks = [d.JointAnnotation(name, parent, [x, 0, 0], None if parent else 6) for name, parent, x in MARKS]
     joints = turned(np.array([[x, 0, 0] for *_, x in MARKS]), yaw(TIMES))
     joints[:, 3] = turned(np.array([[0.3, 0, 0.3]]), 5 * np.sin(9 * TIMES))[:, 0]  # the knee does not hang on the pelvis
     np.savez(folder / "static.npz", body_tris=faces, cloth_tris=faces)

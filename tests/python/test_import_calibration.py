@@ -74,7 +74,7 @@ def test_a_session_with_a_lens_is_read_as_pinhole_cameras(tmp_path):
     cameras[0].lens = lens
     d.write_calibration(path, cameras)
     session = d.Session(tmp_path)
-    assert [lens.undone for lens in session.lenses] == [True, False]
+    assert [lens.needs_undistortion for lens in session.lenses] == [True, False]
     assert session.lenses[0].fisheye and session.rig[0].distortion.tolist() == [0] * 5
     np.testing.assert_array_equal(session.rig[0].K, before.rig[0].K)
     undone = d.FrameSource.open(session).mask(0, 0)
@@ -89,7 +89,7 @@ def test_cameras_can_be_written_as_they_are(tmp_path):
         np.testing.assert_array_equal(read.camera.R, camera.R)
         point = [0.1, 1.2, 0.05]
         np.testing.assert_array_equal(read.project(point), camera.project(point))
-        assert not read.lens.undone
+        assert not read.lens.needs_undistortion
 
 
 # --- Blender

@@ -32,7 +32,7 @@ class Collecting(d.ClothSolver):
 
     def advance(self, states, inputs, materials, threads):
         gc.collect()
-        return self.inner.step_each(states, inputs, materials, threads)
+        return self.inner.step_batch(states, inputs, materials, threads)
 
 
 def played(world, make_solver) -> np.ndarray:
@@ -69,17 +69,15 @@ def test_subclasses_from_several_threads(world):
 class Below(d.ClothSegmenter):
     def segment(self, inputs, context):
         gc.collect()
-        context.report("below", 0.5)
-        context.say("below: looked")
+        context.report_progress("below", 0.5)
+        context.log_line("below: looked")
         cloth = (inputs.surface.frames[0][:, 1] < 1.0).astype(float)
         return d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
 
 
 def segmented(world, segmenter, context=None):
     options = d.FullnessOptions(estimate=False)
-    return d.segment_performance(
-        world.actor, world.performance, segmenter, fullness=options, context=context or d.Context()
-    )
+    return d.segment_performance(world.actor, world.performance, segmenter, fullness=options, context=context or d.Context())
 
 
 def test_one_segmenter_in_several_threads(world):

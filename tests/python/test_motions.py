@@ -70,9 +70,9 @@ def test_it_walks_the_way_of_the_world(tmp_path):
 
 def actor_skeleton():
     """An actor who stands with her arms half lowered, as marked in a scan: another rest pose than SMPL's."""
-    marks = [d.JointMark("pelvis", "", [0, 0.95, 0]), d.JointMark("spine", "pelvis", [0, 1.1, -0.02])]
-    marks += [d.JointMark("chest", "spine", [0, 1.25, -0.02]), d.JointMark("neck", "chest", [0, 1.45, -0.02])]
-    marks += [d.JointMark("head", "neck", [0, 1.55, 0.01]), d.JointMark("head_top", "head", [0, 1.72, 0.01])]
+    marks = [d.JointAnnotation("pelvis", "", [0, 0.95, 0]), d.JointAnnotation("spine", "pelvis", [0, 1.1, -0.02])]
+    marks += [d.JointAnnotation("chest", "spine", [0, 1.25, -0.02]), d.JointAnnotation("neck", "chest", [0, 1.45, -0.02])]
+    marks += [d.JointAnnotation("head", "neck", [0, 1.55, 0.01]), d.JointAnnotation("head_top", "head", [0, 1.72, 0.01])]
     for side, x in (("l_", 1), ("r_", -1)):
         limbs = [("hip", "pelvis", 0.09, 0.9, 0), ("knee", "hip", 0.1, 0.5, 0.02), ("ankle", "knee", 0.11, 0.08, 0)]
         limbs += [("toe", "ankle", 0.12, 0.02, 0.13), ("clavicle", "chest", 0.03, 1.4, -0.01)]
@@ -80,7 +80,7 @@ def actor_skeleton():
         limbs += [("wrist", "elbow", 0.5, 1.03, 0.06), ("hand", "wrist", 0.56, 0.96, 0.1)]
         for name, parent, *place in limbs:
             above = parent if parent in ("pelvis", "chest") else side + parent
-            marks.append(d.JointMark(side + name, above, [x * place[0], *place[1:]]))
+            marks.append(d.JointAnnotation(side + name, above, [x * place[0], *place[1:]]))
     return d.Skeleton(marks)
 
 

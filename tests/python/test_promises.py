@@ -156,22 +156,22 @@ def test_step_each_makes_the_bits_of_single_steps(world):
     alone, together = ([simulator.start(before) for _ in materials] for _ in range(2))
     for state, material in zip(alone, materials):
         simulator.step(state, before, after, material, 0.025)
-    assert simulator.step_each(together, before, after, materials, 0.025) == []
+    assert simulator.step_batch(together, before, after, materials, 0.025) == []
     for one, other in zip(alone, together):
         np.testing.assert_array_equal(simulator.surface(one, after), simulator.surface(other, after))
     with pytest.raises(ValueError, match="equally many"):
-        simulator.step_each(together, before, after, materials[:1], 0.025)
+        simulator.step_batch(together, before, after, materials[:1], 0.025)
 
     model = d.ClothModel(world.mesh.vertices, world.mesh.faces, world.cloth)
     solver, inputs = d.ClothSolver.create(model), d.StepInputs(targets=world.mesh.vertices, dt=0.02)
     alone, together = ([d.ClothState(world.mesh.vertices) for _ in materials] for _ in range(2))
     for state, (material,) in zip(alone, materials):
         solver.step(state, inputs, material)
-    assert solver.step_each(together, [inputs], [m for (m,) in materials]) == []
+    assert solver.step_batch(together, [inputs], [m for (m,) in materials]) == []
     for one, other in zip(alone, together):
         np.testing.assert_array_equal(one.positions, other.positions)
     with pytest.raises(TypeError, match="None"):
-        solver.step_each([None], [inputs], [d.Material()])
+        solver.step_batch([None], [inputs], [d.Material()])
 
 
 def test_arrays_of_an_animation_are_put_together_once(world):

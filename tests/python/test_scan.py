@@ -62,8 +62,8 @@ def write_session(folder, person: Person, cameras: int = 8, size: int = 300, bef
 @pytest.mark.parametrize(("yaw", "seed"), [(0.4, 1), (2.9, 2)])
 def test_joints_are_found_whichever_way_the_person_faces(model, yaw, seed):
     person = Person(model, yaw, seed)
-    marks = d.find_body_marks(person.mesh, [], model, d.BodyFitOptions(iterations=8))
-    assert marks.rival < 0.7
+    marks = d.detect_joints(person.mesh, [], model, d.BodyFitOptions(iterations=8))
+    assert marks.facing_ambiguity < 0.7
     assert marks.fit.residual < 0.002
     errors = person.errors_mm({mark.name: mark.position for mark in marks.joints})
     assert len(errors) == 21
@@ -75,14 +75,14 @@ def test_joints_are_found_whichever_way_the_person_faces(model, yaw, seed):
 def test_no_person_no_joints(model):
     ball = d.capsule_mesh([0, 0.5, 0], [0, 1.5, 0], 0.3, 0.3)
     with pytest.raises(d.Error, match="body marks: expected a person, upright"):
-        d.find_body_marks(ball, [], model)
+        d.detect_joints(ball, [], model)
     with pytest.raises(ValueError, match="face_valid: expected"):
-        d.find_body_marks(ball, [1, 0], model)
+        d.detect_joints(ball, [1, 0], model)
     hole = d.Mesh(np.where(np.arange(len(ball.vertices))[:, None] == 7, np.nan, ball.vertices), ball.faces)
     with pytest.raises(d.Error, match="1 non-finite vertices"):
-        d.find_body_marks(hole, [], model)
+        d.detect_joints(hole, [], model)
     with pytest.raises(d.Error, match="corners in range"):
-        d.find_body_marks(d.Mesh(ball.vertices, ball.faces + 3), [], model)
+        d.detect_joints(d.Mesh(ball.vertices, ball.faces + 3), [], model)
 
 
 def test_the_command_completes_a_session(model, tmp_path, capsys):

@@ -39,7 +39,7 @@ def out(bell, shapes, tmp_path_factory):
 @pytest.fixture(scope="module")
 def dressed(bell, shapes, tmp_path_factory):
     """The same in a garment with a mesh of its own."""
-    return reconstruction(bell, shapes, tmp_path_factory.mktemp("sect7") / "dressed", own_mesh=True)
+    return reconstruction(bell, shapes, tmp_path_factory.mktemp("sect7") / "dressed", remesh=True)
 
 
 @pytest.fixture(params=["out", "dressed"])
@@ -47,11 +47,11 @@ def either(request):
     return request.getfixturevalue(request.param)
 
 
-def reconstruction(bell, shapes, folder, own_mesh=False):
+def reconstruction(bell, shapes, folder, remesh=False):
     shutil.copytree(bell, folder)
     bare, clothness = d.read_actor(bell / "actor.npz"), d.read_segmentation(bell / "segmentation.npz")
     captured = d.read_performance(bell / "performance.npz", bare)
-    options = d.GarmentOptions(own_mesh=own_mesh, vertices=150)
+    options = d.GarmentOptions(remesh=remesh, vertices=150)
     garment = d.mesh_garment(bare, clothness, d.Mesh(), captured.surface, options)
     garment.clothness = np.where(garment.mesh.vertices[:, 1] < 0.9, 1.0, garment.clothness)  # the bell is open below
     d.write_garment(folder / "garment.npz", garment)
@@ -196,7 +196,7 @@ def test_variants_are_compared_by_the_plain_energy(out, tmp_path):
     import searches
     from reconstructions import energies, energy_job, plain_job
 
-    few = {"first_samples": 4, "population": 4}
+    few = {"initial_design_size": 4, "population": 4}
     searches.VARIANTS = {"windows": {"energy": {"window": 8}, "fit": few}, "plain": {"fit": few}}
     rows = searches.variants(out, None, None, 8, [1, 2], tmp_path, 1)
     assert [row[:2] for row in rows] == [["windows", 1], ["windows", 2], ["plain", 1], ["plain", 2]]

@@ -81,7 +81,7 @@ class Scene:
         cameras = [
             SimpleNamespace(name=c.name, masks=self.folder / "masks", video_fps=fps) for c, fps in zip(self.rig, self.rates)
         ]
-        marks = [d.JointMark(name, "", place) for name, place in self.joints.items()]
+        marks = [d.JointAnnotation(name, "", place) for name, place in self.joints.items()]
         session = SimpleNamespace(
             folder=self.folder, name="made up", scan=path, rig=self.rig, cameras=cameras, joints=marks, frame_count=20, fps=40.0
         )

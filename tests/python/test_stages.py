@@ -22,7 +22,7 @@ def everything_is_cloth(job):
 def job(tmp_path, shapes):
     """OUT as after the capture of a tube that does not move."""
     vertices, faces = shapes["tube"](0.1, 0.0, 1.0)
-    skeleton = d.Skeleton([d.JointMark("pelvis", "", [0, 0.5, 0], 6)])
+    skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)])
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), [[1.0]] * len(vertices), skeleton)
     dofs = [[0.0] * len(skeleton.dof_names)] * 2
     performance = d.ReferencePerformance()

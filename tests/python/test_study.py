@@ -15,7 +15,7 @@ from doublet.evaluation import study
 
 #: The solver of the truth.
 BELLS = {"cloth.iterations": 24, "cloth.substeps": 1, "cloth.stiffness": "sweeps", "cloth.rest_curvature": 1.0}
-QUICK = {**BELLS, "fit.max_evaluations": 18, "space.names": ["d_n", "k_bend"], "fit.first_samples": 16}
+QUICK = {**BELLS, "fit.max_evaluations": 18, "space.names": ["d_n", "k_bend"], "fit.initial_design_size": 16}
 
 
 @pytest.fixture(autouse=True)
@@ -131,7 +131,7 @@ def test_the_command_line(bell, tmp_path):
     (bell / "run.json").write_text(json.dumps({"session": str(tmp_path), "stages": {}}))
     (tmp_path / "session.json").write_text('{"fps": 40}')
     command = [sys.executable, "-m", "doublet", "study", bell, "-o", tmp_path / "rows.jsonl", "--seeds", "1", "2"]
-    command += ["--fit-max-evaluations", "8", "--fit-first-samples", "4", "--fit-population", "4", "--space-names", "d_n"]
+    command += ["--fit-max-evaluations", "8", "--fit-initial-design-size", "4", "--fit-population", "4", "--space-names", "d_n"]
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()

@@ -32,7 +32,7 @@ class Passing(d.ClothSolver):
 
     def advance(self, states, inputs, materials, threads):
         self.calls.append(len(states))
-        return self.inner.step_each(states, inputs, materials, threads)
+        return self.inner.step_batch(states, inputs, materials, threads)
 
 
 def played(world, make_solver):
@@ -41,7 +41,7 @@ def played(world, make_solver):
     frames = [simulator.pose(dofs) for dofs in world.dofs]
     states = [simulator.start(frames[0]) for _ in range(2)]
     for before, after in zip(frames, frames[1:]):
-        assert simulator.step_each(states, before, after, [[d.Material()], [d.Material(d_n=9)]], 0.025) == []
+        assert simulator.step_batch(states, before, after, [[d.Material()], [d.Material(d_n=9)]], 0.025) == []
     return [np.array(s.regions[0].positions) for s in states]
 
 
@@ -104,7 +104,7 @@ def one_step(advance):
     model = d.ClothModel(np.eye(3), np.array([[0, 1, 2]]), np.ones(3))
     state = d.ClothState(np.eye(3))
     try:
-        return solver(model).step_each([state], [d.StepInputs()], [d.Material()]), state
+        return solver(model).step_batch([state], [d.StepInputs()], [d.Material()]), state
     finally:
         np.testing.assert_array_equal(state.velocities, 0)
 

@@ -9,7 +9,7 @@ from doublet.evaluation.synthesize import Surfaces, SynthesisOptions, photograph
 from doublet.export.clips import read_motion
 from doublet.reconstruct.options import with_pairs
 
-MARKS = [d.JointMark("pelvis", "", [0, 1, 0], 6), d.JointMark("spine", "pelvis", [0, 1.2, 0], 3)]
+MARKS = [d.JointAnnotation("pelvis", "", [0, 1, 0], 6), d.JointAnnotation("spine", "pelvis", [0, 1.2, 0], 3)]
 FPS = 40.0
 
 

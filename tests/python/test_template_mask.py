@@ -26,7 +26,7 @@ def job(tmp_path, shapes):
     surface.face_valid, surface.high_face_valid = [1] * len(faces), [1, 1]
     d.write_template_suggestion(out / template_mask.SUGGESTED, surface)
     job = reconstruct.Job(session, out, console=Console(quiet=True))
-    marks = {"markers": session / "joints.json", "joints": [d.JointMark("pelvis", "", [0, 0.5, 0], 6)]}
+    marks = {"markers": session / "joints.json", "joints": [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]}
     job.session = type("Session", (), {"folder": session, **marks})
     return job
 

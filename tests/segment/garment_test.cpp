@@ -143,7 +143,7 @@ public:
                const Context &) const override {
     Garment garment = garment_of(Person());
     garment.rest.array() -= ++calls_;
-    garment.covers.resize(actor.face_valid.size() - (calls_ == 4));
+    garment.replaced_faces.resize(actor.face_valid.size() - (calls_ == 4));
     return garment;
   }
 
@@ -190,18 +190,19 @@ TEST(GarmentMesher, TrianglesAreRegularAndAsManyAsWanted) {
 TEST(GarmentMesher, VerticesLieOnTheActorWhereTheySay) {
   const Person person(folded);
   const Garment garment = garment_of(person, small_garment(), folded_and_spread_out(person));
-  const Vertices places = at_garment(garment, person.actor.mesh.faces, person.actor.mesh.vertices);
+  const Vertices places = interpolate_to_garment(garment, person.actor.mesh.faces, person.actor.mesh.vertices);
   EXPECT_LT((places - garment.mesh.vertices).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_GT(garment.barycentric.minCoeff(), -1e-6);
   EXPECT_LT((garment.barycentric.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-9);
   for (int face : garment.actor_face) { // covered, but for the faces that the seam runs through
     const auto clothness = [&](int k) { return person.segmentation.clothness[person.actor.mesh.faces(face, k)]; };
-    EXPECT_TRUE(garment.covers[face] || std::min({clothness(0), clothness(1), clothness(2)}) < 0.5) << face;
+    EXPECT_TRUE(garment.replaced_faces[face] || std::min({clothness(0), clothness(1), clothness(2)}) < 0.5) << face;
   }
-  EXPECT_TRUE(std::any_of(garment.actor_face.begin(), garment.actor_face.end(), [&](int f) { return !garment.covers[f]; }));
+  EXPECT_TRUE(
+      std::any_of(garment.actor_face.begin(), garment.actor_face.end(), [&](int f) { return !garment.replaced_faces[f]; }));
   // Regular where it was spread out, not in the folds.
   const auto variation = [&](const Vertices &actor_vertices) { // of the edges' lengths
-    const Vertices x = at_garment(garment, person.actor.mesh.faces, actor_vertices);
+    const Vertices x = interpolate_to_garment(garment, person.actor.mesh.faces, actor_vertices);
     const std::vector<Eigen::Vector2i> edges = edge_topology(garment.mesh.faces).edges;
     Eigen::ArrayXd lengths(edges.size());
     for (std::size_t e = 0; e < edges.size(); ++e)
@@ -219,10 +220,10 @@ TEST(GarmentMesher, CoversTheClothAndNothingElse) {
   for (int f = 0; f < person.actor.mesh.faces.rows(); ++f) {
     const int ring = f / faces_a_ring;
     if (ring >= hem && ring < waist - 2) { // the cut runs through the last two
-      EXPECT_TRUE(garment.covers[f]) << ring;
+      EXPECT_TRUE(garment.replaced_faces[f]) << ring;
     }
     if (ring < hem - 1 || ring >= waist) {
-      EXPECT_FALSE(garment.covers[f]) << ring;
+      EXPECT_FALSE(garment.replaced_faces[f]) << ring;
     }
   }
 }
@@ -231,11 +232,11 @@ TEST(GarmentMesher, ASlitNarrowerThanTheClosingIsClosed) {
   const Person slit = with_slit(3); // 6 cm
   GarmentOptions options;
   options.vertices = 1500;
-  options.closing = 0.08;
+  options.closing_length = 0.08;
   const Garment closed = garment_of(slit, options);
   expect_loops(closed, 2, 1);
   EXPECT_LT(top_of_hem(closed), 0.54);
-  options.closing = 0.002;
+  options.closing_length = 0.002;
   const Garment open = garment_of(slit, options);
   expect_loops(open, 2, 1);
   EXPECT_GT(top_of_hem(open), 0.59);
@@ -247,7 +248,7 @@ TEST(GarmentMesher, HolesAreFilledIfTheyAreSmall) {
     const Person holed = with_hole(6, skin);            // 0.044 m^2
     expect_loops(garment_of(holed), 3, skin ? 2 : 1);
     GarmentOptions options = small_garment();
-    options.smallest_hole = 0.06;
+    options.min_hole_area = 0.06;
     expect_loops(garment_of(holed, options), 2, 1);
   }
 }
@@ -271,7 +272,7 @@ TEST(GarmentMesher, PiecesThatAreTooSmallMoveAsSkinAndAreNamed) {
   EXPECT_EQ(one.region.maxCoeff(), 0); // the skirt moves up
   expect_loops(one, 2, 1);
   for (int k = 0; k < skirt_person::kAround; ++k)
-    EXPECT_FALSE(one.covers[skirt_person::face(skirt_person::first_ring(1.1), k)]);
+    EXPECT_FALSE(one.replaced_faces[skirt_person::face(skirt_person::first_ring(1.1), k)]);
   said.clear();
   const Garment two = mesh_garment(wide.actor, wide.segmentation, {}, {}, small_garment(), context);
   EXPECT_EQ(said, "");
@@ -295,7 +296,7 @@ TEST(GarmentMesher, AGarmentThatHangsOnNothingMovesAsSkin) {
   EXPECT_NE(said.find("region 0 does not touch skin"), std::string::npos) << said;
   EXPECT_EQ(none.region_count, 0);
   EXPECT_EQ(none.mesh.vertices.rows(), 0);
-  EXPECT_EQ(*std::max_element(none.covers.begin(), none.covers.end()), 0);
+  EXPECT_EQ(*std::max_element(none.replaced_faces.begin(), none.replaced_faces.end()), 0);
 }
 
 /// Two pieces of one region, of which one hangs on nothing: it would fall.
@@ -307,7 +308,7 @@ TEST(GarmentMesher, ALoosePieceOfARegionMovesAsSkin) {
     for (int k = 0; k < skirt_person::kAround; ++k)
       person.set_invalid(ring, k);
   GarmentOptions options = small_garment();
-  options.smallest_piece = 0.05;
+  options.min_piece_area = 0.05;
   std::string said;
   Context context;
   context.log = [&](const std::string &line) { said += line; };
@@ -315,7 +316,7 @@ TEST(GarmentMesher, ALoosePieceOfARegionMovesAsSkin) {
   EXPECT_NE(said.find("region 0: 0.17"), std::string::npos) << said; // m^2
   expect_loops(garment, 2, 1);
   EXPECT_GT(garment.mesh.vertices.col(1).minCoeff(), 0.49);
-  EXPECT_FALSE(garment.covers[skirt_person::face(12, 0)]);
+  EXPECT_FALSE(garment.replaced_faces[skirt_person::face(12, 0)]);
 }
 
 TEST(GarmentMesher, TheSheetBelowAHemIsNoSkinEvenWhereItCountsAsValid) {
@@ -351,10 +352,10 @@ TEST(GarmentMesher, AGapInTheSkinAboveTheSeamIsNoHem) {
   for (int ring = 53; ring < 60; ++ring)
     for (int k = 0; k < 9; ++k) // 9 cm
       person.set_invalid(ring, k);
-  const auto free_at_waist = [&](double smallest_edge) {
+  const auto free_at_waist = [&](double min_edge_run) {
     GarmentOptions options = small_garment();
     options.vertices = 1500;
-    options.smallest_edge = smallest_edge;
+    options.min_edge_run = min_edge_run;
     const Garment garment = garment_of(person, options);
     const std::vector<int> hem = hem_vertices(garment);
     return std::count_if(hem.begin(), hem.end(), [&](int v) { return garment.mesh.vertices(v, 1) > 0.9; });
@@ -515,7 +516,7 @@ TEST(GarmentMesher, WhatIsFoldedFlatAtRestIsUnfolded) {
 
 TEST(GarmentMesher, ABandRisesWithTheWayFromTheSeam) {
   GarmentOptions options = small_garment();
-  options.band = 0.1;
+  options.attachment_width = 0.1;
   const Garment garment = garment_of(Person(), options);
   for (Eigen::Index v = 0; v < garment.clothness.size(); ++v) {
     const double down = (garment.mesh.vertices.row(v) - Eigen::RowVector3d(0, 1, 0)).y() * -std::hypot(0.5, 0.15) / 0.5;
@@ -527,7 +528,7 @@ TEST(GarmentMesher, ABandRisesWithTheWayFromTheSeam) {
 TEST(GarmentMesher, NoClothOrNoMeshOfItsOwnIsAnEmptyGarment) {
   Person person;
   GarmentOptions options = small_garment();
-  options.own_mesh = false;
+  options.remesh = false;
   Person bare;
   bare.segmentation.clothness.setZero();
   bare.segmentation.region.setConstant(-1);
@@ -535,7 +536,7 @@ TEST(GarmentMesher, NoClothOrNoMeshOfItsOwnIsAnEmptyGarment) {
   for (const Garment &garment : {garment_of(person, options), garment_of(bare)}) {
     EXPECT_EQ(garment.region_count, 0);
     EXPECT_EQ(garment.mesh.vertices.rows(), 0);
-    EXPECT_EQ(garment.covers, std::vector<std::uint8_t>(person.actor.mesh.faces.rows(), 0));
+    EXPECT_EQ(garment.replaced_faces, std::vector<std::uint8_t>(person.actor.mesh.faces.rows(), 0));
     EXPECT_EQ(summarise_garment(garment).loops, 0);
     EXPECT_EQ(dress(person.actor, person.segmentation, garment).actor.mesh.vertices, person.actor.mesh.vertices);
   }

@@ -266,12 +266,12 @@ TEST(Segment, GarmentsOfTwoLooksThatTouchWhereTheyAreStillAreTwo) {
   EXPECT_EQ(segment_cloth(dressed(0.7, blue)).region_count, 1); // a hem that flies before the other
   // A person's corrections keep what parts them, but where cloth is painted over it.
   const Mesh pose{dressed(0.5, blue).surface.frames.front(), tube::faces()};
-  Eigen::VectorXi painted = Eigen::VectorXi::Constant(pose.vertices.rows(), static_cast<int>(Paint::None));
-  EXPECT_EQ(corrected_segmentation(pose, {}, two, painted).region, two.region);
+  Eigen::VectorXi painted = Eigen::VectorXi::Constant(pose.vertices.rows(), static_cast<int>(CorrectionLabel::None));
+  EXPECT_EQ(apply_corrections(pose, {}, two, painted).region, two.region);
   for (int i = 0; on_side(i); ++i)
     if (std::abs(height(i) - 0.5) < 0.06)
-      painted[i] = static_cast<int>(Paint::Cloth);
-  EXPECT_EQ(corrected_segmentation(pose, {}, two, painted).region_count, 1);
+      painted[i] = static_cast<int>(CorrectionLabel::Cloth);
+  EXPECT_EQ(apply_corrections(pose, {}, two, painted).region_count, 1);
 }
 
 TEST(Segment, ThePaintedGoesBeforeTheFound) {
@@ -281,17 +281,17 @@ TEST(Segment, ThePaintedGoesBeforeTheFound) {
     if (height(i) > 0.2 && height(i) < 0.8)
       sigma[i] = 0.05;
   const Segmentation found = segmentation_from_deviation(pose, {}, sigma);
-  Eigen::VectorXi painted = Eigen::VectorXi::Constant(pose.vertices.rows(), static_cast<int>(Paint::None));
-  const Segmentation same = corrected_segmentation(pose, {}, found, painted);
+  Eigen::VectorXi painted = Eigen::VectorXi::Constant(pose.vertices.rows(), static_cast<int>(CorrectionLabel::None));
+  const Segmentation same = apply_corrections(pose, {}, found, painted);
   EXPECT_EQ(same.clothness, found.clothness);
   EXPECT_EQ(same.region, found.region);
   const int seam = 14, skin = 25, cloth = 3; // rings
   for (int a = 0; a < tube::kAround; ++a) {
-    painted[seam * tube::kAround + a] = static_cast<int>(Paint::Seam);
-    painted[skin * tube::kAround + a] = static_cast<int>(Paint::Skin);
-    painted[cloth * tube::kAround + a] = static_cast<int>(Paint::Cloth);
+    painted[seam * tube::kAround + a] = static_cast<int>(CorrectionLabel::Border);
+    painted[skin * tube::kAround + a] = static_cast<int>(CorrectionLabel::Skin);
+    painted[cloth * tube::kAround + a] = static_cast<int>(CorrectionLabel::Cloth);
   }
-  const Segmentation result = corrected_segmentation(pose, {}, found, painted);
+  const Segmentation result = apply_corrections(pose, {}, found, painted);
   const auto region = [&](int ring) { return result.region[ring * tube::kAround + 7]; };
   EXPECT_EQ(result.region_count, 4); // between skin and seam, above the skin, below the seam, the painted ring
   EXPECT_EQ(result.clothness[seam * tube::kAround + 7], found.clothness[seam * tube::kAround + 7]);
@@ -302,8 +302,8 @@ TEST(Segment, ThePaintedGoesBeforeTheFound) {
   EXPECT_EQ(result.clothness[cloth * tube::kAround + 7], 1.0);
   EXPECT_EQ(region(cloth), 3); // the smallest
   painted[5] = 3;
-  EXPECT_THROW(corrected_segmentation(pose, {}, found, painted), std::invalid_argument);
-  EXPECT_THROW(corrected_segmentation(pose, {}, found, painted.head(7)), std::invalid_argument);
+  EXPECT_THROW(apply_corrections(pose, {}, found, painted), std::invalid_argument);
+  EXPECT_THROW(apply_corrections(pose, {}, found, painted.head(7)), std::invalid_argument);
 }
 
 TEST(Segment, TrimmingIgnoresFramesOfLostTracking) {
@@ -491,7 +491,7 @@ TEST(SegmentedPose, IsTheFirstFrameOrElseTheScans) {
     const first_pose::Keeper keeper;
     segment_performance(actor, performance, keeper);
     const Vertices &first = bent < 0.15 ? performance.surface.frames[0] : actor.mesh.vertices;
-    EXPECT_EQ(segmented_pose(actor, performance).vertices, first);
+    EXPECT_EQ(segmentation_pose(actor, performance).vertices, first);
     EXPECT_EQ(keeper.given.surface.frames.front(), first);
     EXPECT_EQ(keeper.given.surface.frames.size(), bent < 0.15 ? 2u : 3u);
     EXPECT_EQ(keeper.given.canonical.size(), keeper.given.surface.frames.size());

@@ -36,17 +36,17 @@ TEST(CharacterSimulator, WithoutClothIsSkinning) {
 TEST(CharacterSimulator, TheWayInLeadsFromTheRestPoseToThePose) {
   const Skeleton skeleton = figure_actor(0.05).skeleton;
   Eigen::VectorXd dofs = Eigen::VectorXd::Constant(skeleton.dof_count(), 0.3);
-  EXPECT_EQ(way_in(skeleton, dofs, 0.025), std::vector<Eigen::VectorXd>{dofs}); // near the rest pose
+  EXPECT_EQ(lead_in_poses(skeleton, dofs, 0.025), std::vector<Eigen::VectorXd>{dofs}); // near the rest pose
   dofs[dofs.size() - 1] = -0.9;
-  const std::vector<Eigen::VectorXd> poses = way_in(skeleton, dofs, 0.025);
+  const std::vector<Eigen::VectorXd> poses = lead_in_poses(skeleton, dofs, 0.025);
   ASSERT_EQ(poses.size(), 25u);
   EXPECT_EQ(poses.back(), dofs);
   EXPECT_EQ(poses.front().head(6), dofs.head(6)); // the root is there from the beginning
   EXPECT_TRUE(poses.front().tail(dofs.size() - 6).isZero());
   for (std::size_t i = 1; i < poses.size(); ++i)
     EXPECT_LT((poses[i] - poses[i - 1]).cwiseAbs().maxCoeff(), 0.06); // half as fast again as evenly
-  EXPECT_THROW(way_in(skeleton, dofs.head(3), 0.025), std::invalid_argument);
-  EXPECT_THROW(way_in(skeleton, dofs, 0), std::invalid_argument);
+  EXPECT_THROW(lead_in_poses(skeleton, dofs.head(3), 0.025), std::invalid_argument);
+  EXPECT_THROW(lead_in_poses(skeleton, dofs, 0), std::invalid_argument);
 }
 
 TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
@@ -60,17 +60,18 @@ TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
   const std::vector<pbd::Material> materials(simulator.regions().size());
   ASSERT_FALSE(materials.empty());
   std::vector<PosedFrame> way;
-  for (const Eigen::VectorXd &dofs : way_in(actor.skeleton, Eigen::VectorXd::Constant(actor.skeleton.dof_count(), 0.6), 0.025))
+  for (const Eigen::VectorXd &dofs :
+       lead_in_poses(actor.skeleton, Eigen::VectorXd::Constant(actor.skeleton.dof_count(), 0.6), 0.025))
     way.push_back(simulator.pose(dofs));
   CharacterState expected = simulator.start(way[0]);
   for (std::size_t i = 1; i < way.size(); ++i)
     simulator.step(expected, way[i - 1], way[i], materials, 0.025);
-  World world;
+  StepEnvironment world;
   world.dt = 0.025;
-  const CharacterState state = simulator.put_on(way, materials, world);
+  const CharacterState state = simulator.drape_along(way, materials, world);
   EXPECT_EQ(state.regions[0].positions, expected.regions[0].positions);
   EXPECT_GT((state.regions[0].positions - simulator.start(way[0]).regions[0].positions).norm(), 0.1);
-  EXPECT_THROW(simulator.put_on({}, materials, world), std::invalid_argument);
+  EXPECT_THROW(simulator.drape_along({}, materials, world), std::invalid_argument);
 }
 
 TEST(SolverSettings, WhatLiesOutsideARangeIsRefusedByName) {

@@ -91,7 +91,7 @@ public:
       in.previous_targets = &previous;
       in.capsules = &capsules;
       in.previous_capsules = &previous_capsules;
-      for (int i : solver_->step_each(states, {&in, 1}, materials_, 1))
+      for (int i : solver_->step_batch(states, {&in, 1}, materials_, 1))
         report(i, f, "not finite");
       for (size_t i = 0; i < corners_.size(); ++i)
         check(i, f, states[i], targets.row(0), corners_[i].soft ? rubber : stiff);

@@ -42,7 +42,7 @@ OPTIONS = [
     "6",
     "--fit-max-evaluations",
     "16",
-    "--garment-spreads",
+    "--garment-length-exceedances",
     "0.25",
     "0.35",
     "--segment-rigid-threshold",

@@ -12,8 +12,8 @@ namespace doublet::testing {
 
 /// 24 joints of a person of about 1.7 m at the origin, facing +Z, left is +X, arms lowered by 45 degrees. 36 dof by default
 /// names.
-inline std::vector<JointMark> stick_figure() {
-  std::vector<JointMark> marks = {
+inline std::vector<JointAnnotation> stick_figure() {
+  std::vector<JointAnnotation> marks = {
       {"pelvis", "", {0, 0.90, 0}, {}},         {"spine", "pelvis", {0, 1.02, -0.02}, {}},
       {"chest", "spine", {0, 1.25, -0.02}, {}}, {"neck", "chest", {0, 1.42, -0.02}, {}},
       {"head", "neck", {0, 1.53, 0.01}, {}},    {"head_top", "head", {0, 1.68, 0.01}, {}},

@@ -32,7 +32,7 @@ struct GarmentScene {
     garment.actor_face << 10, 20, 30, 40, 50, 60;
     garment.barycentric.resize(6, 3);
     garment.barycentric << 1, 0, 0, 0.5, 0.5, 0, 0.25, 0.25, 0.5, 0, 1, 0, 0.75, 0, 0.25, 0.125, 0.375, 0.5;
-    garment.mesh.vertices = at_garment(garment, actor.mesh.faces, actor.mesh.vertices);
+    garment.mesh.vertices = interpolate_to_garment(garment, actor.mesh.faces, actor.mesh.vertices);
     garment.mesh.faces.resize(2, 3);
     garment.mesh.faces << 0, 1, 2, 3, 4, 5;
     garment.region.resize(6);
@@ -41,9 +41,9 @@ struct GarmentScene {
     garment.clothness.resize(6);
     garment.clothness << 0, 0.5, 1, 0, 0.25, 1;
     garment.rest = 1.5 * garment.mesh.vertices;
-    garment.covers.assign(actor.mesh.faces.rows(), 0);
+    garment.replaced_faces.assign(actor.mesh.faces.rows(), 0);
     for (int f : {10, 20, 30})
-      garment.covers[f] = 1;
+      garment.replaced_faces[f] = 1;
   }
   Eigen::Index bare() const { return actor.mesh.vertices.rows(); }
 };
@@ -53,7 +53,7 @@ inline Garment empty_garment(const RiggedMesh &actor) {
   garment.mesh = {Vertices(0, 3), Faces(0, 3)};
   garment.rest.resize(0, 3);
   garment.barycentric.resize(0, 3);
-  garment.covers.assign(actor.mesh.faces.rows(), 0);
+  garment.replaced_faces.assign(actor.mesh.faces.rows(), 0);
   return garment;
 }
 

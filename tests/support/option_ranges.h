@@ -31,7 +31,7 @@ template <class T> void expect_refused(const T &object, const std::string &field
   const std::string name = T::describe().name;
   try {
     options::validate(object);
-    ADD_FAILURE() << name << ": " << field << ": took " << options::listed(object).front().second;
+    ADD_FAILURE() << name << ": " << field << ": took " << options::to_pairs(object).front().second;
   } catch (const std::invalid_argument &error) {
     EXPECT_EQ(std::string(error.what()).rfind(name + ": " + field + ": expected ", 0), 0u) << error.what();
     EXPECT_NE(std::string(error.what()).find(", found "), std::string::npos) << error.what();
@@ -43,7 +43,7 @@ template <class T> void expect_ranges() {
   T defaults;
   options::validate(defaults);
   std::set<const void *> described;
-  options::each(defaults, [&](const auto &field, auto &value) {
+  options::for_each_field(defaults, [&](const auto &field, auto &value) {
     EXPECT_TRUE(described.insert(&value).second) << field.name << " is described twice";
     using Value = std::remove_cvref_t<decltype(value)>;
     T object;

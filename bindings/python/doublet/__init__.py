@@ -7,7 +7,7 @@ Names of this module, by what they are for; each has its own help:
   capture        PerformanceCapture, CaptureOptions, ReferencePerformance, Observations
   segmentation   ClothSegmenter, SegmentOptions, segment_performance, Segmentation
   body           BodyModel, BodyFitter, fit_proxies, TaperedCapsule
-  garment        GarmentMesher, GarmentOptions, worn, dress
+  garment        GarmentMesher, GarmentOptions, choose_widths, dress
   cloth          ClothModel, ClothState, ClothSolver, ClothOptions, Material
   fit            estimate_material, FitOptions, MaterialObjective, Optimizer, Take
   character      make_character, Character, CharacterSimulator, Player, animate
@@ -19,10 +19,12 @@ Options describe themselves: ClothOptions.described(), and paper() where the pap
 Arrays are NumPy; metres, seconds, radians, +Y up. Stages release the GIL, report progress through Context, stop at Ctrl-C.
 """
 
+from . import _doublet
 from ._doublet import *  # noqa: F403
 from ._doublet import __version__ as __version__
 from ._lazy import DEPRECATED_MODULES, DEPRECATED_NAMES, find_deprecated_modules, lazy_modules
 from .common.packaged import body_model_path as body_model_path
+from .common.renamed import add_deprecated_attributes
 
 #: Packages and modules, loaded when they are first named.
 MODULES = ("corrections", "evaluation", "export", "optimizers", "pages", "reconstruct", "scan", "session", "testing")
@@ -32,4 +34,5 @@ __all__ = list(MODULES)  # what help() goes through, too: classes and functions 
 for _name in DEPRECATED_NAMES:
     del globals()[_name]  # still found, with a warning
 find_deprecated_modules()
+add_deprecated_attributes(_doublet)
 __getattr__, __dir__ = lazy_modules(__name__, (*MODULES, *DEPRECATED_MODULES), DEPRECATED_NAMES)

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyMarks', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'Display', 'DisplaySurface', 'DressedActor', 'DressedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointMark', 'JointMatch', 'JointSight', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'corrected_segmentation', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_body_marks', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'make_display', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'offered', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmented_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'unposed_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'worn', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'DetectedJoints', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'ClothedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'apply_corrections', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'detect_joints', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'build_display_mesh', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'offered', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'canonical_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'worn', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -21,11 +21,11 @@ class Context:
         """
     def __repr__(self) -> str:
         ...
-    def report(self, stage: str, fraction: float) -> None:
+    def report_progress(self, stage: str, fraction: float) -> None:
         """
         Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.
         """
-    def say(self, line: str) -> None:
+    def log_line(self, line: str) -> None:
         """
         Hands a line to log.
         """
@@ -165,12 +165,12 @@ class MeshSequence:
     def frames(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
     @property
-    def unposed(self) -> numpy.typing.NDArray[numpy.float64]:
+    def canonical(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (T, V, 3) m: the frames brought back to the scan pose (unposed_frames), or empty; a copy
+        (T, V, 3) m: the frames brought back to the scan pose (canonical_frames), or empty; a copy
         """
-    @unposed.setter
-    def unposed(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+    @canonical.setter
+    def canonical(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
 class Camera:
     """
@@ -247,7 +247,7 @@ class Camera:
     @width.setter
     def width(self, value: int) -> None:
         ...
-class JointMark:
+class JointAnnotation:
     """
     A joint as the user marks it.
     """
@@ -289,7 +289,7 @@ class Skeleton:
     """
     Kinematic skeleton; joints are sorted parents first.
     """
-    def __init__(self, marks: collections.abc.Sequence[JointMark]) -> None:
+    def __init__(self, marks: collections.abc.Sequence[JointAnnotation]) -> None:
         ...
     def find(self, name: str) -> int:
         """
@@ -544,12 +544,12 @@ class Garment:
     def clothness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
-    def covers(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def replaced_faces(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (F) faces of the actor that the garment stands for
         """
-    @covers.setter
-    def covers(self, value: numpy.typing.ArrayLike) -> None:
+    @replaced_faces.setter
+    def replaced_faces(self, value: numpy.typing.ArrayLike) -> None:
         ...
     @property
     def mesh(self) -> Mesh:
@@ -810,7 +810,7 @@ class Lens:
     def fisheye(self, value: bool) -> None:
         ...
     @property
-    def undone(self) -> bool:
+    def needs_undistortion(self) -> bool:
         """
         whether there is anything to undo
         """
@@ -943,7 +943,7 @@ class Session:
         of every camera
         """
     @property
-    def joints(self) -> list[JointMark]:
+    def joints(self) -> list[JointAnnotation]:
         """
         JointMarks of joints.json
         """
@@ -1029,7 +1029,7 @@ class ChromaKeyOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, smallest_blob: int = 200, smallest_key_share: float = 0.5) -> None:
+    def __init__(self, *, min_blob_area: int = 200, min_key_share: float = 0.5) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1042,20 +1042,20 @@ class ChromaKeyOptions:
         Name -> value of every option.
         """
     @property
-    def smallest_blob(self) -> int:
+    def min_blob_area(self) -> int:
         """
         px, smaller foreground islands and background holes are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
         """
-    @smallest_blob.setter
-    def smallest_blob(self, value: int) -> None:
+    @min_blob_area.setter
+    def min_blob_area(self, value: int) -> None:
         ...
     @property
-    def smallest_key_share(self) -> float:
+    def min_key_share(self) -> float:
         """
         of the image border that must show one saturated hue, or there is no screen to key against: a number in (0, 1]
         """
-    @smallest_key_share.setter
-    def smallest_key_share(self, value: float) -> None:
+    @min_key_share.setter
+    def min_key_share(self, value: float) -> None:
         ...
 class BackgroundOptions:
     """
@@ -1075,7 +1075,7 @@ class BackgroundOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, tolerance: float = 2.5, shadow: float = 0.55, highlight: float = 1.25, smallest_blob: int = 200) -> None:
+    def __init__(self, *, tolerance: float = 2.5, shadow: float = 0.55, highlight: float = 1.25, min_blob_area: int = 200) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1104,12 +1104,12 @@ class BackgroundOptions:
     def shadow(self, value: float) -> None:
         ...
     @property
-    def smallest_blob(self) -> int:
+    def min_blob_area(self) -> int:
         """
         px, smaller islands and holes are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
         """
-    @smallest_blob.setter
-    def smallest_blob(self, value: int) -> None:
+    @min_blob_area.setter
+    def min_blob_area(self, value: int) -> None:
         ...
     @property
     def tolerance(self) -> float:
@@ -1275,7 +1275,7 @@ class ViewScanOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, cell: float = 0.006, poisson_depth: int = 9, outvoted: int = 0, search_depth: float = 0.08, patch: float = 0.035, smoothness: float = 0.3, grazing_angle: float = 80.0) -> None:
+    def __init__(self, *, cell: float = 0.006, poisson_depth: int = 9, max_missing_views: int = 0, search_depth: float = 0.08, patch: float = 0.035, smoothness: float = 0.3, grazing_angle: float = 80.0) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1304,12 +1304,12 @@ class ViewScanOptions:
     def grazing_angle(self, value: float) -> None:
         ...
     @property
-    def outvoted(self) -> int:
+    def max_missing_views(self) -> int:
         """
         cameras, that may miss a point which all others see: silhouettes with holes cut less, the hull gets thicker: a number in [0, 7]
         """
-    @outvoted.setter
-    def outvoted(self, value: int) -> None:
+    @max_missing_views.setter
+    def max_missing_views(self, value: int) -> None:
         ...
     @property
     def patch(self) -> float:
@@ -1361,7 +1361,7 @@ class RestPoseOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, frames: int = 8, most_bend: float = 15.0, smoothing: float = 0.015, reach: float = 0.05) -> None:
+    def __init__(self, *, frames: int = 8, max_bend: float = 15.0, smoothing: float = 0.015, fade_distance: float = 0.05) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1382,20 +1382,20 @@ class RestPoseOptions:
     def frames(self, value: int) -> None:
         ...
     @property
-    def most_bend(self) -> float:
+    def max_bend(self) -> float:
         """
         degrees, frames in which they are bent more than this, on average by skin weight, tell nothing of a vertex: a number in [0, 180]
         """
-    @most_bend.setter
-    def most_bend(self, value: float) -> None:
+    @max_bend.setter
+    def max_bend(self, value: float) -> None:
         ...
     @property
-    def reach(self) -> float:
+    def fade_distance(self) -> float:
         """
         m, how far into cloth, which is not corrected, the correction of the skin beside it fades: a number in [0.001, 1]
         """
-    @reach.setter
-    def reach(self, value: float) -> None:
+    @fade_distance.setter
+    def fade_distance(self, value: float) -> None:
         ...
     @property
     def smoothing(self) -> float:
@@ -2079,7 +2079,7 @@ class ParticleAnnealingOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, particles: int = 100, iterations: int = 10, coldness: float = 10.0, power: float = 0.7, spread: float = 0.4, seed: int = 1) -> None:
+    def __init__(self, *, particles: int = 100, iterations: int = 10, coldness: float = 10.0, power: float = 0.7, covariance_share: float = 0.4, seed: int = 1) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2132,12 +2132,12 @@ class ParticleAnnealingOptions:
     def seed(self, value: int) -> None:
         ...
     @property
-    def spread(self) -> float:
+    def covariance_share(self) -> float:
         """
         share of the particles' covariance with which they are moved after each selection (ibid., alpha): a number in (0, 1]
         """
-    @spread.setter
-    def spread(self, value: float) -> None:
+    @covariance_share.setter
+    def covariance_share(self, value: float) -> None:
         ...
 class LimbSearchOptions:
     """
@@ -2157,7 +2157,7 @@ class LimbSearchOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, raster_size: int = 160, lost: float = 0.02, reach: float = 0.3, deviation: float = 0.7, smoothness: float = 0.02, annealing: ParticleAnnealingOptions = ...) -> None:
+    def __init__(self, *, raster_size: int = 160, lost_error: float = 0.02, max_error: float = 0.3, deviation: float = 0.7, smoothness: float = 0.02, annealing: ParticleAnnealingOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2186,12 +2186,12 @@ class LimbSearchOptions:
     def deviation(self, value: float) -> None:
         ...
     @property
-    def lost(self) -> float:
+    def lost_error(self) -> float:
         """
         m, a limb with a larger error is lost; tracked ones have a few mm, an arm 30 degrees off 4 cm: a number above 0
         """
-    @lost.setter
-    def lost(self, value: float) -> None:
+    @lost_error.setter
+    def lost_error(self, value: float) -> None:
         ...
     @property
     def raster_size(self) -> int:
@@ -2202,12 +2202,12 @@ class LimbSearchOptions:
     def raster_size(self, value: int) -> None:
         ...
     @property
-    def reach(self) -> float:
+    def max_error(self) -> float:
         """
         m, disagreements count at most so much: a number above 0
         """
-    @reach.setter
-    def reach(self, value: float) -> None:
+    @max_error.setter
+    def max_error(self, value: float) -> None:
         ...
     @property
     def smoothness(self) -> float:
@@ -2303,7 +2303,7 @@ class SurfaceOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, iterations: int = 3, raster_size: int = 1024, rims_per_view: int = 500, gate_start: float = 0.1, gate_end: float = 0.04, scale_start: float = 0.04, scale_end: float = 0.02, sift_weight: float = 2.0, bending: float = 1.0, stretching: float = 0.02, memory: float = 1.0, anchor_cloth: float = 0.01, anchor_rigid: float = 0.5, loose: float = 0.02) -> None:
+    def __init__(self, *, iterations: int = 3, raster_size: int = 1024, rims_per_view: int = 500, gate_start: float = 0.1, gate_end: float = 0.04, scale_start: float = 0.04, scale_end: float = 0.02, sift_weight: float = 2.0, bending: float = 1.0, stretching: float = 0.02, offset_prior_share: float = 1.0, anchor_cloth: float = 0.01, anchor_rigid: float = 0.5, anchor_falloff: float = 0.02) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2364,20 +2364,20 @@ class SurfaceOptions:
     def iterations(self, value: int) -> None:
         ...
     @property
-    def loose(self) -> float:
+    def anchor_falloff(self) -> float:
         """
         m, a vertex this far from its skinned position is held there with a quarter of anchor_rigid: a number above 0
         """
-    @loose.setter
-    def loose(self, value: float) -> None:
+    @anchor_falloff.setter
+    def anchor_falloff(self, value: float) -> None:
         ...
     @property
-    def memory(self) -> float:
+    def offset_prior_share(self) -> float:
         """
         share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up: a number in [0, 1]
         """
-    @memory.setter
-    def memory(self, value: float) -> None:
+    @offset_prior_share.setter
+    def offset_prior_share(self, value: float) -> None:
         ...
     @property
     def raster_size(self) -> int:
@@ -2490,7 +2490,7 @@ class CalibrationRefinementOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, moments: int = 20, iterations: int = 20, rims_per_view: int = 300, raster_size: int = 512, rotation: float = 0.5, position: float = 0.01, focal: float = 0.005, distortion: float = 0.01, late: float = 1.0, least: float = 0.0025) -> None:
+    def __init__(self, *, moments: int = 20, iterations: int = 20, rims_per_view: int = 300, raster_size: int = 512, rotation: float = 0.5, position: float = 0.01, focal: float = 0.005, distortion: float = 0.01, late: float = 1.0, min_change: float = 0.0025) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2535,12 +2535,12 @@ class CalibrationRefinementOptions:
     def late(self, value: float) -> None:
         ...
     @property
-    def least(self) -> float:
+    def min_change(self) -> float:
         """
         m, on the actor: cameras that would move less, in the mean of all, stay as they are: a number of at least 0
         """
-    @least.setter
-    def least(self, value: float) -> None:
+    @min_change.setter
+    def min_change(self, value: float) -> None:
         ...
     @property
     def moments(self) -> int:
@@ -2638,7 +2638,7 @@ class CaptureOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, first_frame: int = 0, frame_count: int = -1, start_frame: int = -1, cameras: collections.abc.Sequence[str] = ..., use_sift: bool = True, features: FeatureTrackerOptions = ..., pose: PoseOptions = ..., limbs: LimbSearchOptions = ..., surface: SurfaceOptions = ..., refine_cameras: bool = True, calibration: CalibrationRefinementOptions = ..., find_lost_limbs: bool = True, ends_turn: float = 0.8, second_pass: bool = True, use_feature_map: bool = True, map_reach: float = 0.05, velocity_damping: float = 0.8, acceleration: float = 0.3, offset_decay: float = 0.95, loose: float = 0.01, smooth_window: int = 5, smooth_order: int = 2, checkpoint: os.PathLike | str | bytes = ...) -> None:
+    def __init__(self, *, first_frame: int = 0, frame_count: int = -1, start_frame: int = -1, cameras: collections.abc.Sequence[str] = ..., use_sift: bool = True, features: FeatureTrackerOptions = ..., pose: PoseOptions = ..., limbs: LimbSearchOptions = ..., surface: SurfaceOptions = ..., refine_cameras: bool = True, calibration: CalibrationRefinementOptions = ..., find_lost_limbs: bool = True, extra_twist_range: float = 0.8, second_pass: bool = True, use_feature_map: bool = True, map_search_radius: float = 0.05, velocity_damping: float = 0.8, acceleration: float = 0.3, offset_decay: float = 0.95, cloth_deviation_scale: float = 0.01, smooth_window: int = 5, smooth_order: int = 2, checkpoint: os.PathLike | str | bytes = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2683,12 +2683,12 @@ class CaptureOptions:
     def checkpoint(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
-    def ends_turn(self) -> float:
+    def extra_twist_range(self) -> float:
         """
         rad, what a limb ends with (a foot) may turn about the bone before it, each way; 0 = the session's hinge alone: a number of at least 0
         """
-    @ends_turn.setter
-    def ends_turn(self, value: float) -> None:
+    @extra_twist_range.setter
+    def extra_twist_range(self, value: float) -> None:
         ...
     @property
     def features(self) -> FeatureTrackerOptions:
@@ -2731,20 +2731,20 @@ class CaptureOptions:
     def limbs(self, value: LimbSearchOptions) -> None:
         ...
     @property
-    def loose(self) -> float:
+    def cloth_deviation_scale(self) -> float:
         """
         m, a vertex that usually lies this far from its skinned position tells half as much about the pose: a number above 0
         """
-    @loose.setter
-    def loose(self, value: float) -> None:
+    @cloth_deviation_scale.setter
+    def cloth_deviation_scale(self, value: float) -> None:
         ...
     @property
-    def map_reach(self) -> float:
+    def map_search_radius(self) -> float:
         """
         of the silhouette's height; how far from its expected place a mapped feature is sought: a number above 0
         """
-    @map_reach.setter
-    def map_reach(self, value: float) -> None:
+    @map_search_radius.setter
+    def map_search_radius(self, value: float) -> None:
         ...
     @property
     def offset_decay(self) -> float:
@@ -2880,7 +2880,7 @@ class LostLimb:
     @recovered.setter
     def recovered(self, value: bool) -> None:
         ...
-class JointSight:
+class JointVisibility:
     """
     In how many frames a joint's bone was seen, inferred, lost.
     """
@@ -3043,12 +3043,12 @@ class CaptureSummary:
     def jitter_before(self, value: float) -> None:
         ...
     @property
-    def joints(self) -> list[JointSight]:
+    def joints(self) -> list[JointVisibility]:
         """
         those with degrees of freedom
         """
     @joints.setter
-    def joints(self, value: collections.abc.Sequence[JointSight]) -> None:
+    def joints(self, value: collections.abc.Sequence[JointVisibility]) -> None:
         ...
     @property
     def limb_seconds(self) -> float:
@@ -3450,7 +3450,7 @@ class GarmentOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, own_mesh: bool = True, vertices: int = 1400, closing: float = 0.015, smallest_hole: float = 0.02, smallest_piece: float = 0.08, smallest_edge: float = 0.15, spreads: collections.abc.Sequence[float] = ..., band: float = 0.0) -> None:
+    def __init__(self, *, remesh: bool = True, vertices: int = 1400, closing_length: float = 0.015, min_hole_area: float = 0.02, min_piece_area: float = 0.08, min_edge_run: float = 0.15, length_exceedances: collections.abc.Sequence[float] = ..., attachment_width: float = 0.0) -> None:
         """
         Every field may be given by keyword.
         """
@@ -3463,60 +3463,60 @@ class GarmentOptions:
         Name -> value of every option.
         """
     @property
-    def band(self) -> float:
+    def attachment_width(self) -> float:
         """
         m, width of the attachment: across it cloth goes from following the skeleton to free; 0 = a seam: a number in [0, 1]
         """
-    @band.setter
-    def band(self, value: float) -> None:
+    @attachment_width.setter
+    def attachment_width(self, value: float) -> None:
         ...
     @property
-    def closing(self) -> float:
+    def closing_length(self) -> float:
         """
         m, length scale of the diffusion that decides what is garment: narrower slits are closed, hems come out smooth: a number in [0, 1]
         """
-    @closing.setter
-    def closing(self, value: float) -> None:
+    @closing_length.setter
+    def closing_length(self, value: float) -> None:
         ...
     @property
-    def own_mesh(self) -> bool:
+    def remesh(self) -> bool:
         """
         off: the cloth is the loose part of the template, as in the paper, and as wide as its fullness
         """
-    @own_mesh.setter
-    def own_mesh(self, value: bool) -> None:
+    @remesh.setter
+    def remesh(self, value: bool) -> None:
         ...
     @property
-    def smallest_edge(self) -> float:
+    def min_edge_run(self) -> float:
         """
         m, along the cut: shorter changes between hanging and free edge are noise of the template's mask: a number in [0, 10]
         """
-    @smallest_edge.setter
-    def smallest_edge(self, value: float) -> None:
+    @min_edge_run.setter
+    def min_edge_run(self, value: float) -> None:
         ...
     @property
-    def smallest_hole(self) -> float:
+    def min_hole_area(self) -> float:
         """
         m^2, smaller holes are filled; 14 x 14 cm: a number in [0, 10]
         """
-    @smallest_hole.setter
-    def smallest_hole(self, value: float) -> None:
+    @min_hole_area.setter
+    def min_hole_area(self, value: float) -> None:
         ...
     @property
-    def smallest_piece(self) -> float:
+    def min_piece_area(self) -> float:
         """
         m^2, smaller pieces move as skin; 28 x 28 cm, about a short sleeve: a number in [0, 10]
         """
-    @smallest_piece.setter
-    def smallest_piece(self, value: float) -> None:
+    @min_piece_area.setter
+    def min_piece_area(self, value: float) -> None:
         ...
     @property
-    def spreads(self) -> list[float]:
+    def length_exceedances(self) -> list[float]:
         """
         shares of the time that a length may be exceeded: a width each, of which the video chooses; more is narrower: a number in (0, 1)
         """
-    @spreads.setter
-    def spreads(self, value: collections.abc.Sequence[float]) -> None:
+    @length_exceedances.setter
+    def length_exceedances(self, value: collections.abc.Sequence[float]) -> None:
         ...
     @property
     def vertices(self) -> int:
@@ -3800,7 +3800,7 @@ class ProxyOptions:
     @iterations.setter
     def iterations(self, value: int) -> None:
         ...
-class DressedScan:
+class ClothedScan:
     """
     One of several scans of the same person.
     """
@@ -3836,11 +3836,11 @@ class BodyFitter:
         """
         The body under the clothes. landmarks: name -> point, m.
         """
-    def fit_together(self, scans: collections.abc.Sequence[DressedScan], model: BodyModel, context: Context = ...) -> list[BodyFit]:
+    def fit_together(self, scans: collections.abc.Sequence[ClothedScan], model: BodyModel, context: Context = ...) -> list[BodyFit]:
         """
         One shape, a pose a scan; a list of BodyFit.
         """
-class BodyMarks:
+class DetectedJoints:
     """
     Joints and landmarks of a person that nobody marked.
     """
@@ -3850,9 +3850,9 @@ class BodyMarks:
         the body that they were read from
         """
     @property
-    def joints(self) -> list[JointMark]:
+    def joints(self) -> list[JointAnnotation]:
         """
-        the standard joints, JointMark
+        the standard joints, JointAnnotation
         """
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
@@ -3860,7 +3860,7 @@ class BodyMarks:
         name -> point on the body, m
         """
     @property
-    def rival(self) -> float:
+    def facing_ambiguity(self) -> float:
         """
         how unlikely it is over the fit that looks the other way: near 1 = hard to tell
         """
@@ -4427,7 +4427,7 @@ class ClothSolver:
         """
         Advances the state by one frame.
         """
-    def step_each(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: int = 1) -> list[int]:
+    def step_batch(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: int = 1) -> list[int]:
         """
         step() for several simulations side by side in the lanes of a register, with the same bits: states[i] with inputs[i], or inputs[0] if there is but one, and materials[i]. Returns the indices of those that came out not finite and were left as they were.
         """
@@ -4540,7 +4540,7 @@ class CharacterSimulator:
         """
         Advances every cloth region from one posed frame to the next; materials: one a region.
         """
-    def step_each(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: float) -> list[tuple[int, int]]:
+    def step_batch(self, states: collections.abc.Sequence[CharacterState], previous: PosedFrame, current: PosedFrame, materials: collections.abc.Sequence[collections.abc.Sequence[Material]], dt: float) -> list[tuple[int, int]]:
         """
         step() for several characters side by side in the lanes of a register, with the same bits; materials[i]: one a region of states[i]. Returns pairs (index of the state, region) of what came out not finite and was left as it was.
         """
@@ -4914,7 +4914,7 @@ class PlantOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, contact_height: float = 0.05, contact_speed: float = 0.35, blend_seconds: float = 0.15, most_drop: float = 0.08, floor_height: float = 0.0) -> None:
+    def __init__(self, *, contact_height: float = 0.05, contact_speed: float = 0.35, blend_seconds: float = 0.15, max_pelvis_drop: float = 0.08, floor_height: float = 0.0) -> None:
         """
         Every field may be given by keyword.
         """
@@ -4959,12 +4959,12 @@ class PlantOptions:
     def floor_height(self, value: float) -> None:
         ...
     @property
-    def most_drop(self) -> float:
+    def max_pelvis_drop(self) -> float:
         """
         m, the hips may go down by so much for feet to reach where they stand; beyond that the feet let go: a number in [0, 0.5]
         """
-    @most_drop.setter
-    def most_drop(self, value: float) -> None:
+    @max_pelvis_drop.setter
+    def max_pelvis_drop(self, value: float) -> None:
         ...
 class FootContacts:
     """
@@ -5003,7 +5003,7 @@ class AnimateOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, settle_seconds: float = 1.0, rest_damping: float = 6.0, edge_collision: bool = True, free_caught: bool = True, high: bool = True, body: bool = True, tuck_body: bool = True) -> None:
+    def __init__(self, *, settle_seconds: float = 1.0, rest_damping: float = 6.0, edge_collision: bool = True, redrape_when_tangled: bool = True, high: bool = True, body: bool = True, resolve_body_penetration: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5032,12 +5032,12 @@ class AnimateOptions:
     def edge_collision(self, value: bool) -> None:
         ...
     @property
-    def free_caught(self) -> bool:
+    def redrape_when_tangled(self) -> bool:
         """
         when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s; in motion, cloth that is all in a knot for 0.5 s
         """
-    @free_caught.setter
-    def free_caught(self, value: bool) -> None:
+    @redrape_when_tangled.setter
+    def redrape_when_tangled(self, value: bool) -> None:
         ...
     @property
     def high(self) -> bool:
@@ -5064,12 +5064,12 @@ class AnimateOptions:
     def settle_seconds(self, value: float) -> None:
         ...
     @property
-    def tuck_body(self) -> bool:
+    def resolve_body_penetration(self) -> bool:
         """
         draw the body under the surface where it stands out: proxies are simpler, so cloth may rest a little inside it
         """
-    @tuck_body.setter
-    def tuck_body(self, value: bool) -> None:
+    @resolve_body_penetration.setter
+    def resolve_body_penetration(self, value: bool) -> None:
         ...
 class AnimationResult:
     """
@@ -5157,7 +5157,7 @@ class BakedGlbOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, keys_per_second: float = 0.0, most_keys: int = 400) -> None:
+    def __init__(self, *, keys_per_second: float = 0.0, max_keys: int = 400) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5178,12 +5178,12 @@ class BakedGlbOptions:
     def keys_per_second(self, value: float) -> None:
         ...
     @property
-    def most_keys(self) -> int:
+    def max_keys(self) -> int:
         """
         a long clip gets fewer keys a second rather than a file of hundreds of megabytes: a number in [2, 5000]
         """
-    @most_keys.setter
-    def most_keys(self, value: int) -> None:
+    @max_keys.setter
+    def max_keys(self, value: int) -> None:
         ...
 class Player:
     """
@@ -5399,7 +5399,7 @@ class TextureOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, size: int = 2048, facing_power: float = 4.0, grazing: float = 0.2, depth_margin: float = 0.01, edge_margin: float = 0.02, screen_reach: float = 0.025, label_reach: float = 0.05, albedo: bool = True) -> None:
+    def __init__(self, *, size: int = 2048, facing_power: float = 4.0, grazing: float = 0.2, depth_margin: float = 0.01, edge_margin: float = 0.02, screen_margin: float = 0.025, label_margin: float = 0.05, albedo: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5452,20 +5452,20 @@ class TextureOptions:
     def grazing(self, value: float) -> None:
         ...
     @property
-    def label_reach(self) -> float:
+    def label_margin(self) -> float:
         """
         m, where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands before a skirt; 0 = they may: a number in [0, 0.5]
         """
-    @label_reach.setter
-    def label_reach(self, value: float) -> None:
+    @label_margin.setter
+    def label_margin(self, value: float) -> None:
         ...
     @property
-    def screen_reach(self) -> float:
+    def screen_margin(self) -> float:
         """
         pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side), nor deeper where the actor has next to none of it: gaps between fingers; 0 = they do: a number in [0, 0.5]
         """
-    @screen_reach.setter
-    def screen_reach(self, value: float) -> None:
+    @screen_margin.setter
+    def screen_margin(self, value: float) -> None:
         ...
     @property
     def size(self) -> int:
@@ -5475,7 +5475,7 @@ class TextureOptions:
     @size.setter
     def size(self, value: int) -> None:
         ...
-class Display:
+class DisplayMesh:
     """
     What is drawn of a character, in the scan pose.
     """
@@ -5628,7 +5628,7 @@ class CmaEsOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, population: int = 0, initial_mean: float = 0.5, initial_sigma: float = 0.3, max_evaluations: int = 512, smallest_deviation: float = 0.025, stagnation: float = 0.02, seed: int = 1) -> None:
+    def __init__(self, *, population: int = 0, initial_mean: float = 0.5, initial_sigma: float = 0.3, max_evaluations: int = 512, min_deviation: float = 0.025, stagnation: float = 0.02, seed: int = 1) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5681,12 +5681,12 @@ class CmaEsOptions:
     def seed(self, value: int) -> None:
         ...
     @property
-    def smallest_deviation(self) -> float:
+    def min_deviation(self) -> float:
         """
         stop when all standard deviations are below it; 0.025 is the paper's: a number of at least 0
         """
-    @smallest_deviation.setter
-    def smallest_deviation(self, value: float) -> None:
+    @min_deviation.setter
+    def min_deviation(self, value: float) -> None:
         ...
     @property
     def stagnation(self) -> float:
@@ -5800,7 +5800,7 @@ class BayesianOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, population: int = 32, max_evaluations: int = 512, smallest_gain: float = 0.02, levels: int = 0, seed: int = 1, first: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[m, n]'] = ...) -> None:
+    def __init__(self, *, population: int = 32, max_evaluations: int = 512, min_gain: float = 0.02, levels: int = 0, seed: int = 1, first: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, '[m, n]'] = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5853,12 +5853,12 @@ class BayesianOptions:
     def seed(self, value: int) -> None:
         ...
     @property
-    def smallest_gain(self) -> float:
+    def min_gain(self) -> float:
         """
         stop when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
         """
-    @smallest_gain.setter
-    def smallest_gain(self, value: float) -> None:
+    @min_gain.setter
+    def min_gain(self, value: float) -> None:
         ...
 class GenerationRow:
     """
@@ -6090,7 +6090,7 @@ class EnergyOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, dt: float = 0.025, alpha: float = 1.0, beta: float = 1.0, gamma: float = 1.0, delta: float = 1.0, same_comparisons: bool = True, settle_frames: int = 20, rim_cap: float = 0.064, feature_cap: float = 0.032, fast_features: bool = True, outline_size: int = 251, field_size: int = 502, window: int = 0, window_lead: int = 8) -> None:
+    def __init__(self, *, dt: float = 0.025, alpha: float = 1.0, beta: float = 1.0, gamma: float = 1.0, delta: float = 1.0, fixed_correspondences: bool = True, settle_frames: int = 20, rim_cap: float = 0.064, feature_cap: float = 0.032, speed_dependent_cap: bool = True, outline_size: int = 251, field_size: int = 502, window: int = 0, window_lead: int = 8) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6135,12 +6135,12 @@ class EnergyOptions:
     def dt(self, value: float) -> None:
         ...
     @property
-    def fast_features(self) -> bool:
+    def speed_dependent_cap(self) -> bool:
         """
         a feature that the captured cloth confirms costs up to its displacement plus half of feature_cap, if that is more
         """
-    @fast_features.setter
-    def fast_features(self, value: bool) -> None:
+    @speed_dependent_cap.setter
+    def speed_dependent_cap(self, value: bool) -> None:
         ...
     @property
     def feature_cap(self) -> float:
@@ -6183,12 +6183,12 @@ class EnergyOptions:
     def rim_cap(self, value: float) -> None:
         ...
     @property
-    def same_comparisons(self) -> bool:
+    def fixed_correspondences(self) -> bool:
         """
         every sample is measured on what the captured cloth shows; off = on what it shows itself (the paper's)
         """
-    @same_comparisons.setter
-    def same_comparisons(self, value: bool) -> None:
+    @fixed_correspondences.setter
+    def fixed_correspondences(self, value: bool) -> None:
         ...
     @property
     def settle_frames(self) -> int:
@@ -6237,7 +6237,7 @@ class ParameterSpace:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, names: collections.abc.Sequence[str] = ..., fixed: Material = ..., even_steps: bool = True) -> None:
+    def __init__(self, *, names: collections.abc.Sequence[str] = ..., fixed: Material = ..., warp_parameters: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6258,12 +6258,12 @@ class ParameterSpace:
         (n) the point of the box at which a material lies.
         """
     @property
-    def even_steps(self) -> bool:
+    def warp_parameters(self) -> bool:
         """
         search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4; off = the box itself (the paper's)
         """
-    @even_steps.setter
-    def even_steps(self, value: bool) -> None:
+    @warp_parameters.setter
+    def warp_parameters(self, value: bool) -> None:
         ...
     @property
     def fixed(self) -> Material:
@@ -6385,7 +6385,7 @@ class FitOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, first_samples: int = 64, smallest_gain: float = 0.02, initial_sigma: float = 0.3, smallest_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
+    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, initial_design_size: int = 64, min_gain: float = 0.02, initial_sigma: float = 0.3, min_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6414,12 +6414,12 @@ class FitOptions:
     def energy(self, value: EnergyOptions) -> None:
         ...
     @property
-    def first_samples(self) -> int:
+    def initial_design_size(self) -> int:
         """
         materials spread evenly over the box that bayesian begins with, three of four inelastic, in groups of 16 a width: a number in [4, 4096]
         """
-    @first_samples.setter
-    def first_samples(self, value: int) -> None:
+    @initial_design_size.setter
+    def initial_design_size(self, value: int) -> None:
         ...
     @property
     def initial_sigma(self) -> float:
@@ -6510,20 +6510,20 @@ class FitOptions:
     def seeds(self, value: int) -> None:
         ...
     @property
-    def smallest_deviation(self) -> float:
+    def min_deviation(self) -> float:
         """
         CMA-ES stops when all standard deviations are below, box units; 0.025 is the paper's: a number of at least 0
         """
-    @smallest_deviation.setter
-    def smallest_deviation(self, value: float) -> None:
+    @min_deviation.setter
+    def min_deviation(self, value: float) -> None:
         ...
     @property
-    def smallest_gain(self) -> float:
+    def min_gain(self) -> float:
         """
         bayesian stops when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
         """
-    @smallest_gain.setter
-    def smallest_gain(self, value: float) -> None:
+    @min_gain.setter
+    def min_gain(self, value: float) -> None:
         ...
     @property
     def space(self) -> ParameterSpace:
@@ -6629,7 +6629,7 @@ def common_widths(garments: collections.abc.Sequence[Garment], count: int) -> li
     """
     [garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.
     """
-def corrected_segmentation(pose: Mesh, face_valid: numpy.typing.ArrayLike, found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
+def apply_corrections(pose: Mesh, face_valid: numpy.typing.ArrayLike, found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
     """
     What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.
     """
@@ -6697,7 +6697,7 @@ def filmed(session: Session, captured: CaptureResult) -> Session:
     """
     The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.
     """
-def find_body_marks(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> BodyMarks:
+def detect_joints(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> DetectedJoints:
     """
     Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: joints whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.
     """
@@ -6741,7 +6741,7 @@ def make_character(actor: RiggedMesh, segmentation: Segmentation, body: BodyFit,
     """
     Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
     """
-def make_display(actor: RiggedMesh, segmentation: Segmentation, high: Mesh) -> Display:
+def build_display_mesh(actor: RiggedMesh, segmentation: Segmentation, high: Mesh) -> DisplayMesh:
     """
     The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.
     """
@@ -6761,7 +6761,7 @@ def objective_violations(objective: Objective) -> list[str]:
     """
     One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, refusals.
     """
-def offered(garment: Garment) -> list[Garment]:
+def width_variants(garment: Garment) -> list[Garment]:
     """
     The garment in each of the widths that it offers.
     """
@@ -6873,7 +6873,7 @@ def retarget(clip: SourceMotion, skeleton: Skeleton, options: RetargetOptions = 
     """
     A clip on its own skeleton -> a Motion of ours; joints are matched by name and place.
     """
-def rig_template(surface: Template, joints: collections.abc.Sequence[JointMark], context: Context = ...) -> RiggedMesh:
+def rig_template(surface: Template, joints: collections.abc.Sequence[JointAnnotation], context: Context = ...) -> RiggedMesh:
     """
     Skeleton from the marked joints and skin weights -> RiggedMesh.
     """
@@ -6893,7 +6893,7 @@ def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, se
     """
     The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.
     """
-def segmented_pose(actor: RiggedMesh, performance: ReferencePerformance) -> Mesh:
+def segmentation_pose(actor: RiggedMesh, performance: ReferencePerformance) -> Mesh:
     """
     The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.
     """
@@ -6941,7 +6941,7 @@ def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | s
     """
     Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
     """
-def unposed_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
+def canonical_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
     """
     (T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.
     """

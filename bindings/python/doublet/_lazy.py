@@ -9,6 +9,8 @@ import sys
 import warnings
 from collections.abc import Callable
 
+from .common import renamed
+
 PACKAGE = __name__.rpartition(".")[0]
 #: Modules that were known under another name -> where they are.
 DEPRECATED_MODULES = {
@@ -51,6 +53,9 @@ def lazy_modules(package: str, names: tuple[str, ...], deprecated: dict[str, str
         if name in (deprecated or {}):
             warn(name, f"{deprecated[name]}.{name}")
             return getattr(importlib.import_module(f"{package}.{deprecated[name]}"), name)
+        if package == PACKAGE and name in renamed.NAMES:
+            warn(name, renamed.NAMES[name])
+            return getattr(sys.modules[package], renamed.NAMES[name])
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     def list_names() -> list[str]:

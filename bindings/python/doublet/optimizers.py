@@ -101,14 +101,14 @@ class AskTell(d.Optimizer):
 class Pycma(AskTell):
     """https://github.com/CMA-ES/pycma; the answer is the mean of the distribution."""
 
-    def __init__(self, dimension, seed, max_evaluations, sigma, smallest_deviation, options):
+    def __init__(self, dimension, seed, max_evaluations, sigma, min_deviation, options):
         import cma
 
         super().__init__(dimension, max_evaluations)
         random = np.random.default_rng(seed)  # its own, not NumPy's global one: regions are searched side by side
         own = {"seed": np.nan, "randn": lambda *shape: random.standard_normal(shape), "verbose": -9}
         self.strategy = cma.CMAEvolutionStrategy(np.full(dimension, 0.5), sigma, {**own, **options})
-        self.smallest_deviation = smallest_deviation
+        self.min_deviation = min_deviation
 
     def draw(self):
         return np.array(self.strategy.ask())
@@ -123,8 +123,8 @@ class Pycma(AskTell):
         return np.array(self.strategy.result.stds)
 
     def converged(self):
-        if max(self.deviations()) < self.smallest_deviation:
-            return f"every standard deviation below {self.smallest_deviation}"
+        if max(self.deviations()) < self.min_deviation:
+            return f"every standard deviation below {self.min_deviation}"
         return ", ".join(f"{name} {value}" for name, value in self.strategy.stop().items())
 
 
@@ -174,9 +174,9 @@ class Nevergrad(AskTell):
         return np.array(self.optimizer.provide_recommendation().value)
 
 
-def pycma(max_evaluations: int = 512, sigma: float = 0.3, smallest_deviation: float = 0.025, **options):
+def pycma(max_evaluations: int = 512, sigma: float = 0.3, min_deviation: float = 0.025, **options):
     """CMA-ES of the package `cma`; options: its own, e.g. popsize=16, CMA_active=False."""
-    return lambda dimension, seed: Pycma(dimension, seed, max_evaluations, sigma, smallest_deviation, options)
+    return lambda dimension, seed: Pycma(dimension, seed, max_evaluations, sigma, min_deviation, options)
 
 
 def optuna(make_sampler=None, max_evaluations: int = 512, population: int = 8):

@@ -48,7 +48,7 @@ std::vector<int> flatten(const Faces &faces) {
 
 std::vector<int> key_frames(int frames, double fps, const BakedGlbOptions &options) {
   int stride = options.keys_per_second > 0 ? std::max(1, static_cast<int>(std::lround(fps / options.keys_per_second))) : 1;
-  stride = std::max(stride, (frames + options.most_keys - 2) / std::max(options.most_keys - 1, 1));
+  stride = std::max(stride, (frames + options.max_keys - 2) / std::max(options.max_keys - 1, 1));
   std::vector<int> keys;
   for (int t = 0; t < frames; t += stride)
     keys.push_back(t);
@@ -86,7 +86,7 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
 
 /// Weights with which every blend of bones can be undone at all poses: where bones turn against each other by almost half a turn,
 /// the strongest bone alone.
-MatrixRM undoable_weights(const glb::DisplayMesh &shown, MatrixRM weights, const std::vector<Transforms> &poses) {
+MatrixRM undoable_weights(const glb::GlbMesh &shown, MatrixRM weights, const std::vector<Transforms> &poses) {
   constexpr double kLeastVolume = 0.05; // what the blend leaves of a unit cube
   for (const Transforms &pose : poses) {
     const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(shown, weights, pose);
@@ -106,15 +106,15 @@ using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 /// A skinned mesh with a shape a key. Shapes are what the bones have to carry to have the vertices where they are: between keys
 /// the mesh goes on following the bones.
 struct Shapes {
-  glb::DisplayMesh shown; ///< at the first key, relative to the bones
+  glb::GlbMesh shown; ///< at the first key, relative to the bones
   MatrixRM weights;
   std::vector<Floats3> shapes, normals; ///< one a key, relative to the bones
 };
 
 /// `positions`, `poses`: at the keys; `faces`: of the vertices before corners were split, so that a normal is the same on both
 /// sides of a seam in the texture.
-Shapes shapes_of(glb::DisplayMesh shown, const Faces &faces, const MatrixRM &weights,
-                 const std::vector<const Vertices *> &positions, const std::vector<Transforms> &poses) {
+Shapes shapes_of(glb::GlbMesh shown, const Faces &faces, const MatrixRM &weights, const std::vector<const Vertices *> &positions,
+                 const std::vector<Transforms> &poses) {
   Shapes result;
   result.weights = undoable_weights(shown, weights, poses);
   result.shown = std::move(shown);
@@ -227,7 +227,7 @@ int add_morphing_mesh(glb::Writer &writer, const std::string &name, Shapes mesh,
 
 /// M_high in its texture, laid out in charts.
 struct TexturedHigh {
-  glb::DisplayMesh shown;
+  glb::GlbMesh shown;
   int image = -1;
 };
 
@@ -366,7 +366,7 @@ int write_baked_glb(const std::filesystem::path &path, const Character &characte
                                at_keys(animation.high, keys), poses));
     materials.push_back(glb::add_material(writer, "surface", Vector3d::Constant(0.6), high.image, true));
   }
-  glb::DisplayMesh body = glb::display_mesh(character.body, character.body_shown, {});
+  glb::GlbMesh body = glb::display_mesh(character.body, character.body_shown, {});
   if (body.mesh.faces.rows() > 0 && !animation.body.empty()) {
     names.emplace_back("body");
     meshes.push_back(shapes_of(std::move(body), valid_faces(character.body.faces, character.body_shown), character.body_weights,

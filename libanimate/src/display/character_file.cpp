@@ -52,16 +52,16 @@ tinygltf::Value to_value(const json &j) {
 
 json skeleton_json(const Skeleton &skeleton) {
   json joints = json::array();
-  for (const JointMark &mark : joint_marks(skeleton))
+  for (const JointAnnotation &mark : joint_annotations(skeleton))
     joints.push_back(
         {{"name", mark.name}, {"parent", mark.parent}, {"dof", mark.dof.value()}, {"position", vector_json(mark.position)}});
   return joints;
 }
 
 Skeleton json_skeleton(const json &joints) {
-  std::vector<JointMark> marks;
+  std::vector<JointAnnotation> marks;
   for (const json &j : joints) {
-    JointMark mark;
+    JointAnnotation mark;
     mark.name = j.at("name").get<std::string>();
     mark.parent = j.at("parent").get<std::string>();
     mark.dof = j.at("dof").get<int>();
@@ -271,11 +271,11 @@ void add_display(glb::Writer &writer, const Character &c, int texture_image) {
   const int skin = glb::add_skin(writer, c.actor.skeleton);
   const bool high = c.high.faces.rows() > 0;
   const int material = glb::add_material(writer, "surface", Eigen::Vector3d(0.8, 0.8, 0.8), texture_image, true);
-  const glb::DisplayMesh shown =
+  const glb::GlbMesh shown =
       high ? glb::display_mesh(c.high, c.high_valid, c.texcoords) : glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
   const MatrixRM weights = high ? DisplaySurface(c).sample(c.actor.weights) : c.actor.weights;
   glb::add_mesh_node(writer, "surface", glb::add_mesh(writer, "surface", shown, material, &weights), skin);
-  const glb::DisplayMesh body = glb::display_mesh(c.body, c.body_shown, {});
+  const glb::GlbMesh body = glb::display_mesh(c.body, c.body_shown, {});
   if (body.mesh.faces.rows() > 0) {
     const int skin_material = glb::add_material(writer, "body", c.body_colour, -1, false);
     glb::add_mesh_node(writer, "body", glb::add_mesh(writer, "body", body, skin_material, &c.body_weights), skin);

@@ -264,16 +264,16 @@ Mesh joined(const Mesh &first, const Mesh &second) {
 
 } // namespace
 
-Display make_display(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high) {
-  require_actor(actor, "make_display");
-  require_segmentation(segmentation, actor.mesh.vertices.rows(), "make_display");
-  require_usable(high, "make_display: high");
+DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high) {
+  require_actor(actor, "build_display_mesh");
+  require_segmentation(segmentation, actor.mesh.vertices.rows(), "build_display_mesh");
+  require_usable(high, "build_display_mesh: high");
   const detail::Worn garment = detail::worn_garment(actor, segmentation);
   std::vector<std::uint8_t> bare(actor.mesh.faces.rows(), 1);
   for (int f : garment.faces)
     bare[f] = 0;
   const RayScene body(actor.mesh, bare);
-  Display display{high, std::vector<std::uint8_t>(high.faces.rows())};
+  DisplayMesh display{high, std::vector<std::uint8_t>(high.faces.rows())};
   for (int f = 0; f < high.faces.rows(); ++f)
     display.valid[f] = actor.face_valid[body.closest(centre_of(high, f)).face];
   if (garment.faces.empty())

@@ -37,7 +37,7 @@ std::array<Influence, 4> strongest(const Eigen::VectorXd &weights) {
   return result;
 }
 
-void add_influences(Writer &writer, tinygltf::Primitive &primitive, const DisplayMesh &shown, const MatrixRM &weights) {
+void add_influences(Writer &writer, tinygltf::Primitive &primitive, const GlbMesh &shown, const MatrixRM &weights) {
   std::vector<std::uint16_t> joints;
   std::vector<float> values;
   for (int v : shown.vertex_from_shown)
@@ -55,12 +55,12 @@ void add_influences(Writer &writer, tinygltf::Primitive &primitive, const Displa
 
 } // namespace
 
-DisplayMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords) {
+GlbMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords) {
   std::vector<int> faces;
   for (int f = 0; f < mesh.faces.rows(); ++f)
     if (shown.empty() || shown[f])
       faces.push_back(f);
-  DisplayMesh result;
+  GlbMesh result;
   result.mesh = submesh(mesh, faces, &result.vertex_from_shown);
   result.normals = vertex_normals(result.mesh.vertices, result.mesh.faces);
   for (Eigen::Index v = 0; v < result.normals.rows(); ++v)
@@ -68,7 +68,7 @@ DisplayMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &show
       result.normals.row(v) = Eigen::RowVector3d::UnitY();
   if (corner_texcoords.rows() == 0)
     return result;
-  const DisplayMesh shared = result;
+  const GlbMesh shared = result;
   const auto corners = static_cast<Eigen::Index>(3 * faces.size());
   std::map<std::tuple<int, double, double>, int> placed; // a vertex at a place of the image
   std::vector<int> from;
@@ -156,7 +156,7 @@ int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d 
   return static_cast<int>(writer.model.materials.size()) - 1;
 }
 
-int add_mesh(Writer &writer, const std::string &name, const DisplayMesh &shown, int material, const MatrixRM *weights) {
+int add_mesh(Writer &writer, const std::string &name, const GlbMesh &shown, int material, const MatrixRM *weights) {
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   primitive.material = material;
@@ -176,7 +176,7 @@ int add_mesh(Writer &writer, const std::string &name, const DisplayMesh &shown, 
   return static_cast<int>(writer.model.meshes.size()) - 1;
 }
 
-std::vector<Eigen::Affine3d> viewer_blends(const DisplayMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest) {
+std::vector<Eigen::Affine3d> viewer_blends(const GlbMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest) {
   std::vector<Eigen::Affine3d> blends;
   for (int v : shown.vertex_from_shown) {
     Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();

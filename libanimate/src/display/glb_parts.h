@@ -7,13 +7,13 @@
 namespace doublet::glb {
 
 /// What is drawn of a mesh: its valid faces, corners split where texture coordinates need it.
-struct DisplayMesh {
+struct GlbMesh {
   Mesh mesh;
   Vertices normals;
   TexCoords texcoords;                ///< per vertex, or empty
   std::vector<int> vertex_from_shown; ///< index into the original vertices
 };
-DisplayMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords);
+GlbMesh display_mesh(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &corner_texcoords);
 
 /// Nodes of the skeleton in the rest pose; node i is joint i.
 void add_joint_nodes(Writer &writer, const Skeleton &skeleton);
@@ -22,9 +22,9 @@ int add_skin(Writer &writer, const Skeleton &skeleton, double unit = 1);
 /// A rough, non-metallic surface; `texture_image` < 0 = none.
 int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d &colour, int texture_image, bool double_sided);
 /// A mesh with POSITION, NORMAL, TEXCOORD_0 and, if weights are given (original vertices, J), JOINTS_0 and WEIGHTS_0.
-int add_mesh(Writer &writer, const std::string &name, const DisplayMesh &shown, int material, const MatrixRM *weights);
+int add_mesh(Writer &writer, const std::string &name, const GlbMesh &shown, int material, const MatrixRM *weights);
 /// [shown vertices] the blends of the bones with which a viewer skins what add_mesh() writes (linear, four joints a vertex).
-std::vector<Eigen::Affine3d> viewer_blends(const DisplayMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest);
+std::vector<Eigen::Affine3d> viewer_blends(const GlbMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest);
 /// A node of the scene that shows the mesh, skinned if skin >= 0.
 int add_mesh_node(Writer &writer, const std::string &name, int mesh, int skin);
 

@@ -235,7 +235,7 @@ std::uint8_t to_byte(float value) {
 void RenderOptions::validate() const {
   options::check(*this);
   if (!(light_direction.norm() > 0))
-    options::refuse("RenderOptions: light_direction", "a direction", "a vector of length 0");
+    options::throw_invalid("RenderOptions: light_direction", "a direction", "a vector of length 0");
 }
 
 Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const RenderOptions &options) {

@@ -172,7 +172,7 @@ public:
   Baker(const Mesh &mesh, const std::vector<std::uint8_t> &valid, const CameraRig &cameras, const std::vector<Image> &images,
         const std::vector<Image> &masks, const TextureOptions &options)
       : mesh_(mesh), valid_(valid), options_(options), normals_(vertex_normals(mesh.vertices, mesh.faces)) {
-    const std::vector<Image> silhouettes = detail::without_screen(images, masks, options.screen_reach);
+    const std::vector<Image> silhouettes = detail::without_screen(images, masks, options.screen_margin);
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (!images[c].empty()) {
         const bool masked = c < silhouettes.size() && !silhouettes[c].empty();
@@ -194,7 +194,7 @@ public:
   /// From now on cameras do not count where they see the colour of what has the other label beside it.
   void keep_apart(const std::vector<SurfaceLabel> &face_labels, const Context &context) {
     const bool both = std::adjacent_find(face_labels.begin(), face_labels.end(), std::not_equal_to<>()) != face_labels.end();
-    if (!both || options_.label_reach <= 0)
+    if (!both || options_.label_margin <= 0)
       return;
     for (View &view : views_)
       view.colours = colour_bins(*view.image, context);
@@ -252,7 +252,7 @@ private:
     for (const Vector3d &at : points_of_a_face())
       if (drawn(f))
         for_sights(f, at, [&](const Sight &sight) {
-          if (other_label_near(sight, face_labels, f, options_.label_reach, 0) < 0)
+          if (other_label_near(sight, face_labels, f, options_.label_margin, 0) < 0)
             bins.push_back(sight.view.colours[sight.nearest_pixel()]);
         });
     return bins;
@@ -269,7 +269,7 @@ private:
       if (!label_colours_->rare(f, bin))
         return false;
       if (!other)
-        other = other_label_near(sight, *face_labels_, f, options_.label_reach, kApart);
+        other = other_label_near(sight, *face_labels_, f, options_.label_margin, kApart);
       return *other >= 0 && label_colours_->likelier(bin, *other, f);
     };
     return is_the_others(sight.nearest_pixel()) || surrounded_by(sight.view.buffer, sight.pixel, kRim, is_the_others);
@@ -502,7 +502,7 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
   };
   const int chunk = 2000; // pairs of faces share a cell's diagonal: one task does both
   for (int first = 0; first < faces; first += chunk) {
-    context.report("texture", static_cast<double>(first) / faces);
+    context.report_progress("texture", static_cast<double>(first) / faces);
     const int count = std::min(chunk, faces - first);
     parallel_for(context, (count + 1) / 2, [&](int pair) {
       for (int f = first + 2 * pair; f < std::min(first + 2 * pair + 2, faces); ++f)
@@ -516,7 +516,7 @@ BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &fac
       covered += areas[f] * seen[f];
     }
   baked.seen_fraction = drawn > 0 ? covered / drawn : 0;
-  context.report("texture", 1.0);
+  context.report_progress("texture", 1.0);
   return baked;
 }
 

@@ -262,7 +262,7 @@ void pose_frame(const AcclaimSkeleton &skeleton, const std::vector<BoneMotion> &
 SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const std::string &asf_source,
                            const std::string &amc_source, double fps) {
   if (!(fps > 0))
-    throw std::invalid_argument("parse_acclaim: fps must be positive, found " + options::shown(fps));
+    throw std::invalid_argument("parse_acclaim: fps must be positive, found " + options::to_text(fps));
   const AcclaimSkeleton skeleton = read_skeleton(asf, asf_source);
   SourceMotion clip;
   clip.source = amc_source;
@@ -282,7 +282,7 @@ SourceMotion parse_acclaim(const std::string &asf, const std::string &amc, const
       reader.fail(number, "a frame number");
     const double frame = reader.number(number, 0, "a frame number");
     if (!clip.positions.empty() && frame != before + 1)
-      reader.fail(number, "frame " + options::shown(before + 1) + ", as frames follow each other");
+      reader.fail(number, "frame " + options::to_text(before + 1) + ", as frames follow each other");
     before = frame;
     std::vector<BoneMotion> motion(skeleton.bones.size());
     std::vector<bool> seen(skeleton.bones.size(), false);

@@ -253,7 +253,7 @@ void write_bvh(const std::filesystem::path &path, const Skeleton &skeleton, cons
       !(motion.fps >= kLowestRate && motion.fps <= kHighestRate))
     throw std::invalid_argument("write_bvh: expected finite poses of " + std::to_string(skeleton.dof_count()) +
                                 " degrees of freedom and a rate in [0.1, 100000], found (" + std::to_string(motion.dofs.rows()) +
-                                ", " + std::to_string(motion.dofs.cols()) + ") at " + options::shown(motion.fps) + " 1/s");
+                                ", " + std::to_string(motion.dofs.cols()) + ") at " + options::to_text(motion.fps) + " 1/s");
   write_stream(path, [&](std::ostream &out) {
     std::vector<int> order;
     out << "HIERARCHY\n";

@@ -137,7 +137,7 @@ public:
         rotations.push_back((turned[joints_[j]] * rest[joints_[j]].conjugate()).normalized());
       }
       if (!positions.allFinite())
-        reader_.fail("expected finite places of joints, found others at " + options::shown(time) + " s");
+        reader_.fail("expected finite places of joints, found others at " + options::to_text(time) + " s");
       motion.positions.push_back(std::move(positions));
       motion.rotations.push_back(std::move(rotations));
     }
@@ -160,14 +160,14 @@ private:
 
   Quaterniond unit(const Quaterniond &q, const std::string &node) const {
     if (!(std::abs(q.norm() - 1) < 0.1))
-      reader_.fail("expected unit quaternions, found one of length " + options::shown(q.norm(), 4) + " at node '" + node + "'");
+      reader_.fail("expected unit quaternions, found one of length " + options::to_text(q.norm(), 4) + " at node '" + node + "'");
     return q.normalized();
   }
 
   /// Between keys a cubic spline leaves the unit sphere, far if the turn is wide: the standard has it brought back.
   Quaterniond direction(const Quaterniond &q, const std::string &node) const {
     if (!(q.norm() > 1e-6 && q.norm() < 1e6))
-      reader_.fail("expected quaternions with a direction between keys, found one of length " + options::shown(q.norm(), 4) +
+      reader_.fail("expected quaternions with a direction between keys, found one of length " + options::to_text(q.norm(), 4) +
                    " at node '" + node + "'");
     return q.normalized();
   }
@@ -324,14 +324,14 @@ private:
     const std::vector<float> &times = track.times();
     keys_ += static_cast<double>(times.size());
     if (keys_ > kMostKeysInFile)
-      reader_.fail("expected at most " + options::shown(kMostKeysInFile) + " keys of all animations, found more");
+      reader_.fail("expected at most " + options::to_text(kMostKeysInFile) + " keys of all animations, found more");
     const std::size_t expected = times.size() * width * (track.between == Between::Cubic ? 3 : 1);
     if (times.empty() || track.numbers->size() != expected)
       reader_.fail("expected " + std::to_string(expected) + " numbers for " + std::to_string(times.size()) +
                    " keys of an animation, found " + std::to_string(track.numbers->size()));
     for (std::size_t k = 0; k < times.size(); ++k) {
       if (!std::isfinite(times[k]) || (k > 0 && times[k] <= times[k - 1]))
-        reader_.fail("expected key times that ascend, found " + options::shown(times[k]) + " s at key " + std::to_string(k));
+        reader_.fail("expected key times that ascend, found " + options::to_text(times[k]) + " s at key " + std::to_string(k));
       if (width == 4)
         unit(Quaterniond(Eigen::Vector4d(track.key(k))), node);
     }

@@ -106,7 +106,7 @@ double longest_reach(const Skeleton &skeleton, const Leg &leg) {
   return chain.hip_to_ankle(chain.bend.peak).norm();
 }
 
-void reach(const Skeleton &skeleton, const Leg &leg, const FootGoal &goal, Eigen::VectorXd &pose) {
+void solve_leg(const Skeleton &skeleton, const Leg &leg, const FootGoal &goal, Eigen::VectorXd &pose) {
   const Chain chain(skeleton, leg);
   const Transforms world = forward_kinematics(skeleton, pose);
   const int h = chain.hip.first_dof, k = chain.knee.first_dof, a = chain.ankle.first_dof;
@@ -136,8 +136,8 @@ void lift_feet(const Skeleton &skeleton, double floor_height, Eigen::VectorXd &p
     const Eigen::Isometry3d foot = forward_kinematics(skeleton, pose)[leg.ankle];
     const double heel = (foot * leg.heel).y(), tip = (foot * leg.tip).y(), below = floor_height - std::min(heel, tip);
     if (below > 1e-9)
-      reach(skeleton, leg, {leg.ball, foot * leg.ball + below * Vector3d::UnitY(), foot.linear(), (tip - heel) / leg.sole()},
-            pose);
+      solve_leg(skeleton, leg, {leg.ball, foot * leg.ball + below * Vector3d::UnitY(), foot.linear(), (tip - heel) / leg.sole()},
+                pose);
   }
 }
 

@@ -30,7 +30,7 @@ double longest_reach(const Skeleton &skeleton, const Leg &leg);
 
 /// Hip, knee and ankle of `pose` so that the foot meets the goal. The leg turns the short way, so the knee keeps its plane.
 /// Limits are kept (a pose beyond them gets no farther); out of reach, the leg points to the goal.
-void reach(const Skeleton &skeleton, const Leg &leg, const FootGoal &goal, Eigen::VectorXd &pose);
+void solve_leg(const Skeleton &skeleton, const Leg &leg, const FootGoal &goal, Eigen::VectorXd &pose);
 
 /// Lifts feet that are below the floor onto it.
 void lift_feet(const Skeleton &skeleton, double floor_height, Eigen::VectorXd &pose);

@@ -16,7 +16,7 @@ constexpr int kMostFrames = 10'000'000; // more than a day at the rates of cloth
 
 void require_motion(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
   if (!(motion.fps > 0) || !std::isfinite(motion.fps))
-    throw std::invalid_argument(who + ": motion.fps must be positive, found " + options::shown(motion.fps));
+    throw std::invalid_argument(who + ": motion.fps must be positive, found " + options::to_text(motion.fps));
   if (motion.dofs.rows() == 0 || motion.dofs.cols() != skeleton.dof_count() || !motion.dofs.allFinite())
     throw std::invalid_argument(who + ": motion.dofs must be finite, (T > 0, " + std::to_string(skeleton.dof_count()) +
                                 "), found (" + std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) +
@@ -26,11 +26,11 @@ void require_motion(const Skeleton &skeleton, const Motion &motion, const std::s
 Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {
   require_motion(skeleton, motion, "resample");
   if (!(fps > 0) || !std::isfinite(fps))
-    throw std::invalid_argument("resample: fps must be positive, found " + options::shown(fps));
+    throw std::invalid_argument("resample: fps must be positive, found " + options::to_text(fps));
   const Eigen::Index last = motion.dofs.rows() - 1;
   if (!(last / motion.fps * fps < kMostFrames))
     throw std::invalid_argument("resample: expected at most " + std::to_string(kMostFrames) + " frames, found " +
-                                options::shown(last / motion.fps * fps, 4) + " at " + options::shown(fps) + " 1/s");
+                                options::to_text(last / motion.fps * fps, 4) + " at " + options::to_text(fps) + " 1/s");
   const auto count = static_cast<Eigen::Index>(std::floor(last / motion.fps * fps + 1e-6)) + 1;
   Motion result{fps, MatrixRM(count, motion.dofs.cols())};
   for (Eigen::Index t = 0; t < count; ++t) {
@@ -46,7 +46,7 @@ Motion blend_in(const Skeleton &skeleton, const Motion &motion, double hold_seco
   require_motion(skeleton, motion, "blend_in");
   if (!(hold_seconds >= 0) || !(blend_seconds >= 0) || hold_seconds + blend_seconds > 3600)
     throw std::invalid_argument("blend_in: hold_seconds and blend_seconds must be in [0, 3600], found " +
-                                options::shown(hold_seconds) + " and " + options::shown(blend_seconds));
+                                options::to_text(hold_seconds) + " and " + options::to_text(blend_seconds));
   const auto hold = static_cast<Eigen::Index>(std::lround(hold_seconds * motion.fps));
   const auto blend = static_cast<Eigen::Index>(std::lround(blend_seconds * motion.fps));
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(motion.dofs.cols()), first = motion.dofs.row(0);

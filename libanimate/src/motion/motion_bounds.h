@@ -14,8 +14,8 @@ constexpr double kMostPoses = 2e7; ///< joints (or nodes) x frames
 
 inline void require_poses(double frames, std::size_t joints, const std::string &source) {
   if (!(frames * static_cast<double>(joints) <= kMostPoses))
-    throw Error(source + ": expected a clip of at most " + options::shown(kMostPoses) + " poses of nodes, found " +
-                options::shown(frames) + " of " + std::to_string(joints));
+    throw Error(source + ": expected a clip of at most " + options::to_text(kMostPoses) + " poses of nodes, found " +
+                options::to_text(frames) + " of " + std::to_string(joints));
 }
 
 } // namespace doublet

@@ -314,7 +314,7 @@ private:
           continue;
         const Vector3d down = hips_[f][t] - planned_ankle(feet_[f], t);
         const double height = std::sqrt(std::max(0.0, std::pow(limit(f, t), 2) - std::pow(std::hypot(down.x(), down.z()), 2)));
-        up[t] = std::min(up[t], -std::clamp(down.y() - height, 0.0, options_.most_drop));
+        up[t] = std::min(up[t], -std::clamp(down.y() - height, 0.0, options_.max_pelvis_drop));
       }
     const int radius = frames(kDropBlur, motion_.fps);
     Series result = mean_around(lowest_around(up, radius), radius);
@@ -342,7 +342,7 @@ private:
         offsets[t] = planned_ankle(foot, t) - foot.steps[t].ankle;
     ease(offsets, standing(foot), blend_frames());
     meet_at_rest(foot, offsets);
-    const Series away = air(foot), least = least_heights(foot, offsets);
+    const Series away = swing_weight(foot), least = least_heights(foot, offsets);
     Series need(count_), lift(count_);
     for (int t = 0; t < count_; ++t) {
       const double lowest = std::min(foot.point(t, foot.leg.heel).y(), foot.point(t, foot.leg.tip).y()) - edge(foot, t);
@@ -400,7 +400,7 @@ private:
   }
 
   /// 0 where the foot stands to 1 well away from there.
-  Series air(const Foot &foot) const {
+  Series swing_weight(const Foot &foot) const {
     Series result(count_, 1);
     for (const auto &[first, last] : standing(foot)) {
       const int around = 2 * blend_frames();
@@ -449,7 +449,7 @@ private:
     for (int t = 0; t < count_; ++t) {
       const Step &step = foot.steps[t];
       pose = motion_.dofs.row(t);
-      reach(skeleton_, foot.leg, {step.pivot, foot.point(t, step.pivot) + step.offset, step.rotation, step.slope}, pose);
+      solve_leg(skeleton_, foot.leg, {step.pivot, foot.point(t, step.pivot) + step.offset, step.rotation, step.slope}, pose);
       motion_.dofs.row(t) = pose;
     }
   }
@@ -466,7 +466,7 @@ private:
 void require_steps(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
   require_motion(skeleton, motion, who);
   if (motion.fps < 0.1 || motion.fps > 10000)
-    throw std::invalid_argument(who + ": motion.fps must be in [0.1, 10000], found " + options::shown(motion.fps));
+    throw std::invalid_argument(who + ": motion.fps must be in [0.1, 10000], found " + options::to_text(motion.fps));
 }
 
 } // namespace

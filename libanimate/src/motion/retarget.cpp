@@ -362,11 +362,11 @@ SourceMotion chosen_frames(const SourceMotion &clip, const RetargetOptions &opti
   const int last =
       static_cast<int>(std::min<double>(std::lround(std::min(options.last_second, 1e6) * clip.fps), clip.frame_count() - 1));
   if (first > last)
-    throw Error(clip.source + ": expected frames between " + options::shown(options.first_second) + " s and " +
-                options::shown(options.last_second) + " s, found a clip of " + options::shown(clip.frame_count() / clip.fps, 4) +
-                " s");
+    throw Error(clip.source + ": expected frames between " + options::to_text(options.first_second) + " s and " +
+                options::to_text(options.last_second) + " s, found a clip of " +
+                options::to_text(clip.frame_count() / clip.fps, 4) + " s");
   if (first == 0 && last > 0 && starts_with_reference(clip)) {
-    context.say(clip.source + ": the first frame stands apart from the motion (a reference pose) and is left out");
+    context.log_line(clip.source + ": the first frame stands apart from the motion (a reference pose) and is left out");
     first = 1;
   }
   return cut(clip, first, last);
@@ -453,8 +453,8 @@ void ground_feet(const Skeleton &skeleton, Motion &motion) {
 void RetargetOptions::validate() const {
   options::check(*this);
   if (last_second < first_second)
-    options::refuse("RetargetOptions: last_second", "at least first_second, " + options::shown(first_second) + " s",
-                    options::shown(last_second));
+    options::throw_invalid("RetargetOptions: last_second", "at least first_second, " + options::to_text(first_second) + " s",
+                           options::to_text(last_second));
 }
 
 Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const RetargetOptions &options, const Context &context) {
@@ -478,7 +478,7 @@ Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const Retarg
     retargeter.keep_torso(forward_kinematics(skeleton, pose), rotations);
     motion.dofs.row(t) = fit_to_joints(skeleton, pose, free_joints(skeleton, rotations, root), moves, options.apply_limits);
     if (t % 100 == 0)
-      context.report("retarget", static_cast<double>(t) / part.frame_count());
+      context.report_progress("retarget", static_cast<double>(t) / part.frame_count());
   }
   if (options.ground_feet)
     ground_feet(skeleton, motion);
@@ -486,7 +486,7 @@ Motion retarget(const SourceMotion &clip, const Skeleton &skeleton, const Retarg
     motion = resample(skeleton, motion, options.fps);
   if (options.plant_feet)
     motion = plant_feet(skeleton, motion);
-  context.report("retarget", 1.0);
+  context.report_progress("retarget", 1.0);
   const Eigen::Index frames = motion.dofs.rows();
   motion = blend_in(skeleton, motion, options.hold_seconds, options.blend_seconds);
   if (options.plant_feet)

@@ -26,7 +26,7 @@ void validate(const SourceMotion &motion) {
   require(joints > 0 && !motion.positions.empty(), "expected at least one joint and one frame, found " + std::to_string(joints) +
                                                        " and " + std::to_string(motion.positions.size()));
   require(motion.fps >= kLowestRate && motion.fps <= kHighestRate,
-          "expected fps in [0.1, 100000], found " + options::shown(motion.fps));
+          "expected fps in [0.1, 100000], found " + options::to_text(motion.fps));
   for (std::size_t j = 0; j < joints; ++j) {
     const int parent = motion.joints[j].parent;
     require(j == 0 ? parent == -1 : parent >= 0 && parent < static_cast<int>(j),
@@ -44,7 +44,7 @@ void validate(const SourceMotion &motion) {
     require(motion.positions[t].allFinite(), "expected finite positions, found others" + frame);
     for (const Eigen::Quaterniond &q : motion.rotations[t])
       require(std::abs(q.norm() - 1) < 1e-3,
-              "expected unit quaternions, found one of length " + options::shown(q.norm(), 4) + frame);
+              "expected unit quaternions, found one of length " + options::to_text(q.norm(), 4) + frame);
   }
 }
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from ..common.renamed import current_flags
+
 
 class CommandParser(argparse.ArgumentParser):
     """`intermixed`: of a command with any number of folders, which may stand on both sides of an option."""
@@ -13,6 +15,7 @@ class CommandParser(argparse.ArgumentParser):
         self.intermixed = intermixed
 
     def parse_known_args(self, args=None, namespace=None):
+        args = args and current_flags(args)
         if not self.intermixed:
             return super().parse_known_args(args, namespace)
         self.intermixed = False  # which before Python 3.12 calls this again

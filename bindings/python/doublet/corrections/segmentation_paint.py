@@ -1,4 +1,4 @@
-"""What a person painted over the segmentation: cloth, skin, and seams between regions, which go before what was found."""
+"""What a person painted over the segmentation: cloth, skin, and borders between regions, which go before what was found."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .. import _doublet as d
 from ..common.files import arrays_of, sha256, written_atomically
 
 PAINTED, FOUND = "segmentation_paint.npz", "segmentation_found.npz"
-NONE, SKIN, CLOTH, SEAM = -1, 0, 1, 2
+NONE, SKIN, CLOTH, BORDER = -1, 0, 1, 2
 
 
 def checked(painted, count: int) -> np.ndarray:
@@ -18,8 +18,8 @@ def checked(painted, count: int) -> np.ndarray:
     painted = np.asarray(painted)
     if painted.shape != (count,):
         raise ValueError(f"{' x '.join(map(str, painted.shape)) or 'no'} values, not one for each of {count} vertices")
-    if not np.isin(painted, (NONE, SKIN, CLOTH, SEAM)).all():
-        raise ValueError("values that are none of -1 (as found), 0 (skin), 1 (cloth) and 2 (seam)")
+    if not np.isin(painted, (NONE, SKIN, CLOTH, BORDER)).all():
+        raise ValueError("values that are none of -1 (as found), 0 (skin), 1 (cloth) and 2 (border)")
     return painted.astype(np.int32)
 
 

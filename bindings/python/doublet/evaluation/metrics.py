@@ -111,7 +111,7 @@ def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context:
     frames = made.performance.surface.frames
     total, weight = np.zeros(2), np.zeros(2)
     for done, (row, frame) in enumerate(rows):
-        context.report("evaluate surface", done / len(rows))
+        context.report_progress("evaluate surface", done / len(rows))
         vertices, faces, garment = truth.surface(frame)
         seen = seen_faces(vertices, faces, cameras)
         distance = d.distances_to_surface(centroids(vertices, faces[seen]), d.Mesh(frames[row], made.faces))
@@ -130,7 +130,7 @@ def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, cont
     chosen = [m for m in masks if m[0] in by_name and m[1] in rows]
     frames, values = made.performance.surface.frames, []
     for done, (name, frame, path) in enumerate(chosen):
-        context.report("evaluate silhouettes", done / len(chosen))
+        context.report_progress("evaluate silhouettes", done / len(chosen))
         mask = np.asarray(read_image(path).convert("L")) > 0
         camera = by_name[name].resized(mask.shape[1], mask.shape[0])
         face, _ = d.rasterize(frames[rows[frame]], made.faces, camera)
@@ -186,7 +186,7 @@ def cloth_rms_cm(moving: Animated, truth: Truth, every: int, context: d.Context,
     """All true garment vertices, weighted alike, to the surface; `two_sided`: and the cloth to the true garment."""
     frames, squares = shared_frames(moving, truth.chunks, every), []
     for done, frame in enumerate(frames):
-        context.report(f"evaluate {name}", done / len(frames))
+        context.report_progress(f"evaluate {name}", done / len(frames))
         surface, garment = moving.surfaces[frame], truth.frame(frame)[1]
         distances = [d.distances_to_surface(garment, d.Mesh(surface, moving.faces))]
         if two_sided:

@@ -242,7 +242,7 @@ def reconstruction(job: dict) -> Job:
         raise ValueError(f"{job['out']}: the files are not those that the study was made for")
     made = Job(Path(), Path(job["out"]), option_groups(job), job.get("seed", 1), fps=job["fps"])
     if "widths" in job:
-        made.results.garment = d.worn(made.results.offered_garment, job["widths"])
+        made.results.garment = d.choose_widths(made.results.offered_garment, job["widths"])
     return made
 
 
@@ -252,7 +252,7 @@ def fit(job: dict) -> dict:
     options = fit_options(made)
     if "checkpoints" in job:
         options.checkpoint = Path(job["checkpoints"]) / f"{checkpoint_name(job)}.json"
-    result = d.estimate_material([simulation.take(made)], options, d.Context(threads=job["threads"]))
+    result = d.estimate_material([simulation.make_take(made)], options, d.Context(threads=job["threads"]))
     if "checkpoints" in job:
         options.checkpoint.unlink(missing_ok=True)
     return plain_fit(result)

@@ -55,7 +55,7 @@ def animate(
     if out.suffix == ".npz":
         d.write_baked_npz(out, character, animation)
     elif (keys := d.write_baked_glb(out, character, animation, output.glb)) < frames:
-        console.say(f"{out}: {keys} shapes for {frames} frames, between which viewers blend (--glb-most-keys allows more)")
+        console.say(f"{out}: {keys} shapes for {frames} frames, between which viewers blend (--glb-max-keys allows more)")
     return frames
 
 

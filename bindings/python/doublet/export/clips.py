@@ -66,7 +66,7 @@ def read_motion(
     if dofs is None:
         clip = read_clip(path, animation)
         if len(clip.animations) > 1:
-            context.say(f"{path}: plays the animation '{clip.animations[clip.animation]}' of {', '.join(clip.animations)}")
+            context.log_line(f"{path}: plays the animation '{clip.animations[clip.animation]}' of {', '.join(clip.animations)}")
         if bone_map:
             retargeting = copy.copy(retargeting)
             retargeting.joint_names = {**bone_maps.read(bone_map, clip), **retargeting.joint_names}

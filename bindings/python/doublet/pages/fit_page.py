@@ -59,7 +59,7 @@ def results(out: Path) -> str:
         parts.append("<p>The search is not over: the best samples so far. The same command goes on with it.</p>")
     for k, region in enumerate(fitted["regions"]):
         parts.append(f"<h3>Region {k}</h3>{parameters(region)}<p>{html.escape(energies(region))}</p>")
-        parts += [f"<p>{html.escape(line)}</p>" for line in in_words(region)]
+        parts += [f"<p>{html.escape(line)}</p>" for line in describe_confidence(region)]
         parts += [f'<p class="doubt">Doubtful: {html.escape(line)}</p>' for line in sentences(region)]
         parts.append(parameter_plot([row for row in log if row["region"] == str(k)], fitted["estimated"]))
         if "draws" in region:
@@ -108,7 +108,7 @@ def energies(region: dict) -> str:
     return text + (f", stopped: {region['stop_reason']}." if region["stop_reason"] else ".")
 
 
-def in_words(region: dict) -> list[str]:
+def describe_confidence(region: dict) -> list[str]:
     """Which parameters the film tells; nothing if that was not measured. (Those that it does not are among the findings.)"""
     told = region.get("confidence", {})
     by_level = {level: [NAMES[n] for n in told if told[n] == level] for level in ("high", "medium")}

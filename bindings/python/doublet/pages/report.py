@@ -228,14 +228,14 @@ class Track:
 
 
 def follow(shown: Shown) -> Track:
-    dressed, looked_at = shown.job.results.dressed, []
+    dressed, compared = shown.job.results.dressed, []
     faces = dressed.actor.mesh.faces[np.asarray(dressed.actor.face_valid, bool)]
     for row in spread(len(shown.captured), FRAMES_LOOKED_AT):
         masks = {c: mask > 0 for c, mask in enumerate(shown.masks(row)) if mask.size}
         surfaces = ((shown.captured[row], shown.faces), (shown.simulated[row], faces))
         if masks:
-            looked_at.append([shown.performance.frames[row], *(mean_overlap(shown, masks, *surface) for surface in surfaces)])
-    overlaps = np.array(looked_at, float).reshape(-1, 3).T
+            compared.append([shown.performance.frames[row], *(mean_overlap(shown, masks, *surface) for surface in surfaces)])
+    overlaps = np.array(compared, float).reshape(-1, 3).T
     cloth = dressed.segmentation.clothness > 0.5
     if not cloth.any():
         return Track(*overlaps, np.zeros(0), np.zeros(0))
@@ -389,7 +389,7 @@ def write_report(job) -> None:
     session = job.session
     parts = []
     for done, (title, section) in enumerate(SECTIONS):
-        job.context.report("report", done / len(SECTIONS))
+        job.context.report_progress("report", done / len(SECTIONS))
         try:
             parts.append(f"<h2>{title}</h2>{section(shown)}")
         except (TypeError, KeyError, AttributeError) as error:

@@ -23,7 +23,7 @@ def build_character(job: Workspace) -> dict:
         simulation.simulator(job), performance, materials, solver.dt, job.options["energy"].settle_frames, job.context
     )
     dressed = job.results.dressed
-    display = d.make_display(dressed.actor, dressed.segmentation, d.read_mesh(job.path("template_high.ply")))
+    display = d.build_display_mesh(dressed.actor, dressed.segmentation, d.read_mesh(job.path("template_high.ply")))
     character = d.make_character(
         dressed.actor,
         dressed.segmentation,

@@ -10,6 +10,7 @@ import numpy as np
 
 from .._doublet import __version__
 from ..common.files import read_toml, write_text
+from ..common.renamed import current_option
 from .options import OPTION_GROUPS, is_derived, make_options, plain, takes_pairs
 
 HEAD = """# Options of doublet {version}: `doublet reconstruct SESSION -o OUT --config THIS_FILE`.
@@ -25,8 +26,8 @@ KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "
 # --- writing
 
 
-def written(chosen: dict, seed: int, body_model: Path | None, in_words) -> str:
-    """The file's text: every option with its value. chosen: group -> options object; in_words(described, default)
+def written(chosen: dict, seed: int, body_model: Path | None, describe) -> str:
+    """The file's text: every option with its value. chosen: group -> options object; describe(described, default)
     -> a comment."""
     place = f"body_model = {as_toml(str(body_model))}" if body_model else '# body_model = "FILE"'
     lines = [HEAD.format(version=__version__), f"# {SEED}", f"seed = {seed}", f"# {BODY_MODEL}", place]
@@ -35,7 +36,7 @@ def written(chosen: dict, seed: int, body_model: Path | None, in_words) -> str:
         lines += ["", f"[{group}]  # {type(options).__doc__.splitlines()[0]}"]
         for name, value in options.to_dict().items():
             if not is_derived(group, name, value):
-                lines += [f"# {in_words(described[name], defaults[name])}", f"{name} = {as_toml(plain(value))}"]
+                lines += [f"# {describe(described[name], defaults[name])}", f"{name} = {as_toml(plain(value))}"]
     return "\n".join(lines) + "\n"
 
 
@@ -49,8 +50,8 @@ def as_toml(value) -> str:
     return repr(value)
 
 
-def write(path: Path, chosen: dict, seed: int, body_model: Path | None, in_words) -> None:
-    write_text(path, written(chosen, seed, body_model, in_words))
+def write(path: Path, chosen: dict, seed: int, body_model: Path | None, describe) -> None:
+    write_text(path, written(chosen, seed, body_model, describe))
 
 
 # --- reading
@@ -81,7 +82,8 @@ def group_of(path: Path, group: str, table) -> dict:
     defaults, described = options_class().to_dict(), options_class.described()
     names = [name for name, default in defaults.items() if not is_derived(group, name, default)]
     chosen = {}
-    for name, value in checked(path, group, table, {}).items():
+    for given, value in checked(path, group, table, {}).items():
+        name = current_option(group, given)
         if name not in names:
             raise RuntimeError(f"{path}: {group}.{name}: expected one of {', '.join(names)}, found '{name}'")
         chosen[name] = option_of(path, f"{group}.{name}", value, defaults[name], described[name])

@@ -33,7 +33,7 @@ def run_fit(job: Workspace) -> dict:
 
     options.on_generation = keep
     try:
-        result = d.estimate_material([simulation.take(job)], options, job.context)
+        result = d.estimate_material([simulation.make_take(job)], options, job.context)
     except KeyboardInterrupt:
         job.console.finish()
         if kept:

@@ -24,8 +24,12 @@ def fit_together(jobs: list[Job]) -> None:
     takes = []
     for k, job in enumerate(jobs):
         offered = job.results.offered_garment
-        worn = [d.worn(offered, [width] * offered.region_count) for width in positions[k]] if positions else [d.worn(offered)]
-        takes.append(simulation.take(job, worn))
+        worn = (
+            [d.choose_widths(offered, [width] * offered.region_count) for width in positions[k]]
+            if positions
+            else [d.choose_widths(offered)]
+        )
+        takes.append(simulation.make_take(job, worn))
     options = fit_options(first)
     options.log, options.checkpoint = first.path("fit_log.csv"), first.path(CHECKPOINT)
     together = {"takes": [str(job.out.resolve()) for job in jobs]}

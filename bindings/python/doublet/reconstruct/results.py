@@ -61,7 +61,7 @@ class Results:
     def garment(self) -> d.Garment:
         """In the width that was estimated with the material; before, in the middle one."""
         material = self.path("material.json")
-        return d.worn(self.offered_garment, d.read_widths(material) if material.exists() else [])
+        return d.choose_widths(self.offered_garment, d.read_widths(material) if material.exists() else [])
 
     @cached_property
     def dressed(self) -> d.DressedActor:

@@ -25,10 +25,10 @@ def simulator(job: Workspace, dressed: d.DressedActor | None = None) -> d.Charac
     return d.CharacterSimulator(dressed.actor, dressed.segmentation, job.results.proxies(), job.options["cloth"])
 
 
-def take(job: Workspace, garments: list[d.Garment] | None = None) -> d.Take:
+def make_take(job: Workspace, garments: list[d.Garment] | None = None) -> d.Take:
     """What material and width are estimated from: the garment in each of these widths, default: in all that it offers."""
     results = job.results
-    garments = d.offered(results.offered_garment) if garments is None else garments
+    garments = d.width_variants(results.offered_garment) if garments is None else garments
     segmentation = results.segmentation()
     simulators = [simulator(job, d.dress(results.actor, segmentation, garment)) for garment in garments]
     return d.Take(simulators, results.dressed_performance(), results.observations(), solver_settings(job).dt)

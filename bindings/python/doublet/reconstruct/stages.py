@@ -118,7 +118,7 @@ def run_segment(job: Workspace) -> dict:
     found = d.segment_performance(job.results.actor, performance, segmenter, colours, fullness, job.context)
     result = apply_corrections(job, found)
     d.write_segmentation(job.path("segmentation.npz"), result)
-    pose = d.segmented_pose(job.results.actor, performance)
+    pose = d.segmentation_pose(job.results.actor, performance)
     summary = d.summarise_segmentation(pose, job.results.actor.face_valid, result)
     areas = d.vertex_areas(job.results.actor.mesh.vertices, job.results.actor.mesh.faces)
     cloth = result.clothness > 0.5
@@ -144,8 +144,8 @@ def apply_corrections(job: Workspace, found: d.Segmentation) -> d.Segmentation:
         return found
     d.write_segmentation(job.path(segmentation_paint.FOUND), found)
     actor, performance = job.results.actor, job.results.performance()
-    pose, surface = d.segmented_pose(actor, performance), performance.surface
-    result = d.corrected_segmentation(pose, actor.face_valid, found, painted)
+    pose, surface = d.segmentation_pose(actor, performance), performance.surface
+    result = d.apply_corrections(pose, actor.face_valid, found, painted)
     result.fullness = d.estimate_fullness(actor.mesh, actor.face_valid, result, surface, job.options["fullness"], job.context)
     return result
 

@@ -101,7 +101,7 @@ def write_marks(job: Workspace, keypoints: Path | None, force: bool) -> float:
     seen = triangulated(job.session, keypoints, 0) if keypoints else {}
     marks = marks_of(job, seen)
     write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
-    return marks.rival
+    return marks.facing_ambiguity
 
 
 def with_check_picture(job: Workspace, made: list[Path], rival: float) -> ScanResult:
@@ -176,10 +176,10 @@ def best_frame(job: Workspace) -> int:
     costs = {}
     quiet = d.Context(threads=job.context.threads)
     for i, frame in enumerate(tried):
-        job.context.report("scan: the best frame", i / len(tried))
+        job.context.report_progress("scan: the best frame", i / len(tried))
         try:
             hull = d.scan_from_views(job.session.rig, views_at(job, frames, int(frame)), TRIED, quiet)
-            marks = d.find_body_marks(hull, [], model, d.BodyFitOptions(iterations=6), context=quiet)
+            marks = d.detect_joints(hull, [], model, d.BodyFitOptions(iterations=6), context=quiet)
         except d.Error:
             continue  # nobody, or nobody who stands: another frame may do
         costs[int(frame)] = marks.fit.residual * np.linalg.norm(marks.fit.coefficients)
@@ -237,13 +237,13 @@ def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
     return found.mesh
 
 
-def marks_of(job: Workspace, seen: dict[str, np.ndarray]) -> d.BodyMarks:
+def marks_of(job: Workspace, seen: dict[str, np.ndarray]) -> d.DetectedJoints:
     surface = d.build_template(d.read_mesh(job.session.scan), d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
     model = d.BodyModel.read(job.body_model)
-    return d.find_body_marks(surface.mesh, surface.face_valid, model, job.group("body"), seen, job.context)
+    return d.detect_joints(surface.mesh, surface.face_valid, model, job.group("body"), seen, job.context)
 
 
-def joints_file(marks: d.BodyMarks) -> dict:
+def joints_file(marks: d.DetectedJoints) -> dict:
     """joints.json"""
     return {
         "comment": f"{FOUND} with {marks.fit.model}",

@@ -18,9 +18,13 @@ def distances(cameras: list[d.CalibratedCamera]) -> str:
 def camera_line(calibrated: d.CalibratedCamera) -> str:
     """A line about a camera, by which a wrong unit or axis is seen."""
     camera, lens = calibrated.camera, calibrated.lens
-    terms = f"{len(lens.distortion)} terms" + (" of a fisheye" if lens.fisheye else "") if lens.undone else "up to 5 terms"
+    terms = (
+        f"{len(lens.distortion)} terms" + (" of a fisheye" if lens.fisheye else "")
+        if lens.needs_undistortion
+        else "up to 5 terms"
+    )
     height, focal = camera.centre[1], camera.K[0, 0]
-    note = "; frames are undistorted when they are read" if lens.undone else ""
+    note = "; frames are undistorted when they are read" if lens.needs_undistortion else ""
     return (
         f"{camera.name}: {camera.width} x {camera.height}, focal length {focal:.1f} px, at height {height:.2f} m, {terms}{note}"
     )

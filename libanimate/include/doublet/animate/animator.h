@@ -5,6 +5,7 @@
 #include "doublet/animate/player.h"
 
 #include <functional>
+#include <utility>
 
 namespace doublet {
 
@@ -15,8 +16,8 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
             const std::function<void(const AnimationFrame &)> &frame, const Context &context = {},
             const pbd::ClothSolverFactory &make_solver = {});
 
-/// The body of a frame brought under the surface (V, 3), as BodyTuck does it (parts/body_tuck.h).
-Vertices tuck_body(const Character &character, const Vertices &surface, Vertices body);
+/// The body of a frame brought under the surface (V, 3), as BodyPenetrationFix does it (parts/body_penetration.h).
+Vertices resolve_body_penetration(const Character &character, const Vertices &surface, Vertices body);
 
 /// The whole animation in memory.
 struct AnimationResult {
@@ -29,5 +30,10 @@ struct AnimationResult {
 };
 AnimationResult animate(const Character &character, const Motion &motion, const AnimateOptions &options = {},
                         const Context &context = {}, const pbd::ClothSolverFactory &make_solver = {});
+
+// Deprecated names.
+template <class... A> [[deprecated("use resolve_body_penetration")]] decltype(auto) tuck_body(A &&...a) {
+  return resolve_body_penetration(std::forward<A>(a)...);
+}
 
 } // namespace doublet

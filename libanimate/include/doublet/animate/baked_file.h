@@ -15,16 +15,16 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
 
 struct BakedGlbOptions {
   double keys_per_second = 0;
-  int most_keys = 400;
+  int max_keys = 400;
   static constexpr auto describe() {
     using namespace options;
     using O = BakedGlbOptions;
     return Description{
         "BakedGlbOptions",
-        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s",
-               "shapes that are stored; viewers blend between them, and at 10 loose cloth is up to 2 cm off. 0 = every frame"),
-        option(&O::most_keys, "most_keys", Range{2, 5000}, "",
-               "a long clip gets fewer keys a second rather than a file of hundreds of megabytes"),
+        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s", "Shapes that are stored a second; 0 = one a frame",
+               "Viewers blend between them; at 10 loose cloth is up to 2 cm off"),
+        option(&O::max_keys, "max_keys", Range{2, 5000}, "", "Shapes that are stored at most",
+               "A long clip gets fewer keys a second rather than a file of hundreds of megabytes"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -29,7 +29,7 @@ struct Character {
 
   Mesh high;                            ///< M_high for display, scan pose; may be empty: then M is displayed
   std::vector<std::uint8_t> high_valid; ///< (FH)
-  int garment_subdivisions = -1;        ///< of the garment in M_high; -1 = M_high is one surface (see Display)
+  int garment_subdivisions = -1;        ///< of the garment in M_high; -1 = M_high is one surface (see DisplayMesh)
   TexCoords texcoords;                  ///< (3 FH, 2) per corner of M_high; empty = no texture
   std::vector<std::uint8_t> texture;    ///< PNG or JPEG file; empty = no texture
 };
@@ -38,7 +38,8 @@ struct Character {
 void validate_character(const Character &character);
 
 /// Puts a character together: checks sizes, computes the body's skin weights and which of its faces are needed.
-/// `high`, `body` may be empty; `high`, `high_valid` and `garment_subdivisions` as make_display() (display_surface.h) makes them.
+/// `high`, `body` may be empty; `high`, `high_valid` and `garment_subdivisions` as build_display_mesh() (display_surface.h) makes
+/// them.
 Character make_character(const RiggedMesh &actor, const Segmentation &segmentation, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
                          const SolverSettings &solver, const Mesh &high = {}, const std::vector<std::uint8_t> &high_valid = {},

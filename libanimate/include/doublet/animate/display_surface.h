@@ -7,12 +7,13 @@
 #include "doublet/core/stage_values.h"
 
 #include <optional>
+#include <utility>
 
 namespace doublet {
 
 struct Character;
 
-struct Display {
+struct DisplayMesh {
   Mesh mesh;                       ///< (VH, 3) m in the scan pose, (FH, 3)
   std::vector<std::uint8_t> valid; ///< (FH) 0 = not drawn
   /// n: the last 4^n H faces are the H of the garment, subdivided n times; -1 = `mesh` is one surface, as scanned.
@@ -22,7 +23,7 @@ struct Display {
 /// `high`: M_high as scanned, closed. Its faces are drawn where the nearest of M's is valid. Where the actor wears a garment
 /// (`clothness` has a rest shape) that takes their place, as fine as `high`; the skin goes on below the seam, sunk under the
 /// garment, so that it does not open. Throws Error on unusable meshes.
-Display make_display(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high);
+DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &high);
 
 /// Memory of DisplaySurface::apply().
 struct DisplayBuffers {
@@ -53,5 +54,11 @@ private:
   SparseRows subdivide_;              ///< (G', G)
   Eigen::VectorXd heights_;           ///< (G') m over the subdivided garment
 };
+
+// Deprecated names.
+using Display [[deprecated("use DisplayMesh")]] = DisplayMesh;
+template <class... A> [[deprecated("use build_display_mesh")]] decltype(auto) make_display(A &&...a) {
+  return build_display_mesh(std::forward<A>(a)...);
+}
 
 } // namespace doublet

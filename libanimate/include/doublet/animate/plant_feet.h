@@ -10,7 +10,7 @@ struct PlantOptions {
   double contact_height = 0.05;
   double contact_speed = 0.35;
   double blend_seconds = 0.15;
-  double most_drop = 0.08;
+  double max_pelvis_drop = 0.08;
   double floor_height = 0;
   static constexpr auto describe() {
     using namespace options;
@@ -18,14 +18,14 @@ struct PlantOptions {
     return Description{
         "PlantOptions",
         option(&O::contact_height, "contact_height", Range{0, 1}, "m",
-               "heel or ball this close to the lowest within 0.75 s may stand; a contact lasts up to 1.4 times it"),
-        option(&O::contact_speed, "contact_speed", Range{0, 10}, "m/s",
-               "heel or ball as slow as this may stand; a contact lasts up to 1.6 times it"),
+               "Heel or ball may stand if this close to the lowest point within 0.75 s", "A contact lasts up to 1.4 times it"),
+        option(&O::contact_speed, "contact_speed", Range{0, 10}, "m/s", "Heel or ball may stand if it is as slow as this",
+               "A contact lasts up to 1.6 times it"),
         option(&O::blend_seconds, "blend_seconds", Range{0, 2}, "s",
-               "in which a foot comes from its own path to where it stands"),
-        option(&O::most_drop, "most_drop", Range{0, 0.5}, "m",
-               "the hips may go down by so much for feet to reach where they stand; beyond that the feet let go"),
-        option(&O::floor_height, "floor_height", Range{}, "m", "of the floor that the feet stand on in the rest pose"),
+               "Time in which a foot goes from its own path to where it stands"),
+        option(&O::max_pelvis_drop, "max_pelvis_drop", Range{0, 0.5}, "m",
+               "The hips may go down this far for feet to reach where they stand", "Beyond that the feet let go"),
+        option(&O::floor_height, "floor_height", Range{}, "m", "Height of the floor that the feet stand on in the rest pose"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value

@@ -17,34 +17,31 @@ struct AnimateOptions {
   double settle_seconds = 1.0;
   double rest_damping = 6.0;
   bool edge_collision = true;
-  bool free_caught = true;
+  bool redrape_when_tangled = true;
   bool high = true;
   bool body = true;
-  bool tuck_body = true;
+  bool resolve_body_penetration = true;
   static constexpr auto describe() {
     using namespace options;
     using O = AnimateOptions;
     return Description{
         "AnimateOptions",
         option(&O::settle_seconds, "settle_seconds", Range{0, 60}, "s",
-               "the cloth falls into place in the first pose before the animation starts"),
-        option(
-            &O::rest_damping, "rest_damping", Range{0, 100}, "1/s",
-            "of the cloth while the pose is held, in still air: from 0.25 s after the last motion it grows to this within 1 s; "
-            "0 = off"),
-        option(
-            &O::edge_collision, "edge_collision",
-            "edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the "
-            "character's solver says"),
-        option(
-            &O::free_caught, "free_caught",
-            "when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a "
-            "limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s; in motion, cloth that is "
-            "all in a knot for 0.5 s"),
-        option(&O::high, "high", "also M_high"),
-        option(&O::body, "body", "also the body under the clothes"),
-        option(&O::tuck_body, "tuck_body",
-               "draw the body under the surface where it stands out: proxies are simpler, so cloth may rest a little inside it"),
+               "The cloth falls into place in the first pose for this long before the animation starts"),
+        option(&O::rest_damping, "rest_damping", Range{0, 100}, "1/s",
+               "Damping of cloth in still air that is reached within 1 s while a pose is held; 0 = off",
+               "It grows from 0.25 s after the last motion on"),
+        option(&O::edge_collision, "edge_collision", "Edges of the cloth collide with edges, and crossings are moved apart",
+               "Whatever the character's solver says"),
+        option(&O::redrape_when_tangled, "redrape_when_tangled",
+               "The garment is draped anew when it is tangled, in a held pose or for long in motion",
+               "When a pose is held for 0.75 s and over 0.5 % of the faces cross or a limb is through the cloth; in motion, when "
+               "it is all in a knot for 0.5 s. The new state is used if it is better, and blended in over 0.5 s"),
+        option(&O::high, "high", "The animation has the display surface M_high, too"),
+        option(&O::body, "body", "The animation has the body under the clothes, too"),
+        option(&O::resolve_body_penetration, "resolve_body_penetration",
+               "The body is drawn under the surface where it would stand out of it",
+               "Proxies are simpler than the body, so cloth may rest a little inside it"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -31,12 +31,12 @@ struct RenderOptions {
     using O = RenderOptions;
     return Description{
         "RenderOptions",
-        option(&O::background, "background", Range{0, 1}, "", "R G B"),
-        option(&O::floor, "floor", "a grid at floor_height, with the meshes' soft shadow"),
-        option(&O::floor_height, "floor_height", Range{}, "m", "of the grid"),
-        option(&O::light, "light", Range{0, 1}, "", "share of the key light; the rest is the sky"),
-        option(&O::light_direction, "light_direction", Range{}, "", "to the light, world; of any length but 0"),
-        option(&O::supersample, "supersample", "2 x 2 samples a pixel"),
+        option(&O::background, "background", Range{0, 1}, "", "Colour of the background, R G B"),
+        option(&O::floor, "floor", "A grid is drawn at floor_height, with the soft shadow of the meshes"),
+        option(&O::floor_height, "floor_height", Range{}, "m", "Height of the grid"),
+        option(&O::light, "light", Range{0, 1}, "", "Share of the key light; the rest is the sky"),
+        option(&O::light_direction, "light_direction", Range{}, "", "Direction to the light in the world, of any length but 0"),
+        option(&O::supersample, "supersample", "Every pixel is the mean of 2 x 2 samples"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value

@@ -26,20 +26,19 @@ struct RetargetOptions {
     using O = RetargetOptions;
     return Description{
         "RetargetOptions",
-        option(&O::fps, "fps", at_least(0), "1/s", "of the result; give the character's 1/dt. 0 = that of the file"),
-        option(&O::first_second, "first_second", at_least(0), "s", "where in the file to start"),
-        option(&O::last_second, "last_second", at_least(0), "s", "where to stop"),
-        option(&O::align_start, "align_start", "start where the actor stands in the rest pose, facing the same way"),
-        option(&O::apply_limits, "apply_limits", "keep hinges and balls inside the skeleton's limits"),
+        option(&O::fps, "fps", at_least(0), "1/s", "Frame rate of the result; 0 = that of the file", "Give the character's 1/dt"),
+        option(&O::first_second, "first_second", at_least(0), "s", "Time in the file at which the motion starts"),
+        option(&O::last_second, "last_second", at_least(0), "s", "Time in the file at which the motion stops"),
+        option(&O::align_start, "align_start", "The motion starts where the actor stands in the rest pose, facing the same way"),
+        option(&O::apply_limits, "apply_limits", "Hinges and balls are kept inside the skeleton's limits"),
         option(&O::ground_feet, "ground_feet",
-               "one height for the whole clip so that the feet reach the floor as in the rest pose, and not below"),
-        option(&O::plant_feet, "plant_feet", "feet stand where they stand and none is below the floor, see plant_feet()"),
-        option(&O::hold_seconds, "hold_seconds", Range{0, 60}, "s", "in the rest pose before the motion, see blend_in()"),
+               "The whole clip is shifted so that feet reach the floor as in the rest pose, and not below"),
+        option(&O::plant_feet, "plant_feet", "Feet are planted where they stand, and none is below the floor, see plant_feet()"),
+        option(&O::hold_seconds, "hold_seconds", Range{0, 60}, "s", "Time in the rest pose before the motion, see blend_in()"),
         option(&O::blend_seconds, "blend_seconds", Range{0, 60}, "s",
-               "from the rest pose to the first pose, so that cloth is not torn away; 0 with hold_seconds 0 = the clip alone"),
-        option(&O::joint_names, "joint_names",
-               "our joint -> joint of the file, for names nobody guesses; CMU, Acclaim, iClone, Mixamo, Biped and our own need "
-               "none"),
+               "Time from the rest pose to the first pose; 0 with hold_seconds 0 = the clip alone", "Cloth is not torn away"),
+        option(&O::joint_names, "joint_names", "Our joint -> joint of the file, for names that are not known",
+               "CMU, Acclaim, iClone, Mixamo, Biped and our own are known"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value

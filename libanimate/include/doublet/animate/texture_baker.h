@@ -16,33 +16,32 @@ struct TextureOptions {
   double grazing = 0.2;
   double depth_margin = 0.01;
   double edge_margin = 0.02;
-  double screen_reach = 0.025;
-  double label_reach = 0.05;
+  double screen_margin = 0.025;
+  double label_margin = 0.05;
   bool albedo = true;
   static constexpr auto describe() {
     using namespace options;
     using O = TextureOptions;
     return Description{
         "TextureOptions",
-        option(&O::size, "size", Range{64, 16384}, "px",
-               "width and height of the atlas; in 2048, 25k triangles get cells of about 18 pixels"),
-        option(&O::facing_power, "facing_power", Range{0, 64}, "", "cameras count by cos^k of the angle between normal and ray"),
-        option(&O::grazing, "grazing", Range{0, 1, Open::Above}, "",
-               "cameras below this cosine do not count: they see the silhouette's mixed pixels"),
-        option(&O::depth_margin, "depth_margin", above(0), "m", "a point this far behind the z-buffer's surface is hidden"),
+        option(&O::size, "size", Range{64, 16384}, "px", "Width and height of the atlas",
+               "In 2048, 25k triangles get cells of about 18 pixels"),
+        option(&O::facing_power, "facing_power", Range{0, 64}, "",
+               "Cameras count by the cosine between normal and ray to this power"),
+        option(&O::grazing, "grazing", Range{0, 1, Open::Above}, "", "Cameras below this cosine do not count",
+               "They see the silhouette's mixed pixels"),
+        option(&O::depth_margin, "depth_margin", above(0), "m", "A point this far behind the z-buffer's surface is hidden"),
         option(&O::edge_margin, "edge_margin", Range{0, 1}, "m",
-               "a point this close to the edge of something in front of it does not count: legs at a hem"),
-        option(&O::screen_reach, "screen_reach", Range{0, 0.5}, "",
-               "pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side), "
-               "nor deeper where the actor has next to none of it: gaps between fingers; 0 = they do"),
-        option(
-            &O::label_reach, "label_reach", Range{0, 0.5}, "m",
-            "where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands "
-            "before a skirt; 0 = they may"),
-        option(
-            &O::albedo, "albedo",
-            "divide the light that the images were taken in out of the texture, so that whoever draws it can light it; off = as "
-            "photographed"),
+               "A point does not count this close to the edge of something in front of it", "Legs at a hem"),
+        option(&O::screen_margin, "screen_margin", Range{0, 0.5}, "",
+               "Pixels of the screen's colour do not count this far inside the silhouette; 0 = they do",
+               "A share of the image's smaller side, and deeper where the actor has next to none of the colour: gaps between "
+               "fingers"),
+        option(&O::label_margin, "label_margin", Range{0, 0.5}, "m",
+               "Body and garment do not take each other's colour where seen this close together; 0 = they may",
+               "Where they are 3 cm apart in depth: hands before a skirt"),
+        option(&O::albedo, "albedo", "The light of the images is divided out of the texture; off = as photographed",
+               "Whoever draws it can then light it"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
@@ -61,7 +60,7 @@ struct BakedTexture {
 /// the rim (3 pixels) of either does not count, so that the backdrop does not get onto fingers. `mesh` stands as in the images;
 /// `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one. What no camera sees is filled
 /// from its neighbours on the surface. `face_labels` (F) or empty: what keeps the colours of body and garment apart
-/// (label_reach). Throws Error, std::invalid_argument if sizes do not fit.
+/// (label_margin). Throws Error, std::invalid_argument if sizes do not fit.
 BakedTexture bake_texture(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const CameraRig &cameras,
                           const std::vector<Image> &images, const std::vector<Image> &masks = {},
                           const std::vector<SurfaceLabel> &face_labels = {}, const TextureOptions &options = {},

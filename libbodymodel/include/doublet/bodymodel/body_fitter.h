@@ -28,26 +28,29 @@ struct BodyFitOptions {
     using O = BodyFitOptions;
     return Description{
         "BodyFitOptions",
-        option(&O::iterations, "iterations", at_least(1), "", "of ICP; the robust scale shrinks over the first two thirds"),
-        option(&O::landmark_deviation, "landmark_deviation", above(0), "m",
-               "how far a clicked landmark is trusted; Cauchy weights beyond three of them"),
-        option(&O::joint_deviation, "joint_deviation", above(0), "m",
-               "how far a marked joint is trusted: rigs differ in where a hip is"),
+        option(&O::iterations, "iterations", at_least(1), "", "Number of ICP iterations",
+               "The robust scale shrinks over the first two thirds"),
+        option(&O::landmark_deviation, "landmark_deviation", above(0), "m", "Expected error of a clicked landmark",
+               "Cauchy weights count for less what is more than three of them off"),
+        option(&O::joint_deviation, "joint_deviation", above(0), "m", "Expected error of a marked joint",
+               "Rigs differ in where a hip is"),
         option(&O::surface_deviation, "surface_deviation", above(0), "m",
-               "of skin around the model, per 4 cm^2 of surface (errors of the model are correlated)"),
-        option(&O::scale_deviation, "scale_deviation", above(0), "",
-               "relative, prior of the similarity's scale: stature is the model's, this is for units and children"),
-        option(&O::outlier_scale, "outlier_scale", above(0), "m", "final scale of the Geman-McClure weights (hair, shoes)"),
-        option(&O::cloth_margin, "cloth_margin", at_least(0), "m", "the body stays this far inside cloth"),
+               "Expected error of skin around the model, for 4 cm^2 of surface", "Errors of the model are correlated"),
+        option(&O::scale_deviation, "scale_deviation", above(0), "", "Expected relative deviation of the overall scale from 1",
+               "Stature is the model's; this is for units and children"),
+        option(&O::outlier_scale, "outlier_scale", above(0), "m", "Final scale of the Geman-McClure weights of the surface",
+               "Hair and shoes are outliers"),
+        option(&O::cloth_margin, "cloth_margin", at_least(0), "m", "The body stays at least this far inside cloth"),
         option(&O::cloth_attraction, "cloth_attraction", Range{0, 1}, "",
-               "weight, against skin, of cloth within about outlier_scale of the body: it rests there"),
+               "Weight of cloth within about outlier_scale of the body, against that of skin",
+               "Where cloth is that close it rests on the body"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
 /// One of several scans of the same person: other clothes, other poses, even other units.
-struct DressedScan {
+struct ClothedScan {
   const RiggedMesh *actor;
   const Segmentation *segmentation;
   std::map<std::string, Eigen::Vector3d> landmarks; ///< name -> point on the surface, m
@@ -63,7 +66,7 @@ public:
                       const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const = 0;
   /// All scans together: one shape (BodyModel::shape_count()), for each scan its own pose and place. One fit a scan, in order.
   /// Throws Error as fit() does, naming the scan; the default throws std::logic_error, since a fitter need not know how.
-  virtual std::vector<BodyFit> fit_together(const std::vector<DressedScan> &scans, const BodyModel &model,
+  virtual std::vector<BodyFit> fit_together(const std::vector<ClothedScan> &scans, const BodyModel &model,
                                             const Context &context) const;
   static std::unique_ptr<BodyFitter> create(const BodyFitOptions &options = {});
 };
@@ -81,5 +84,8 @@ std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor
 
 /// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.
 std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation);
+
+// Deprecated names.
+using DressedScan [[deprecated("use ClothedScan")]] = ClothedScan;
 
 } // namespace doublet

@@ -20,11 +20,11 @@ struct ProxyOptions {
     return Description{
         "ProxyOptions",
         option(&O::clearance, "clearance", Range{-0.1, 0.1, Open::Both}, "m",
-               "the capsules stand this much inside the body on average"),
+               "The capsules are this far inside the body on average"),
         option(&O::cloth_margin, "cloth_margin", Range{0, 0.1, Open::Above}, "m",
-               "at least this far inside the cloth of the scan pose: resting cloth is never pushed"),
-        option(&O::capsules_per_bone, "capsules_per_bone", Range{1, 3}, "", "tapered capsules along one bone"),
-        option(&O::iterations, "iterations", at_least(0), "", "of the least squares"),
+               "The capsules are at least this far inside the cloth of the scan pose", "Resting cloth is never pushed"),
+        option(&O::capsules_per_bone, "capsules_per_bone", Range{1, 3}, "", "Number of tapered capsules along one bone"),
+        option(&O::iterations, "iterations", at_least(0), "", "Number of iterations of the least squares"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -22,16 +22,15 @@ struct TrainOptions {
     using O = TrainOptions;
     return Description{
         "TrainOptions",
-        option(&O::components, "components", at_least(1), "",
-               "shape components kept, at most meshes - 1; 100 keep 99.99 % of the shipped population's variance"),
-        option(&O::pose_floor, "pose_floor", above(0), "rad",
-               "added in quadrature to every pose deviation: joints that the population never bends sideways can follow a scan a "
-               "little"),
-        option(&O::individuals, "individuals", at_least(0), "",
-               "train on these only (empty = all); the others are for leave-out tests"),
-        option(&O::name, "name", "of the model"),
-        option(&O::licence, "licence", "of the population; copied into the file"),
-        option(&O::command, "command", "recorded in the file"),
+        option(&O::components, "components", at_least(1), "", "Number of shape components that are kept, at most meshes - 1",
+               "100 keep 99.99 % of the shipped population's variance"),
+        option(&O::pose_floor, "pose_floor", above(0), "rad", "Angle that is added in quadrature to every pose deviation",
+               "Joints that the population never bends sideways can then follow a scan a little"),
+        option(&O::individuals, "individuals", at_least(0), "", "Individuals to train on; empty = all",
+               "The others are for leave-out tests"),
+        option(&O::name, "name", "Name of the model"),
+        option(&O::licence, "licence", "Licence of the population, which is copied into the file"),
+        option(&O::command, "command", "Command that is recorded in the file"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace doublet {
@@ -17,7 +18,10 @@ namespace doublet {
 struct Lens {
   bool fisheye = false;       ///< Kannala & Brandt 2006 as OpenCV's cv::fisheye has it; otherwise Brown 1971 and its extensions
   Eigen::VectorXd distortion; ///< fisheye: k1 .. k4; otherwise 8, 12 or 14 terms in OpenCV's order, k1 k2 p1 p2 k3 k4 ...
-  bool undone() const { return fisheye || distortion.size() > 0; } ///< false: Camera::distortion says all there is
+  bool needs_undistortion() const { return fisheye || distortion.size() > 0; } ///< false: Camera::distortion says all there is
+  template <class... A> [[deprecated("use needs_undistortion")]] decltype(auto) undone(A &&...a) const {
+    return needs_undistortion(std::forward<A>(a)...);
+  }
 };
 
 /// A camera as it was calibrated.
@@ -42,12 +46,13 @@ struct CalibrationOptions {
     using O = CalibrationOptions;
     return Description{
         "CalibrationOptions",
-        option(&O::format, "format", kFormats, "of the file or folder; found = by its names and content"),
-        option(&O::units, "units", "of the file: m, cm, mm, or how many metres one unit is; found = what the format usually has"),
-        option(&O::up, "up", kUps,
-               "axis of the file that points up; found = what the format usually has, if cameras stand upright"),
-        option(&O::image_width, "image_width", at_least(0), "px", "where the format has no size; 0 = it has"),
-        option(&O::image_height, "image_height", at_least(0), "px", "where the format has no size; 0 = it has"),
+        option(&O::format, "format", kFormats, "Format of the file or folder; found = by its names and content"),
+        option(&O::units, "units", "Unit of the file: m, cm, mm, or metres a unit; found = what the format usually has"),
+        option(&O::up, "up", kUps, "Axis of the file that points up; found = the format's, if cameras stand upright"),
+        option(&O::image_width, "image_width", at_least(0), "px",
+               "Width of the images, where the format does not have it; 0 = it has"),
+        option(&O::image_height, "image_height", at_least(0), "px",
+               "Height of the images, where the format does not have it; 0 = it has"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value

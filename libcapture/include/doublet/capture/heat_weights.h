@@ -16,7 +16,7 @@ struct HeatWeightOptions {
     using O = HeatWeightOptions;
     return Description{
         "HeatWeightOptions",
-        option(&O::c, "c", above(0), "", "heat of the nearest visible bones, H_ii = c / d^2, Baran & Popovic 2007"),
+        option(&O::c, "c", above(0), "", "Heat c of the nearest visible bones, H_ii = c / d^2 (Baran & Popovic 2007)"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -30,14 +30,14 @@ struct CaptureOptions {
   bool refine_cameras = true;
   CalibrationRefinementOptions calibration;
   bool find_lost_limbs = true;
-  double ends_turn = 0.8;
+  double extra_twist_range = 0.8;
   bool second_pass = true;
   bool use_feature_map = true;
-  double map_reach = 0.05;
+  double map_search_radius = 0.05;
   double velocity_damping = 0.8;
   double acceleration = 0.3;
   double offset_decay = 0.95;
-  double loose = 0.01;
+  double cloth_deviation_scale = 0.01;
   int smooth_window = 5, smooth_order = 2;
   /// Every frame is appended as it is tracked. A capture that was stopped, in whatever way, goes on after the last whole one, to
   /// the same bits. A checkpoint of other options, another actor, rig or images, or another version, is not used, and the log
@@ -49,57 +49,59 @@ struct CaptureOptions {
     using O = CaptureOptions;
     return Description{
         "CaptureOptions",
-        option(&O::first_frame, "first_frame", at_least(0), "", "first video frame"),
-        option(&O::frame_count, "frame_count", at_least(-1), "", "number of frames; -1 = to the end"),
+        option(&O::first_frame, "first_frame", at_least(0), "", "First video frame"),
+        option(&O::frame_count, "frame_count", at_least(-1), "", "Number of frames; -1 = to the end"),
         option(&O::start_frame, "start_frame", at_least(-1), "",
-               "video frame in the scan's pose, or near it, from which tracking goes both ways; -1 = the first frame if it is in "
-               "that pose, else it is sought"),
-        option(&O::cameras, "cameras", "names of the cameras to use; none = all"),
-        option(&O::use_sift, "use_sift", "texture features; off: silhouettes alone, features are neither detected nor matched"),
-        option(&O::features, "features", "of the feature tracker"),
-        option(&O::pose, "pose", "of the pose optimiser"),
-        option(&O::limbs, "limbs", "of the search for lost limbs"),
-        option(&O::surface, "surface", "of the surface refiner"),
+               "Video frame from which tracking goes both ways; -1 = the first, or the one most like the scan",
+               "The first if it is in the scan's pose, or else the frame that comes nearest to it"),
+        option(&O::cameras, "cameras", "Names of the cameras to use; none = all"),
+        option(&O::use_sift, "use_sift", "Texture features are detected and matched; off = silhouettes alone"),
+        option(&O::features, "features", "Options of the feature tracker"),
+        option(&O::pose, "pose", "Options of the pose optimiser"),
+        option(&O::limbs, "limbs", "Options of the search for lost limbs"),
+        option(&O::surface, "surface", "Options of the surface refiner"),
         option(&O::refine_cameras, "refine_cameras",
-               "mend calibration and delays by what the take shows, where they are clearly off"),
-        option(&O::calibration, "calibration", "of the refinement of the cameras"),
-        option(&O::find_lost_limbs, "find_lost_limbs", "seek limbs globally that the local optimisation has lost"),
-        option(&O::ends_turn, "ends_turn", at_least(0), "rad",
-               "what a limb ends with (a foot) may turn about the bone before it, each way; 0 = the session's hinge alone"),
-        option(&O::second_pass, "second_pass", "track everything again, once it is known what is loose"),
-        option(&O::use_feature_map, "use_feature_map",
-               "find the first frame's features again in every frame; without it, tracks drift"),
-        option(&O::map_reach, "map_reach", above(0), "",
-               "of the silhouette's height; how far from its expected place a mapped feature is sought"),
+               "Calibration and delays are mended where the take shows that they are clearly off"),
+        option(&O::calibration, "calibration", "Options of the refinement of the cameras"),
+        option(&O::find_lost_limbs, "find_lost_limbs", "Limbs that the local optimisation has lost are searched for globally"),
+        option(&O::extra_twist_range, "extra_twist_range", at_least(0), "rad",
+               "The last joint of a limb may turn about the bone before it by this, each way; 0 = not at all",
+               "A foot turns in and out, which the session's hinge does not know; else the whole leg turns with it"),
+        option(&O::second_pass, "second_pass",
+               "Everything is tracked a second time, when it is known which vertices are loose cloth"),
+        option(&O::use_feature_map, "use_feature_map", "Features of the first frame are found again in every frame",
+               "Tracks from frame to frame alone drift"),
+        option(&O::map_search_radius, "map_search_radius", above(0), "",
+               "Distance within which a mapped feature is sought, as a share of the silhouette's height"),
         option(&O::velocity_damping, "velocity_damping", Range{0, 1}, "",
-               "of the constant-velocity prediction; 0 = stay, 1 = go on as before. With acceleration 0.3, RMS errors on two "
-               "motions "
-               "fall from 1.18 and 0.58 degrees to 0.98 and 0.49"),
-        option(&O::acceleration, "acceleration", Range{0, 1}, "", "share of the last change of velocity that is expected again"),
+               "Share of the last velocity that is expected again; 0 = stay, 1 = go on as before",
+               "With acceleration 0.3, RMS errors of the prediction on two motions fall from 1.18 and 0.58 degrees to 0.98 and "
+               "0.49"),
+        option(&O::acceleration, "acceleration", Range{0, 1}, "", "Share of the last change of velocity that is expected again"),
         option(&O::offset_decay, "offset_decay", Range{0, 1}, "",
-               "share of the non-rigid offset that is expected again in the next frame"),
-        option(&O::loose, "loose", above(0), "m",
-               "a vertex that usually lies this far from its skinned position tells half as much about the pose"),
+               "Share of the non-rigid offset that is expected again in the next frame"),
+        option(&O::cloth_deviation_scale, "cloth_deviation_scale", above(0), "m",
+               "A vertex that usually lies this far from its skinned position has half the weight in the pose"),
         option(&O::smooth_window, "smooth_window", at_least(1), "",
-               "frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off"),
-        option(&O::smooth_order, "smooth_order", at_least(0), "", "of the Savitzky-Golay filter"),
-        no_option(&O::checkpoint, "checkpoint", "empty = none; a file that a capture which was stopped goes on from"),
+               "Frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off"),
+        option(&O::smooth_order, "smooth_order", at_least(0), "", "Order of the Savitzky-Golay filter"),
+        not_serialised(&O::checkpoint, "checkpoint", "File from which a capture that was stopped goes on; empty = none"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
-/// A limb whose error was above LimbSearchOptions::lost after the local optimisation.
+/// A limb whose error was above LimbSearchOptions::lost_error after the local optimisation.
 struct LostLimb {
   int frame = 0;          ///< video frame number
   std::string limb;       ///< name of its first joint
   double before = 0;      ///< m; error after the local optimisation
   double after = 0;       ///< m; error of the pose that was kept
-  bool recovered = false; ///< after <= LimbSearchOptions::lost
+  bool recovered = false; ///< after <= LimbSearchOptions::lost_error
 };
 
 /// In how many frames the bone that a joint moves was
-struct JointSight {
+struct JointVisibility {
   std::string joint; ///< one with degrees of freedom
   int seen = 0;      ///< covered by enough visible surface that moves with the skeleton,
   int inferred = 0;  ///< hidden, by a garment or by its limb's place: it follows from the joints before and after it,
@@ -113,7 +115,7 @@ struct CaptureSummary {
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
   int start_frame = 0;                        ///< video frame number: tracking went from it to the last, then to the first
-  std::vector<JointSight> joints;             ///< in the order of the skeleton
+  std::vector<JointVisibility> joints;        ///< in the order of the skeleton
   /// What the take says about each camera of the rig, by the last look at it; none if the cameras were not to be refined.
   std::vector<RefinedCamera> cameras;
   bool cameras_refined = false; ///< poses and observations are of the refined cameras, otherwise of the given ones
@@ -152,5 +154,8 @@ public:
   static std::unique_ptr<PerformanceCapture> create(const CaptureOptions &options = {});
   static std::unique_ptr<PerformanceCapture> create(const CaptureOptions &options, const CaptureParts &parts);
 };
+
+// Deprecated names.
+using JointSight [[deprecated("use JointVisibility")]] = JointVisibility;
 
 } // namespace doublet

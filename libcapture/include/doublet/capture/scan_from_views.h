@@ -14,28 +14,29 @@ namespace doublet {
 struct ViewScanOptions {
   double cell = 0.006;
   int poisson_depth = 9;
-  int outvoted = 0;
+  int max_missing_views = 0;
   double search_depth = 0.08;
   double patch = 0.035;
   double smoothness = 0.3;
   double grazing_angle = 80;
-  static constexpr int kMostOutvoted = 7;
+  static constexpr int kMaxMissingViews = 7;
   static constexpr auto describe() {
     using namespace options;
     using O = ViewScanOptions;
     return Description{
         "ViewScanOptions",
-        option(&O::cell, "cell", Range{0.001, 0.05}, "m", "of the grid that the visual hull is sampled on"),
-        option(&O::poisson_depth, "poisson_depth", Range{5, 11}, "", "octree depth of the surface through the samples"),
-        option(&O::outvoted, "outvoted", Range{0, kMostOutvoted}, "cameras",
-               "that may miss a point which all others see: silhouettes with holes cut less, the hull gets thicker"),
+        option(&O::cell, "cell", Range{0.001, 0.05}, "m", "Size of a cell of the grid that the visual hull is sampled on"),
+        option(&O::poisson_depth, "poisson_depth", Range{5, 11}, "", "Octree depth of the surface through the samples"),
+        option(&O::max_missing_views, "max_missing_views", Range{0, kMaxMissingViews}, "cameras",
+               "Number of cameras that may miss a point which all others see",
+               "Silhouettes with holes cut less, and the hull gets thicker"),
         option(&O::search_depth, "search_depth", Range{0, 0.3}, "m",
-               "how far inside the hull the surface is looked for; 0 = the hull itself"),
-        option(&O::patch, "patch", Range{0.01, 0.3}, "m", "side of the square of surface that two cameras compare"),
+               "Depth inside the hull within which the surface is sought; 0 = the hull itself"),
+        option(&O::patch, "patch", Range{0.01, 0.3}, "m", "Side of the square of surface that two cameras compare"),
         option(&O::smoothness, "smoothness", above(0), "",
-               "correlation that a step of a centimetre between neighbours must gain"),
+               "Correlation that a step of a centimetre between neighbours must gain"),
         option(&O::grazing_angle, "grazing_angle", Range{10, 90}, "degrees",
-               "surface that faces down and that every camera sees flatter than this, or not at all, is left out: under a hem"),
+               "Downward surface is left out where every camera sees it flatter than this, or not at all", "Under a hem"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -35,7 +35,7 @@ struct Session {
   std::filesystem::path scan; ///< absolute; empty if there is none (yet)
   std::filesystem::path calibration;                ///< absolute
   std::filesystem::path markers;                    ///< absolute; empty if there are none (yet)
-  std::vector<JointMark> joints;                    ///< joints.json
+  std::vector<JointAnnotation> joints;              ///< joints.json
   std::map<std::string, Eigen::Vector3d> landmarks; ///< joints.json, clicked on the body surface, m
   std::filesystem::path new_motion;                 ///< absolute; empty if not given
 };

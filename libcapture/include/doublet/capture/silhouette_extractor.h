@@ -13,17 +13,17 @@
 namespace doublet {
 
 struct ChromaKeyOptions {
-  int smallest_blob = 200;
-  double smallest_key_share = 0.5;
+  int min_blob_area = 200;
+  double min_key_share = 0.5;
   static constexpr auto describe() {
     using namespace options;
     using O = ChromaKeyOptions;
     return Description{
         "ChromaKeyOptions",
-        option(&O::smallest_blob, "smallest_blob", at_least(0), "px",
-               "smaller foreground islands and background holes are dropped; at 1004 x 1004, scaled with the image area"),
-        option(&O::smallest_key_share, "smallest_key_share", Range{0, 1, Open::Below}, "",
-               "of the image border that must show one saturated hue, or there is no screen to key against"),
+        option(&O::min_blob_area, "min_blob_area", at_least(0), "px",
+               "Smaller islands and holes of the mask are dropped; at 1004 x 1004, scaled with the image area"),
+        option(&O::min_key_share, "min_key_share", Range{0, 1, Open::Below}, "",
+               "Share of the image border that must show one saturated hue", "With less there is no screen to key against"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
@@ -35,18 +35,19 @@ struct BackgroundOptions {
   double tolerance = 2.5;
   double shadow = 0.55;
   double highlight = 1.25;
-  int smallest_blob = 200;
+  int min_blob_area = 200;
   static constexpr auto describe() {
     using namespace options;
     using O = BackgroundOptions;
     return Description{
         "BackgroundOptions",
-        option(&O::tolerance, "tolerance", above(0), "", "standard deviations of the noise, which is measured in every image"),
+        option(&O::tolerance, "tolerance", above(0), "", "A pixel is actor beyond so many standard deviations of the noise",
+               "The noise is measured in every image"),
         option(&O::shadow, "shadow", Range{0, 1, Open::Below}, "",
-               "darkest share of its brightness at which the background counts as shadowed"),
-        option(&O::highlight, "highlight", at_least(1), "", "brightest share of its brightness that still is background"),
-        option(&O::smallest_blob, "smallest_blob", at_least(0), "px",
-               "smaller islands and holes are dropped; at 1004 x 1004, scaled with the image area"),
+               "Background may be darkened by a shadow to this share of its brightness"),
+        option(&O::highlight, "highlight", at_least(1), "", "Background may be brightened to this share of its brightness"),
+        option(&O::min_blob_area, "min_blob_area", at_least(0), "px",
+               "Smaller islands and holes of the mask are dropped; at 1004 x 1004, scaled with the image area"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
@@ -78,13 +79,13 @@ struct SilhouetteOptions {
     return Description{
         "SilhouetteOptions",
         option(&O::method, "method", kMethods,
-               "plates (clean ones of the session), key (a screen of one colour), median (of the frames: the actor must move "
-               "about); "
-               "auto = for each camera the first of these that the session allows"),
+               "Method: plates, key, median, or auto: the first of these that the session allows, a camera",
+               "plates = clean ones of the session, key = a screen of one colour, median = of the frames: the actor must move "
+               "about"),
         option(&O::median_frames, "median_frames", at_least(1), "",
-               "frames that the median is taken of, spread over the session"),
-        option(&O::key, "key", "of the screen of one colour"),
-        option(&O::background, "background", "of the difference to a background"),
+               "Number of frames, spread over the session, that the median is taken of"),
+        option(&O::key, "key", "Options of the screen of one colour"),
+        option(&O::background, "background", "Options of the difference to a background"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -24,20 +24,23 @@ struct TemplateOptions {
     using O = TemplateOptions;
     return Description{
         "TemplateOptions",
-        option(&O::triangles, "triangles", at_least(100), "", "of M, as in the paper"),
-        option(&O::high_triangles, "high_triangles", at_least(100), "", "of M_high, for display; at least as many as triangles"),
-        option(&O::poisson_depth, "poisson_depth", Range{4, 12}, "",
-               "octree depth of the Poisson reconstruction; 9 = cells of 3.6 mm for a person"),
+        option(&O::triangles, "triangles", at_least(100), "", "Number of triangles of the template M", "As in the paper"),
+        option(&O::high_triangles, "high_triangles", at_least(100), "",
+               "Number of triangles of the display surface M_high, at least as many as of M"),
+        option(&O::poisson_depth, "poisson_depth", Range{4, 12}, "", "Octree depth of the Poisson reconstruction",
+               "9 = cells of 3.6 mm for a person"),
         option(&O::hole_gap, "hole_gap", above(0), "m",
-               "a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm)"),
+               "A reconstructed point lies over a hole if it is farther than this from the scan's surface",
+               "A scan is good to 1 or 2 mm"),
         option(&O::density_drop, "density_drop", at_least(0), "octree levels",
-               "and the scan is this much sparser there than usual (one level = a quarter of the samples)"),
-        option(&O::narrow_hole, "narrow_hole", at_least(0), "m",
-               "folds narrower than this that run into the hem unseen stay valid"),
-        option(&O::large_hole, "large_hole", above(0), "m^2",
-               "holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed"),
+               "A point lies over a hole if the scan is also this much sparser there than usual",
+               "One level is a quarter of the samples"),
+        option(&O::narrow_hole, "narrow_hole", at_least(0), "m", "Narrower folds that run into the hem unseen stay valid"),
+        option(&O::large_hole, "large_hole", above(0), "m^2", "Holes from this size on are suggested as invalid",
+               "More than a foot's sole, which is rightly closed"),
         option(&O::sheet_hole, "sheet_hole", above(0), "m^2",
-               "so are holes from this size on that have two borders or more (garment and limb): a sheet at a hem"),
+               "Holes with two borders or more are suggested as invalid from this size on",
+               "Garment and limb: a closing surface at a hem"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -73,6 +76,6 @@ TemplateSummary summarise_template(const Template &surface, const Mesh &scan, co
 void write_template_suggestion(const std::filesystem::path &path, const Template &surface);
 
 /// Everything at once: template, skeleton from the marks, weights.
-RiggedMesh rig_template(const Template &surface, const std::vector<JointMark> &joints, const Context &context = {});
+RiggedMesh rig_template(const Template &surface, const std::vector<JointAnnotation> &joints, const Context &context = {});
 
 } // namespace doublet

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 
 namespace doublet {
 
@@ -17,10 +18,19 @@ struct Context {
   int threads = 0;
 
   /// Reports progress and throws Cancelled if the user asked to stop.
-  void report(const std::string &stage, double fraction) const;
-  void say(const std::string &line) const;
-  void check_cancelled() const;
+  void report_progress(const std::string &stage, double fraction) const;
+  void log_line(const std::string &line) const;
+  void throw_if_cancelled() const;
   int thread_count() const;
+  template <class... A> [[deprecated("use log_line")]] decltype(auto) say(A &&...a) const {
+    return log_line(std::forward<A>(a)...);
+  }
+  template <class... A> [[deprecated("use report_progress")]] decltype(auto) report(A &&...a) const {
+    return report_progress(std::forward<A>(a)...);
+  }
+  template <class... A> [[deprecated("use throw_if_cancelled")]] decltype(auto) check_cancelled(A &&...a) const {
+    return throw_if_cancelled(std::forward<A>(a)...);
+  }
 };
 
 /// Runs body(i) for i in [0, count) on context.thread_count() threads; the order is unspecified, so body(i) may only write what

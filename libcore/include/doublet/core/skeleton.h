@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace doublet {
@@ -21,7 +22,7 @@ enum class JointKind {
 };
 
 /// A joint as the user marks it (joints.json).
-struct JointMark {
+struct JointAnnotation {
   std::string name;
   std::string parent;       ///< empty for the root
   Eigen::Vector3d position; ///< rest pose, world, m
@@ -51,10 +52,10 @@ struct Skeleton {
 /// Builds the skeleton: sorts parents first (stable), chooses hinge axes from the rest geometry (knee, ankle, elbow flexion about
 /// the normal of the bend; elbow twist along the forearm; wrist flexion and deviation across the hand), sets limits. Throws Error
 /// on an unknown or missing parent, a cycle, no or two roots, a repeated name, a dof outside {0,1,2,3,6}.
-Skeleton make_skeleton(const std::vector<JointMark> &marks);
+Skeleton make_skeleton(const std::vector<JointAnnotation> &marks);
 
 /// The inverse of make_skeleton as far as files go: name, parent, rest, dof count of every joint.
-std::vector<JointMark> joint_marks(const Skeleton &skeleton);
+std::vector<JointAnnotation> joint_annotations(const Skeleton &skeleton);
 
 /// world_from_rest of every joint for the pose `dofs` (D); throws std::invalid_argument unless it is that long and finite.
 Transforms forward_kinematics(const Skeleton &skeleton, const Eigen::VectorXd &dofs);
@@ -89,5 +90,11 @@ void interpolate_pose(const Skeleton &skeleton, const Eigen::VectorXd &a, const 
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d &rotation_vector);
 Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d &rotation);
 Eigen::Matrix3d left_jacobian(const Eigen::Vector3d &rotation_vector);
+
+// Deprecated names.
+using JointMark [[deprecated("use JointAnnotation")]] = JointAnnotation;
+template <class... A> [[deprecated("use joint_annotations")]] decltype(auto) joint_marks(A &&...a) {
+  return joint_annotations(std::forward<A>(a)...);
+}
 
 } // namespace doublet

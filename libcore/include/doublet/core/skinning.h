@@ -23,10 +23,10 @@ void dual_quaternions(const Skeleton &skeleton, const Transforms &world_from_res
 
 /// Dual quaternion skinning of one surface in many poses: the weights that are not 0 lie in a row, and once `skinned` has its
 /// size nothing is allocated. The bits of dual_quaternion_skinning() along the skeleton. Immutable.
-class Skin {
+class SkinBinding {
 public:
   /// rest (V, 3) finite, weights (V, J) with a row sum above 0; else std::invalid_argument.
-  Skin(const Vertices &rest, const MatrixRM &weights);
+  SkinBinding(const Vertices &rest, const MatrixRM &weights);
   /// skinned (V, 3); joints as dual_quaternions() gives them. Throws std::invalid_argument unless there are J.
   void pose(const std::vector<DualQuaternion> &joints, Vertices &skinned) const;
 

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace doublet {
@@ -39,8 +40,8 @@ void require_performance(const ReferencePerformance &performance, const RiggedMe
 
 /// T x (V, 3) m: every vertex of every captured frame, taken back to the scan pose by its blended bone transform (dual
 /// quaternions). Throws std::invalid_argument if actor and performance do not belong together.
-std::vector<Vertices> unposed_frames(const RiggedMesh &actor, const ReferencePerformance &performance,
-                                     const Context &context = {});
+std::vector<Vertices> canonical_frames(const RiggedMesh &actor, const ReferencePerformance &performance,
+                                       const Context &context = {});
 
 /// One texture feature seen in one camera in two successive frames.
 struct FeatureMatch {
@@ -111,5 +112,10 @@ struct BodyFit {
 };
 /// Usable mesh, a finite deviation for all vertices or none; throws as require_actor.
 void require_body(const BodyFit &fit, const std::string &what);
+
+// Deprecated names.
+template <class... A> [[deprecated("use canonical_frames")]] decltype(auto) unposed_frames(A &&...a) {
+  return canonical_frames(std::forward<A>(a)...);
+}
 
 } // namespace doublet

@@ -20,14 +20,14 @@ struct FitOptions {
   int seeds = 1;
   int max_evaluations = 512;
   int population = 0;
-  int first_samples = 64;
-  double smallest_gain = 0.02; ///< see BayesianOptions
+  int initial_design_size = 64;
+  double min_gain = 0.02; ///< see BayesianOptions
   double initial_sigma = 0.3;
-  double smallest_deviation = 0.025;
+  double min_deviation = 0.025;
   double stagnation = 0.0; ///< see CmaEsOptions
   double penalty = 16.0;   ///< see MinimiseOptions
   bool relative_penalty = true;
-  /// Annealing: chains = population, 4 if 0; steps from initial_sigma down to smallest_deviation.
+  /// Annealing: chains = population, 4 if 0; steps from initial_sigma down to min_deviation.
   std::string optimizer = "bayesian";
   ParameterSpace space;
   EnergyOptions energy;
@@ -41,36 +41,40 @@ struct FitOptions {
     using O = FitOptions;
     return Description{
         "FitOptions",
-        option(&O::seed, "seed", at_least(0), "", "region r of R uses seed + r, and of search k (from 0) seed + k R + r"),
+        option(&O::seed, "seed", at_least(0), "", "Seed of the search; region r of R in search k uses seed + k R + r"),
         option(&O::seeds, "seeds", at_least(1), "",
-               "searches from as many seeds, side by side; the answer is that of the lowest energy"),
+               "Number of searches with seeds of their own; the lowest energy is the answer"),
         option(&O::max_evaluations, "max_evaluations", at_least(1), "",
-               "no generation begins at or beyond it; 512 is the paper's"),
+               "No generation begins at or beyond this number of evaluations", "512 is the paper's"),
         option(&O::population, "population", at_least(0), "",
-               "samples a generation; 0 = 32, of CMA-ES Hansen's 4 + floor(3 ln n): 8 for five parameters, 9 for six"),
-        option(
-            &O::first_samples, "first_samples", Range{4, 4096}, "",
-            "materials spread evenly over the box that bayesian begins with, three of four inelastic, in groups of 16 a width"),
-        option(&O::smallest_gain, "smallest_gain", at_least(0), "",
-               "bayesian stops when four generations have lowered the energy of the answer by less than this share; 0 = never"),
-        option(&O::initial_sigma, "initial_sigma", above(0), "", "of CMA-ES and annealing where they start, box units"),
-        option(&O::smallest_deviation, "smallest_deviation", at_least(0), "",
-               "CMA-ES stops when all standard deviations are below, box units; 0.025 is the paper's"),
-        option(
-            &O::stagnation, "stagnation", at_least(0), "",
-            "CMA-ES stops when best and median energy of ten generations changed by less than this share since the ten before; "
-            "0 = never"),
-        option(&O::penalty, "penalty", at_least(0), "", "omega, of samples outside the box; 16 is the paper's"),
-        option(&O::relative_penalty, "relative_penalty",
-               "omega times the median energy of the first generation; off = omega alone (the paper's)"),
-        option(&O::optimizer, "optimizer", kOptimizers, "bayesian, cma-es (the paper's), or annealing (the paper's comparison)"),
-        option(&O::space, "space", "which parameters are searched"),
-        option(&O::energy, "energy", "of E_fit"),
-        no_option(&O::make_optimizer, "make_optimizer", "empty = `optimizer`, with the options above"),
-        no_option(&O::checkpoint, "checkpoint", "empty = none; a killed run resumes from it to the same bits"),
-        no_option(&O::log, "log", "fit_log.csv, rewritten after every generation; empty = none"),
-        no_option(&O::on_generation, "on_generation",
-                  "gets what there is after every generation, as an interrupted result; may be empty"),
+               "Number of samples in a generation; 0 = 32, of CMA-ES Hansen's 4 + floor(3 ln n)",
+               "8 for five parameters, 9 for six"),
+        option(&O::initial_design_size, "initial_design_size", Range{4, 4096}, "",
+               "Number of materials, spread evenly over the box, with which the Bayesian search begins",
+               "Three of four do not stretch, as hardly any cloth does; groups of 16 share a width"),
+        option(&O::min_gain, "min_gain", at_least(0), "",
+               "The Bayesian search stops when four generations have gained less than this share; 0 = never"),
+        option(&O::initial_sigma, "initial_sigma", above(0), "",
+               "Standard deviation with which CMA-ES and annealing start, in box units"),
+        option(&O::min_deviation, "min_deviation", at_least(0), "",
+               "CMA-ES stops when all standard deviations are below this, in box units", "0.025 is the paper's"),
+        option(&O::stagnation, "stagnation", at_least(0), "",
+               "CMA-ES stops when best and median energy change by less than this share; 0 = never",
+               "Those of ten generations against the ten before"),
+        option(&O::penalty, "penalty", at_least(0), "", "Weight omega of the penalty for samples outside the box",
+               "16 is the paper's"),
+        option(&O::relative_penalty, "relative_penalty", "The penalty is omega times the median energy of the first generation",
+               "Off = omega alone, the paper's"),
+        option(&O::optimizer, "optimizer", kOptimizers,
+               "Method: bayesian, cma-es (the paper's) or annealing (the paper's comparison)"),
+        option(&O::space, "space", "Parameters that are searched"),
+        option(&O::energy, "energy", "Options of E_fit"),
+        not_serialised(&O::make_optimizer, "make_optimizer", "Makes the optimiser; empty = `optimizer`, with the options above"),
+        not_serialised(&O::checkpoint, "checkpoint",
+                       "File from which a run that was killed goes on, to the same bits; empty = none"),
+        not_serialised(&O::log, "log", "fit_log.csv, rewritten after every generation; empty = none"),
+        not_serialised(&O::on_generation, "on_generation",
+                       "Gets what there is after every generation, as an interrupted result; may be empty"),
     };
   }
   /// CMA-ES in the box itself until all deviations are below 0.025, on the paper's energy.
@@ -87,13 +91,13 @@ struct FitOptions {
 
 /// How well the film tells a parameter, by the length of its 90 % interval: low ("a guess") above half of its box, high below a
 /// quarter.
-enum class Confidence { kLow, kMedium, kHigh };
+enum class Confidence { Low, Medium, High };
 const char *confidence_name(Confidence confidence); ///< "low", "medium", "high"
 
 /// What is doubtful about a parameter of an answer.
 struct FitFinding {
-  enum class Kind { kLowerBound, kUpperBound, kGuess, kSeeds };
-  Kind kind = Kind::kGuess;
+  enum class Kind { LowerBound, UpperBound, Guess, Seeds };
+  Kind kind = Kind::Guess;
   std::string parameter;
   double value = 0;         ///< the answer, in the parameter's unit
   double low = 0, high = 0; ///< bounds: the box; a guess: its 90 % interval; seeds: the answers' range; in the parameter's unit
@@ -104,8 +108,8 @@ FitFinding::Kind finding_kind(const std::string &name); ///< throws std::invalid
 
 struct RegionFit {
   pbd::Material material; ///< the answer; of an interrupted fit the best sample
-  double width = -1;      ///< position of the width that is answered among those offered, see worn(); -1 = none was offered
-  double energy = 0;      ///< E_fit of the answer, pixels^2: mean of eight simulations that differ by chaos alone
+  double width = -1; ///< position of the width that is answered among those offered, see choose_widths(); -1 = none was offered
+  double energy = 0; ///< E_fit of the answer, pixels^2: mean of eight simulations that differ by chaos alone
   double energy_noise = std::numeric_limits<double>::quiet_NaN(); ///< their standard deviation; NaN = not measured
   double energy_at_centre =
       std::numeric_limits<double>::quiet_NaN(); ///< E_fit of the box's centre: what knowing nothing costs; NaN = not measured
@@ -113,7 +117,7 @@ struct RegionFit {
   double best_energy = 0;                       ///< its E_fit
   Eigen::VectorXd answer;                       ///< (n) material, and width if there is a choice, in box units, [0, 1]
   Eigen::VectorXd deviations;                   ///< (n) of the search where it ended, box units
-  Eigen::VectorXd spread;                       ///< (n) half the range of the answers of all searches, box units; empty if one
+  Eigen::VectorXd answer_half_range;            ///< (n) half the range of the answers of all searches, box units; empty if one
   Posterior posterior;                          ///< how likely every material is; empty of an interrupted fit
   int evaluations = 0, generations = 0;         ///< of all searches
   std::string stop_reason;                      ///< of the one whose answer this is
@@ -135,7 +139,7 @@ struct FitResult {
   bool interrupted = false;                     ///< the search was not over: the materials are the best samples so far
   std::vector<std::string> parameters() const;  ///< (n) names of those searched; the last is "width" if there was a choice
   std::vector<pbd::Material> materials() const; ///< (R) the answers, as CharacterSimulator takes them
-  std::vector<double> chosen_widths() const;    ///< (R), as worn() takes them; empty if there was no choice
+  std::vector<double> chosen_widths() const;    ///< (R), as choose_widths() takes them; empty if there was no choice
   /// The same for a garment whose positions the widths of a take were, see common_widths(). Throws std::invalid_argument unless
   /// there is a position for each.
   FitResult at_positions(const std::vector<double> &positions) const;
@@ -173,7 +177,7 @@ void write_materials(const Path &path, const FitResult &result); // material.jso
 /// names solver settings other than `solver`: a material of one solver is another cloth in the next. Without `solver` they are
 /// not looked at; files of doublet 0.1.0 name dt, iterations, substeps and stiffness alone.
 std::vector<pbd::Material> read_materials(const Path &path, const std::optional<SolverSettings> &solver = std::nullopt);
-/// (R) the widths of the garment that material.json answers, as worn() takes them; empty if it names none. Throws as
+/// (R) the widths of the garment that material.json answers, as choose_widths() takes them; empty if it names none. Throws as
 /// read_materials.
 std::vector<double> read_widths(const Path &path);
 void write_fit_log(const Path &path, const std::vector<GenerationRow> &log, const ParameterSpace &space); // fit_log.csv

@@ -27,13 +27,13 @@ struct EnergyOptions {
   /// A feature that the simulated cloth does not show costs the distance from where it is seen to where the simulation has its
   /// point of the captured cloth; a frame without a rim costs rim_cap; a frame in which the captured cloth shows nothing is left
   /// out for every sample. false: what a sample does not show is free.
-  bool same_comparisons = true;
+  bool fixed_correspondences = true;
   int settle_frames = 20;
   double rim_cap = 0.064;
   double feature_cap = 0.032;
   /// Features that the captured cloth carries to within feature_cap of where they are seen are no mismatches, however fast. So
   /// cloth that stands still where the video's flies at 5 m/s costs more than cloth that flies at 3.
-  bool fast_features = true;
+  bool speed_dependent_cap = true;
   int outline_size = 251;
   int field_size = 502;
   /// The motion of cloth is chaotic, so that over a long rollout noise outgrows what the material does.
@@ -44,35 +44,37 @@ struct EnergyOptions {
     using O = EnergyOptions;
     return Description{
         "EnergyOptions",
-        option(&O::dt, "dt", above(0), "s", "one video frame"),
-        option(&O::alpha, "alpha", at_least(0), "", "weight of E_sil (1 is the paper's)"),
-        option(&O::beta, "beta", at_least(0), "",
-               "weight of E_sift (10 is the paper's); more prefers cloth that is too stiff to fold over folds in other places"),
-        option(&O::gamma, "gamma", at_least(0), "",
-               "weight of E_con, the measured contour that no simulated rim comes near; 1 = as rims that are not seen, 0 = the "
-               "paper's"),
+        option(&O::dt, "dt", above(0), "s", "Duration of one video frame"),
+        option(&O::alpha, "alpha", at_least(0), "", "Weight of E_sil, simulated rims that are not seen", "1 is the paper's"),
+        option(&O::beta, "beta", at_least(0), "", "Weight of E_sift, features in another place",
+               "10 is the paper's; more prefers cloth that is too stiff to fold over folds in other places"),
+        option(&O::gamma, "gamma", at_least(0), "", "Weight of E_con, seen rims that are not simulated",
+               "1 = as E_sil, 0 = the paper's"),
         option(&O::delta, "delta", at_least(0), "",
-               "weight of E_surf, how far the simulated cloth is from the captured surface; 0 = images alone (the paper's)"),
-        option(&O::same_comparisons, "same_comparisons",
-               "every sample is measured on what the captured cloth shows; off = on what it shows itself (the paper's)"),
+               "Weight of E_surf, the distance of the simulated cloth from the captured surface",
+               "0 = images alone, the paper's"),
+        option(&O::fixed_correspondences, "fixed_correspondences",
+               "Every sample is compared with all that the captured cloth shows",
+               "Off = with what the sample itself shows (the paper's): then showing nothing is free"),
         option(&O::settle_frames, "settle_frames", at_least(0), "",
-               "frames of fall into place in the first pose, before the first counts: half a second, for a hem to come to rest"),
-        option(&O::rim_cap, "rim_cap", above(0), "",
-               "longest rim distance, fraction of the larger image side (64 px at 1004): one lost fold must not rule"),
+               "Frames in which the cloth falls into place in the first pose before the first counts",
+               "Half a second, for a hem to come to rest"),
+        option(&O::rim_cap, "rim_cap", above(0), "", "Largest rim distance that counts, as a share of the larger image side",
+               "64 px at 1004: one lost fold must not rule"),
         option(&O::feature_cap, "feature_cap", above(0), "",
-               "longest feature distance, likewise (32 px: 3 m/s at 2.4 mm a pixel and 40 fps): a mismatch costs every material "
-               "the same"),
-        option(
-            &O::fast_features, "fast_features",
-            "a feature that the captured cloth confirms costs up to its displacement plus half of feature_cap, if that is more"),
+               "Largest feature distance that counts, as a share of the larger image side",
+               "32 px at 1004, 3 m/s at 2.4 mm a pixel and 40 fps: a mismatch costs every material the same"),
+        option(&O::speed_dependent_cap, "speed_dependent_cap",
+               "A confirmed feature costs up to its displacement plus half of feature_cap, if that is more",
+               "Else cloth that stands still where the film's flies costs no more than cloth that is a little slow"),
         option(&O::outline_size, "outline_size", at_least(16), "px",
-               "along the larger side of the views in which outline and visibility are decided"),
-        option(&O::field_size, "field_size", at_least(16), "", "nodes that would span the larger side of a distance field"),
-        option(
-            &O::window, "window", at_least(0), "",
-            "frames of the windows into which the motion is cut, each from the captured surface at its speed; 0 = one rollout"),
-        option(&O::window_lead, "window_lead", at_least(0), "",
-               "frames simulated before a window counts: the captured surface is not at rest under any material"),
+               "Larger side of the views in which outline and visibility are decided"),
+        option(&O::field_size, "field_size", at_least(16), "",
+               "Number of nodes that would span the larger side of a distance field"),
+        option(&O::window, "window", at_least(0), "", "Frames of the windows that the motion is cut into; 0 = one rollout",
+               "Each begins at the captured surface and its speed: over a long rollout chaos outgrows the material"),
+        option(&O::window_lead, "window_lead", at_least(0), "", "Frames that are simulated before a window counts",
+               "The captured surface is not at rest under any material"),
     };
   }
   /// Eq. 6 to 8 as they are.
@@ -80,7 +82,7 @@ struct EnergyOptions {
     EnergyOptions options;
     options.beta = 10;
     options.gamma = options.delta = 0;
-    options.same_comparisons = options.fast_features = false;
+    options.fixed_correspondences = options.speed_dependent_cap = false;
     return options;
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -91,24 +93,24 @@ struct ParameterSpace {
   std::vector<std::string> names = {"d_n", "d_t", "k_bend", "k_stretch", "k_friction"};
   pbd::Material fixed{.k_damping = 0.05}; ///< a little: without any, cloth never comes to rest (docs/cloth.md)
   /// Drag is 32 u^2, for cloth has little of it, and k_stretch 1 - (1 - u)^4, for below 0.9 it hangs like rubber.
-  bool even_steps = true;
+  bool warp_parameters = true;
   static constexpr auto describe() {
     using namespace options;
     using O = ParameterSpace;
     return Description{
         "ParameterSpace",
-        option(&O::names, "names", pbd::kMaterialNames, "of the material parameters that are searched"),
-        option(&O::fixed, "fixed", "gives the parameters that are not searched"),
-        option(&O::even_steps, "even_steps",
-               "search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4; off = the box "
-               "itself (the paper's)"),
+        option(&O::names, "names", pbd::kMaterialNames, "Names of the material parameters that are searched"),
+        option(&O::fixed, "fixed", "Material that gives the parameters that are not searched"),
+        option(&O::warp_parameters, "warp_parameters",
+               "The search goes in steps that change the cloth about equally; off = the box itself",
+               "drag = 32 u^2, k_stretch = 1 - (1 - u)^4; the paper searches the box"),
     };
   }
   /// The box itself, without damping.
   static ParameterSpace paper() {
     ParameterSpace space;
     space.fixed = {};
-    space.even_steps = false;
+    space.warp_parameters = false;
     return space;
   }
 

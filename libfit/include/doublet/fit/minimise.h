@@ -65,16 +65,20 @@ struct MinimiseOptions {
     using O = MinimiseOptions;
     return Description{
         "MinimiseOptions",
-        no_option(&O::make_optimizer, "make_optimizer", "empty = CMA-ES with its defaults"),
-        option(&O::seed, "seed", at_least(0), "", "part r gets seed + r"),
-        option(&O::penalty, "penalty", at_least(0), "", "omega: energy(clamped sample) + omega scale |sample - clamped|^2"),
-        option(&O::relative_penalty, "relative_penalty", "scale = median energy of the first generation; off = 1 (the paper's)"),
-        option(&O::expected_evaluations, "expected_evaluations", at_least(1), "", "for the progress bar and the time left only"),
-        option(&O::budget, "budget", at_least(0), "", "evaluations at which the optimisers stop; 0 = not known"),
-        no_option(&O::checkpoint, "checkpoint", "empty = none; written after every generation, read at the start if it is there"),
-        no_option(&O::problem, "problem",
-                  "what the checkpoint belongs to; a checkpoint of another problem is not used, and the log says so"),
-        no_option(&O::on_generation, "on_generation", "gets what there is, after every generation; may be empty"),
+        not_serialised(&O::make_optimizer, "make_optimizer", "Makes the optimiser of a part; empty = CMA-ES with its defaults"),
+        option(&O::seed, "seed", at_least(0), "", "Seed of the search; part r gets seed + r"),
+        option(&O::penalty, "penalty", at_least(0), "",
+               "Weight omega: energy(clamped sample) + omega scale |sample - clamped|^2"),
+        option(&O::relative_penalty, "relative_penalty", "Scale of the penalty is the median energy of the first generation",
+               "Off = 1, the paper's"),
+        option(&O::expected_evaluations, "expected_evaluations", at_least(1), "",
+               "Expected number of evaluations, for the progress bar and the time left only"),
+        option(&O::budget, "budget", at_least(0), "", "Number of evaluations at which the optimisers stop; 0 = not known"),
+        not_serialised(&O::checkpoint, "checkpoint",
+                       "File that is written after every generation, and read at the start; empty = none"),
+        not_serialised(&O::problem, "problem", "Name of the problem that the checkpoint belongs to",
+                       "A checkpoint of another problem is not used, and the log says so"),
+        not_serialised(&O::on_generation, "on_generation", "Gets what there is after every generation; may be empty"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

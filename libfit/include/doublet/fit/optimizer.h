@@ -46,7 +46,7 @@ struct CmaEsOptions {
   double initial_mean = 0.5;
   double initial_sigma = 0.3;
   int max_evaluations = 512;
-  double smallest_deviation = 0.025;
+  double min_deviation = 0.025;
   /// Over the last twenty generations, the median of the later ten against that of the earlier ten. After "TolFun" and
   /// "Stagnation" of the tutorial's Appendix B.3, but ready within the paper's 512 evaluations. Below the noise of a chaotic
   /// energy the search only wanders: with 3 % of noise on a quadratic in five parameters it ends after 289 evaluations instead of
@@ -58,17 +58,18 @@ struct CmaEsOptions {
     using O = CmaEsOptions;
     return Description{
         "CmaEsOptions",
-        option(&O::population, "population", at_least(0), "",
-               "lambda; 0 = 4 + floor(3 ln n), Hansen's default (8 for n = 5, 9 for n = 6)"),
-        option(&O::initial_mean, "initial_mean", Range{}, "", "along every axis; 0.5 = the centre of the box"),
-        option(&O::initial_sigma, "initial_sigma", above(0), "", "along every axis; 0.3: one box is about +-1.7 sigma"),
+        option(&O::population, "population", at_least(0), "", "Number of samples in a generation; 0 = Hansen's 4 + floor(3 ln n)",
+               "8 for n = 5, 9 for n = 6"),
+        option(&O::initial_mean, "initial_mean", Range{}, "", "Mean at the start along every axis; 0.5 = the centre of the box"),
+        option(&O::initial_sigma, "initial_sigma", above(0), "", "Standard deviation at the start along every axis",
+               "At 0.3 the box is about +-1.7 of them"),
         option(&O::max_evaluations, "max_evaluations", at_least(1), "",
-               "no generation begins at or beyond it; 512 is the paper's"),
-        option(&O::smallest_deviation, "smallest_deviation", at_least(0), "",
-               "stop when all standard deviations are below it; 0.025 is the paper's"),
+               "No generation begins at or beyond this number of evaluations", "512 is the paper's"),
+        option(&O::min_deviation, "min_deviation", at_least(0), "",
+               "The search stops when all standard deviations are below this", "0.025 is the paper's"),
         option(&O::stagnation, "stagnation", at_least(0), "",
-               "stop when neither best nor median energies of the generations change by more than this share; 0 = never"),
-        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
+               "The search stops when best and median energies change by less than this share; 0 = never"),
+        option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -84,7 +85,7 @@ std::unique_ptr<Optimizer> create_cma_es(int dimension, const CmaEsOptions &opti
 struct BayesianOptions {
   int population = 32;
   int max_evaluations = 512;
-  double smallest_gain = 0.02;
+  double min_gain = 0.02;
   int levels = 0;
   std::uint64_t seed = 1;
   MatrixRM first;
@@ -93,14 +94,17 @@ struct BayesianOptions {
     using O = BayesianOptions;
     return Description{
         "BayesianOptions",
-        option(&O::population, "population", Range{4, 4096}, "", "samples a generation; two groups of 16 fill two threads"),
-        option(&O::max_evaluations, "max_evaluations", at_least(1), "", "no generation begins at or beyond it"),
-        option(&O::smallest_gain, "smallest_gain", at_least(0), "",
-               "stop when four generations have lowered the energy of the answer by less than this share; 0 = never"),
+        option(&O::population, "population", Range{4, 4096}, "", "Number of samples in a generation",
+               "Two groups of 16 fill the lanes of two threads"),
+        option(&O::max_evaluations, "max_evaluations", at_least(1), "",
+               "No generation begins at or beyond this number of evaluations"),
+        option(&O::min_gain, "min_gain", at_least(0), "",
+               "The search stops when four generations have gained less than this share of the energy; 0 = never"),
         option(&O::levels, "levels", Range{0, 64}, "",
-               "above 1: the last coordinate takes so many values, evenly spaced, and groups of 16 samples share one; else any"),
-        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
-        no_option(&O::first, "first", "(K, n), K >= 4: the first generation; empty = 2 `population` points spread evenly"),
+               "Above 1, the last coordinate takes so many evenly spaced values; else it takes any",
+               "Groups of 16 samples share a value"),
+        option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
+        not_serialised(&O::first, "first", "(K, n), K >= 4, the first generation; empty = 2 `population` points spread evenly"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -122,15 +126,16 @@ struct AnnealingOptions {
     using O = AnnealingOptions;
     return Description{
         "AnnealingOptions",
-        option(&O::chains, "chains", at_least(1), "", "samples a generation"),
-        option(&O::max_evaluations, "max_evaluations", at_least(1), "",
-               "the schedule's length; the paper: 2-4 times those of CMA-ES"),
-        option(&O::initial_step, "initial_step", above(0), "", "standard deviation of a step at the start, box units"),
-        option(&O::final_step, "final_step", above(0), "", "and at the end"),
+        option(&O::chains, "chains", at_least(1), "", "Number of chains, which is that of the samples in a generation"),
+        option(&O::max_evaluations, "max_evaluations", at_least(1), "", "Length of the cooling schedule in evaluations",
+               "The paper needs 2 to 4 times as many as with CMA-ES"),
+        option(&O::initial_step, "initial_step", above(0), "", "Standard deviation of a step at the start, in box units"),
+        option(&O::final_step, "final_step", above(0), "", "Standard deviation of a step at the end, in box units"),
         option(&O::initial_temperature, "initial_temperature", above(0), "",
-               "as a fraction of the first generation's mean energy"),
-        option(&O::final_temperature, "final_temperature", above(0), "", "likewise, at the end"),
-        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
+               "Temperature at the start, as a share of the first generation's mean energy"),
+        option(&O::final_temperature, "final_temperature", above(0), "",
+               "Temperature at the end, as a share of the first generation's mean energy"),
+        option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -40,8 +40,8 @@ inline std::vector<std::string> optimizer_violations(const OptimizerFactory &mak
       broken.push_back("the search does not end: stop() is false after " + std::to_string(generations) + " generations");
     const OptimizerResult result = optimizer->result();
     if (result.best_energy != best)
-      broken.push_back("result().best_energy is " + options::shown(result.best_energy) + ", the lowest told was " +
-                       options::shown(best));
+      broken.push_back("result().best_energy is " + options::to_text(result.best_energy) + ", the lowest told was " +
+                       options::to_text(best));
     if (result.answer.size() != kDimension || !((result.answer.array() - 0.6).abs() < 0.1).all())
       broken.push_back("the answer is not within 0.1 of the minimum of a paraboloid");
     const auto other = make(kDimension, 7);

@@ -8,7 +8,7 @@ namespace doublet::options {
 
 template <class Json, class T> Json to_json(const T &object) {
   Json json = Json::object();
-  each(object, [&](const auto &field, const auto &value) {
+  for_each_field(object, [&](const auto &field, const auto &value) {
     using Value = std::remove_cvref_t<decltype(value)>;
     if constexpr (Described<Value>)
       json[field.name] = to_json<Json>(value);
@@ -24,7 +24,7 @@ template <class Json, class T> Json to_json(const T &object) {
 
 /// Throws what `Json` throws if an option is missing or of another type, std::invalid_argument if it is out of range.
 template <class Json, class T> void from_json(const Json &json, T &object) {
-  each(object, [&](const auto &field, auto &value) {
+  for_each_field(object, [&](const auto &field, auto &value) {
     using Value = std::remove_cvref_t<decltype(value)>;
     if constexpr (Described<Value>) {
       from_json(json.at(field.name), value);

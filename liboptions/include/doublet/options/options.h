@@ -1,6 +1,6 @@
 #pragma once
-// An options struct says beside its fields, once, what each is: name, range, unit, meaning. Checks, JSON, fingerprints, the
-// Python classes, the command line and the tables of docs/ follow from it.
+// An options struct says beside its fields, once, what each is: name, range, unit, meaning, and why it is so. Checks, JSON,
+// fingerprints, the Python classes, the command line and the tables of docs/ follow from it.
 //
 //   struct PressOptions {
 //     double heat = 150;
@@ -41,7 +41,7 @@ struct Range {
 
   constexpr bool open_below() const { return open == Open::Below || open == Open::Both; }
   constexpr bool open_above() const { return open == Open::Above || open == Open::Both; }
-  bool holds(double value) const {
+  bool contains(double value) const {
     return std::isfinite(value) && (open_below() ? value > lower : value >= lower) &&
            (open_above() ? value < upper : value <= upper);
   }
@@ -56,30 +56,35 @@ constexpr Range above(double lower) {
 /// The names that an option takes: of an enumeration in its order, or the texts themselves.
 using Choices = std::span<const char *const>;
 
-struct Anything {}; ///< what a bool, a text or a nested struct takes
-struct NoOption {}; ///< a callback, a file: nothing that is checked, stored or chosen
+struct Unconstrained {}; ///< what a bool, a text or a nested struct takes
+struct NotSerialised {}; ///< a callback, a file: nothing that is checked, stored or chosen
 
 template <class Struct, class Value, class Allowed> struct Field {
   Value Struct::*member;
   const char *name;
   Allowed allowed;
   const char *unit;
-  const char *meaning;
+  const char *meaning; ///< a sentence of at most 100 characters
+  const char *why;     ///< reasons, experience, what the paper has; may be empty
 };
 
 template <class S, class V>
-constexpr Field<S, V, Range> option(V S::*member, const char *name, Range range, const char *unit, const char *meaning) {
-  return {member, name, range, unit, meaning};
+constexpr Field<S, V, Range> option(V S::*member, const char *name, Range range, const char *unit, const char *meaning,
+                                    const char *why = "") {
+  return {member, name, range, unit, meaning, why};
 }
 template <class S, class V>
-constexpr Field<S, V, Choices> option(V S::*member, const char *name, Choices choices, const char *meaning) {
-  return {member, name, choices, "", meaning};
+constexpr Field<S, V, Choices> option(V S::*member, const char *name, Choices choices, const char *meaning,
+                                      const char *why = "") {
+  return {member, name, choices, "", meaning, why};
 }
-template <class S, class V> constexpr Field<S, V, Anything> option(V S::*member, const char *name, const char *meaning) {
-  return {member, name, {}, "", meaning};
+template <class S, class V>
+constexpr Field<S, V, Unconstrained> option(V S::*member, const char *name, const char *meaning, const char *why = "") {
+  return {member, name, {}, "", meaning, why};
 }
-template <class S, class V> constexpr Field<S, V, NoOption> no_option(V S::*member, const char *name, const char *meaning) {
-  return {member, name, {}, "", meaning};
+template <class S, class V>
+constexpr Field<S, V, NotSerialised> not_serialised(V S::*member, const char *name, const char *meaning, const char *why = "") {
+  return {member, name, {}, "", meaning, why};
 }
 
 namespace detail {
@@ -115,22 +120,22 @@ concept Described = requires {
 };
 
 /// visit(field, value) for every option of `object`, in order.
-template <class T, class Visit> void each(T &object, Visit &&visit) {
+template <class T, class Visit> void for_each_field(T &object, Visit &&visit) {
   const auto one = [&](const auto &field) {
-    if constexpr (!std::is_same_v<decltype(field.allowed), NoOption>)
+    if constexpr (!std::is_same_v<decltype(field.allowed), NotSerialised>)
       visit(field, object.*field.member);
   };
   std::apply([&](const auto &...field) { (one(field), ...); }, std::remove_const_t<T>::describe().fields);
 }
 
 /// The shortest text that reads back as the same bits.
-inline std::string shown(double value) {
+inline std::string to_text(double value) {
   char text[32];
   return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 /// Rounded to so many significant digits, 1 to 15; a number that has more before its point is rounded to a whole one.
-inline std::string shown(double value, int digits) {
+inline std::string to_text(double value, int digits) {
   char text[32];
   const bool large = std::abs(value) >= std::pow(10.0, digits);
   return {text, std::to_chars(text, text + sizeof text, large ? std::round(value) : value, std::chars_format::general,
@@ -139,16 +144,16 @@ inline std::string shown(double value, int digits) {
 }
 
 /// "a number in [0, 1]", "a number of at least 0", "one of 'a', 'b'".
-inline std::string shown(const Range &range) {
+inline std::string to_text(const Range &range) {
   const bool below = std::isfinite(range.lower), above = std::isfinite(range.upper);
   if (below && above)
-    return "a number in " + std::string(range.open_below() ? "(" : "[") + shown(range.lower) + ", " + shown(range.upper) +
+    return "a number in " + std::string(range.open_below() ? "(" : "[") + to_text(range.lower) + ", " + to_text(range.upper) +
            (range.open_above() ? ")" : "]");
   if (below)
-    return (range.open_below() ? "a number above " : "a number of at least ") + shown(range.lower);
+    return (range.open_below() ? "a number above " : "a number of at least ") + to_text(range.lower);
   return "a finite number";
 }
-inline std::string shown(const Choices &choices) {
+inline std::string to_text(const Choices &choices) {
   std::string text;
   for (const char *name : choices)
     text += (text.empty() ? "one of '" : ", '") + std::string(name) + "'";
@@ -156,7 +161,7 @@ inline std::string shown(const Choices &choices) {
 }
 
 /// Throws std::invalid_argument, e.g. "ClothOptions: substeps: expected a number in [1, 1000], found 0".
-[[noreturn]] inline void refuse(const std::string &where, const std::string &expected, const std::string &found) {
+[[noreturn]] inline void throw_invalid(const std::string &where, const std::string &expected, const std::string &found) {
   throw std::invalid_argument(where + ": expected " + expected + ", found " + found);
 }
 
@@ -164,7 +169,7 @@ inline std::size_t index_of(const Choices &choices, const std::string &name, con
   for (std::size_t i = 0; i < choices.size(); ++i)
     if (name == choices[i])
       return i;
-  refuse(where, shown(choices), "'" + name + "'");
+  throw_invalid(where, to_text(choices), "'" + name + "'");
 }
 
 namespace detail {
@@ -172,8 +177,9 @@ namespace detail {
 template <class Value>
 void check_range(const Value &value, const Range &range, const char *where, const char *name, const char *unit) {
   if constexpr (std::is_arithmetic_v<Value>) {
-    if (!range.holds(static_cast<double>(value)))
-      refuse(std::string(where) + ": " + name, shown(range) + (*unit ? " " : "") + unit, shown(static_cast<double>(value)));
+    if (!range.contains(static_cast<double>(value)))
+      throw_invalid(std::string(where) + ": " + name, to_text(range) + (*unit ? " " : "") + unit,
+                    to_text(static_cast<double>(value)));
   } else {
     for (const auto &element : value)
       check_range(element, range, where, name, unit);
@@ -183,7 +189,7 @@ void check_range(const Value &value, const Range &range, const char *where, cons
 template <class Value> void check_choice(const Value &value, const Choices &choices, const std::string &where) {
   if constexpr (std::is_enum_v<Value>) {
     if (static_cast<std::size_t>(value) >= choices.size())
-      refuse(where, shown(choices), shown(static_cast<double>(value)));
+      throw_invalid(where, to_text(choices), to_text(static_cast<double>(value)));
   } else if constexpr (std::is_same_v<Value, std::string>) {
     index_of(choices, value, where);
   } else {
@@ -198,7 +204,7 @@ template <Described T> void validate(const T &object);
 
 /// Throws std::invalid_argument naming struct, option, what it takes and what was found, unless every option is in its range.
 template <class T> void check(const T &object) {
-  each(object, [](const auto &field, const auto &value) {
+  for_each_field(object, [](const auto &field, const auto &value) {
     constexpr const char *where = T::describe().name;
     if constexpr (std::is_same_v<decltype(field.allowed), Range>)
       detail::check_range(value, field.allowed, where, field.name, field.unit);
@@ -227,7 +233,7 @@ template <class Field, class Value> std::string text_of(const Field &field, cons
   } else if constexpr (std::is_integral_v<Value>) {
     return std::to_string(value);
   } else if constexpr (std::is_floating_point_v<Value>) {
-    return shown(value);
+    return to_text(value);
   } else if constexpr (std::is_same_v<Value, std::string>) {
     return "'" + value + "'";
   } else if constexpr (requires { value.first; }) {
@@ -244,11 +250,11 @@ template <class Field, class Value> std::string text_of(const Field &field, cons
 
 /// Every option with its value as text, in order; those of nested structs as "cloth.substeps". Two objects have the same texts
 /// if, and only if, they have the same bits (but for NaN).
-template <class T> std::vector<std::pair<std::string, std::string>> listed(const T &object, const std::string &prefix = {}) {
+template <class T> std::vector<std::pair<std::string, std::string>> to_pairs(const T &object, const std::string &prefix = {}) {
   std::vector<std::pair<std::string, std::string>> list;
-  each(object, [&](const auto &field, const auto &value) {
+  for_each_field(object, [&](const auto &field, const auto &value) {
     if constexpr (Described<std::remove_cvref_t<decltype(value)>>) {
-      for (auto &entry : listed(value, prefix + field.name + "."))
+      for (auto &entry : to_pairs(value, prefix + field.name + "."))
         list.push_back(std::move(entry));
     } else {
       list.emplace_back(prefix + field.name, detail::text_of(field, value));

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace doublet::pbd {
@@ -51,28 +52,29 @@ struct ClothOptions {
     using O = ClothOptions;
     return Description{
         "ClothOptions",
-        option(&O::iterations, "iterations", Range{1, 10000}, "", "Gauss-Seidel sweeps a step; 24 as in the paper"),
-        option(&O::substeps, "substeps", Range{1, 1000}, "",
-               "steps a frame; targets and proxies are interpolated, friction and damping are shared out"),
+        option(&O::iterations, "iterations", Range{1, 10000}, "", "Number of Gauss-Seidel sweeps in a substep",
+               "The paper has 24 a frame, in one step"),
+        option(&O::substeps, "substeps", Range{1, 1000}, "", "Number of steps in a frame",
+               "Targets and proxies are interpolated, friction and damping shared out"),
         option(&O::stiffness, "stiffness", kStiffnessNames,
-               "what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper"),
+               "Meaning of k_bend and k_stretch: XPBD's compliance, or by sweeps as in the paper",
+               "Under 'compliance' a material means the same whatever the sweeps and substeps"),
         option(&O::over_relaxation, "over_relaxation", Range{1, 1.9}, "",
-               "every stretch correction times this, but at most times 1 + 16^(-1/iterations): the sweeps come further; under "
-               "'compliance' alone"),
+               "Factor of stretch corrections, at most 1 + 16^(-1/iterations); under 'compliance' alone",
+               "The same sweeps come further"),
         option(&O::rest_curvature, "rest_curvature", Range{0, 1}, "",
-               "share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not "
-               "sewn so"),
-        option(&O::gravity, "gravity", Range{-1000, 1000}, "m/s^2", "acceleration of free cloth"),
+               "Share of the rest mesh's angles that bending keeps; 0 = cut flat",
+               "A garment's rest shape is blown up, not sewn so"),
+        option(&O::gravity, "gravity", Range{-1000, 1000}, "m/s^2", "Acceleration of free cloth"),
         option(&O::restitution, "restitution", Range{0, 1}, "",
-               "share of the normal velocity that a contact reflects, for what arrives faster than two steps of gravity; 0 = "
-               "inelastic"),
-        option(&O::thickness, "thickness", Range{0, 1}, "m",
-               "kept between cloth and proxies: its own, the sag of an edge round a shin, and what the proxies are slimmer than "
-               "the body"),
-        option(&O::self_thickness, "self_thickness", Range{0, 1}, "m",
-               "kept between cloth and itself; pairs that rest closer are left alone"),
-        option(&O::self_collision, "self_collision", "cloth collides with itself"),
-        option(&O::edge_collision, "edge_collision", "edges collide with edges, too, where cloth collides with itself"),
+               "Share of the normal velocity that a contact reflects; 0 = inelastic",
+               "Only of what arrives faster than two steps of gravity"),
+        option(&O::thickness, "thickness", Range{0, 1}, "m", "Distance that is kept between cloth and proxies",
+               "Its own, the sag of an edge round a shin, and what the proxies are slimmer than the body"),
+        option(&O::self_thickness, "self_thickness", Range{0, 1}, "m", "Distance that is kept between cloth and itself",
+               "Pairs that are closer at rest are left alone"),
+        option(&O::self_collision, "self_collision", "Cloth collides with itself"),
+        option(&O::edge_collision, "edge_collision", "Edges collide with edges, too, where cloth collides with itself"),
     };
   }
   /// 24 sweeps and one step, stiffness by sweeps, the angles of the rest mesh.
@@ -153,13 +155,16 @@ public:
   /// and on any number of threads. Returns, ascending, the simulations that came out not finite, whose states are left alone.
   /// Throws std::invalid_argument, and steps none, if counts differ or an input is wrong; std::logic_error if the solver itself
   /// breaks its word (see advance()).
-  std::vector<int> step_each(std::span<ClothState> states, std::span<const StepInputs> inputs,
-                             std::span<const Material> materials, int threads = 1) const;
+  std::vector<int> step_batch(std::span<ClothState> states, std::span<const StepInputs> inputs,
+                              std::span<const Material> materials, int threads = 1) const;
   /// The same for one simulation; throws std::runtime_error if it comes out not finite.
   void step(ClothState &state, const StepInputs &inputs, const Material &material) const;
+  template <class... A> [[deprecated("use step_batch")]] decltype(auto) step_each(A &&...a) const {
+    return step_batch(std::forward<A>(a)...);
+  }
 
 private:
-  /// What step_each() promises, of arguments that have been checked: as many materials as states, sizes those of the model, all
+  /// What step_batch() promises, of arguments that have been checked: as many materials as states, sizes those of the model, all
   /// finite, targets there if a vertex follows them, equally many capsules at both ends of a frame and in all inputs. Must keep
   /// the sizes of the states and return ascending indices into them.
   virtual std::vector<int> advance(std::span<ClothState> states, std::span<const StepInputs> inputs,

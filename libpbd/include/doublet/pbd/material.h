@@ -22,13 +22,13 @@ struct Material {
     using O = Material;
     return Description{
         "Material",
-        option(&O::d_n, "d_n", Range{0, 32}, "1/m", "drag along the normal, quadratic"),
-        option(&O::d_t, "d_t", Range{0, 32}, "1/s", "drag along the surface, linear"),
-        option(&O::k_bend, "k_bend", Range{0, 1}, "", "bending stiffness"),
-        option(&O::k_stretch, "k_stretch", Range{0, 1, Open::Below}, "",
-               "stretching stiffness; below 0.99 cloth hangs like rubber"),
-        option(&O::k_friction, "k_friction", Range{0, 1}, "", "friction against proxies and itself"),
-        option(&O::k_damping, "k_damping", Range{0, 1}, "", "velocity damping towards rigid motion"),
+        option(&O::d_n, "d_n", Range{0, 32}, "1/m", "Drag along the normal, quadratic in the velocity"),
+        option(&O::d_t, "d_t", Range{0, 32}, "1/s", "Drag along the surface, linear in the velocity"),
+        option(&O::k_bend, "k_bend", Range{0, 1}, "", "Bending stiffness"),
+        option(&O::k_stretch, "k_stretch", Range{0, 1, Open::Below}, "", "Stretching stiffness",
+               "Below 0.99 cloth hangs like rubber"),
+        option(&O::k_friction, "k_friction", Range{0, 1}, "", "Friction against proxies and itself"),
+        option(&O::k_damping, "k_damping", Range{0, 1}, "", "Damping of the velocity towards rigid motion"),
     };
   }
 };

@@ -99,7 +99,7 @@ private:
       tested->step(state, still, {});
     const double moved = (state.positions - banner_.rest).rowwise().norm().maxCoeff();
     if (!(moved < 1e-4))
-      broken_.push_back("the rest state does not rest: without gravity a vertex moved " + options::shown(moved, 4) +
+      broken_.push_back("the rest state does not rest: without gravity a vertex moved " + options::to_text(moved, 4) +
                         " m in 40 frames");
   }
 
@@ -110,8 +110,8 @@ private:
       tested->step(state, {}, {});
     const double fallen = (banner_.rest - state.positions).col(1).mean(), freely = 0.5 * 9.81 * 0.2 * 0.2;
     if (!(fallen > 0.2 * freely && fallen < 1.5 * freely))
-      broken_.push_back("cloth does not fall: free cloth came down by " + options::shown(fallen, 4) + " m in 0.2 s, a stone by " +
-                        options::shown(freely, 4));
+      broken_.push_back("cloth does not fall: free cloth came down by " + options::to_text(fallen, 4) +
+                        " m in 0.2 s, a stone by " + options::to_text(freely, 4));
     state = pbd::initial_state(banner_.rest);
     pbd::StepInputs sideways;
     sideways.gravity = Eigen::Vector3d(0, 0, 9.81);
@@ -119,8 +119,8 @@ private:
       tested->step(state, sideways, {});
     const Eigen::RowVector3d way = (state.positions - banner_.rest).colwise().mean();
     if (!(way.z() > 0.2 * freely && std::abs(way.y()) < 0.1 * way.z()))
-      broken_.push_back("cloth does not fall where the gravity of its inputs points: it went " + options::shown(way.z(), 4) +
-                        " m that way in 0.2 s, and " + options::shown(-way.y(), 4) + " m down");
+      broken_.push_back("cloth does not fall where the gravity of its inputs points: it went " + options::to_text(way.z(), 4) +
+                        " m that way in 0.2 s, and " + options::to_text(-way.y(), 4) + " m down");
   }
 
   void obeys() {
@@ -131,7 +131,7 @@ private:
     solver(banner_.clothness)->step(state, move, {});
     const double off = (state.positions - moved).topRows(9).rowwise().norm().maxCoeff();
     if (!(off < 1e-5))
-      broken_.push_back("pinned vertices do not obey: one is " + options::shown(off, 4) + " m from its target");
+      broken_.push_back("pinned vertices do not obey: one is " + options::to_text(off, 4) + " m from its target");
   }
 
   void replays() {
@@ -166,10 +166,11 @@ private:
       for (int i = 0; i < kCount; ++i) {
         frames.push_back(std::make_unique<BannerFrame>(banner_.rest, f + 3 * i));
         inputs.push_back(frames.back()->inputs);
-        if (!tested->step_each({&alone[i], 1}, {&inputs[i], 1}, {&materials[i], 1}).empty())
+        if (!tested->step_batch({&alone[i], 1}, {&inputs[i], 1}, {&materials[i], 1}).empty())
           failed.push_back(i);
       }
-      if (tested->step_each(together, inputs, materials) != failed || tested->step_each(threaded, inputs, materials, 3) != failed)
+      if (tested->step_batch(together, inputs, materials) != failed ||
+          tested->step_batch(threaded, inputs, materials, 3) != failed)
         broken_.push_back("other simulations are named as not finite in company, or on several threads, than alone");
       for (int i = 0; i < kCount; ++i)
         if (!same(together[i], alone[i]) || !same(threaded[i], alone[i]))
@@ -203,7 +204,7 @@ private:
   std::vector<int> shaken(const pbd::ClothSolver &tested, std::vector<pbd::ClothState> &states, int f,
                           const std::vector<pbd::Material> &materials) const {
     const BannerFrame frame(banner_.rest, f);
-    return tested.step_each(states, {&frame.inputs, 1}, materials);
+    return tested.step_batch(states, {&frame.inputs, 1}, materials);
   }
 
   /// Each wrong in one thing; nothing may have moved.
@@ -232,7 +233,7 @@ private:
     const BannerFrame frame(banner_.rest, 0);
     const std::vector<pbd::StepInputs> both{frame.inputs, inputs};
     try {
-      tested.step_each(states, both, std::vector<pbd::Material>{{}, material});
+      tested.step_batch(states, both, std::vector<pbd::Material>{{}, material});
     } catch (const std::invalid_argument &) {
       if (!same(states[0], pbd::initial_state(banner_.rest)))
         broken_.push_back(what + " was refused too late: another simulation has been stepped");

@@ -8,6 +8,7 @@
 #include "doublet/segment/parts/opposite_distance.h"
 
 #include <memory>
+#include <utility>
 
 namespace doublet {
 
@@ -16,7 +17,7 @@ struct SegmentOptions {
   double slope = 4;
   double colour = 4.5;
   double border = 0.12;
-  double smallest_region = 0.08;
+  double min_region_area = 0.08;
   double diffusion = 0.03;
   bool thresholds = false;
   double rigid_threshold = 0.0025;
@@ -28,20 +29,21 @@ struct SegmentOptions {
     return Description{
         "SegmentOptions",
         option(&O::even_odds, "even_odds", at_least(1), "",
-               "deviation, in units of that of the stillest tenth of the surface, at which skin and cloth are as likely"),
-        option(&O::slope, "slope", at_least(0), "", "log odds of cloth gained for each factor of e in the deviation"),
-        option(&O::colour, "colour", at_least(0), "",
-               "weight of the log likelihood ratio of the colours; 0 = motion alone, and no video is opened"),
+               "Deviation of equal odds for cloth and skin, in deviations of the stillest tenth of the surface",
+               "Captured skin is at 1.5 in the median and below 3 nearly everywhere, loose cloth at 5 and more"),
+        option(&O::slope, "slope", at_least(0), "", "Log odds of cloth that are gained for each factor of e in the deviation"),
+        option(&O::colour, "colour", at_least(0), "", "Weight of the log likelihood ratio of the colours; 0 = motion alone",
+               "With 0 no video is opened"),
         option(&O::border, "border", at_least(0), "m",
-               "what a metre of border costs: as much as this area, in m^2, labelled against log odds of 1"),
-        option(&O::smallest_region, "smallest_region", at_least(0), "m^2",
-               "two garments that touch are told apart by colour if each is this large; 28 x 28 cm, about a short sleeve"),
-        option(&O::diffusion, "diffusion", at_least(0), "m",
-               "length scale of the diffusion of the clothness; half of it smooths the labels' border"),
-        option(&O::thresholds, "thresholds", "on: eq. 1 of the paper with the two thresholds, in the place of the energy"),
-        option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m", "t_rigid of eq. 1: below, a vertex is rigid"),
-        option(&O::cloth_threshold, "cloth_threshold", at_least(0), "m", "t_cloth of eq. 1: above, a vertex is cloth"),
-        option(&O::opposite, "opposite", "the rays to the other side"),
+               "Cost of a metre of border, in square metres labelled against log odds of 1"),
+        option(&O::min_region_area, "min_region_area", at_least(0), "m^2",
+               "Garments that touch are told apart by colour if each is at least this large", "28 x 28 cm, about a short sleeve"),
+        option(&O::diffusion, "diffusion", at_least(0), "m", "Length scale of the diffusion of the clothness",
+               "Half of it smooths the border of the labels"),
+        option(&O::thresholds, "thresholds", "Cloth is told by eq. 1 of the paper with its two thresholds; off = by the energy"),
+        option(&O::rigid_threshold, "rigid_threshold", at_least(0), "m", "Threshold t_rigid of eq. 1: below, a vertex is rigid"),
+        option(&O::cloth_threshold, "cloth_threshold", at_least(0), "m", "Threshold t_cloth of eq. 1: above, a vertex is cloth"),
+        option(&O::opposite, "opposite", "Options of the rays to the other side"),
     };
   }
   void validate() const; ///< throws std::invalid_argument naming option, range and value
@@ -51,7 +53,7 @@ struct SegmentOptions {
 struct SegmentInputs {
   MeshSequence surface;                      ///< as captured; the first frame is in the scan pose
   std::vector<std::uint8_t> face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
-  /// T x (V, 3) m, the frames brought back to the scan pose by the skeleton (unposed_frames): what still moves there, skinning
+  /// T x (V, 3) m, the frames brought back to the scan pose by the skeleton (canonical_frames): what still moves there, skinning
   /// does not explain. Empty = not known.
   std::vector<Vertices> canonical = {};
   /// (F k, 3) B G R, 0 to 255, of any k points spread over every face, face by face; NaN where no camera sees it
@@ -78,10 +80,10 @@ Segmentation segment_cloth(const SegmentInputs &inputs, const SegmentOptions &op
 /// The surface in whose pose a segmentation is made, for that is the scan's: the performance's first frame if its joints are
 /// within 0.15 rad (RMS over the degrees of freedom but the root's), otherwise the actor's own mesh. Throws as
 /// require_performance().
-Mesh segmented_pose(const RiggedMesh &actor, const ReferencePerformance &performance);
+Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &performance);
 
-/// The whole stage for a captured performance: its frames are brought back to the scan pose, too (unposed_frames), after
-/// segmented_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
+/// The whole stage for a captured performance: its frames are brought back to the scan pose, too (canonical_frames), after
+/// segmentation_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
 /// captured frame, or empty. `segmenter` is asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3),
@@ -102,5 +104,10 @@ struct SegmentSummary {
 };
 SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                       const Segmentation &segmentation);
+
+// Deprecated names.
+template <class... A> [[deprecated("use segmentation_pose")]] decltype(auto) segmented_pose(A &&...a) {
+  return segmentation_pose(std::forward<A>(a)...);
+}
 
 } // namespace doublet

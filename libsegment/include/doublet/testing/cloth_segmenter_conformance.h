@@ -65,7 +65,7 @@ inline std::vector<std::string> cloth_segmenter_violations(const ClothSegmenter 
     for (Eigen::Index v = 0; v < n; ++v) {
       const int region = found.region[v];
       if (region < -1 || region >= found.region_count || (region >= 0) != (found.clothness[v] > 0)) {
-        broken.push_back("vertex " + std::to_string(v) + " of clothness " + options::shown(found.clothness[v]) +
+        broken.push_back("vertex " + std::to_string(v) + " of clothness " + options::to_text(found.clothness[v]) +
                          " has the region " + std::to_string(region) + " of " + std::to_string(found.region_count) +
                          "; expected -1 where clothness is 0, an index elsewhere");
         break;

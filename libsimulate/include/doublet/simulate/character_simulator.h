@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace doublet {
@@ -21,7 +22,7 @@ struct PosedFrame {
 };
 
 /// What acts on the cloth during a step.
-struct World {
+struct StepEnvironment {
   double dt = 1.0 / 40;                   ///< s, from one posed frame to the next
   Eigen::Vector3d wind{0.0, 0.0, 0.0};    ///< m/s
   std::optional<Eigen::Vector3d> gravity; ///< m/s^2; none = that of the cloth's options
@@ -44,8 +45,8 @@ struct CharacterState {
   std::vector<pbd::ClothState> regions;
 };
 
-/// An index into the states of step_each, and one into their regions.
-struct FailedRegion {
+/// An index into the states of step_batch, and one into their regions.
+struct DivergedRegion {
   int character, region;
 };
 
@@ -66,11 +67,12 @@ public:
   /// Cloth at rest: at `surface` (V, 3), e.g. a captured frame, if given; else spread out, at its skinned rest shape if the
   /// clothness has one; else at its skinned position.
   CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
-  /// Cloth that is put on at way[0], as start(), and goes along to the last pose of the way (see way_in), world.dt s from each to
-  /// the next. Throws std::invalid_argument if there is no pose, and as step().
-  CharacterState put_on(std::span<const PosedFrame> way, const std::vector<pbd::Material> &materials, const World &world) const;
-  /// Takes the cloth along from one pose to another as one rigid body, with the root.
-  void carry(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const;
+  /// Starts the cloth at poses[0], as start() does, and simulates it through all poses (see lead_in_poses), world.dt s apart.
+  /// Throws std::invalid_argument if there is no pose, and as step().
+  CharacterState drape_along(std::span<const PosedFrame> poses, const std::vector<pbd::Material> &materials,
+                             const StepEnvironment &world) const;
+  /// Moves the cloth from one pose to another as one rigid body, with the root.
+  void move_rigidly(CharacterState &state, const PosedFrame &from, const PosedFrame &to) const;
   /// Lets the cloth fall into place in a still pose for `frames` frames.
   void settle(CharacterState &state, const PosedFrame &frame, const std::vector<pbd::Material> &materials, double dt,
               int frames) const;
@@ -80,18 +82,18 @@ public:
             const std::vector<pbd::Material> &materials, double dt) const;
   /// The same in a world with wind, and without an allocation once warm.
   void step(CharacterState &state, const PosedFrame &previous, const PosedFrame &current,
-            const std::vector<pbd::Material> &materials, const World &world, StepBuffers &buffers) const;
-  /// The same for several characters side by side (see pbd::ClothSolver::step_each): each gets the bits of a step of its own. A
+            const std::vector<pbd::Material> &materials, const StepEnvironment &world, StepBuffers &buffers) const;
+  /// The same for several characters side by side (see pbd::ClothSolver::step_batch): each gets the bits of a step of its own. A
   /// region that comes out not finite stays as it was. Returns those, ordered by region, then character.
-  std::vector<FailedRegion> step_each(std::span<CharacterState *const> states, const PosedFrame &previous,
-                                      const PosedFrame &current, std::span<const std::vector<pbd::Material> *const> materials,
-                                      double dt) const;
+  std::vector<DivergedRegion> step_batch(std::span<CharacterState *const> states, const PosedFrame &previous,
+                                         const PosedFrame &current, std::span<const std::vector<pbd::Material> *const> materials,
+                                         double dt) const;
   /// The same for characters that move each in its own way: previous[i], current[i] are those of states[i].
-  std::vector<FailedRegion> step_each(std::span<CharacterState *const> states, std::span<const PosedFrame *const> previous,
-                                      std::span<const PosedFrame *const> current,
-                                      std::span<const std::vector<pbd::Material> *const> materials, std::span<const World> worlds,
-                                      int threads = 1) const;
-  /// Of one region of several characters alone, all with the same poses: what step_each() does region by region, for those who
+  std::vector<DivergedRegion> step_batch(std::span<CharacterState *const> states, std::span<const PosedFrame *const> previous,
+                                         std::span<const PosedFrame *const> current,
+                                         std::span<const std::vector<pbd::Material> *const> materials,
+                                         std::span<const StepEnvironment> worlds, int threads = 1) const;
+  /// Of one region of several characters alone, all with the same poses: what step_batch() does region by region, for those who
   /// step each region of a character with another simulator, such as one of another rest shape. Returns the states that failed.
   std::vector<int> step_region(int region, std::span<CharacterState *const> states, const PosedFrame &previous,
                                const PosedFrame &current, std::span<const std::vector<pbd::Material> *const> materials,
@@ -101,24 +103,41 @@ public:
   /// (V, 3): skinned vertices, cloth vertices replaced by the simulated ones.
   Vertices surface(const CharacterState &state, const PosedFrame &frame) const;
   void surface(const CharacterState &state, const PosedFrame &frame, Vertices &surface) const;
+  template <class... A> [[deprecated("use step_batch")]] decltype(auto) step_each(A &&...a) const {
+    return step_batch(std::forward<A>(a)...);
+  }
+  template <class... A> [[deprecated("use drape_along")]] decltype(auto) put_on(A &&...a) const {
+    return drape_along(std::forward<A>(a)...);
+  }
+  template <class... A> [[deprecated("use move_rigidly")]] decltype(auto) carry(A &&...a) const {
+    return move_rigidly(std::forward<A>(a)...);
+  }
 
 private:
   std::vector<int> step_region(int region, std::span<CharacterState *const> states, std::span<const PosedFrame *const> previous,
                                std::span<const PosedFrame *const> current,
-                               std::span<const std::vector<pbd::Material> *const> materials, std::span<const World> worlds,
-                               int threads) const;
+                               std::span<const std::vector<pbd::Material> *const> materials,
+                               std::span<const StepEnvironment> worlds, int threads) const;
   void pin(CharacterState &state, const PosedFrame &frame) const;
   RiggedMesh actor_;
   std::vector<TaperedCapsule> proxies_;
   pbd::ClothOptions options_;
   std::vector<ClothRegion> regions_;
-  Skin skin_;
+  SkinBinding skin_;
   Vertices rest_; ///< (V, 3) of the clothness; may be empty
 };
 
-/// The poses (D) in which cloth is put on, `dt` s apart: from the rest pose, with its root where `dofs` has it, to `dofs`, in 0.6
-/// s. `dofs` alone where all joints are within 20 degrees of the rest pose. A rest shape that the skin weights carry to a lunge
-/// or a crouch is several times as long as at rest, and would spring back through itself.
-std::vector<Eigen::VectorXd> way_in(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt);
+/// Poses (D) that lead in from the rest pose, with its root where `dofs` has it, to `dofs`, `dt` s apart, in 0.6 s: there the
+/// cloth is draped first (CharacterSimulator::drape_along). `dofs` alone where all joints are within 20 degrees of the rest pose.
+/// A rest shape that the skin weights carry to a lunge or a crouch is several times as long as at rest, and would spring back
+/// through itself.
+std::vector<Eigen::VectorXd> lead_in_poses(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double dt);
+
+// Deprecated names.
+using FailedRegion [[deprecated("use DivergedRegion")]] = DivergedRegion;
+using World [[deprecated("use StepEnvironment")]] = StepEnvironment;
+template <class... A> [[deprecated("use lead_in_poses")]] decltype(auto) way_in(A &&...a) {
+  return lead_in_poses(std::forward<A>(a)...);
+}
 
 } // namespace doublet

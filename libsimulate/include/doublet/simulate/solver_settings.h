@@ -14,8 +14,8 @@ struct SolverSettings {
     using O = SolverSettings;
     return Description{
         "SolverSettings",
-        option(&O::dt, "dt", Range{0, 1, Open::Below}, "s", "one frame"),
-        option(&O::cloth, "cloth", "of the solver"),
+        option(&O::dt, "dt", Range{0, 1, Open::Below}, "s", "Duration of one frame"),
+        option(&O::cloth, "cloth", "Options of the cloth solver"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
@@ -24,10 +24,10 @@ struct SolverSettings {
 /// Throws std::invalid_argument naming the first setting that differs: "`where`: solver setting cloth.substeps: expected 4, found
 /// 1".
 inline void require_same(const SolverSettings &expected, const SolverSettings &found, const std::string &where) {
-  const auto wanted = options::listed(expected), given = options::listed(found);
+  const auto wanted = options::to_pairs(expected), given = options::to_pairs(found);
   for (std::size_t i = 0; i < wanted.size(); ++i)
     if (wanted[i] != given[i])
-      options::refuse(where + ": solver setting " + wanted[i].first, wanted[i].second, given[i].second);
+      options::throw_invalid(where + ": solver setting " + wanted[i].first, wanted[i].second, given[i].second);
 }
 
 } // namespace doublet

@@ -20,7 +20,7 @@ PAGES = (
         "OUT", "folder of the results so far, with a template", edit_template,
     ),
     (
-        "edit-segmentation", "paint cloth, skin and seams between garments in a browser",
+        "edit-segmentation", "paint cloth, skin and borders between garments in a browser",
         "OUT", "folder of the results so far, with a segmentation", edit_segmentation,
     ),
 )  # fmt: skip

@@ -12,7 +12,7 @@ from ..parsing import shorten_help
 #: What `reconstruct --help` shows of the options; --help-all shows them all.
 USUAL = (
     "capture.first_frame", "capture.frame_count", "segment.even_odds", "segment.border", "garment.vertices",
-    "garment.spreads", "fit.max_evaluations",
+    "garment.length_exceedances", "fit.max_evaluations",
 )  # fmt: skip
 
 

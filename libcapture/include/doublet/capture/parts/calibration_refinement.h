@@ -19,24 +19,24 @@ struct CalibrationRefinementOptions {
   double focal = 0.005;
   double distortion = 0.01;
   double late = 1.0;
-  double least = 0.0025;
+  double min_change = 0.0025;
   static constexpr auto describe() {
     using namespace options;
     using O = CalibrationRefinementOptions;
     return Description{
         "CalibrationRefinementOptions",
-        option(&O::moments, "moments", at_least(1), "", "frames that are looked at, evenly spread over the take"),
-        option(&O::iterations, "iterations", at_least(1), "", "renderings with re-matching"),
-        option(&O::rims_per_view, "rims_per_view", at_least(10), "", "correspondences per view and direction"),
-        option(&O::raster_size, "raster_size", at_least(64), "px", "longest side of the renderings in which rims are found"),
-        option(&O::rotation, "rotation", above(0), "degrees", "expected error of a camera's direction"),
-        option(&O::position, "position", above(0), "m", "expected error of a camera's place, on each axis"),
-        option(&O::focal, "focal", above(0), "", "expected error of a focal length, as a share of it"),
+        option(&O::moments, "moments", at_least(1), "", "Number of frames that are used, spread evenly over the take"),
+        option(&O::iterations, "iterations", at_least(1), "", "Number of renderings, each with new matches"),
+        option(&O::rims_per_view, "rims_per_view", at_least(10), "", "Number of correspondences a view and direction"),
+        option(&O::raster_size, "raster_size", at_least(64), "px", "Longest side of the renderings in which rims are found"),
+        option(&O::rotation, "rotation", above(0), "degrees", "Expected error of a camera's direction"),
+        option(&O::position, "position", above(0), "m", "Expected error of a camera's position, on each axis"),
+        option(&O::focal, "focal", above(0), "", "Expected error of a focal length, as a share of it"),
         option(&O::distortion, "distortion", at_least(0), "",
-               "expected error of the first distortion term, of lenses that have any; 0 = it stays"),
-        option(&O::late, "late", at_least(0), "frames", "expected delay of a camera against the others; 0 = there is none"),
-        option(&O::least, "least", at_least(0), "m",
-               "on the actor: cameras that would move less, in the mean of all, stay as they are"),
+               "Expected error of the first distortion term, of lenses that have any; 0 = it stays"),
+        option(&O::late, "late", at_least(0), "frames", "Expected delay of a camera against the others; 0 = there is none"),
+        option(&O::min_change, "min_change", at_least(0), "m",
+               "Cameras stay as they are if the actor would move by less, in the mean of all"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -37,8 +37,8 @@ struct LimbProblem {
 
 struct LimbSearchOptions {
   int raster_size = 160;
-  double lost = 0.02;
-  double reach = 0.3;
+  double lost_error = 0.02;
+  double max_error = 0.3;
   double deviation = 0.7;
   double smoothness = 0.02;
   ParticleAnnealingOptions annealing;
@@ -47,15 +47,15 @@ struct LimbSearchOptions {
     using O = LimbSearchOptions;
     return Description{
         "LimbSearchOptions",
-        option(&O::raster_size, "raster_size", at_least(64), "px",
-               "longest side of the masks and renderings compared; an arm is 3 to 4 px wide"),
-        option(&O::lost, "lost", above(0), "m",
-               "a limb with a larger error is lost; tracked ones have a few mm, an arm 30 degrees off 4 cm"),
-        option(&O::reach, "reach", above(0), "m", "disagreements count at most so much"),
-        option(&O::deviation, "deviation", above(0), "rad", "of the first particles around the prediction"),
+        option(&O::raster_size, "raster_size", at_least(64), "px", "Longest side of the masks and renderings that are compared",
+               "An arm is 3 to 4 px wide"),
+        option(&O::lost_error, "lost_error", above(0), "m", "A limb with a larger error is lost",
+               "Tracked limbs have a few mm, an arm 30 degrees off has 4 cm"),
+        option(&O::max_error, "max_error", above(0), "m", "A pixel's disagreement counts at most so much"),
+        option(&O::deviation, "deviation", above(0), "rad", "Standard deviation of the first particles around the prediction"),
         option(&O::smoothness, "smoothness", at_least(0), "",
-               "weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area"),
-        option(&O::annealing, "annealing", "of the particles"),
+               "Weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area"),
+        option(&O::annealing, "annealing", "Options of the particles"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

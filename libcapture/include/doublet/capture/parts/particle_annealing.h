@@ -15,22 +15,22 @@ struct ParticleAnnealingOptions {
   int iterations = 10;
   double coldness = 10;
   double power = 0.7;
-  double spread = 0.4;
+  double covariance_share = 0.4;
   std::uint64_t seed = 1;
   static constexpr auto describe() {
     using namespace options;
     using O = ParticleAnnealingOptions;
     return Description{
         "ParticleAnnealingOptions",
-        option(&O::particles, "particles", at_least(2), "", "energies an iteration"),
-        option(&O::iterations, "iterations", at_least(1), "",
-               "selections and moves; 100 particles and 10 take 0.5 s a lost limb"),
-        option(&O::coldness, "coldness", above(0), "",
-               "beta_t = coldness (t + 1)^power; a difference in energy of 1 / beta_t makes a particle e times rarer"),
-        option(&O::power, "power", at_least(0), "", "of the schedule, Gall et al. 2007, Sect. 5.2"),
-        option(&O::spread, "spread", Range{0, 1, Open::Below}, "",
-               "share of the particles' covariance with which they are moved after each selection (ibid., alpha)"),
-        option(&O::seed, "seed", at_least(0), "", "of the random numbers"),
+        option(&O::particles, "particles", at_least(2), "", "Number of particles, which is that of the energies in an iteration"),
+        option(&O::iterations, "iterations", at_least(1), "", "Number of selections and moves",
+               "100 particles and 10 iterations take 0.5 s a lost limb"),
+        option(&O::coldness, "coldness", above(0), "", "Scale of the schedule, beta_t = coldness (t + 1)^power",
+               "A difference in energy of 1 / beta_t makes a particle e times rarer"),
+        option(&O::power, "power", at_least(0), "", "Power of the schedule (Gall et al. 2007, Sect. 5.2)"),
+        option(&O::covariance_share, "covariance_share", Range{0, 1, Open::Below}, "",
+               "Share of the particles' covariance with which they move after a selection (ibid., alpha)"),
+        option(&O::seed, "seed", at_least(0), "", "Seed of the random numbers"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

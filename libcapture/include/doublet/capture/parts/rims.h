@@ -52,12 +52,13 @@ struct RimMatchOptions {
     using O = RimMatchOptions;
     return Description{
         "RimMatchOptions",
-        option(&O::count, "count", at_least(1), "",
-               "correspondences sought per view and direction; enough for a few on a finger-wide part"),
-        option(&O::gate, "gate", above(0), "m", "farther outlines are no match"),
-        option(&O::min_cosine, "min_cosine", Range{-1, 1}, "", "between normals; 0.5 = they may differ by 60 degrees"),
-        option(&O::both_directions, "both_directions",
-               "also from the measured outline to the rendered one, so that nothing measured goes unexplained"),
+        option(&O::count, "count", at_least(1), "", "Number of correspondences that are sought a view and direction",
+               "Enough for a few on a finger-wide part"),
+        option(&O::gate, "gate", above(0), "m", "Outlines farther away are no match"),
+        option(&O::min_cosine, "min_cosine", Range{-1, 1}, "", "Smallest cosine between the normals of a match",
+               "At 0.5 they may differ by 60 degrees"),
+        option(&O::both_directions, "both_directions", "The measured outline is matched to the rendered one, too",
+               "Nothing measured goes unexplained"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

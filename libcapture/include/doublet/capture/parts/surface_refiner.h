@@ -32,37 +32,37 @@ struct SurfaceOptions {
   double sift_weight = 2.0;
   double bending = 1.0;
   double stretching = 0.02;
-  double memory = 1.0;
+  double offset_prior_share = 1.0;
   double anchor_cloth = 0.01;
   double anchor_rigid = 0.5;
-  double loose = 0.02;
+  double anchor_falloff = 0.02;
   static constexpr auto describe() {
     using namespace options;
     using O = SurfaceOptions;
     return Description{
         "SurfaceOptions",
-        option(&O::iterations, "iterations", at_least(0), "", "renderings with re-matching"),
-        option(&O::raster_size, "raster_size", at_least(64), "px", "longest side of the renderings in which rims are found"),
-        option(&O::rims_per_view, "rims_per_view", at_least(10), "", "correspondences per view and direction"),
-        option(&O::gate_start, "gate_start", above(0), "m",
-               "rim matches farther away are dropped, first iteration; a hem moves up to 0.1 m between frames"),
-        option(&O::gate_end, "gate_end", above(0), "m", "the same, last iteration"),
-        option(&O::scale_start, "scale_start", above(0), "m", "Geman-McClure scale of the residuals, first iteration"),
-        option(&O::scale_end, "scale_end", above(0), "m", "the same, last iteration"),
-        option(&O::sift_weight, "sift_weight", at_least(0), "",
-               "of one feature track against one rim match; at 10 skin slides after tracks that are off by a pixel"),
-        option(&O::bending, "bending", above(0), "",
-               "weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints"),
-        option(&O::stretching, "stretching", above(0), "",
-               "weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does"),
-        option(&O::memory, "memory", Range{0, 1}, "",
-               "share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up"),
+        option(&O::iterations, "iterations", at_least(0), "", "Number of renderings, each with new matches"),
+        option(&O::raster_size, "raster_size", at_least(64), "px", "Longest side of the renderings in which rims are found"),
+        option(&O::rims_per_view, "rims_per_view", at_least(10), "", "Number of correspondences a view and direction"),
+        option(&O::gate_start, "gate_start", above(0), "m", "Rim matches farther away are dropped in the first iteration",
+               "A hem moves up to 0.1 m between frames"),
+        option(&O::gate_end, "gate_end", above(0), "m", "Rim matches farther away are dropped in the last iteration"),
+        option(&O::scale_start, "scale_start", above(0), "m", "Geman-McClure scale of the residuals in the first iteration"),
+        option(&O::scale_end, "scale_end", above(0), "m", "Geman-McClure scale of the residuals in the last iteration"),
+        option(&O::sift_weight, "sift_weight", at_least(0), "", "Weight of a feature track against one rim match",
+               "At 10 skin slides after tracks that are off by a pixel"),
+        option(&O::bending, "bending", above(0), "", "Weight of |Laplacian of the displacement|^2 a vertex",
+               "Keeps the shape between constraints"),
+        option(&O::stretching, "stretching", above(0), "", "Weight of |difference of neighbours' displacement|^2",
+               "Small; ties down what nothing else does"),
+        option(&O::offset_prior_share, "offset_prior_share", Range{0, 1}, "",
+               "Share of the offset from the skinned surface that bends and stretches back", "0 lets folds pile up"),
         option(&O::anchor_cloth, "anchor_cloth", above(0), "",
-               "pull of a loose vertex to its expected position, against one rim match"),
+               "Weight of a cloth vertex's expected position, against one rim match"),
         option(&O::anchor_rigid, "anchor_rigid", above(0), "",
-               "the same for a vertex that moves with the skeleton, to its skinned position"),
-        option(&O::loose, "loose", above(0), "m",
-               "a vertex this far from its skinned position is held there with a quarter of anchor_rigid"),
+               "Weight of a rigid vertex's skinned position, against one rim match"),
+        option(&O::anchor_falloff, "anchor_falloff", above(0), "m",
+               "At this distance from its skinned position a vertex has a quarter of anchor_rigid"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
@@ -70,7 +70,7 @@ struct SurfaceOptions {
 
 /// Is the face's longest edge more than twice what it was at rest? Cloth and skin do not stretch so far: such a face has lost its
 /// place, and what is seen there belongs to something else.
-bool overstretched(const Vertices &vertices, const Mesh &rest, int face);
+bool is_overstretched(const Vertices &vertices, const Mesh &rest, int face);
 
 /// The swap point: expected surface and correspondences in, refined surface out. May keep factorisations from call to call.
 class SurfaceRefiner {

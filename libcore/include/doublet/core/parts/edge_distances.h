@@ -14,8 +14,8 @@ namespace doublet {
 /// Searches on from `starts`, not beyond `limit` (m). `distance(v)` is where the distance of a vertex is kept: 0 at `starts` and
 /// infinity elsewhere. `neighbours` as vertex_neighbours() has them.
 template <class Distance>
-void spread_along_edges(const Vertices &vertices, const std::vector<std::vector<int>> &neighbours, const std::vector<int> &starts,
-                        double limit, const Distance &distance) {
+void propagate_along_edges(const Vertices &vertices, const std::vector<std::vector<int>> &neighbours,
+                           const std::vector<int> &starts, double limit, const Distance &distance) {
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (int v : starts)

@@ -34,7 +34,7 @@ public:
   Fingerprint &add(const std::string &text) { return bytes(text.data(), text.size()); }
   /// Every option, nested ones, too.
   template <options::Described T> Fingerprint &add(const T &object) {
-    for (const auto &[name, value] : options::listed(object))
+    for (const auto &[name, value] : options::to_pairs(object))
       add(name).add(value);
     return *this;
   }

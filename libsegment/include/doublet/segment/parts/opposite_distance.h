@@ -21,16 +21,16 @@ struct OppositeOptions {
     using O = OppositeOptions;
     return Description{
         "OppositeOptions",
-        option(&O::rays, "rays", Range{1, 64}, "",
-               "a vertex: the one along -n of the paper and a ring around it; the median of their deviations counts"),
-        option(&O::cone, "cone", Range{0, 1.5, Open::Above}, "rad", "half angle of the ring"),
-        option(&O::min_distance, "min_distance", at_least(0), "m",
-               "nearer hits are the vertex's own sheet (a fold), not the opposite side"),
+        option(&O::rays, "rays", Range{1, 64}, "", "Number of rays a vertex: the paper's, along -n, and a ring around it",
+               "The median of their deviations counts"),
+        option(&O::cone, "cone", Range{0, 1.5, Open::Above}, "rad", "Half angle of the ring of rays"),
+        option(&O::min_distance, "min_distance", at_least(0), "m", "Nearer hits do not count",
+               "They are the vertex's own sheet (a fold), not the opposite side"),
         option(&O::min_cosine, "min_cosine", Range{-1, 1, Open::Above}, "",
-               "between the ray and the outward normal where it leaves: a grazing hit slides along the surface"),
-        option(
-            &O::trim, "trim", Range{0, 0.5, Open::Above}, "",
-            "share of the frames left out at either end of the sorted distances (lost tracking, extreme bends); 0 = the paper's"),
+               "Smallest cosine between ray and outward normal where the ray leaves", "A grazing hit slides along the surface"),
+        option(&O::trim, "trim", Range{0, 0.5, Open::Above}, "",
+               "Share of the frames left out at either end of the sorted distances; 0 = the paper's",
+               "Lost tracking and extreme bends"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

@@ -9,10 +9,10 @@ namespace doublet {
 /// Brings the vertices of the body's drawn faces under the surface where they stand out of it: 10 mm deep and from up to 6 cm
 /// outside under cloth; 3 mm deep and from up to 12 mm outside under skin, where the two are the same surface, fitted with that
 /// error. A matter of display only: collision proxies are simpler than a body.
-class BodyTuck {
+class BodyPenetrationFix {
 public:
   /// The character must outlive it.
-  explicit BodyTuck(const Character &character);
+  explicit BodyPenetrationFix(const Character &character);
   /// surface (V, 3) M in a pose, body (B, 3) in the same; once warm, nothing is allocated.
   void apply(const Vertices &surface, Vertices &body);
 

@@ -1,4 +1,4 @@
-#include "doublet/core/parts/sheets.h"
+#include "doublet/core/parts/invalid_faces.h"
 
 namespace doublet {
 namespace {
@@ -35,7 +35,7 @@ void give_back_what_reaches_far(const Mesh &mesh, const std::vector<std::uint8_t
 
 } // namespace
 
-std::vector<std::uint8_t> extend_sheets(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid) {
+std::vector<std::uint8_t> extend_invalid_faces(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid) {
   constexpr double kSameWay = 0.6; // cosine
   std::vector<std::uint8_t> valid = face_valid;
   std::vector<int> invalid;

@@ -1,6 +1,6 @@
 // The sheets that close a scan.
 
-#include "doublet/core/parts/sheets.h"
+#include "doublet/core/parts/invalid_faces.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -38,13 +38,13 @@ TEST(Sheets, GrowOverWhatFacesTheSameWayBesideThem) {
       ++sheet;
     }
   ASSERT_GT(sheet, 20);
-  EXPECT_EQ(extend_sheets(mesh, valid), valid); // no sheet, nothing to extend
-  valid[first] = 0;                             // all that was marked of the ring
-  const std::vector<std::uint8_t> extended = extend_sheets(mesh, valid);
+  EXPECT_EQ(extend_invalid_faces(mesh, valid), valid); // no sheet, nothing to extend
+  valid[first] = 0;                                    // all that was marked of the ring
+  const std::vector<std::uint8_t> extended = extend_invalid_faces(mesh, valid);
   for (int f = 0; f < mesh.faces.rows(); ++f)
     EXPECT_EQ(extended[f] == 0, at_the_hem(mesh, f) && faces_down(mesh, f))
         << f; // the foot's sole faces down, too, but elsewhere
-  EXPECT_TRUE(extend_sheets(mesh, {}).empty());
+  EXPECT_TRUE(extend_invalid_faces(mesh, {}).empty());
 }
 
 TEST(Sheets, AHoleInASurfaceIsNoSheet) {
@@ -55,5 +55,5 @@ TEST(Sheets, AHoleInASurfaceIsNoSheet) {
       valid[f] = 0; // on the garment's side, which goes on far beyond it
       break;
     }
-  EXPECT_EQ(extend_sheets(mesh, valid), valid);
+  EXPECT_EQ(extend_invalid_faces(mesh, valid), valid);
 }

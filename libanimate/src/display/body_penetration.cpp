@@ -1,4 +1,4 @@
-#include "doublet/animate/parts/body_tuck.h"
+#include "doublet/animate/parts/body_penetration.h"
 
 namespace doublet {
 namespace {
@@ -19,7 +19,7 @@ void sum_area_vectors(const Vertices &vertices, const Faces &faces, Vertices &su
 
 } // namespace
 
-BodyTuck::BodyTuck(const Character &character)
+BodyPenetrationFix::BodyPenetrationFix(const Character &character)
     : character_(character), surface_(character.actor.mesh, character.actor.face_valid) {
   std::vector<std::uint8_t> drawn(character.body.vertices.rows(), 0);
   for (Eigen::Index f = 0; f < character.body.faces.rows(); ++f)
@@ -31,7 +31,7 @@ BodyTuck::BodyTuck(const Character &character)
   last_.assign(drawn_.size(), -1);
 }
 
-void BodyTuck::apply(const Vertices &surface, Vertices &body) {
+void BodyPenetrationFix::apply(const Vertices &surface, Vertices &body) {
   const Faces &faces = character_.actor.mesh.faces;
   const Eigen::VectorXd &delta = character_.segmentation.clothness;
   surface_.move_to(surface);

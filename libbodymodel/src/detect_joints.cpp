@@ -1,4 +1,4 @@
-#include "doublet/bodymodel/body_marks.h"
+#include "doublet/bodymodel/detect_joints.h"
 
 #include "doublet/core/error.h"
 #include "doublet/core/parts/edge_distances.h"
@@ -190,7 +190,7 @@ std::map<std::string, Eigen::Vector3d> world_joints(const BodyModel &model, cons
   return result;
 }
 
-void read_marks(const BodyModel &model, BodyMarks &marks) {
+void read_marks(const BodyModel &model, DetectedJoints &marks) {
   const auto joints = world_joints(model, marks.fit);
   const auto landmark = [&](const char *name) -> Eigen::Vector3d {
     return marks.fit.body.vertices.row(model.landmarks().at(name)).transpose();
@@ -207,9 +207,9 @@ void read_marks(const BodyModel &model, BodyMarks &marks) {
 
 } // namespace
 
-BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
-                          const BodyFitOptions &options, const std::map<std::string, Eigen::Vector3d> &seen,
-                          const Context &context) {
+DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
+                             const BodyFitOptions &options, const std::map<std::string, Eigen::Vector3d> &seen,
+                             const Context &context) {
   require_usable(surface, "body marks");
   require_names(model);
   RiggedMesh actor = unrigged(surface, face_valid);
@@ -217,7 +217,7 @@ BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &
   loose.landmark_deviation = std::max(options.landmark_deviation, kEndDeviation);
   loose.joint_deviation = std::max(options.joint_deviation, kSeenDeviation);
   const auto fitter = BodyFitter::create(loose);
-  BodyMarks marks;
+  DetectedJoints marks;
   if (seen.empty()) {
     const Ends ends = named_ends(surface);
     std::array<BodyFit, 2> fits;
@@ -225,14 +225,14 @@ BodyMarks find_body_marks(const Mesh &surface, const std::vector<std::uint8_t> &
       fits[side] = fit_side(actor, model, marks_of(ends, side), *fitter, context);
     const std::array<double, 2> costs{cost_of(fits[0]), cost_of(fits[1])};
     const int better = costs[1] < costs[0];
-    marks.rival = costs[better] / costs[1 - better];
+    marks.facing_ambiguity = costs[better] / costs[1 - better];
     marks.fit = std::move(fits[better]);
   } else {
     actor.skeleton.joints = seen_joints(seen);
     marks.fit = fit_side(actor, model, {}, *fitter, context);
   }
   if (!(marks.fit.residual < kLargestResidual))
-    refuse_person("stays " + options::shown(1000 * marks.fit.residual, 3) + " mm from the surface on average");
+    refuse_person("stays " + options::to_text(1000 * marks.fit.residual, 3) + " mm from the surface on average");
   read_marks(model, marks);
   return marks;
 }
