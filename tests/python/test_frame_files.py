@@ -25,9 +25,9 @@ def picture() -> np.ndarray:
 
 
 def numbered(frame: int) -> np.ndarray:
-    """(48, 64, 3) uint8 RGB by which a frame is known: its number in eight columns, black and white. The last is white: a picture of
-    one colour is a camera that dropped out."""
-    bits = [((frame | 128) >> k & 1) * 220 + 10 for k in range(8)]
+    """(48, 64, 3) uint8 RGB by which a frame is known: its number in eight columns, black and white. The last is white: a
+    picture of one colour is a camera that dropped out."""
+    bits = [(((frame | 128) >> k) & 1) * 220 + 10 for k in range(8)]
     return np.broadcast_to(np.repeat(bits, 8)[None, :, None], (SIZE[1], SIZE[0], 3)).astype(np.uint8)
 
 

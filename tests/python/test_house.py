@@ -55,6 +55,13 @@ def test_the_package_asks_for_what_a_room_links(room):
     assert set(" ".join(found).split()) == MAY_USE[room] - {"options"}  # headers alone, always there
 
 
+def test_stable_headers_include_no_experimental_ones():
+    """What is promised does not rest on what is not (docs/stability.md)."""
+    stable = [p for paths in SOURCES.values() for p in paths if "include" in p.parts and "parts" not in p.parts]
+    assert len(stable) > 50
+    assert {str(p.relative_to(ROOT)): found for p in stable if (found := [i for i in includes(p) if "/parts/" in i])} == {}
+
+
 @pytest.mark.parametrize("room", MAY_USE)
 def test_public_headers_show_no_third_party_types_but_eigens(room):
     for path in SOURCES[room]:
