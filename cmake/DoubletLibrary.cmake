@@ -66,5 +66,6 @@ function(doublet_install_package)
     INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet)
   write_basic_package_version_file(${PROJECT_BINARY_DIR}/doubletConfigVersion.cmake COMPATIBILITY SameMinorVersion)
   install(FILES ${PROJECT_BINARY_DIR}/doubletConfig.cmake ${PROJECT_BINARY_DIR}/doubletConfigVersion.cmake
+      ${PROJECT_SOURCE_DIR}/cmake/doubletRooms.cmake
     DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet COMPONENT development)
 endfunction()

@@ -11,12 +11,13 @@
 #   slow      ctest -L slow: cloth in every corner of the material box
 #   pictures  every picture of docs/, by its script
 #   conda     the conda recipe, rendered
+#   wheel     the wheel of scripts/build-wheel.sh, in a clean environment
 #   pythons   a wheel for Python 3.9, and for the newest that is on the PATH, each in an environment of its own
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 logs=$PWD/build/nightly build=$PWD/build/tests venv=$PWD/build/tests-venv
 all=()
-parts="tests sanitize threads fuzz mutate stages slow pictures conda pythons"
+parts="tests sanitize threads fuzz mutate stages slow pictures conda wheel pythons"
 
 installed() {
   [ -x "$venv/bin/doublet" ] || tests/run_tests.sh -k test_the_version_is_one
@@ -37,6 +38,8 @@ run_part() {
     slow) installed && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow ;;
     pictures) installed && PATH=$venv/bin:$PATH scripts/make-pictures.sh --quick "$logs/pictures" ;;
     conda) installed && "$venv/bin/pip" install -q py-rattler-build && "$venv/bin/python" packaging/conda/check.py ;;
+    wheel) installed && scripts/build-wheel.sh && PATH=$venv/bin:$PATH DOUBLET_PORTABLE_WHEEL=$(echo "$PWD"/build/portable-wheel/doublet-*.whl) \
+      "$venv/bin/python" -m pytest tests/python/test_portable_wheel.py ;;
     pythons) tests/slow/other_pythons.sh ;;
     *) return 1 ;;
   esac

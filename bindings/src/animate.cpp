@@ -5,10 +5,10 @@
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/image_file.h"
-#include "doublet/animate/parts/surface_transfer.h"
 #include "doublet/animate/plant_feet.h"
 #include "doublet/animate/renderer.h"
 #include "doublet/animate/retarget.h"
+#include "doublet/animate/surface_transfer.h"
 #include "doublet/animate/texture_baker.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-#include "doublet/capture/parts/calibration_refinement.h"
+#include "doublet/capture/calibration_refinement.h"
 
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/pose_optimizer.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>

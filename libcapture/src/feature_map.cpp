@@ -1,6 +1,6 @@
 #include "feature_map.h"
 
-#include "doublet/capture/parts/surface_refiner.h"
+#include "doublet/capture/surface_refiner.h"
 #include "doublet/core/error.h"
 
 #include <cmath>

@@ -2,8 +2,8 @@
 // Texture features with a known place on the surface: seen in one frame, found again in every later one, so that tracking does
 // not drift.
 
-#include "doublet/capture/parts/feature_tracker.h"
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/feature_tracker.h"
+#include "doublet/capture/pose_optimizer.h"
 
 namespace doublet {
 

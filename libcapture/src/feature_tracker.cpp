@@ -1,4 +1,4 @@
-#include "doublet/capture/parts/feature_tracker.h"
+#include "doublet/capture/feature_tracker.h"
 
 #include "doublet/core/error.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/core/image.h"
 
 namespace doublet {

@@ -1,6 +1,5 @@
 #include "image_file.h"
 
-#include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "jpeg_file.h"
 #include "png_file.h"
@@ -38,10 +37,10 @@ cv::Mat decode(const std::string &data, const fs::path &path) {
 } // namespace
 
 void require_bounded(std::int64_t width, std::int64_t height) {
-  constexpr std::int64_t kMost = std::int64_t(1) << 28; // pixels; 16,384 x 16,384
+  constexpr std::int64_t kMost = std::int64_t(1) << 27; // pixels: 16k x 8k
   if (width < 1 || height < 1 || width > kMost / height)
-    throw Error("expected at most " + std::to_string(kMost) + " pixels, found " + std::to_string(width) + " x " +
-                std::to_string(height));
+    throw Oversized("expected an image of at most " + std::to_string(kMost) + " pixels, found " + std::to_string(width) + " x " +
+                    std::to_string(height));
 }
 
 bool read_ppm(std::FILE *file, cv::Mat &image) {
@@ -62,6 +61,8 @@ cv::Mat read_image(const fs::path &path) {
     throw FileNotFound(path.string() + ": there is no such image");
   try {
     return decode(read_text(path), path);
+  } catch (const Oversized &problem) {
+    throw Error(path.string() + ": " + problem.what());
   } catch (const Error &problem) {
     throw Error(path.string() + ": expected an image, found a file that cannot be decoded (" + problem.what() + ")");
   }

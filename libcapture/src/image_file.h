@@ -1,6 +1,8 @@
 #pragma once
 // One image file of any format.
 
+#include "doublet/core/error.h"
+
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -14,7 +16,11 @@ cv::Mat read_image(const std::filesystem::path &path);
 
 /// The next binary PPM of 8 bits in a file or pipe; false if there is none, or not a whole one.
 bool read_ppm(std::FILE *file, cv::Mat &image);
-/// Throws Error for an image that is larger than any camera's, before there is memory for it.
+class Oversized : public Error {
+public:
+  using Error::Error;
+};
+/// Throws Oversized for an image that is larger than any camera's, before there is memory for it.
 void require_bounded(std::int64_t width, std::int64_t height);
 
 } // namespace doublet::detail

@@ -1,6 +1,6 @@
-#include "doublet/capture/parts/limb_search.h"
+#include "doublet/capture/limb_search.h"
 
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/core/rasterizer.h"
 #include "small_view.h"
 

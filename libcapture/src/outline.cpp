@@ -1,4 +1,4 @@
-#include "doublet/capture/parts/outline.h"
+#include "doublet/capture/outline.h"
 
 #include <algorithm>
 #include <cmath>

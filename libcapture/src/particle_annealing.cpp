@@ -1,4 +1,4 @@
-#include "doublet/capture/parts/particle_annealing.h"
+#include "doublet/capture/particle_annealing.h"
 
 #include "doublet/core/parts/normal_generator.h"
 

@@ -1,4 +1,4 @@
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/pose_optimizer.h"
 
 #include "doublet/core/skinning.h"
 

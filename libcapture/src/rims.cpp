@@ -1,4 +1,4 @@
-#include "doublet/capture/parts/rims.h"
+#include "doublet/capture/rims.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "doublet/capture/parts/surface_refiner.h"
+#include "doublet/capture/surface_refiner.h"
 
 #include "doublet/core/error.h"
 

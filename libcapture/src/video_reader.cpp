@@ -52,11 +52,13 @@ std::vector<std::string> decoding(const fs::path &path, double seconds, int skip
   // The time of every picture goes to file 3. Colours by the matrix of BT.601 whatever the file says, as OpenCV has it: so masks
   // and plates of one camera agree with its video.
   std::string filters = "metadata=add:key=x:value=x,metadata=print:direct=1:file='pipe\\:3',";
-  filters += "scale=in_color_matrix=bt601:flags=bicubic";
+  filters += "scale=in_color_matrix=bt601:flags=bicubic,";
+  // Then every picture once, whatever its time: at an even rate, for the option that says so has changed its name.
+  filters += "settb=AVTB,setpts=N/25/TB";
   if (skipped)
     filters = "select='gte(n\\," + std::to_string(skipped) + ")'," + filters;
-  return joined(command, {"-i", input_name(path), "-map", "0:V:0", "-vsync", "passthrough", "-vf", filters, "-c:v", "ppm",
-                          "-pix_fmt", "rgb24", "-f", "image2pipe", "-"});
+  return joined(command, {"-i", input_name(path), "-map", "0:V:0", "-vf", filters, "-r", "25", "-c:v", "ppm", "-pix_fmt", "rgb24",
+                          "-f", "image2pipe", "-"});
 }
 
 /// "frame:0    pts:128     pts_time:0.0125", and a line for what is stated of it.

@@ -1,4 +1,4 @@
-#include "doublet/fit/parts/posterior.h"
+#include "doublet/fit/posterior.h"
 
 #include "doublet/core/parts/normal_generator.h"
 #include "doublet/fit/parts/gaussian_process.h"

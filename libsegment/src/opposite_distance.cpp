@@ -1,4 +1,4 @@
-#include "doublet/segment/parts/opposite_distance.h"
+#include "doublet/segment/opposite_distance.h"
 
 #include "doublet/core/error.h"
 #include "doublet/rays/ray_scene.h"

@@ -27,7 +27,7 @@ COMPILED_IN = (
 
 def bundled_names(wheel: Path) -> list[str]:
     """As the system calls them: auditwheel has put a hash into the name."""
-    names = [Path(name).name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("doublet.libs/")]
+    names = [Path(name).name for name in zipfile.ZipFile(wheel).namelist() if name.startswith("doublet.libs/") and ".so" in name]
     return sorted(re.sub(r"-[0-9a-f]{8}(?=[.-])", "", name) for name in names)
 
 
@@ -36,9 +36,9 @@ def places_of_libraries(plain: Path) -> dict[str, str]:
     with tempfile.TemporaryDirectory() as folder:
         module = next(name for name in zipfile.ZipFile(plain).namelist() if re.fullmatch(r"doublet/_doublet\..*\.so", name))
         path = zipfile.ZipFile(plain).extract(module, folder)
-        return dict(
-            re.findall(r"(\S+) => (/\S+)", subprocess.run(["ldd", path], capture_output=True, text=True, check=True).stdout)
-        )
+        linked = subprocess.run(["ldd", path], capture_output=True, text=True, check=True).stdout
+        places = [Path(place) for place in re.findall(r"=> (/\S+)", linked)]
+        return {name: str(place) for place in places for name in (place.name, place.resolve().name)}
 
 
 def package_of(path: str) -> str:

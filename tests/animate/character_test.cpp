@@ -1,6 +1,6 @@
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/parts/image_file.h"
-#include "doublet/animate/parts/surface_transfer.h"
+#include "doublet/animate/surface_transfer.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "figure_character.h"

@@ -1,6 +1,6 @@
 #include "doublet/testing/capture_conformance.h"
 
-#include "doublet/capture/parts/outline.h"
+#include "doublet/capture/outline.h"
 #include "tracker_scene.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // The search for lost limbs: the annealing on known functions, limbs by topology, their error, and arms found again.
 
-#include "doublet/capture/parts/limb_search.h"
+#include "doublet/capture/limb_search.h"
 #include "person_scene.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Mesh files that are damaged, or that other programs write in their own way.
 #include "capture/capture_shapes.h"
 #include "doublet/capture/mesh_file.h"
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"

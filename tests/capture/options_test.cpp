@@ -1,7 +1,7 @@
 #include "doublet/capture/calibration_file.h"
 #include "doublet/capture/heat_weights.h"
-#include "doublet/capture/parts/rims.h"
 #include "doublet/capture/performance_capture.h"
+#include "doublet/capture/rims.h"
 #include "doublet/capture/template_builder.h"
 #include "support/option_ranges.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 // A person with the standard joints, a ring of cameras, and masks of known poses.
 
-#include "doublet/capture/parts/limb_search.h"
+#include "doublet/capture/limb_search.h"
 #include "support/figure.h"
 #include "tracker_scene.h"
 

@@ -2,7 +2,7 @@
 #include "doublet/fit/optimizer.h"
 #include "doublet/fit/parts/even_points.h"
 #include "doublet/fit/parts/gaussian_process.h"
-#include "doublet/fit/parts/posterior.h"
+#include "doublet/fit/posterior.h"
 #include "fit/functions.h"
 
 #include <gtest/gtest.h>

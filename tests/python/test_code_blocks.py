@@ -34,6 +34,7 @@ NOT_RUN = {
 NOT_OURS = {
     "bash": "tests/run_tests.sh is what runs this; examples/quickstart.sh is what users begin with",
     "source": "the virtual environment of examples/quickstart.sh",
+    "pip": "test_portable_wheel.py installs the wheel in a clean environment (tests/run_nightly.sh wheel)",
     "blender": "Blender: test_import_calibration.py and test_baked.py run the scripts",
     "masks_venv/bin/python": "MediaPipe, which brings its own OpenCV",
     "python": "Robust Video Matting needs PyTorch and its weights",

@@ -133,3 +133,22 @@ def test_components_are_looked_for(installed, tmp_path):
         'if(NOT doublet_pbd_FOUND OR doublet_segment_FOUND)\n message(FATAL_ERROR "${doublet_segment_FOUND}")\nendif()',
     )
     assert optional.returncode == 0, optional.stderr
+
+
+def test_a_component_is_built_with_what_it_links(tmp_path):
+    """DOUBLET_COMPONENTS names what is wanted, not what that needs."""
+    run("cmake", "-S", ROOT, "-B", tmp_path / "fit", "-G", "Ninja", "-DDOUBLET_COMPONENTS=fit")
+    targets = run("cmake", "--build", tmp_path / "fit", "--target", "help")
+    built = {room for room in ROOMS if f"libdoublet_{room}.a" in targets}
+    assert built == {"core", "rays", "files", "pbd", "simulate", "fit"}
+    wrong = ["cmake", "-S", ROOT, "-B", tmp_path / "wrong", "-G", "Ninja", "-DDOUBLET_COMPONENTS=fitt"]
+    done = subprocess.run([str(c) for c in wrong], capture_output=True, text=True)
+    assert done.returncode != 0 and "found 'fitt'" in " ".join(done.stderr.split())
+
+
+def test_the_build_type_of_a_project_around_it_is_its_own(tmp_path):
+    text = (CONSUMERS / "subdirectory" / "CMakeLists.txt").read_text(encoding="utf-8")
+    (tmp_path / "CMakeLists.txt").write_text(text.replace("../segment.cpp", str(CONSUMERS / "segment.cpp")))
+    run("cmake", "-S", tmp_path, "-B", tmp_path / "build", "-G", "Ninja", f"-DDOUBLET_SOURCE={ROOT}")
+    cache = (tmp_path / "build" / "CMakeCache.txt").read_text(encoding="utf-8")
+    assert "CMAKE_BUILD_TYPE:STRING=\n" in cache

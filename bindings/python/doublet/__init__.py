@@ -24,6 +24,7 @@ from ._doublet import *  # noqa: F403
 from ._doublet import __version__ as __version__
 from ._lazy import DEPRECATED_MODULES, DEPRECATED_NAMES, find_deprecated_modules, lazy_modules
 from .common.packaged import body_model_path as body_model_path
+from .common.programs import use_packaged_ffmpeg
 from .common.renamed import add_deprecated_attributes
 
 #: Packages and modules, loaded when they are first named.
@@ -32,7 +33,8 @@ __all__ = list(MODULES)  # what help() goes through, too: classes and functions 
 
 
 for _name in DEPRECATED_NAMES:
-    del globals()[_name]  # still found, with a warning
+    globals().pop(_name, None)  # still found, with a warning; of a room that is not built there is none
 find_deprecated_modules()
 add_deprecated_attributes(_doublet)
+use_packaged_ffmpeg()
 __getattr__, __dir__ = lazy_modules(__name__, (*MODULES, *DEPRECATED_MODULES), DEPRECATED_NAMES)

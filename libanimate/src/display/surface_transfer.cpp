@@ -1,4 +1,4 @@
-#include "doublet/animate/parts/surface_transfer.h"
+#include "doublet/animate/surface_transfer.h"
 
 #include "doublet/core/error.h"
 #include "doublet/rays/ray_scene.h"

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from .files import written_atomically
+from .programs import ffmpeg
 
 #: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
 PROBED = (
@@ -23,6 +24,7 @@ PROBED = (
 )
 WITH_ALPHA = re.compile(r"yuva|gbrap|rgba|argb|abgr|bgra|ya8|ya16|pal8")  #: pixel formats
 ALPHA_DECODERS = {"vp8": "libvpx", "vp9": "libvpx-vp9"}  #: ffmpeg's own ones leave the second stream aside
+NO_FFMPEG = "the program ffmpeg is not installed; a video needs it (apt install ffmpeg, or pip install imageio-ffmpeg)"
 EVEN = 0.1  #: of a frame, by which the times of one rate may be rounded
 DROPPED = 0.3  #: of a frame, by which the times of a clock may be off whose frames were dropped
 
@@ -63,11 +65,11 @@ class VideoFile:
         width, height = size or (self.size if upright else self.stored_size)
         decoder = ["-c:v", self.alpha] if alpha and self.alpha else []
         turn = [] if upright else ["-noautorotate"]
-        command = ["ffmpeg", "-loglevel", "error", "-nostdin", *turn, *decoder, "-i", str(self.path)]
-        command += ["-map", "0:V:0", "-vsync", "passthrough"]  # every frame once, whatever the clock says
+        command = [ffmpeg(), "-loglevel", "error", "-nostdin", *turn, *decoder, "-i", str(self.path)]
         filters = ["format=rgba,alphaextract"] if alpha else []
         filters += [f"scale={width}:{height}:flags=area"] if size else []
-        command += ["-vf", ",".join(filters)] if filters else []
+        # Every frame once, whatever the clock says: at an even rate, for the option that says so has changed its name.
+        command += ["-map", "0:V:0", "-vf", ",".join([*filters, "settb=AVTB,setpts=N/25/TB"]), "-r", "25"]
         command += ["-f", "rawvideo", "-pix_fmt", "gray" if grey else "bgr24", "-"]
         shape = (height, width) if grey else (height, width, 3)
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
@@ -87,7 +89,7 @@ class VideoFile:
 
     def sound(self, rate: int) -> np.ndarray:
         """(N) float32 in [-1, 1): the sound track, all channels together, `rate` samples a second from `sound_start` on."""
-        command = ["ffmpeg", "-loglevel", "error", "-nostdin", "-i", str(self.path), "-map", "0:a:0", "-ac", "1"]
+        command = [ffmpeg(), "-loglevel", "error", "-nostdin", "-i", str(self.path), "-map", "0:a:0", "-ac", "1"]
         done = subprocess.run([*command, "-ar", str(rate), "-f", "s16le", "-"], capture_output=True)
         if done.returncode:
             raise RuntimeError(f"{self.path}: expected a sound track that can be decoded, ffmpeg says: {first_line(done.stderr)}")
@@ -99,9 +101,10 @@ def read_video(path: Path) -> VideoFile:
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"{path}: no such file")
-    for program in ("ffprobe", "ffmpeg"):
-        if not shutil.which(program):
-            raise FileNotFoundError(f"the program {program} is not installed; a video needs it")
+    if not shutil.which("ffprobe"):
+        raise FileNotFoundError("the program ffprobe is not installed; a video needs it (apt install ffmpeg)")
+    if not shutil.which(ffmpeg()):
+        raise FileNotFoundError(NO_FFMPEG)
     picture = probe(path, "V:0")
     streams, packets = picture.get("streams", []), picture.get("packets", [])
     if not streams or not packets or not streams[0].get("width"):
@@ -230,8 +233,8 @@ class VideoWriter:
         self.path, self.shape, self.fps, self.crf = Path(path), (height, width, 3), fps, crf
 
     def __enter__(self) -> VideoWriter:
-        if not shutil.which("ffmpeg"):
-            raise FileNotFoundError("the program ffmpeg is not installed; a video needs it")
+        if not shutil.which(ffmpeg()):
+            raise FileNotFoundError(NO_FFMPEG)
         height, width, _ = self.shape
         self._file = written_atomically(self.path)
         raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
@@ -239,7 +242,7 @@ class VideoWriter:
         pixels = "yuv420p" if width % 2 == height % 2 == 0 else "yuv444p"
         coded = ["-an", "-c:v", "libx264", "-pix_fmt", pixels, "-crf", str(self.crf), "-movflags", "+faststart"]
         # Without -xerror ffmpeg calls a file success whose end did not fit on the disk.
-        command = ["ffmpeg", "-loglevel", "error", "-xerror", "-y", *raw, *coded, str(self._file.__enter__())]
+        command = [ffmpeg(), "-loglevel", "error", "-xerror", "-y", *raw, *coded, str(self._file.__enter__())]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         return self
 

@@ -6,31 +6,32 @@ import numpy as np
 
 from .. import _doublet as d
 
-#: Option groups: name on the command line (`--segment-diffusion`) -> class.
-OPTION_GROUPS = {
-    "template": d.TemplateOptions,
-    "silhouette": d.SilhouetteOptions,
-    "key": d.ChromaKeyOptions,
-    "background": d.BackgroundOptions,
-    "capture": d.CaptureOptions,
-    "features": d.FeatureTrackerOptions,
-    "pose": d.PoseOptions,
-    "limbs": d.LimbSearchOptions,
-    "annealing": d.ParticleAnnealingOptions,
-    "surface": d.SurfaceOptions,
-    "calibration": d.CalibrationRefinementOptions,
-    "segment": d.SegmentOptions,
-    "opposite": d.OppositeOptions,
-    "fullness": d.FullnessOptions,
-    "body": d.BodyFitOptions,
-    "proxy": d.ProxyOptions,
-    "garment": d.GarmentOptions,
-    "cloth": d.ClothOptions,
-    "energy": d.EnergyOptions,
-    "fit": d.FitOptions,
-    "space": d.ParameterSpace,
-    "texture": d.TextureOptions,
+CLASSES = {
+    "template": "TemplateOptions",
+    "silhouette": "SilhouetteOptions",
+    "key": "ChromaKeyOptions",
+    "background": "BackgroundOptions",
+    "capture": "CaptureOptions",
+    "features": "FeatureTrackerOptions",
+    "pose": "PoseOptions",
+    "limbs": "LimbSearchOptions",
+    "annealing": "ParticleAnnealingOptions",
+    "surface": "SurfaceOptions",
+    "calibration": "CalibrationRefinementOptions",
+    "segment": "SegmentOptions",
+    "opposite": "OppositeOptions",
+    "fullness": "FullnessOptions",
+    "body": "BodyFitOptions",
+    "proxy": "ProxyOptions",
+    "garment": "GarmentOptions",
+    "cloth": "ClothOptions",
+    "energy": "EnergyOptions",
+    "fit": "FitOptions",
+    "space": "ParameterSpace",
+    "texture": "TextureOptions",
 }
+#: Option groups: name on the command line (`--segment-diffusion`) -> class; of the rooms that are built.
+OPTION_GROUPS = {group: getattr(d, name) for group, name in CLASSES.items() if hasattr(d, name)}
 #: Set by the session, by --seed or by the command itself, not by an option of their own.
 DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("train", "command")}
 

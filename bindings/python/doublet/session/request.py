@@ -19,7 +19,7 @@ class Request:
     videos: list[Path]
     calibration: Path
     out: Path
-    calibration_options: d.CalibrationOptions = field(default_factory=d.CalibrationOptions)
+    calibration_options: d.CalibrationOptions = field(default_factory=lambda: d.CalibrationOptions())
     scale_calibration: bool = False
     cameras: dict[str, Path] = field(default_factory=dict)  # name -> file
     without: list[str] = field(default_factory=list)

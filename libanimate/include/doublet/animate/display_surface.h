@@ -3,7 +3,7 @@
 // the garment's mesh as a displaced subdivision surface (Lee, Moreton & Hoppe, SIGGRAPH 2000): hem and seam are smooth curves, no
 // triangle bridges a fold, and the scan's detail is a height along the normal.
 
-#include "doublet/animate/parts/surface_transfer.h"
+#include "doublet/animate/surface_transfer.h"
 #include "doublet/core/stage_values.h"
 
 #include <optional>

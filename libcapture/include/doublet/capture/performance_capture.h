@@ -2,13 +2,13 @@
 // Video -> reference performance (Sect. 4; Gall et al. 2009): pose by rims and SIFT in Gauss-Newton over all cameras, Laplacian
 // refinement.
 
-#include "doublet/capture/parts/calibration_refinement.h"
-#include "doublet/capture/parts/feature_tracker.h"
-#include "doublet/capture/parts/limb_search.h"
-#include "doublet/capture/parts/pose_optimizer.h"
-#include "doublet/capture/parts/surface_refiner.h"
+#include "doublet/capture/calibration_refinement.h"
+#include "doublet/capture/feature_tracker.h"
+#include "doublet/capture/limb_search.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
+#include "doublet/capture/surface_refiner.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/files/files.h"

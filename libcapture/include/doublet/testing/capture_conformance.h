@@ -2,13 +2,13 @@
 // What every part of the capture must do, for those who write their own: call these in a test of any framework and expect empty
 // lists. Frames and problems are yours; tests/capture/conformance_test.cpp shows how little they need.
 
-#include "doublet/capture/parts/feature_tracker.h"
-#include "doublet/capture/parts/limb_search.h"
-#include "doublet/capture/parts/pose_optimizer.h"
-#include "doublet/capture/parts/surface_refiner.h"
+#include "doublet/capture/feature_tracker.h"
+#include "doublet/capture/limb_search.h"
 #include "doublet/capture/performance_capture.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
+#include "doublet/capture/surface_refiner.h"
 
 #include <algorithm>
 #include <exception>

@@ -2,7 +2,7 @@
 // Reference performance + its images -> material of every cloth region (Sect. 6.2).
 
 #include "doublet/fit/material_objective.h"
-#include "doublet/fit/parts/posterior.h"
+#include "doublet/fit/posterior.h"
 #include "doublet/options/options.h"
 #include "doublet/simulate/solver_settings.h"
 

@@ -5,7 +5,7 @@
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
 #include "doublet/segment/fullness.h"
-#include "doublet/segment/parts/opposite_distance.h"
+#include "doublet/segment/opposite_distance.h"
 
 #include <memory>
 #include <utility>

@@ -1,7 +1,7 @@
 #pragma once
 // Pose of the skeleton from outlines and feature tracks of all cameras at once (Sect. 4; Gall et al. 2009, local optimisation).
 
-#include "doublet/capture/parts/rims.h"
+#include "doublet/capture/rims.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"

@@ -2,7 +2,7 @@
 // Limbs that the local optimisation has lost: found by their own error, sought globally (Sect. 4; Gall et al. 2009,
 // Sect. 4.2-4.3).
 
-#include "doublet/capture/parts/particle_annealing.h"
+#include "doublet/capture/particle_annealing.h"
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 #include "doublet/core/stage_values.h"

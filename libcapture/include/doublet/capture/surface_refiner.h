@@ -2,7 +2,7 @@
 // Surface refinement (Sect. 4; Gall et al. 2009 Sect. 5; Laplacian deformation as in Botsch & Sorkine 2008): the posed surface is
 // bent so that its outline meets the measured one and its texture features lie where they were seen.
 
-#include "doublet/capture/parts/pose_optimizer.h"
+#include "doublet/capture/pose_optimizer.h"
 #include "doublet/options/options.h"
 
 namespace doublet {

@@ -2,7 +2,7 @@
 // Correspondences between a posed surface and measured outlines (Gall et al. 2009; Rosenhahn et al. 2007): surface points on the
 // rendered outline (rims), matched to the measured outline in both directions, as point-to-line residuals.
 
-#include "doublet/capture/parts/outline.h"
+#include "doublet/capture/outline.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/options/options.h"
 

@@ -2,7 +2,7 @@
 // Cameras refined by what the take shows: bundle adjustment (Triggs et al. 2000) of cameras and poses over the outlines of many
 // moments, the rigged template being the object that all cameras see.
 
-#include "doublet/capture/parts/outline.h"
+#include "doublet/capture/outline.h"
 #include "doublet/core/context.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
