@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import shutil
 import sys
 from contextlib import contextmanager, suppress
@@ -84,11 +85,28 @@ def require_file(path: Path) -> None:
         raise RuntimeError(f"{path}: expected a file, found a device or pipe")
 
 
+DEEPEST = 64  #: levels of a file of options
+
+
+def require_shallow(text: str) -> None:
+    """Raises RecursionError for TOML whose brackets or dotted keys nest deeper than any of ours: its parser takes memory for each
+    level. Quotes do not count: what is one is the parser's to say."""
+    depth = 0
+    for mark in re.findall(r"[\[{\]}]", text):
+        depth = depth + 1 if mark in "[{" else max(depth - 1, 0)
+        if depth > DEEPEST:
+            raise RecursionError
+    if any(part.count(".") > DEEPEST for part in re.split(r"[=,{}\n]", text)):
+        raise RecursionError
+
+
 def read_toml(path: Path) -> dict:
     """What is wrong with the text is a RuntimeError that names the file."""
     require_file(Path(path))
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        require_shallow(text)
+        return tomllib.loads(text)
     except RecursionError:
         raise RuntimeError(f"{path}: expected TOML, found brackets inside of brackets without end") from None
     except ValueError as error:  # a syntax error, or bytes that are no text
