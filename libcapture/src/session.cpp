@@ -50,9 +50,9 @@ Eigen::Vector3d point(const Json &object, const std::string &key, const std::str
 
 /// A file's name in a session, which the system can look for.
 fs::path named(const fs::path &folder, const std::string &name, const std::string &what, const fs::path &source) {
-  constexpr std::size_t kLongest = 255; // bytes of a name, on any disk
-  for (const fs::path &part : fs::path(name))
-    if (part.string().size() > kLongest || part.string().find('\0') != std::string::npos)
+  constexpr std::size_t kLongest = 255, kLongestPath = 4095; // bytes, on any disk
+  for (const fs::path &part : fs::path(name.substr(0, kLongestPath + 1)))
+    if (name.size() > kLongestPath || part.string().size() > kLongest || part.string().find('\0') != std::string::npos)
       throw Error(source.string() + ": expected the name of a " + what + " of at most 255 characters, found " +
                   std::to_string(name.size()));
   return folder / name;

@@ -142,6 +142,8 @@ def arrays_of(path: Path):
 
 
 MOST_EXPANSION = 1032  # of deflate
+#: Of one array, in the place of that, and bytes whatever it expands from: what packs better has nothing in it but one number.
+USUAL_EXPANSION, ANYWAY = 100, 256 << 20
 
 
 def require_room(path: Path) -> None:
@@ -150,6 +152,8 @@ def require_room(path: Path) -> None:
     room = MOST_EXPANSION * Path(path).stat().st_size
     with ZipFile(path) as archive:
         for member in archive.infolist():
+            if member.file_size > ANYWAY + USUAL_EXPANSION * member.compress_size:
+                raise ValueError(f"{member.filename} of {member.file_size >> 20} MiB out of {member.compress_size} bytes")
             room -= member.file_size  # many can name the same packed bytes
             with archive.open(member) as stream:
                 version = np.lib.format.read_magic(stream)
