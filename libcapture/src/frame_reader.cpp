@@ -3,15 +3,18 @@
 #include "doublet/core/error.h"
 #include "lens_map.h"
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <optional>
 #include <regex>
+#include <string_view>
 
 namespace doublet::detail {
 namespace fs = std::filesystem;
@@ -54,6 +57,22 @@ int first_number(const fs::path &path, const NumberField &field) {
                      numbered(field, 1));
 }
 
+/// Throws for a PNG that says it is larger than any frame: a few kilobytes can hold 32000 x 32000 pixels of nothing.
+void require_frame_size(const std::string &file) {
+  constexpr double kMostPixels = 1 << 27; // 16k x 8k
+  constexpr std::string_view kPng("\x89PNG\r\n\x1a\n");
+  std::array<unsigned char, 24> head{};
+  std::ifstream in(file, std::ios::binary);
+  if (!in.read(reinterpret_cast<char *>(head.data()), head.size()) || std::memcmp(head.data(), kPng.data(), kPng.size()) != 0)
+    return;
+  const auto number = [&](std::size_t at) {
+    return 16777216.0 * head[at] + 65536.0 * head[at + 1] + 256.0 * head[at + 2] + head[at + 3];
+  };
+  if (number(16) * number(20) > kMostPixels)
+    throw Error(file + ": expected an image of at most " + std::to_string(1 << 27) + " pixels, found " +
+                std::to_string(static_cast<long>(number(16))) + " x " + std::to_string(static_cast<long>(number(20))));
+}
+
 class ImageSeries : public FrameReader {
 public:
   ImageSeries(const fs::path &path, const NumberField &field) : field_(field), first_(first_number(path, field)) {}
@@ -68,6 +87,7 @@ public:
     const std::string name = file(frame);
     if (!fs::exists(name))
       return image_; // the camera dropped out
+    require_frame_size(name);
     image_ = cv::imread(name, cv::IMREAD_COLOR);
     if (image_.empty())
       throw Error(name + ": expected an image, found a file that OpenCV cannot decode");
@@ -173,6 +193,7 @@ std::vector<Image> read_plates(const fs::path &path, const LensMap *lens) {
   quiet_opencv();
   std::vector<Image> plates;
   const auto read = [&](const fs::path &file) {
+    require_frame_size(file.string());
     const cv::Mat image = cv::imread(file.string(), cv::IMREAD_COLOR);
     if (image.empty())
       throw Error(file.string() + ": expected an image, found a file that OpenCV cannot decode");
