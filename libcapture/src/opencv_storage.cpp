@@ -12,10 +12,21 @@
 namespace doublet::detail {
 namespace {
 
+/// How often "- " stands behind itself, each of them a list within the one before.
+std::size_t lists_within(const std::string &line) {
+  std::size_t most = 0, run = 0;
+  for (const char c : line)
+    if (c == '-')
+      most = std::max(most, ++run);
+    else if (c != ' ' && c != '\t')
+      run = 0;
+  return most;
+}
+
 /// Throws for what sends OpenCV's parsers down without end: they recurse at every bracket, element and indent, and take their
 /// time for base64.
 void require_plain(const std::filesystem::path &path, const std::string &text) {
-  constexpr std::size_t kMostBytes = 64 << 20, kDeepestIndent = 256;
+  constexpr std::size_t kMostBytes = 64 << 20, kDeepestIndent = 256, kDeepestLists = 64;
   if (text.size() > kMostBytes)
     throw Error(path.string() + ": expected a calibration of at most 64 MiB, found " + std::to_string(text.size()) + " bytes");
   for (const char *binary : {"!!binary", "$base64$", "type_id=\"binary\"", "type_id='binary'"})
@@ -23,11 +34,14 @@ void require_plain(const std::filesystem::path &path, const std::string &text) {
       throw Error(path.string() + ": expected numbers written out, found base64");
   require_shallow(text, Markup::Brackets, path.string());
   require_shallow(text, Markup::Xml, path.string());
+  if (!text.starts_with("%YAML"))
+    return;
   std::istringstream lines(text);
   int number = 1;
   for (std::string line; std::getline(lines, line); ++number)
-    if (text.starts_with("%YAML") && std::min(line.find_first_not_of("\t -"), line.size()) > kDeepestIndent)
-      throw Error(path.string() + ":" + std::to_string(number) + ": expected at most 256 columns of indent, found more");
+    if (std::min(line.find_first_not_of("\t -"), line.size()) > kDeepestIndent || lists_within(line) > kDeepestLists)
+      throw Error(path.string() + ":" + std::to_string(number) + ": expected at most " + std::to_string(kDeepestIndent) +
+                  " columns of indent and " + std::to_string(kDeepestLists) + " lists, found more");
 }
 
 /// Throws unless a file of YAML is one mapping or list, a line an entry. Of what follows the first one OpenCV's parser takes "-

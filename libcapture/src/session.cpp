@@ -48,8 +48,18 @@ Eigen::Vector3d point(const Json &object, const std::string &key, const std::str
   return {xyz[0], xyz[1], xyz[2]};
 }
 
+/// A file's name in a session, which the system can look for.
+fs::path named(const fs::path &folder, const std::string &name, const std::string &what, const fs::path &source) {
+  constexpr std::size_t kLongest = 255, kLongestPath = 4095; // bytes, on any disk
+  for (const fs::path &part : fs::path(name.substr(0, kLongestPath + 1)))
+    if (name.size() > kLongestPath || part.string().size() > kLongest || part.string().find('\0') != std::string::npos)
+      throw Error(source.string() + ": expected the name of a " + what + " of at most 255 characters, found " +
+                  std::to_string(name.size()));
+  return folder / name;
+}
+
 fs::path existing(const fs::path &folder, const std::string &name, const std::string &what, const fs::path &source) {
-  const fs::path path = folder / name;
+  const fs::path path = named(folder, name, what, source);
   if (!fs::is_regular_file(path))
     throw FileNotFound(path.string() + ": the " + what + " that " + source.string() + " names does not exist");
   return path;
@@ -57,7 +67,7 @@ fs::path existing(const fs::path &folder, const std::string &name, const std::st
 
 /// A video or an image series is there; what is in it is looked at later.
 fs::path existing_frames(const fs::path &folder, const std::string &name, const std::string &what, const fs::path &source) {
-  const fs::path path = folder / name;
+  const fs::path path = named(folder, name, what, source);
   if (!detail::is_image_pattern(path))
     return existing(folder, name, what, source);
   if (!detail::image_series_exists(path))
@@ -89,7 +99,7 @@ fs::path read_background(const Json &json, const Json &camera, const std::string
   std::string text = text_or(json, "background", source.string());
   if (text.empty())
     return {};
-  if (fs::is_directory(folder / text))
+  if (fs::is_directory(named(folder, text, what, source)))
     text += "/{camera}.png";
   else if (!ends_as_image(text))
     return {};
@@ -101,6 +111,7 @@ fs::path read_background(const Json &json, const Json &camera, const std::string
 SessionCamera read_camera(const Json &object, const fs::path &folder, const fs::path &source) {
   SessionCamera camera;
   camera.name = value<std::string>(object, "name", source.string() + ": cameras", "a text");
+  named(folder, camera.name + "_0000.png", "camera", source);
   const std::string where = source.string() + ": camera '" + camera.name + "'";
   const std::string video = text_or(object, "video", where), masks = text_or(object, "masks", where);
   if (!video.empty())

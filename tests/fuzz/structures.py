@@ -156,7 +156,11 @@ def damage_array(array: np.ndarray, others: list[np.ndarray], rng: random.Random
     if what == 0:
         return rng.choice(others)
     if what == 1:
-        return array.astype(rng.choice(["f4", "f8", "i4", "i8", "u1", "U3"])) if array.dtype.kind in "fiub" else array[:0]
+        return (
+            array.astype(rng.choice(["f4", "f8", "i4", "i8", "u1", "U3"]))
+            if array.dtype.kind in "fiub"
+            else np.atleast_1d(array)[:0]
+        )
     if what == 2:
         return array.T
     if what == 3 and array.ndim:

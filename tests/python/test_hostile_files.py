@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from doublet.evaluation import metrics
 from doublet.reconstruct.run_record import RunRecord
+from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
 import calibrations  # noqa: E402
@@ -56,6 +57,7 @@ LEVELS = {
     "maps.yml": HEAD + f"cam0_K: {nested('{ a: ', ' }')}\n",
     "indents.yml": HEAD + "a:\n" + "".join(f"{' ' * i}a:\n" for i in range(1, 400)),
     "lists.yml": HEAD + "a:\n  " + "- " * DEEP + "1\n",
+    "entry.yml": HEAD + "a: " + "- " * DEEP + "1\n",
     "opencv.json": '{"camera_matrix": ' + nested("[", "]") + "}",
     "opencv.xml": '<?xml version="1.0"?><opencv_storage>' + nested("<a>", "</a>") + "</opencv_storage>",
     "keys.toml": ".".join(["a"] * DEEP) + " = 1\n",
@@ -72,9 +74,11 @@ LEVELS = {
 def test_levels_without_end(tmp_path, name):
     (tmp_path / name).write_text(LEVELS[name])
     found = said(tmp_path / name)
-    assert name in found and "\n" not in found and ("levels, found more" in found or "columns of indent, found more" in found), (
-        found
-    )
+    assert (
+        name in found
+        and "\n" not in found
+        and ("levels, found more" in found or "columns of indent and 64 lists, found more" in found)
+    ), found
 
 
 def test_base64_in_a_calibration(tmp_path):
@@ -106,6 +110,26 @@ def test_marks_by_the_hundred_thousand(tmp_path, world, what):
     content[what] = {f"mark{i}": {"position": [0, 0, 0]} if what == "joints" else [0, 0, 0] for i in range(DEEP)}
     path.write_text(json.dumps(content))
     assert f"joints.json: expected at most 1000 {what}, found 100000" in said(tmp_path / "session", "d.Session(path)")
+
+
+@pytest.mark.parametrize("name", ["a" * DEEP, "a/" * DEEP, "cam0_%" + "[" * DEEP])
+def test_a_session_that_names_a_file_of_a_hundred_thousand_letters(tmp_path, world, name):
+    write_session(tmp_path / "session", world)
+    path = tmp_path / "session" / "session.json"
+    content = json.loads(path.read_text())
+    content["cameras"][0]["masks"] = name
+    path.write_text(json.dumps(content))
+    found = said(tmp_path / "session", "d.Session(path)")
+    assert "session.json: expected the name of a mask series of camera 'cam0' of at most 255 characters" in found
+
+
+def test_masks_of_a_thousand_million_pixels(tmp_path, world):
+    write_session(tmp_path / "session", world)
+    for path in (tmp_path / "session" / "masks").glob("*.png"):
+        Image.new("1", (32000, 32000)).save(path)
+    assert ".png: expected an image of at most 134217728 pixels, found 32000 x 32000" in said(
+        tmp_path / "session", "d.Session(path)"
+    )
 
 
 JOINT = "JOINT a\n{\nOFFSET 0 1 0\nCHANNELS 0\n"
@@ -171,6 +195,12 @@ def test_a_gigabyte_of_nothing_in_a_megabyte(tmp_path, world):
             member.write(bytes(1 << 20))
     found = said(tmp_path / "actor.npz", "d.read_actor(path)")
     assert "actor.npz: array 'zeros': expected numbers that fill the array, found more than" in found, found
+
+
+def test_the_same_read_by_python(tmp_path):
+    np.savez_compressed(tmp_path / "poses.npz", poses=np.zeros((2_000_000, 66)), trans=np.zeros((3, 3)), fps=30)
+    call = "__import__('doublet.export.clips').export.clips.read_clip(path)"
+    assert "found: poses.npy of 1007 MiB out of" in said(tmp_path / "poses.npz", call)
 
 
 # --- records and truths

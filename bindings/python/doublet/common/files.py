@@ -6,6 +6,7 @@ import hashlib
 import json
 import math
 import os
+import re
 import shutil
 import sys
 from contextlib import contextmanager, suppress
@@ -84,11 +85,28 @@ def require_file(path: Path) -> None:
         raise RuntimeError(f"{path}: expected a file, found a device or pipe")
 
 
+DEEPEST = 64  #: levels of a file of options
+
+
+def require_shallow(text: str) -> None:
+    """Raises RecursionError for TOML whose brackets or dotted keys nest deeper than any of ours: its parser takes memory for each
+    level. Quotes do not count: what is one is the parser's to say."""
+    depth = 0
+    for mark in re.findall(r"[\[{\]}]", text):
+        depth = depth + 1 if mark in "[{" else max(depth - 1, 0)
+        if depth > DEEPEST:
+            raise RecursionError
+    if any(part.count(".") > DEEPEST for part in re.split(r"[=,{}\n]", text)):
+        raise RecursionError
+
+
 def read_toml(path: Path) -> dict:
     """What is wrong with the text is a RuntimeError that names the file."""
     require_file(Path(path))
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        text = path.read_text(encoding="utf-8-sig")
+        require_shallow(text)
+        return tomllib.loads(text)
     except RecursionError:
         raise RuntimeError(f"{path}: expected TOML, found brackets inside of brackets without end") from None
     except ValueError as error:  # a syntax error, or bytes that are no text
@@ -124,6 +142,8 @@ def arrays_of(path: Path):
 
 
 MOST_EXPANSION = 1032  # of deflate
+#: Of one array, in the place of that, and bytes whatever it expands from: what packs better has nothing in it but one number.
+USUAL_EXPANSION, ANYWAY = 100, 256 << 20
 
 
 def require_room(path: Path) -> None:
@@ -132,6 +152,8 @@ def require_room(path: Path) -> None:
     room = MOST_EXPANSION * Path(path).stat().st_size
     with ZipFile(path) as archive:
         for member in archive.infolist():
+            if member.file_size > ANYWAY + USUAL_EXPANSION * member.compress_size:
+                raise ValueError(f"{member.filename} of {member.file_size >> 20} MiB out of {member.compress_size} bytes")
             room -= member.file_size  # many can name the same packed bytes
             with archive.open(member) as stream:
                 version = np.lib.format.read_magic(stream)

@@ -22,11 +22,13 @@ def read(out: Path) -> np.ndarray:
     suggested, path = read_suggestion(out), Path(out) / EDITED
     if not path.exists():
         return suggested
+    with arrays_of(path) as file:
+        mask, made_for = file["face_valid"], str(file["template"]) if "template" in file else None
     try:
-        with arrays_of(path) as file:
-            mask, made_for = checked(file["face_valid"], len(suggested)), str(file["template"]) if "template" in file else None
-    except (KeyError, OSError, ValueError) as error:
-        raise RuntimeError(f"{path}: expected a mask of the template's triangles, found {error}") from error
+        mask = checked(mask, len(suggested))
+    except ValueError as error:
+        expected = f"a mask of the template's {len(suggested)} triangles, as {SUGGESTED} beside it has them"
+        raise RuntimeError(f"{path}: expected {expected}, found {error}") from error
     if made_for not in (None, sha256(Path(out) / "template.ply")):
         raise RuntimeError(f"{path} was made for another template.ply than the one beside it; delete it or paint it again")
     return mask

@@ -170,7 +170,8 @@ def rate_of(path: Path, file) -> float:
         raise ValueError(f"{path}: expected a rate, 'mocap_framerate', 'mocap_frame_rate' or 'fps', found {', '.join(file)}")
     rate = numbers(path, file, name)
     if rate.size != 1 or not 0 < rate.item() <= MOST_LIKELY_FPS:
-        raise ValueError(f"{path}: expected '{name}' to be one rate in (0, {MOST_LIKELY_FPS}], found {rate}")
+        found = str(rate) if rate.size == 1 else f"numbers of shape {rate.shape}"
+        raise ValueError(f"{path}: expected '{name}' to be one rate in (0, {MOST_LIKELY_FPS}], found {found}")
     return rate.item()
 
 

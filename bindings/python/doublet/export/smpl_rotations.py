@@ -34,7 +34,11 @@ def turns_of(numbers: np.ndarray, matrices: bool) -> np.ndarray | None:
 def doubt_about(rows: list[np.ndarray]) -> str:
     """Why such numbers are not read."""
     count = sum(row.shape[-1] for row in rows)
-    return "; six numbers a joint may be rows or columns of a matrix, which no file says" if count % 6 == 0 and count >= 6 * 22 else ""
+    return (
+        "; six numbers a joint may be rows or columns of a matrix, which no file says"
+        if count % 6 == 0 and count >= 6 * 22
+        else ""
+    )
 
 
 def are_rotations(matrices: np.ndarray) -> bool:

@@ -66,7 +66,9 @@ class RunRecord:
             if not isinstance(self.data, dict) or not isinstance(self.data.setdefault("stages", {}), dict):
                 raise RuntimeError(f"{self.path}: expected an object with 'stages', found another; delete it to start afresh")
             if (found := self.data.setdefault("format", FORMAT)) != FORMAT:
-                raise RuntimeError(f"{self.path}: expected format {FORMAT}, found {found!r}, of another version of doublet")
+                raise RuntimeError(
+                    f"{self.path}: expected format {FORMAT}, found {repr(found)[:40]}, of another version of doublet"
+                )
             if not isinstance(self.data.get("session", ""), str):
                 raise RuntimeError(f"{self.path}: expected 'session' to be a folder, found another; delete it to start afresh")
             # An entry that something else wrote is none.
