@@ -35,11 +35,12 @@ class Cut:
     is_open: bool = False  # in front
 
 
+WHOLE = np.inf  # of a bone, and what its weights move beyond the next joint
 WAIST, NECK = ("spine1", "spine2"), ("neck", "head")
 GARMENTS = {
-    "trousers": Cut(dict.fromkeys(("pelvis", *LEGS), 1.0), WAIST),
-    "shirt": Cut(dict.fromkeys((*TRUNK, *ARMS), 1.0), NECK),
-    "jacket": Cut(dict.fromkeys((*TRUNK, *ARMS), 1.0), NECK, True),
+    "trousers": Cut(dict.fromkeys(("pelvis", *LEGS), WHOLE), WAIST),
+    "shirt": Cut(dict.fromkeys((*TRUNK, *ARMS), WHOLE), NECK),
+    "jacket": Cut(dict.fromkeys((*TRUNK, *ARMS), WHOLE), NECK, True),
 }
 SKIN_TINT, CLOTH_TINT = (0.35, 0.5, 0.7), (0.55, 0.15, 0.1)  # B G R
 #: As a session's joints.json has them.
@@ -91,7 +92,7 @@ class Person:
                 at = bones == joint
                 along[at] = (self.vertices[at] - self.joints[joint]) @ way / (way @ way)
         share = np.array([cut.covers.get(without_side(name), -np.inf) for name in self.names])[bones]
-        return (share == 1) | (along <= share)
+        return along <= share
 
 
 def distance_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
@@ -134,7 +135,7 @@ def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
     return colour
 
 
-def picture(character: d.Character, camera: d.Camera, seed: int, cloth_tint) -> tuple[np.ndarray, np.ndarray]:
+def picture(character: d.Character, camera: d.Camera, seed: int, cloth_tint, contrast: float) -> tuple[np.ndarray, np.ndarray]:
     """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, and where it is."""
     mesh, cloth = character.actor.mesh, np.asarray(character.segmentation.clothness)
     face, depth = d.rasterize(mesh.vertices, mesh.faces, camera)
@@ -145,13 +146,13 @@ def picture(character: d.Character, camera: d.Camera, seed: int, cloth_tint) -> 
     cell = np.where(garment, CELL[True], CELL[False])
     colours = pattern(points, cell, seed)
     tint = np.where(garment[:, None], cloth_tint, SKIN_TINT)  # no green: the screen is
-    shown = 255 * (0.5 * tint + 0.5 * colours * [1, 0.6, 1])
+    shown = 255 * ((1 - contrast) * tint + contrast * colours * [1, 0.6, 1])
     image = np.zeros((camera.height, camera.width, 3), np.uint8)
     image[rows, columns] = np.clip(shown, 0, 255)
     return image, (255 * (face >= 0)).astype(np.uint8)
 
 
-def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT) -> d.Character:
+def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT, contrast: float = 0.5) -> d.Character:
     person, random = Person(shape), np.random.default_rng(shape)
     vertices, faces, clothness, weights = dressed(person, cut, ease, random)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, person.skeleton())
@@ -165,7 +166,7 @@ def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT) 
     high_valid = [1] * len(faces)
     character = d.make_character(actor, segmentation, fit, proxies, [material], solver, actor.mesh, high_valid)
     cameras = ring_of_cameras(character, d.Motion(FPS, np.zeros((1, len(actor.skeleton.dof_names)))), 12, 1400)
-    pictures = [picture(character, camera, shape, cloth_tint) for camera in cameras]
+    pictures = [picture(character, camera, shape, cloth_tint, contrast) for camera in cameras]
     d.texture_character(character, vertices, cameras, [p[0] for p in pictures], [p[1] for p in pictures])
     return character
 

@@ -24,29 +24,30 @@ IMAGE_SIZE, FRAMES = 400, 70
 
 
 def random_cut(kind: str, random: np.random.Generator) -> Cut:
+    """Whatever the kind, as many numbers are drawn."""
     trunk = dict.fromkeys(TRUNK, 1.0)
-
-    def share(low: float, high: float = 0.95) -> float:
-        return float(random.uniform(low, high))
-
+    draws = ((0.3, 0.95), (0.5, 0.95), (0.3, 0.95), (0.2, 0.9), (0.5, 0.95), (0.3, 1), (0.2, 0.9), (0.5, 0.9), (0.5, 1))
+    trousers, shorts, tee, long, jacket, overall, leg, coat, tail = (float(random.uniform(*bounds)) for bounds in draws)
     return {
-        "trousers": lambda: Cut({"pelvis": 1, "hip": 1, "knee": share(0.3)}, WAIST),
-        "shorts": lambda: Cut({"pelvis": 1, "hip": share(0.5)}, WAIST),
-        "tee": lambda: Cut({**trunk, "shoulder": share(0.3)}, NECK),
-        "long sleeves": lambda: Cut({**trunk, "shoulder": 1, "elbow": share(0.2)}, NECK),
-        "jacket": lambda: Cut({**trunk, "shoulder": 1, "elbow": share(0.5)}, NECK, True),
-        "vest": lambda: Cut(trunk, NECK),
-        "jumpsuit": lambda: Cut({**trunk, "shoulder": share(0.3), "hip": 1, "knee": share(0.2)}, NECK),
-        "coat": lambda: Cut({**trunk, "shoulder": 1, "elbow": share(0.5), "hip": share(0.5)}, NECK, True),
-    }[kind]()
+        "trousers": Cut({"pelvis": 1, "hip": 1, "knee": trousers}, WAIST),
+        "shorts": Cut({"pelvis": 1, "hip": shorts}, WAIST),
+        "tee": Cut({**trunk, "shoulder": tee}, NECK),
+        "long sleeves": Cut({**trunk, "shoulder": 1, "elbow": long}, NECK),
+        "jacket": Cut({**trunk, "shoulder": 1, "elbow": jacket}, NECK, True),
+        "vest": Cut(trunk, NECK),
+        "jumpsuit": Cut({**trunk, "shoulder": overall, "hip": 1, "knee": leg}, NECK),
+        "coat": Cut({**trunk, "shoulder": 1, "elbow": coat, "hip": tail}, NECK, True),
+    }[kind]
 
 
 def make_wearer(seed: int, path: Path) -> None:
     random = np.random.default_rng(1000 + seed)
-    cut = random_cut(KINDS[seed % len(KINDS)], random)
+    kind = KINDS[seed % len(KINDS)]
+    cut = random_cut(kind, random)
     tint = random.uniform(0.05, 0.9, 3) * [1, 0.5, 1]  # little green: the screen is
-    character = dressed_character(cut, float(random.uniform(0.015, 0.05)), seed + 20, SKIN_TINT if seed % 3 == 2 else tint)
-    character.name = KINDS[seed % len(KINDS)]
+    ease = float(random.uniform(0.015, 0.05))
+    character = dressed_character(cut, ease, seed + 20, SKIN_TINT if seed % 3 == 2 else tint, contrast=0.4)
+    character.name = kind
     character.write(path)
 
 
