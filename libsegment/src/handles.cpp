@@ -187,6 +187,7 @@ int genus(const Mesh &mesh) {
 }
 
 Mesh without_handles(const Mesh &mesh, double longest) {
+  require_manifold(mesh, "garment");
   Mesh result = mesh;
   for (int left = genus(mesh); left > 0; --left) {
     const Loop loop = shortest_loop(result, longest);

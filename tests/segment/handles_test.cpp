@@ -1,6 +1,7 @@
 #include "../../libsegment/src/handles.h"
 
 #include "../../libsegment/src/surface_piece.h"
+#include "doublet/core/error.h"
 #include "doublet/rays/parts/self_intersection.h"
 #include "doublet/segment/garment_mesher.h"
 #include "skirt_person.h"
@@ -67,6 +68,30 @@ TEST(Handles, WhatHasNoneStaysAsItIs) {
   const Mesh mesh = open_tube(), same = detail::without_handles(mesh, 10);
   EXPECT_EQ(same.vertices, mesh.vertices);
   EXPECT_EQ(same.faces, mesh.faces);
+}
+
+/// Walking around such a vertex never comes back, and a loop of the boundary that passes it twice loses its way.
+TEST(Handles, SurfacesThatAreNoneAreRefused) {
+  const auto expect_refused = [](const Mesh &mesh, const std::string &words) {
+    try {
+      detail::without_handles(mesh, 0.25);
+      ADD_FAILURE() << "expected " << words;
+    } catch (const Error &error) {
+      EXPECT_NE(std::string(error.what()).find("garment: expected a manifold surface, found " + words), std::string::npos)
+          << error.what();
+    }
+  };
+  const auto merged = [](Mesh mesh, int from, int to) {
+    mesh.faces = (mesh.faces.array() == from).select(to, mesh.faces);
+    return mesh;
+  };
+  const int middle = 20 * tube::kAround;
+  expect_refused(merged(open_tube(), middle, middle + 8), "0 edges with several faces on one side and 1 vertices");
+  expect_refused(merged(open_tube(), 0, 8), "0 edges with several faces on one side and 1 vertices"); // on the boundary
+  Mesh doubled = open_tube();
+  doubled.faces.conservativeResize(doubled.faces.rows() + 1, 3);
+  doubled.faces.row(doubled.faces.rows() - 1) = doubled.faces.row(0);
+  expect_refused(doubled, "3 edges with several faces on one side");
 }
 
 TEST(Handles, FoldsThatWereJoinedArePartedAndClosed) {
