@@ -188,7 +188,10 @@ int genus(const Mesh &mesh) {
 
 Mesh without_handles(const Mesh &mesh, double longest) {
   Mesh result = mesh;
-  for (int left = genus(mesh); left > 0; --left) {
+  const int handles = genus(mesh);
+  if (handles > 0) // pieces that touch at vertices count for some, too
+    require_manifold(mesh, "garment");
+  for (int left = handles; left > 0; --left) {
     const Loop loop = shortest_loop(result, longest);
     if (loop.empty())
       break;

@@ -1,5 +1,8 @@
 #include "surface_piece.h"
 
+#include "doublet/core/error.h"
+#include "doublet/core/parts/disjoint_sets.h"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -82,6 +85,33 @@ std::vector<std::vector<int>> boundary_loops(const Faces &faces) {
     loops.push_back(std::move(loop));
   }
   return loops;
+}
+
+void require_manifold(const Mesh &mesh, const std::string &what) {
+  std::map<std::array<int, 2>, int> corner; // (a, b): that at a of the face with this edge
+  int repeated = 0;
+  for (int f = 0; f < mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      repeated += !corner.try_emplace({mesh.faces(f, k), mesh.faces(f, (k + 1) % 3)}, 3 * f + k).second;
+  DisjointSets fans(static_cast<int>(3 * mesh.faces.rows())); // corners at one vertex, across the edges there
+  const auto next = [](int c) { return c - c % 3 + (c + 1) % 3; };
+  for (const auto &[edge, c] : corner)
+    if (const auto other = corner.find({edge[1], edge[0]}); other != corner.end()) {
+      fans.unite(c, next(other->second));
+      fans.unite(next(c), other->second);
+    }
+  std::vector<int> fan(static_cast<std::size_t>(mesh.vertices.rows()), -1);
+  std::set<int> pinched;
+  for (int c = 0; c < 3 * mesh.faces.rows(); ++c) {
+    const int v = mesh.faces(c / 3, c % 3), root = fans.root(c);
+    if (fan[v] >= 0 && fan[v] != root)
+      pinched.insert(v);
+    fan[v] = root;
+  }
+  if (repeated > 0 || !pinched.empty())
+    throw Error(what + ": expected a manifold surface, found " + std::to_string(repeated) +
+                " edges with several faces on one side and " + std::to_string(pinched.size()) +
+                " vertices at which pieces touch; mend the template");
 }
 
 } // namespace doublet::detail

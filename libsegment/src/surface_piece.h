@@ -4,6 +4,7 @@
 #include "doublet/core/mesh.h"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace doublet::detail {
@@ -26,5 +27,9 @@ Vertices placed(const Piece &piece, const Faces &actor_faces, const Vertices &ac
 
 /// The boundary as loops of vertices, each in the order of its faces.
 std::vector<std::vector<int>> boundary_loops(const Faces &faces);
+
+/// Throws Error unless every directed edge has one face at most and the faces around every vertex hang together: who walks around
+/// a vertex of another surface, or along its boundary, does not come back.
+void require_manifold(const Mesh &mesh, const std::string &what);
 
 } // namespace doublet::detail

@@ -170,7 +170,8 @@ def damage_array(array: np.ndarray, others: list[np.ndarray], rng: random.Random
     if what == 5 and array.ndim:
         return array[: rng.randrange(len(array) + 1)]
     if what == 6:
-        return np.zeros((rng.choice((0, 1, 3, 2_000_000)), *array.shape[1:]), array.dtype)
+        most = (100 << 20) // max(array.itemsize * int(np.prod(array.shape[1:])), 1)  # this takes memory, too
+        return np.zeros((min(rng.choice((0, 1, 3, 2_000_000)), most), *array.shape[1:]), array.dtype)
     changed = array.copy()
     if changed.size and changed.dtype.kind in "fiu":
         # Rows as others are: faces twice, vertices at one place.

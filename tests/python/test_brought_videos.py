@@ -112,6 +112,15 @@ def test_an_avi_that_was_cut_off_is_refused(tmp_path):
         session_of(tmp_path)
 
 
+def test_a_video_without_a_frame_is_named(tmp_path):
+    mjpeg_avi(tmp_path / "films/cam0.avi", range(5), dropped=range(5))
+    mjpeg_avi(tmp_path / "films/cam1.avi", range(5))
+    with pytest.raises(RuntimeError, match=r"cam0\.avi: expected a video, found no pictures in it"):
+        session_of(tmp_path)
+    with pytest.raises(RuntimeError, match=r"cam0\.avi: expected a video, found no pictures in it"):
+        read_masks(tmp_path / "films/cam0.avi")
+
+
 def test_dropped_frames_shift_nothing_that_follows(tmp_path):
     mjpeg_avi(tmp_path / "films/cam0.avi", range(20), dropped=(6, 13))
     mjpeg_avi(tmp_path / "films/cam1.avi", range(20))

@@ -203,6 +203,13 @@ def test_the_same_read_by_python(tmp_path):
     assert "found: poses.npy of 1007 MiB out of" in said(tmp_path / "poses.npz", call)
 
 
+def test_texts_without_a_letter(tmp_path):
+    with zipfile.ZipFile(tmp_path / "skeleton.npz", "w") as archive, archive.open("joint_names.npy", "w") as member:
+        np.lib.format.write_array_header_1_0(member, {"descr": "<U0", "fortran_order": False, "shape": (1 << 31,)})
+    call = "__import__('doublet.common.files').common.files.arrays_of(path).__enter__()['joint_names']"
+    assert "found: joint_names.npy of shape (2147483648,) in 0 bytes" in said(tmp_path / "skeleton.npz", call)
+
+
 # --- records and truths
 
 

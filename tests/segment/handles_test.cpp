@@ -1,6 +1,7 @@
 #include "../../libsegment/src/handles.h"
 
 #include "../../libsegment/src/surface_piece.h"
+#include "doublet/core/error.h"
 #include "doublet/rays/parts/self_intersection.h"
 #include "doublet/segment/garment_mesher.h"
 #include "skirt_person.h"
@@ -67,6 +68,37 @@ TEST(Handles, WhatHasNoneStaysAsItIs) {
   const Mesh mesh = open_tube(), same = detail::without_handles(mesh, 10);
   EXPECT_EQ(same.vertices, mesh.vertices);
   EXPECT_EQ(same.faces, mesh.faces);
+}
+
+/// Walking around such a vertex never comes back, and a loop of the boundary that passes it twice loses its way.
+TEST(Handles, SurfacesThatAreNoneAreRefused) {
+  const auto refusal = [](const auto &call) -> std::string {
+    try {
+      call();
+      return {};
+    } catch (const Error &error) {
+      return error.what();
+    }
+  };
+  const auto pinched = [](int first, int second) {
+    Mesh mesh = open_tube();
+    for (int vertex : {first, second})
+      mesh.faces = (mesh.faces.array() == vertex).select(vertex + 8, mesh.faces).eval();
+    return mesh;
+  };
+  const std::string touching =
+      "garment: expected a manifold surface, found 0 edges with several faces on one side and 2 vertices";
+  EXPECT_TRUE(
+      refusal([&] { detail::without_handles(pinched(20 * tube::kAround, 25 * tube::kAround), 0.25); }).starts_with(touching));
+  EXPECT_NE(refusal([&] { detail::require_manifold(pinched(0, 20), "edge"); }).find("and 2 vertices"), std::string::npos);
+  Mesh doubled = open_tube();
+  doubled.faces.conservativeResize(doubled.faces.rows() + 1, 3);
+  doubled.faces.row(doubled.faces.rows() - 1) = doubled.faces.row(0);
+  EXPECT_NE(
+      refusal([&] { detail::require_manifold(doubled, "twice"); }).find("twice: expected a manifold surface, found 3 edges"),
+      std::string::npos);
+  EXPECT_EQ(refusal([] { detail::require_manifold(open_tube(), "open"); }), "");
+  EXPECT_EQ(refusal([] { detail::require_manifold(torus(0.02), "closed"); }), "");
 }
 
 TEST(Handles, FoldsThatWereJoinedArePartedAndClosed) {

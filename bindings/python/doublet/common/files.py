@@ -161,7 +161,7 @@ def require_room(path: Path) -> None:
                     raise ValueError(f"{member.filename} of version {version}")
                 shape, _, kind = readers[version](stream)
                 has = member.file_size - stream.tell()
-            if kind.itemsize * math.prod(shape) > has and not kind.hasobject:  # Python's objects are refused unread
+            if max(kind.itemsize, 1) * math.prod(shape) > has and not kind.hasobject:  # Python's objects are refused unread
                 raise ValueError(f"{member.filename} of shape {shape} in {has} bytes")
     if room < 0:
         raise ValueError("more than deflate can pack into a file of this size")

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..common.files import array_of, arrays_of
 
+MOST_FRAMES = 500_000  #: two hours at 60 a second
 MASK_NAME = re.compile(r"(?P<camera>.+)_(?P<frame>\d+)\.png")
 
 
@@ -82,6 +83,8 @@ class Truth:
         with arrays_of(path) as file:
             names = [str(n) for n in array_of(file, path, "joint_names", "US", (None,))]
             joints = array_of(file, path, "joints", "f", (None, len(names), 3)).astype(float)
+            if len(joints) > MOST_FRAMES:
+                raise RuntimeError(f"{path}: array 'joints': expected at most {MOST_FRAMES} frames, found {len(joints)}")
             return names, dict(zip(self.frames_of(file, path, len(joints)), joints))
 
     def pelvis(self) -> dict[int, np.ndarray]:

@@ -6,6 +6,7 @@ import numpy as np
 
 #: Numbers a frame of axis times angle: 22 and 24 joints, with eyes and jaw, with fingers (SMPL-H), with all (SMPL-X).
 AXIS_ANGLES = (66, 72, 75, 156, 159, 165, 168)
+FEW = 64  #: frames, by which what is none is told in little memory
 ALIKE = 1e-3  #: to which a rotation's axes are of length 1 and at right angles
 
 
@@ -42,6 +43,8 @@ def doubt_about(rows: list[np.ndarray]) -> str:
 
 
 def are_rotations(matrices: np.ndarray) -> bool:
+    if len(matrices) > FEW and not are_rotations(matrices[:FEW]):
+        return False
     products = np.einsum("...ij,...ik->...jk", matrices, matrices)
     return bool(np.abs(products - np.eye(3)).max() < ALIKE and (np.linalg.det(matrices) > 0).all())
 
