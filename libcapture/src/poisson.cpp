@@ -55,8 +55,8 @@ struct SurfaceFaces : recon::OutputFaceStream<2> {
   }
 };
 
-/// The library's own values but for the depth: a cube 1.1 times as large as the scan, one sample and a half in a cell, the scan's
-/// points as a screen of weight 2.
+/// The library's own values but for the depths: a cube 1.1 times as large as the scan, one sample and a half in a cell, the
+/// scan's points as a screen of weight 2.
 PoissonSurface reconstruct(Samples &samples, int depth) {
   using Method = recon::Poisson;
   using Basis = PoissonRecon::IsotropicUIntPack<
@@ -64,6 +64,7 @@ PoissonSurface reconstruct(Samples &samples, int depth) {
   recon::ProfilerMS = 0; // no thread that watches memory
   Method::SolutionParameters<Real> solution;
   solution.depth = static_cast<unsigned>(depth);
+  solution.baseDepth = 0; // from the whole cube on; from 32 cells a side, the default, wide gaps are bridged 2 cm elsewhere
   recon::LevelSetExtractionParameters extraction;
   extraction.outputDensity = true;
   const std::unique_ptr<recon::Implicit<Real, 3, Basis>> surface(Method::Solver<Real, 3, Basis>::Solve(samples, solution));

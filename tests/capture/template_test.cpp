@@ -125,7 +125,7 @@ TEST(Template, AFoldThatNobodySawIsNoSheet) {
   const Eigen::VectorXd areas = face_areas(surface.high.vertices, surface.high.faces);
   double above = 0;
   for (Eigen::Index f = 0; f < surface.high.faces.rows(); ++f)
-    if (surface.high.vertices(surface.high.faces.row(f), 1).mean() > kHem + 0.04)
+    if (surface.high.vertices(surface.high.faces.row(f), 1).mean() > kHem + 0.08) // the hem's sheet reaches into the fold
       above += surface.high_face_valid[f] ? 0 : areas[f];
   EXPECT_LT(above, 1e-4);
 }
