@@ -54,9 +54,7 @@ def main() -> None:
     options = parser.parse_args()
     made, truth, session = Reconstruction(options.out), Truth(options.session / "ground_truth"), d.Session(options.session)
     cameras = session.rig
-    segmenter = d.ClothSegmenter.create(
-        d.SegmentOptions(even_odds=options.even_odds, colour=options.colour)
-    )
+    segmenter = d.ClothSegmenter.create(d.SegmentOptions(even_odds=options.even_odds, colour=options.colour))
     performance = made.performance
     silhouettes = d.session_silhouettes(session, d.FrameSource.open(session))
     colours = first_colours(made.actor, performance, session, silhouettes, d.Context())

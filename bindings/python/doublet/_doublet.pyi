@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'DetectedJoints', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'CmaEsOptions', 'Context', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'ClothedScan', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentOptions', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_template', 'capsule_mesh', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'apply_corrections', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'detect_joints', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fitting_thresholds', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'build_display_mesh', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'offered', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'canonical_frames', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'worn', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -21,13 +21,13 @@ class Context:
         """
     def __repr__(self) -> str:
         ...
-    def report_progress(self, stage: str, fraction: float) -> None:
-        """
-        Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.
-        """
     def log_line(self, line: str) -> None:
         """
         Hands a line to log.
+        """
+    def report_progress(self, stage: str, fraction: float) -> None:
+        """
+        Tells progress(stage, fraction); raises KeyboardInterrupt if the user asked to stop.
         """
     @property
     def threads(self) -> int:
@@ -141,14 +141,6 @@ class MeshSequence:
     def __len__(self) -> int:
         ...
     @property
-    def colours(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
-        """
-        (F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.
-        """
-    @colours.setter
-    def colours(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
-        ...
-    @property
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
         """
         (F, 3)
@@ -163,14 +155,6 @@ class MeshSequence:
         """
     @frames.setter
     def frames(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
-        ...
-    @property
-    def canonical(self) -> numpy.typing.NDArray[numpy.float64]:
-        """
-        (T, V, 3) m: the frames brought back to the scan pose (canonical_frames), or empty; a copy
-        """
-    @canonical.setter
-    def canonical(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
         ...
 class Camera:
     """
@@ -482,6 +466,14 @@ class Segmentation:
     def fullness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
+    def probability(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) in [0, 1], of being cloth; empty = not told
+        """
+    @probability.setter
+    def probability(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
     def region(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"]:
         """
         (V), -1 = rigid
@@ -544,14 +536,6 @@ class Garment:
     def clothness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
-    def replaced_faces(self) -> numpy.typing.NDArray[numpy.uint8]:
-        """
-        (F) faces of the actor that the garment stands for
-        """
-    @replaced_faces.setter
-    def replaced_faces(self, value: numpy.typing.ArrayLike) -> None:
-        ...
-    @property
     def mesh(self) -> Mesh:
         """
         scan pose, m
@@ -574,6 +558,14 @@ class Garment:
         """
     @region_count.setter
     def region_count(self, value: int) -> None:
+        ...
+    @property
+    def replaced_faces(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        (F) faces of the actor that the garment stands for
+        """
+    @replaced_faces.setter
+    def replaced_faces(self, value: numpy.typing.ArrayLike) -> None:
         ...
     @property
     def rest(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
@@ -725,7 +717,7 @@ class CalibrationOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> CalibrationOptions:
         ...
@@ -750,7 +742,7 @@ class CalibrationOptions:
     @property
     def format(self) -> str:
         """
-        of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys', 'anipose', 'panoptic', 'metashape', 'opencv_fisheye'
+        Format of the file or folder; found = by its names and content: one of 'found', 'doublet', 'opencv', 'colmap', 'easymocap', 'toml', 'qualisys', 'anipose', 'panoptic', 'metashape', 'opencv_fisheye'
         """
     @format.setter
     def format(self, value: str) -> None:
@@ -758,7 +750,7 @@ class CalibrationOptions:
     @property
     def image_height(self) -> int:
         """
-        px, where the format has no size; 0 = it has: a number of at least 0
+        px, Height of the images, where the format does not have it; 0 = it has: a number of at least 0
         """
     @image_height.setter
     def image_height(self, value: int) -> None:
@@ -766,7 +758,7 @@ class CalibrationOptions:
     @property
     def image_width(self) -> int:
         """
-        px, where the format has no size; 0 = it has: a number of at least 0
+        px, Width of the images, where the format does not have it; 0 = it has: a number of at least 0
         """
     @image_width.setter
     def image_width(self, value: int) -> None:
@@ -774,7 +766,7 @@ class CalibrationOptions:
     @property
     def units(self) -> str:
         """
-        of the file: m, cm, mm, or how many metres one unit is; found = what the format usually has
+        Unit of the file: m, cm, mm, or metres a unit; found = what the format usually has
         """
     @units.setter
     def units(self, value: str) -> None:
@@ -782,7 +774,7 @@ class CalibrationOptions:
     @property
     def up(self) -> str:
         """
-        axis of the file that points up; found = what the format usually has, if cameras stand upright: one of 'found', 'x', '-x', 'y', '-y', 'z', '-z'
+        Axis of the file that points up; found = the format's, if cameras stand upright: one of 'found', 'x', '-x', 'y', '-y', 'z', '-z'
         """
     @up.setter
     def up(self, value: str) -> None:
@@ -1019,7 +1011,7 @@ class ChromaKeyOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> ChromaKeyOptions:
         ...
@@ -1044,7 +1036,7 @@ class ChromaKeyOptions:
     @property
     def min_blob_area(self) -> int:
         """
-        px, smaller foreground islands and background holes are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
+        px, Smaller islands and holes of the mask are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
         """
     @min_blob_area.setter
     def min_blob_area(self, value: int) -> None:
@@ -1052,7 +1044,7 @@ class ChromaKeyOptions:
     @property
     def min_key_share(self) -> float:
         """
-        of the image border that must show one saturated hue, or there is no screen to key against: a number in (0, 1]
+        Share of the image border that must show one saturated hue: a number in (0, 1]. With less there is no screen to key against
         """
     @min_key_share.setter
     def min_key_share(self, value: float) -> None:
@@ -1065,7 +1057,7 @@ class BackgroundOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> BackgroundOptions:
         ...
@@ -1090,31 +1082,31 @@ class BackgroundOptions:
     @property
     def highlight(self) -> float:
         """
-        brightest share of its brightness that still is background: a number of at least 1
+        Background may be brightened to this share of its brightness: a number of at least 1
         """
     @highlight.setter
     def highlight(self, value: float) -> None:
         ...
     @property
-    def shadow(self) -> float:
-        """
-        darkest share of its brightness at which the background counts as shadowed: a number in (0, 1]
-        """
-    @shadow.setter
-    def shadow(self, value: float) -> None:
-        ...
-    @property
     def min_blob_area(self) -> int:
         """
-        px, smaller islands and holes are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
+        px, Smaller islands and holes of the mask are dropped; at 1004 x 1004, scaled with the image area: a number of at least 0
         """
     @min_blob_area.setter
     def min_blob_area(self, value: int) -> None:
         ...
     @property
+    def shadow(self) -> float:
+        """
+        Background may be darkened by a shadow to this share of its brightness: a number in (0, 1]
+        """
+    @shadow.setter
+    def shadow(self, value: float) -> None:
+        ...
+    @property
     def tolerance(self) -> float:
         """
-        standard deviations of the noise, which is measured in every image: a number above 0
+        A pixel is actor beyond so many standard deviations of the noise: a number above 0. The noise is measured in every image
         """
     @tolerance.setter
     def tolerance(self, value: float) -> None:
@@ -1127,7 +1119,7 @@ class SilhouetteOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> SilhouetteOptions:
         ...
@@ -1152,7 +1144,7 @@ class SilhouetteOptions:
     @property
     def background(self) -> BackgroundOptions:
         """
-        of the difference to a background
+        Options of the difference to a background
         """
     @background.setter
     def background(self, value: BackgroundOptions) -> None:
@@ -1160,7 +1152,7 @@ class SilhouetteOptions:
     @property
     def key(self) -> ChromaKeyOptions:
         """
-        of the screen of one colour
+        Options of the screen of one colour
         """
     @key.setter
     def key(self, value: ChromaKeyOptions) -> None:
@@ -1168,7 +1160,7 @@ class SilhouetteOptions:
     @property
     def median_frames(self) -> int:
         """
-        frames that the median is taken of, spread over the session: a number of at least 1
+        Number of frames, spread over the session, that the median is taken of: a number of at least 1
         """
     @median_frames.setter
     def median_frames(self, value: int) -> None:
@@ -1176,7 +1168,7 @@ class SilhouetteOptions:
     @property
     def method(self) -> str:
         """
-        plates (clean ones of the session), key (a screen of one colour), median (of the frames: the actor must move about); auto = for each camera the first of these that the session allows: one of 'auto', 'plates', 'key', 'median'
+        Method: plates, key, median, or auto: the first of these that the session allows, a camera: one of 'auto', 'plates', 'key', 'median'. plates = clean ones of the session, key = a screen of one colour, median = of the frames: the actor must move about
         """
     @method.setter
     def method(self, value: str) -> None:
@@ -1265,7 +1257,7 @@ class ViewScanOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> ViewScanOptions:
         ...
@@ -1290,7 +1282,7 @@ class ViewScanOptions:
     @property
     def cell(self) -> float:
         """
-        m, of the grid that the visual hull is sampled on: a number in [0.001, 0.05]
+        m, Size of a cell of the grid that the visual hull is sampled on: a number in [0.001, 0.05]
         """
     @cell.setter
     def cell(self, value: float) -> None:
@@ -1298,7 +1290,7 @@ class ViewScanOptions:
     @property
     def grazing_angle(self) -> float:
         """
-        degrees, surface that faces down and that every camera sees flatter than this, or not at all, is left out: under a hem: a number in [10, 90]
+        degrees, Downward surface is left out where every camera sees it flatter than this, or not at all: a number in [10, 90]. Under a hem
         """
     @grazing_angle.setter
     def grazing_angle(self, value: float) -> None:
@@ -1306,7 +1298,7 @@ class ViewScanOptions:
     @property
     def max_missing_views(self) -> int:
         """
-        cameras, that may miss a point which all others see: silhouettes with holes cut less, the hull gets thicker: a number in [0, 7]
+        cameras, Number of cameras that may miss a point which all others see: a number in [0, 7]. Silhouettes with holes cut less, and the hull gets thicker
         """
     @max_missing_views.setter
     def max_missing_views(self, value: int) -> None:
@@ -1314,7 +1306,7 @@ class ViewScanOptions:
     @property
     def patch(self) -> float:
         """
-        m, side of the square of surface that two cameras compare: a number in [0.01, 0.3]
+        m, Side of the square of surface that two cameras compare: a number in [0.01, 0.3]
         """
     @patch.setter
     def patch(self, value: float) -> None:
@@ -1322,7 +1314,7 @@ class ViewScanOptions:
     @property
     def poisson_depth(self) -> int:
         """
-        octree depth of the surface through the samples: a number in [5, 11]
+        Octree depth of the surface through the samples: a number in [5, 11]
         """
     @poisson_depth.setter
     def poisson_depth(self, value: int) -> None:
@@ -1330,7 +1322,7 @@ class ViewScanOptions:
     @property
     def search_depth(self) -> float:
         """
-        m, how far inside the hull the surface is looked for; 0 = the hull itself: a number in [0, 0.3]
+        m, Depth inside the hull within which the surface is sought; 0 = the hull itself: a number in [0, 0.3]
         """
     @search_depth.setter
     def search_depth(self, value: float) -> None:
@@ -1338,7 +1330,7 @@ class ViewScanOptions:
     @property
     def smoothness(self) -> float:
         """
-        correlation that a step of a centimetre between neighbours must gain: a number above 0
+        Correlation that a step of a centimetre between neighbours must gain: a number above 0
         """
     @smoothness.setter
     def smoothness(self, value: float) -> None:
@@ -1351,7 +1343,7 @@ class RestPoseOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> RestPoseOptions:
         ...
@@ -1374,9 +1366,17 @@ class RestPoseOptions:
         Name -> value of every option.
         """
     @property
+    def fade_distance(self) -> float:
+        """
+        m, Distance over which the correction of skin fades out in the cloth beside it: a number in [0.001, 1]. Cloth itself is not corrected
+        """
+    @fade_distance.setter
+    def fade_distance(self, value: float) -> None:
+        ...
+    @property
     def frames(self) -> int:
         """
-        a vertex is where the median of so many frames has it, of those in which the joints around it are bent least: a number in [1, 1000]
+        Number of least bent frames of which the median place of a vertex is taken: a number in [1, 1000]
         """
     @frames.setter
     def frames(self, value: int) -> None:
@@ -1384,23 +1384,15 @@ class RestPoseOptions:
     @property
     def max_bend(self) -> float:
         """
-        degrees, frames in which they are bent more than this, on average by skin weight, tell nothing of a vertex: a number in [0, 180]
+        degrees, Frames tell nothing of a vertex whose joints are bent more, on average by skin weight: a number in [0, 180]
         """
     @max_bend.setter
     def max_bend(self, value: float) -> None:
         ...
     @property
-    def fade_distance(self) -> float:
-        """
-        m, how far into cloth, which is not corrected, the correction of the skin beside it fades: a number in [0.001, 1]
-        """
-    @fade_distance.setter
-    def fade_distance(self, value: float) -> None:
-        ...
-    @property
     def smoothing(self) -> float:
         """
-        m, detail of the correction smaller than this is noise: a number in [0.001, 0.1]
+        m, Detail of the correction that is smaller than this is taken for noise: a number in [0.001, 0.1]
         """
     @smoothing.setter
     def smoothing(self, value: float) -> None:
@@ -1413,7 +1405,7 @@ class TemplateOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> TemplateOptions:
         ...
@@ -1438,7 +1430,7 @@ class TemplateOptions:
     @property
     def density_drop(self) -> float:
         """
-        octree levels, and the scan is this much sparser there than usual (one level = a quarter of the samples): a number of at least 0
+        octree levels, A point lies over a hole if the scan is also this much sparser there than usual: a number of at least 0. One level is a quarter of the samples
         """
     @density_drop.setter
     def density_drop(self, value: float) -> None:
@@ -1446,7 +1438,7 @@ class TemplateOptions:
     @property
     def high_triangles(self) -> int:
         """
-        of M_high, for display; at least as many as triangles: a number of at least 100
+        Number of triangles of the display surface M_high, at least as many as of M: a number of at least 100
         """
     @high_triangles.setter
     def high_triangles(self, value: int) -> None:
@@ -1454,7 +1446,7 @@ class TemplateOptions:
     @property
     def hole_gap(self) -> float:
         """
-        m, a reconstructed point farther than this from the scan's surface lies over a hole (a scan is good to 1-2 mm): a number above 0
+        m, A reconstructed point lies over a hole if it is farther than this from the scan's surface: a number above 0. A scan is good to 1 or 2 mm
         """
     @hole_gap.setter
     def hole_gap(self, value: float) -> None:
@@ -1462,7 +1454,7 @@ class TemplateOptions:
     @property
     def large_hole(self) -> float:
         """
-        m^2, holes from this size on are suggested as invalid: more than a foot's sole, which is rightly closed: a number above 0
+        m^2, Holes from this size on are suggested as invalid: a number above 0. More than a foot's sole, which is rightly closed
         """
     @large_hole.setter
     def large_hole(self, value: float) -> None:
@@ -1470,7 +1462,7 @@ class TemplateOptions:
     @property
     def narrow_hole(self) -> float:
         """
-        m, folds narrower than this that run into the hem unseen stay valid: a number of at least 0
+        m, Narrower folds that run into the hem unseen stay valid: a number of at least 0
         """
     @narrow_hole.setter
     def narrow_hole(self, value: float) -> None:
@@ -1478,7 +1470,7 @@ class TemplateOptions:
     @property
     def poisson_depth(self) -> int:
         """
-        octree depth of the Poisson reconstruction; 9 = cells of 3.6 mm for a person: a number in [4, 12]
+        Octree depth of the Poisson reconstruction: a number in [4, 12]. 9 = cells of 3.6 mm for a person
         """
     @poisson_depth.setter
     def poisson_depth(self, value: int) -> None:
@@ -1486,7 +1478,7 @@ class TemplateOptions:
     @property
     def sheet_hole(self) -> float:
         """
-        m^2, so are holes from this size on that have two borders or more (garment and limb): a sheet at a hem: a number above 0
+        m^2, Holes with two borders or more are suggested as invalid from this size on: a number above 0. Garment and limb: a closing surface at a hem
         """
     @sheet_hole.setter
     def sheet_hole(self, value: float) -> None:
@@ -1494,7 +1486,7 @@ class TemplateOptions:
     @property
     def triangles(self) -> int:
         """
-        of M, as in the paper: a number of at least 100
+        Number of triangles of the template M: a number of at least 100. As in the paper
         """
     @triangles.setter
     def triangles(self, value: int) -> None:
@@ -1507,7 +1499,7 @@ class HeatWeightOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> HeatWeightOptions:
         ...
@@ -1532,7 +1524,7 @@ class HeatWeightOptions:
     @property
     def c(self) -> float:
         """
-        heat of the nearest visible bones, H_ii = c / d^2, Baran & Popovic 2007: a number above 0
+        Heat c of the nearest visible bones, H_ii = c / d^2 (Baran & Popovic 2007): a number above 0
         """
     @c.setter
     def c(self, value: float) -> None:
@@ -1646,7 +1638,7 @@ class FeatureTrackerOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> FeatureTrackerOptions:
         ...
@@ -1671,7 +1663,7 @@ class FeatureTrackerOptions:
     @property
     def budget(self) -> int:
         """
-        strongest features kept per image; time is proportional (40-60 ms an image of 1004 x 1004), 500 do for the pose: a number of at least 1
+        Number of the strongest features that are kept in an image: a number of at least 1. Time is proportional, 40 to 60 ms an image of 1004 x 1004; 500 do for the pose
         """
     @budget.setter
     def budget(self, value: int) -> None:
@@ -1679,7 +1671,7 @@ class FeatureTrackerOptions:
     @property
     def erode(self) -> int:
         """
-        px, at 1004 px image height; features closer to the silhouette see background: a number of at least 0
+        px, Features closer to the silhouette are dropped, at 1004 px image height: a number of at least 0. They see background
         """
     @erode.setter
     def erode(self, value: int) -> None:
@@ -1687,7 +1679,7 @@ class FeatureTrackerOptions:
     @property
     def max_displacement(self) -> float:
         """
-        of the silhouette's height between two frames; 0.1 = 7 m/s for a person at 40 fps: a number above 0
+        Largest displacement between two frames, as a share of the silhouette's height: a number above 0. 0.1 = 7 m/s for a person at 40 fps
         """
     @max_displacement.setter
     def max_displacement(self, value: float) -> None:
@@ -1695,7 +1687,7 @@ class FeatureTrackerOptions:
     @property
     def ratio(self) -> float:
         """
-        best / second best descriptor distance, Lowe 2004 Sect. 7.1: a number in (0, 1]
+        Ratio of the best to the second best descriptor distance, at most (Lowe 2004, Sect. 7.1): a number in (0, 1]
         """
     @ratio.setter
     def ratio(self, value: float) -> None:
@@ -1874,7 +1866,7 @@ class PoseOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> PoseOptions:
         ...
@@ -1899,7 +1891,7 @@ class PoseOptions:
     @property
     def first_iterations(self) -> int:
         """
-        the same for the first frame: a number of at least 1
+        Number of renderings for the first frame: a number of at least 1
         """
     @first_iterations.setter
     def first_iterations(self, value: int) -> None:
@@ -1907,7 +1899,7 @@ class PoseOptions:
     @property
     def gate_end(self) -> float:
         """
-        m, the same, last iteration: a number above 0
+        m, Rim matches farther away are dropped in the last iteration: a number above 0
         """
     @gate_end.setter
     def gate_end(self, value: float) -> None:
@@ -1915,7 +1907,7 @@ class PoseOptions:
     @property
     def gate_start(self) -> float:
         """
-        m, rim matches farther away are dropped, first iteration: a number above 0
+        m, Rim matches farther away are dropped in the first iteration: a number above 0
         """
     @gate_start.setter
     def gate_start(self, value: float) -> None:
@@ -1923,7 +1915,7 @@ class PoseOptions:
     @property
     def iterations(self) -> int:
         """
-        renderings with re-matching; a tracked frame moves below 1 mm after 6: a number of at least 1
+        Number of renderings, each with new matches: a number of at least 1. A tracked frame moves by less than 1 mm after 6
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
@@ -1931,7 +1923,7 @@ class PoseOptions:
     @property
     def limit_weight(self) -> float:
         """
-        of a joint limit passed by prior_angle against one rim match: a number of at least 0
+        Weight of a joint limit that is passed by prior_angle, against one rim match: a number of at least 0
         """
     @limit_weight.setter
     def limit_weight(self, value: float) -> None:
@@ -1939,7 +1931,7 @@ class PoseOptions:
     @property
     def prior_angle(self) -> float:
         """
-        rad, expected error of the prediction: a number above 0
+        rad, Expected error of the predicted angles: a number above 0
         """
     @prior_angle.setter
     def prior_angle(self, value: float) -> None:
@@ -1947,7 +1939,7 @@ class PoseOptions:
     @property
     def prior_shift(self) -> float:
         """
-        m, the same for the root's translation: a number above 0
+        m, Expected error of the root's predicted translation: a number above 0
         """
     @prior_shift.setter
     def prior_shift(self, value: float) -> None:
@@ -1955,7 +1947,7 @@ class PoseOptions:
     @property
     def prior_weight(self) -> float:
         """
-        of the prediction against one rim match, for a deviation of prior_angle or prior_shift: a number of at least 0
+        Weight of the prediction against one rim match, at a deviation of prior_angle or prior_shift: a number of at least 0
         """
     @prior_weight.setter
     def prior_weight(self, value: float) -> None:
@@ -1963,7 +1955,7 @@ class PoseOptions:
     @property
     def raster_size(self) -> int:
         """
-        px, longest side of the renderings in which rims are found; rims keep sub-pixel residuals: a number of at least 64
+        px, Longest side of the renderings in which rims are found: a number of at least 64. Rims keep sub-pixel residuals
         """
     @raster_size.setter
     def raster_size(self, value: int) -> None:
@@ -1971,7 +1963,7 @@ class PoseOptions:
     @property
     def rims_per_view(self) -> int:
         """
-        correspondences per view and direction: a number of at least 10
+        Number of correspondences a view and direction: a number of at least 10
         """
     @rims_per_view.setter
     def rims_per_view(self, value: int) -> None:
@@ -1979,7 +1971,7 @@ class PoseOptions:
     @property
     def scale_end(self) -> float:
         """
-        m, the same, last iteration: the size of skinning errors: a number above 0
+        m, Geman-McClure scale of all residuals in the last iteration: a number above 0. The size of skinning errors
         """
     @scale_end.setter
     def scale_end(self, value: float) -> None:
@@ -1987,7 +1979,7 @@ class PoseOptions:
     @property
     def scale_start(self) -> float:
         """
-        m, Geman-McClure scale of all residuals, first iteration: a number above 0
+        m, Geman-McClure scale of all residuals in the first iteration: a number above 0
         """
     @scale_start.setter
     def scale_start(self, value: float) -> None:
@@ -1995,7 +1987,7 @@ class PoseOptions:
     @property
     def sift_weight(self) -> float:
         """
-        of one feature track against one rim match; at 5 a skirt's features, bound to the thigh, held a leg back: a number of at least 0
+        Weight of a feature track against one rim match: a number of at least 0. At 5 a skirt's features, bound to the thigh, held a leg back
         """
     @sift_weight.setter
     def sift_weight(self, value: float) -> None:
@@ -2069,7 +2061,7 @@ class ParticleAnnealingOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> ParticleAnnealingOptions:
         ...
@@ -2094,15 +2086,23 @@ class ParticleAnnealingOptions:
     @property
     def coldness(self) -> float:
         """
-        beta_t = coldness (t + 1)^power; a difference in energy of 1 / beta_t makes a particle e times rarer: a number above 0
+        Scale of the schedule, beta_t = coldness (t + 1)^power: a number above 0. A difference in energy of 1 / beta_t makes a particle e times rarer
         """
     @coldness.setter
     def coldness(self, value: float) -> None:
         ...
     @property
+    def covariance_share(self) -> float:
+        """
+        Share of the particles' covariance with which they move after a selection (ibid., alpha): a number in (0, 1]
+        """
+    @covariance_share.setter
+    def covariance_share(self, value: float) -> None:
+        ...
+    @property
     def iterations(self) -> int:
         """
-        selections and moves; 100 particles and 10 take 0.5 s a lost limb: a number of at least 1
+        Number of selections and moves: a number of at least 1. 100 particles and 10 iterations take 0.5 s a lost limb
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
@@ -2110,7 +2110,7 @@ class ParticleAnnealingOptions:
     @property
     def particles(self) -> int:
         """
-        energies an iteration: a number of at least 2
+        Number of particles, which is that of the energies in an iteration: a number of at least 2
         """
     @particles.setter
     def particles(self, value: int) -> None:
@@ -2118,7 +2118,7 @@ class ParticleAnnealingOptions:
     @property
     def power(self) -> float:
         """
-        of the schedule, Gall et al. 2007, Sect. 5.2: a number of at least 0
+        Power of the schedule (Gall et al. 2007, Sect. 5.2): a number of at least 0
         """
     @power.setter
     def power(self, value: float) -> None:
@@ -2126,18 +2126,10 @@ class ParticleAnnealingOptions:
     @property
     def seed(self) -> int:
         """
-        of the random numbers: a number of at least 0
+        Seed of the random numbers: a number of at least 0
         """
     @seed.setter
     def seed(self, value: int) -> None:
-        ...
-    @property
-    def covariance_share(self) -> float:
-        """
-        share of the particles' covariance with which they are moved after each selection (ibid., alpha): a number in (0, 1]
-        """
-    @covariance_share.setter
-    def covariance_share(self, value: float) -> None:
         ...
 class LimbSearchOptions:
     """
@@ -2147,7 +2139,7 @@ class LimbSearchOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> LimbSearchOptions:
         ...
@@ -2172,7 +2164,7 @@ class LimbSearchOptions:
     @property
     def annealing(self) -> ParticleAnnealingOptions:
         """
-        of the particles
+        Options of the particles
         """
     @annealing.setter
     def annealing(self, value: ParticleAnnealingOptions) -> None:
@@ -2180,7 +2172,7 @@ class LimbSearchOptions:
     @property
     def deviation(self) -> float:
         """
-        rad, of the first particles around the prediction: a number above 0
+        rad, Standard deviation of the first particles around the prediction: a number above 0
         """
     @deviation.setter
     def deviation(self, value: float) -> None:
@@ -2188,31 +2180,31 @@ class LimbSearchOptions:
     @property
     def lost_error(self) -> float:
         """
-        m, a limb with a larger error is lost; tracked ones have a few mm, an arm 30 degrees off 4 cm: a number above 0
+        m, A limb with a larger error is lost: a number above 0. Tracked limbs have a few mm, an arm 30 degrees off has 4 cm
         """
     @lost_error.setter
     def lost_error(self, value: float) -> None:
         ...
     @property
-    def raster_size(self) -> int:
-        """
-        px, longest side of the masks and renderings compared; an arm is 3 to 4 px wide: a number of at least 64
-        """
-    @raster_size.setter
-    def raster_size(self, value: int) -> None:
-        ...
-    @property
     def max_error(self) -> float:
         """
-        m, disagreements count at most so much: a number above 0
+        m, A pixel's disagreement counts at most so much: a number above 0
         """
     @max_error.setter
     def max_error(self, value: float) -> None:
         ...
     @property
+    def raster_size(self) -> int:
+        """
+        px, Longest side of the masks and renderings that are compared: a number of at least 64. An arm is 3 to 4 px wide
+        """
+    @raster_size.setter
+    def raster_size(self, value: int) -> None:
+        ...
+    @property
     def smoothness(self) -> float:
         """
-        weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area: a number of at least 0
+        Weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area: a number of at least 0
         """
     @smoothness.setter
     def smoothness(self, value: float) -> None:
@@ -2293,7 +2285,7 @@ class SurfaceOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> SurfaceOptions:
         ...
@@ -2318,15 +2310,23 @@ class SurfaceOptions:
     @property
     def anchor_cloth(self) -> float:
         """
-        pull of a loose vertex to its expected position, against one rim match: a number above 0
+        Weight of a cloth vertex's expected position, against one rim match: a number above 0
         """
     @anchor_cloth.setter
     def anchor_cloth(self, value: float) -> None:
         ...
     @property
+    def anchor_falloff(self) -> float:
+        """
+        m, At this distance from its skinned position a vertex has a quarter of anchor_rigid: a number above 0
+        """
+    @anchor_falloff.setter
+    def anchor_falloff(self, value: float) -> None:
+        ...
+    @property
     def anchor_rigid(self) -> float:
         """
-        the same for a vertex that moves with the skeleton, to its skinned position: a number above 0
+        Weight of a rigid vertex's skinned position, against one rim match: a number above 0
         """
     @anchor_rigid.setter
     def anchor_rigid(self, value: float) -> None:
@@ -2334,7 +2334,7 @@ class SurfaceOptions:
     @property
     def bending(self) -> float:
         """
-        weight of |Laplacian of the displacement|^2 a vertex; keeps the shape between constraints: a number above 0
+        Weight of |Laplacian of the displacement|^2 a vertex: a number above 0. Keeps the shape between constraints
         """
     @bending.setter
     def bending(self, value: float) -> None:
@@ -2342,7 +2342,7 @@ class SurfaceOptions:
     @property
     def gate_end(self) -> float:
         """
-        m, the same, last iteration: a number above 0
+        m, Rim matches farther away are dropped in the last iteration: a number above 0
         """
     @gate_end.setter
     def gate_end(self, value: float) -> None:
@@ -2350,7 +2350,7 @@ class SurfaceOptions:
     @property
     def gate_start(self) -> float:
         """
-        m, rim matches farther away are dropped, first iteration; a hem moves up to 0.1 m between frames: a number above 0
+        m, Rim matches farther away are dropped in the first iteration: a number above 0. A hem moves up to 0.1 m between frames
         """
     @gate_start.setter
     def gate_start(self, value: float) -> None:
@@ -2358,23 +2358,15 @@ class SurfaceOptions:
     @property
     def iterations(self) -> int:
         """
-        renderings with re-matching: a number of at least 0
+        Number of renderings, each with new matches: a number of at least 0
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
         ...
     @property
-    def anchor_falloff(self) -> float:
-        """
-        m, a vertex this far from its skinned position is held there with a quarter of anchor_rigid: a number above 0
-        """
-    @anchor_falloff.setter
-    def anchor_falloff(self, value: float) -> None:
-        ...
-    @property
     def offset_prior_share(self) -> float:
         """
-        share of the offset from the skinned surface that bends and stretches back; 0 lets folds pile up: a number in [0, 1]
+        Share of the offset from the skinned surface that bends and stretches back: a number in [0, 1]. 0 lets folds pile up
         """
     @offset_prior_share.setter
     def offset_prior_share(self, value: float) -> None:
@@ -2382,7 +2374,7 @@ class SurfaceOptions:
     @property
     def raster_size(self) -> int:
         """
-        px, longest side of the renderings in which rims are found: a number of at least 64
+        px, Longest side of the renderings in which rims are found: a number of at least 64
         """
     @raster_size.setter
     def raster_size(self, value: int) -> None:
@@ -2390,7 +2382,7 @@ class SurfaceOptions:
     @property
     def rims_per_view(self) -> int:
         """
-        correspondences per view and direction: a number of at least 10
+        Number of correspondences a view and direction: a number of at least 10
         """
     @rims_per_view.setter
     def rims_per_view(self, value: int) -> None:
@@ -2398,7 +2390,7 @@ class SurfaceOptions:
     @property
     def scale_end(self) -> float:
         """
-        m, the same, last iteration: a number above 0
+        m, Geman-McClure scale of the residuals in the last iteration: a number above 0
         """
     @scale_end.setter
     def scale_end(self, value: float) -> None:
@@ -2406,7 +2398,7 @@ class SurfaceOptions:
     @property
     def scale_start(self) -> float:
         """
-        m, Geman-McClure scale of the residuals, first iteration: a number above 0
+        m, Geman-McClure scale of the residuals in the first iteration: a number above 0
         """
     @scale_start.setter
     def scale_start(self, value: float) -> None:
@@ -2414,7 +2406,7 @@ class SurfaceOptions:
     @property
     def sift_weight(self) -> float:
         """
-        of one feature track against one rim match; at 10 skin slides after tracks that are off by a pixel: a number of at least 0
+        Weight of a feature track against one rim match: a number of at least 0. At 10 skin slides after tracks that are off by a pixel
         """
     @sift_weight.setter
     def sift_weight(self, value: float) -> None:
@@ -2422,7 +2414,7 @@ class SurfaceOptions:
     @property
     def stretching(self) -> float:
         """
-        weight of |difference of neighbours' displacement|^2; small, ties down what nothing else does: a number above 0
+        Weight of |difference of neighbours' displacement|^2: a number above 0. Small; ties down what nothing else does
         """
     @stretching.setter
     def stretching(self, value: float) -> None:
@@ -2480,7 +2472,7 @@ class CalibrationRefinementOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> CalibrationRefinementOptions:
         ...
@@ -2505,7 +2497,7 @@ class CalibrationRefinementOptions:
     @property
     def distortion(self) -> float:
         """
-        expected error of the first distortion term, of lenses that have any; 0 = it stays: a number of at least 0
+        Expected error of the first distortion term, of lenses that have any; 0 = it stays: a number of at least 0
         """
     @distortion.setter
     def distortion(self, value: float) -> None:
@@ -2513,7 +2505,7 @@ class CalibrationRefinementOptions:
     @property
     def focal(self) -> float:
         """
-        expected error of a focal length, as a share of it: a number above 0
+        Expected error of a focal length, as a share of it: a number above 0
         """
     @focal.setter
     def focal(self, value: float) -> None:
@@ -2521,7 +2513,7 @@ class CalibrationRefinementOptions:
     @property
     def iterations(self) -> int:
         """
-        renderings with re-matching: a number of at least 1
+        Number of renderings, each with new matches: a number of at least 1
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
@@ -2529,7 +2521,7 @@ class CalibrationRefinementOptions:
     @property
     def late(self) -> float:
         """
-        frames, expected delay of a camera against the others; 0 = there is none: a number of at least 0
+        frames, Expected delay of a camera against the others; 0 = there is none: a number of at least 0
         """
     @late.setter
     def late(self, value: float) -> None:
@@ -2537,7 +2529,7 @@ class CalibrationRefinementOptions:
     @property
     def min_change(self) -> float:
         """
-        m, on the actor: cameras that would move less, in the mean of all, stay as they are: a number of at least 0
+        m, Cameras stay as they are if the actor would move by less, in the mean of all: a number of at least 0
         """
     @min_change.setter
     def min_change(self, value: float) -> None:
@@ -2545,7 +2537,7 @@ class CalibrationRefinementOptions:
     @property
     def moments(self) -> int:
         """
-        frames that are looked at, evenly spread over the take: a number of at least 1
+        Number of frames that are used, spread evenly over the take: a number of at least 1
         """
     @moments.setter
     def moments(self, value: int) -> None:
@@ -2553,7 +2545,7 @@ class CalibrationRefinementOptions:
     @property
     def position(self) -> float:
         """
-        m, expected error of a camera's place, on each axis: a number above 0
+        m, Expected error of a camera's position, on each axis: a number above 0
         """
     @position.setter
     def position(self, value: float) -> None:
@@ -2561,7 +2553,7 @@ class CalibrationRefinementOptions:
     @property
     def raster_size(self) -> int:
         """
-        px, longest side of the renderings in which rims are found: a number of at least 64
+        px, Longest side of the renderings in which rims are found: a number of at least 64
         """
     @raster_size.setter
     def raster_size(self, value: int) -> None:
@@ -2569,7 +2561,7 @@ class CalibrationRefinementOptions:
     @property
     def rims_per_view(self) -> int:
         """
-        correspondences per view and direction: a number of at least 10
+        Number of correspondences a view and direction: a number of at least 10
         """
     @rims_per_view.setter
     def rims_per_view(self, value: int) -> None:
@@ -2577,7 +2569,7 @@ class CalibrationRefinementOptions:
     @property
     def rotation(self) -> float:
         """
-        degrees, expected error of a camera's direction: a number above 0
+        degrees, Expected error of a camera's direction: a number above 0
         """
     @rotation.setter
     def rotation(self, value: float) -> None:
@@ -2628,7 +2620,7 @@ class CaptureOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> CaptureOptions:
         ...
@@ -2653,7 +2645,7 @@ class CaptureOptions:
     @property
     def acceleration(self) -> float:
         """
-        share of the last change of velocity that is expected again: a number in [0, 1]
+        Share of the last change of velocity that is expected again: a number in [0, 1]
         """
     @acceleration.setter
     def acceleration(self, value: float) -> None:
@@ -2661,7 +2653,7 @@ class CaptureOptions:
     @property
     def calibration(self) -> CalibrationRefinementOptions:
         """
-        of the refinement of the cameras
+        Options of the refinement of the cameras
         """
     @calibration.setter
     def calibration(self, value: CalibrationRefinementOptions) -> None:
@@ -2669,7 +2661,7 @@ class CaptureOptions:
     @property
     def cameras(self) -> list[str]:
         """
-        names of the cameras to use; none = all
+        Names of the cameras to use; none = all
         """
     @cameras.setter
     def cameras(self, value: collections.abc.Sequence[str]) -> None:
@@ -2683,9 +2675,17 @@ class CaptureOptions:
     def checkpoint(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
+    def cloth_deviation_scale(self) -> float:
+        """
+        m, A vertex that usually lies this far from its skinned position has half the weight in the pose: a number above 0
+        """
+    @cloth_deviation_scale.setter
+    def cloth_deviation_scale(self, value: float) -> None:
+        ...
+    @property
     def extra_twist_range(self) -> float:
         """
-        rad, what a limb ends with (a foot) may turn about the bone before it, each way; 0 = the session's hinge alone: a number of at least 0
+        rad, The last joint of a limb may turn about the bone before it by this, each way; 0 = not at all: a number of at least 0. A foot turns in and out, which the session's hinge does not know; else the whole leg turns with it
         """
     @extra_twist_range.setter
     def extra_twist_range(self, value: float) -> None:
@@ -2693,7 +2693,7 @@ class CaptureOptions:
     @property
     def features(self) -> FeatureTrackerOptions:
         """
-        of the feature tracker
+        Options of the feature tracker
         """
     @features.setter
     def features(self, value: FeatureTrackerOptions) -> None:
@@ -2701,7 +2701,7 @@ class CaptureOptions:
     @property
     def find_lost_limbs(self) -> bool:
         """
-        seek limbs globally that the local optimisation has lost
+        Limbs that the local optimisation has lost are searched for globally
         """
     @find_lost_limbs.setter
     def find_lost_limbs(self, value: bool) -> None:
@@ -2709,7 +2709,7 @@ class CaptureOptions:
     @property
     def first_frame(self) -> int:
         """
-        first video frame: a number of at least 0
+        First video frame: a number of at least 0
         """
     @first_frame.setter
     def first_frame(self, value: int) -> None:
@@ -2717,7 +2717,7 @@ class CaptureOptions:
     @property
     def frame_count(self) -> int:
         """
-        number of frames; -1 = to the end: a number of at least -1
+        Number of frames; -1 = to the end: a number of at least -1
         """
     @frame_count.setter
     def frame_count(self, value: int) -> None:
@@ -2725,23 +2725,15 @@ class CaptureOptions:
     @property
     def limbs(self) -> LimbSearchOptions:
         """
-        of the search for lost limbs
+        Options of the search for lost limbs
         """
     @limbs.setter
     def limbs(self, value: LimbSearchOptions) -> None:
         ...
     @property
-    def cloth_deviation_scale(self) -> float:
-        """
-        m, a vertex that usually lies this far from its skinned position tells half as much about the pose: a number above 0
-        """
-    @cloth_deviation_scale.setter
-    def cloth_deviation_scale(self, value: float) -> None:
-        ...
-    @property
     def map_search_radius(self) -> float:
         """
-        of the silhouette's height; how far from its expected place a mapped feature is sought: a number above 0
+        Distance within which a mapped feature is sought, as a share of the silhouette's height: a number above 0
         """
     @map_search_radius.setter
     def map_search_radius(self, value: float) -> None:
@@ -2749,7 +2741,7 @@ class CaptureOptions:
     @property
     def offset_decay(self) -> float:
         """
-        share of the non-rigid offset that is expected again in the next frame: a number in [0, 1]
+        Share of the non-rigid offset that is expected again in the next frame: a number in [0, 1]
         """
     @offset_decay.setter
     def offset_decay(self, value: float) -> None:
@@ -2757,7 +2749,7 @@ class CaptureOptions:
     @property
     def pose(self) -> PoseOptions:
         """
-        of the pose optimiser
+        Options of the pose optimiser
         """
     @pose.setter
     def pose(self, value: PoseOptions) -> None:
@@ -2765,7 +2757,7 @@ class CaptureOptions:
     @property
     def refine_cameras(self) -> bool:
         """
-        mend calibration and delays by what the take shows, where they are clearly off
+        Calibration and delays are mended where the take shows that they are clearly off
         """
     @refine_cameras.setter
     def refine_cameras(self, value: bool) -> None:
@@ -2773,7 +2765,7 @@ class CaptureOptions:
     @property
     def second_pass(self) -> bool:
         """
-        track everything again, once it is known what is loose
+        Everything is tracked a second time, when it is known which vertices are loose cloth
         """
     @second_pass.setter
     def second_pass(self, value: bool) -> None:
@@ -2781,7 +2773,7 @@ class CaptureOptions:
     @property
     def smooth_order(self) -> int:
         """
-        of the Savitzky-Golay filter: a number of at least 0
+        Order of the Savitzky-Golay filter: a number of at least 0
         """
     @smooth_order.setter
     def smooth_order(self, value: int) -> None:
@@ -2789,7 +2781,7 @@ class CaptureOptions:
     @property
     def smooth_window(self) -> int:
         """
-        frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off: a number of at least 1
+        Frames of the Savitzky-Golay filter of pose and offsets, an odd number; 1 = off: a number of at least 1
         """
     @smooth_window.setter
     def smooth_window(self, value: int) -> None:
@@ -2797,7 +2789,7 @@ class CaptureOptions:
     @property
     def start_frame(self) -> int:
         """
-        video frame in the scan's pose, or near it, from which tracking goes both ways; -1 = the first frame if it is in that pose, else it is sought: a number of at least -1
+        Video frame from which tracking goes both ways; -1 = the first, or the one most like the scan: a number of at least -1. The first if it is in the scan's pose, or else the frame that comes nearest to it
         """
     @start_frame.setter
     def start_frame(self, value: int) -> None:
@@ -2805,7 +2797,7 @@ class CaptureOptions:
     @property
     def surface(self) -> SurfaceOptions:
         """
-        of the surface refiner
+        Options of the surface refiner
         """
     @surface.setter
     def surface(self, value: SurfaceOptions) -> None:
@@ -2813,7 +2805,7 @@ class CaptureOptions:
     @property
     def use_feature_map(self) -> bool:
         """
-        find the first frame's features again in every frame; without it, tracks drift
+        Features of the first frame are found again in every frame. Tracks from frame to frame alone drift
         """
     @use_feature_map.setter
     def use_feature_map(self, value: bool) -> None:
@@ -2821,7 +2813,7 @@ class CaptureOptions:
     @property
     def use_sift(self) -> bool:
         """
-        texture features; off: silhouettes alone, features are neither detected nor matched
+        Texture features are detected and matched; off = silhouettes alone
         """
     @use_sift.setter
     def use_sift(self, value: bool) -> None:
@@ -2829,7 +2821,7 @@ class CaptureOptions:
     @property
     def velocity_damping(self) -> float:
         """
-        of the constant-velocity prediction; 0 = stay, 1 = go on as before. With acceleration 0.3, RMS errors on two motions fall from 1.18 and 0.58 degrees to 0.98 and 0.49: a number in [0, 1]
+        Share of the last velocity that is expected again; 0 = stay, 1 = go on as before: a number in [0, 1]. With acceleration 0.3, RMS errors of the prediction on two motions fall from 1.18 and 0.58 degrees to 0.98 and 0.49
         """
     @velocity_damping.setter
     def velocity_damping(self, value: float) -> None:
@@ -3199,7 +3191,7 @@ class OppositeOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> OppositeOptions:
         ...
@@ -3224,7 +3216,7 @@ class OppositeOptions:
     @property
     def cone(self) -> float:
         """
-        rad, half angle of the ring: a number in [0, 1.5)
+        rad, Half angle of the ring of rays: a number in [0, 1.5)
         """
     @cone.setter
     def cone(self, value: float) -> None:
@@ -3232,7 +3224,7 @@ class OppositeOptions:
     @property
     def min_cosine(self) -> float:
         """
-        between the ray and the outward normal where it leaves: a grazing hit slides along the surface: a number in [-1, 1)
+        Smallest cosine between ray and outward normal where the ray leaves: a number in [-1, 1). A grazing hit slides along the surface
         """
     @min_cosine.setter
     def min_cosine(self, value: float) -> None:
@@ -3240,7 +3232,7 @@ class OppositeOptions:
     @property
     def min_distance(self) -> float:
         """
-        m, nearer hits are the vertex's own sheet (a fold), not the opposite side: a number of at least 0
+        m, Nearer hits do not count: a number of at least 0. They are the vertex's own sheet (a fold), not the opposite side
         """
     @min_distance.setter
     def min_distance(self, value: float) -> None:
@@ -3248,7 +3240,7 @@ class OppositeOptions:
     @property
     def rays(self) -> int:
         """
-        a vertex: the one along -n of the paper and a ring around it; the median of their deviations counts: a number in [1, 64]
+        Number of rays a vertex: the paper's, along -n, and a ring around it: a number in [1, 64]. The median of their deviations counts
         """
     @rays.setter
     def rays(self, value: int) -> None:
@@ -3256,7 +3248,7 @@ class OppositeOptions:
     @property
     def trim(self) -> float:
         """
-        share of the frames left out at either end of the sorted distances (lost tracking, extreme bends); 0 = the paper's: a number in [0, 0.5)
+        Share of the frames left out at either end of the sorted distances; 0 = the paper's: a number in [0, 0.5). Lost tracking and extreme bends
         """
     @trim.setter
     def trim(self, value: float) -> None:
@@ -3269,7 +3261,7 @@ class SegmentOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> SegmentOptions:
         ...
@@ -3279,7 +3271,7 @@ class SegmentOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, rigid_threshold: float = 0.0025, cloth_threshold: float = 0.006, diffusion: float = 0.03, smallest_region: float = 0.08, contrast: float = 1.5, skin_colour: float = 2.0, cloth_colour: float = 0.7, opposite: OppositeOptions = ...) -> None:
+    def __init__(self, *, even_odds: float = 3.0, slope: float = 4.0, colour: float = 4.5, border: float = 0.12, min_region_area: float = 0.08, diffusion: float = 0.03, thresholds: bool = False, rigid_threshold: float = 0.0025, cloth_threshold: float = 0.006, opposite: OppositeOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -3292,41 +3284,57 @@ class SegmentOptions:
         Name -> value of every option.
         """
     @property
-    def cloth_colour(self) -> float:
+    def border(self) -> float:
         """
-        surface that looks like cloth all over counts with exp(cloth_colour) of its deviation: less, for a tight top may be of the same fabric; 0 = off: a number in [0, 5]
+        m, Cost of a metre of border, in square metres labelled against log odds of 1: a number of at least 0
         """
-    @cloth_colour.setter
-    def cloth_colour(self, value: float) -> None:
+    @border.setter
+    def border(self, value: float) -> None:
         ...
     @property
     def cloth_threshold(self) -> float:
         """
-        m, t_cloth: above, a vertex is cloth; trouser legs, sleeves and the top of a skirt, which lie on the body, have 3 to 10 mm, loose cloth 20 mm and more: a number of at least 0
+        m, Threshold t_cloth of eq. 1: above, a vertex is cloth: a number of at least 0
         """
     @cloth_threshold.setter
     def cloth_threshold(self, value: float) -> None:
         ...
     @property
-    def contrast(self) -> float:
+    def colour(self) -> float:
         """
-        beside cloth, what moves this many times as much as the skin around it is cloth, too; 1000 = off: a number of at least 1
+        Weight of the log likelihood ratio of the colours; 0 = motion alone: a number of at least 0. With 0 no video is opened
         """
-    @contrast.setter
-    def contrast(self, value: float) -> None:
+    @colour.setter
+    def colour(self, value: float) -> None:
         ...
     @property
     def diffusion(self) -> float:
         """
-        m, length scale of the implicit diffusion; about an edge of the 5000-triangle template: a number of at least 0
+        m, Length scale of the diffusion of the clothness: a number of at least 0. Half of it smooths the border of the labels
         """
     @diffusion.setter
     def diffusion(self, value: float) -> None:
         ...
     @property
+    def even_odds(self) -> float:
+        """
+        Deviation of equal odds for cloth and skin, in deviations of the stillest tenth of the surface: a number of at least 1. Captured skin is at 1.5 in the median and below 3 nearly everywhere, loose cloth at 5 and more
+        """
+    @even_odds.setter
+    def even_odds(self, value: float) -> None:
+        ...
+    @property
+    def min_region_area(self) -> float:
+        """
+        m^2, Garments that touch are told apart by colour if each is at least this large: a number of at least 0. 28 x 28 cm, about a short sleeve
+        """
+    @min_region_area.setter
+    def min_region_area(self, value: float) -> None:
+        ...
+    @property
     def opposite(self) -> OppositeOptions:
         """
-        the rays to the other side
+        Options of the rays to the other side
         """
     @opposite.setter
     def opposite(self, value: OppositeOptions) -> None:
@@ -3334,26 +3342,26 @@ class SegmentOptions:
     @property
     def rigid_threshold(self) -> float:
         """
-        m, t_rigid: below, a vertex is rigid; captured skin has 1 to 3 mm, at 1.75 mm it passes for cloth in two of nine sessions: a number of at least 0
+        m, Threshold t_rigid of eq. 1: below, a vertex is rigid: a number of at least 0
         """
     @rigid_threshold.setter
     def rigid_threshold(self, value: float) -> None:
         ...
     @property
-    def skin_colour(self) -> float:
+    def slope(self) -> float:
         """
-        surface that looks like skin all over counts with exp(-skin_colour) of its deviation: nobody's forearm is cloth; 0 = off: a number in [0, 5]
+        Log odds of cloth that are gained for each factor of e in the deviation: a number of at least 0
         """
-    @skin_colour.setter
-    def skin_colour(self, value: float) -> None:
+    @slope.setter
+    def slope(self, value: float) -> None:
         ...
     @property
-    def smallest_region(self) -> float:
+    def thresholds(self) -> bool:
         """
-        m^2, smaller islands of cloth are dropped and smaller holes filled; 28 x 28 cm, about a short sleeve: a number of at least 0
+        Cloth is told by eq. 1 of the paper with its two thresholds; off = by the energy
         """
-    @smallest_region.setter
-    def smallest_region(self, value: float) -> None:
+    @thresholds.setter
+    def thresholds(self, value: bool) -> None:
         ...
 class FullnessOptions:
     """
@@ -3363,7 +3371,7 @@ class FullnessOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> FullnessOptions:
         ...
@@ -3417,9 +3425,55 @@ class FullnessOptions:
     @smoothing.setter
     def smoothing(self, value: float) -> None:
         ...
+class SegmentInputs:
+    """
+    What a ClothSegmenter is given; only the surface is needed.
+    """
+    def __init__(self, surface: MeshSequence, face_valid: numpy.typing.ArrayLike = [], canonical: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None, colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, prior: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...) -> None:
+        ...
+    @property
+    def canonical(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        (T, V, 3) m: the frames brought back to the scan pose (canonical_frames), or empty; a copy
+        """
+    @canonical.setter
+    def canonical(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
+        ...
+    @property
+    def colours(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.
+        """
+    @colours.setter
+    def colours(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
+        ...
+    @property
+    def face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+        """
+        (F) 0 = invented over a large hole; empty = all valid
+        """
+    @face_valid.setter
+    def face_valid(self, value: numpy.typing.ArrayLike) -> None:
+        ...
+    @property
+    def prior(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+        """
+        (V) log odds of cloth before anything is seen (cloth_prior); or empty
+        """
+    @prior.setter
+    def prior(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+        ...
+    @property
+    def surface(self) -> MeshSequence:
+        """
+        MeshSequence as captured; the first frame is in the scan pose
+        """
+    @surface.setter
+    def surface(self, value: MeshSequence) -> None:
+        ...
 class ClothSegmenter:
     """
-    Stage: mesh sequence -> segmentation. Subclass to replace it.
+    Stage: captured surface -> segmentation. Subclass to replace it.
     """
     @staticmethod
     def create(options: SegmentOptions = ...) -> ClothSegmenter:
@@ -3428,9 +3482,43 @@ class ClothSegmenter:
         """
     def __init__(self) -> None:
         ...
-    def segment(self, sequence: MeshSequence, face_valid: numpy.typing.ArrayLike, context: Context = ...) -> Segmentation:
+    def segment(self, inputs: SegmentInputs, context: Context = ...) -> Segmentation:
         """
-        How loose every vertex of the sequence is. face_valid (F).
+        Which vertices are loose cloth.
+        """
+class SegmentSummary:
+    """
+    What a segmentation found.
+    """
+    @property
+    def cloth_area(self) -> float:
+        """
+        m^2, clothness over a half
+        """
+    @property
+    def known_fraction(self) -> float:
+        """
+        of the seen vertices: had a usable opposite ray
+        """
+    @property
+    def noise(self) -> float:
+        """
+        m, deviation of the stillest tenth of the surface
+        """
+    @property
+    def regions(self) -> int:
+        """
+        cloth regions
+        """
+    @property
+    def transition_area(self) -> float:
+        """
+        m^2, clothness of at most a half, but not 0
+        """
+    @property
+    def uncertain_area(self) -> float:
+        """
+        share with a probability of cloth from 0.1 to 0.9
         """
 class GarmentOptions:
     """
@@ -3440,7 +3528,7 @@ class GarmentOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> GarmentOptions:
         ...
@@ -3465,7 +3553,7 @@ class GarmentOptions:
     @property
     def attachment_width(self) -> float:
         """
-        m, width of the attachment: across it cloth goes from following the skeleton to free; 0 = a seam: a number in [0, 1]
+        m, Width of the band across which cloth goes from attached to free; 0 = a seam: a number in [0, 1]
         """
     @attachment_width.setter
     def attachment_width(self, value: float) -> None:
@@ -3473,23 +3561,23 @@ class GarmentOptions:
     @property
     def closing_length(self) -> float:
         """
-        m, length scale of the diffusion that decides what is garment: narrower slits are closed, hems come out smooth: a number in [0, 1]
+        m, Length scale of the diffusion that decides what is garment: a number in [0, 1]. Narrower slits are closed, and hems come out smooth
         """
     @closing_length.setter
     def closing_length(self, value: float) -> None:
         ...
     @property
-    def remesh(self) -> bool:
+    def length_exceedances(self) -> list[float]:
         """
-        off: the cloth is the loose part of the template, as in the paper, and as wide as its fullness
+        Shares of the time in which a length may be exceeded, one a width; more is narrower: a number in (0, 1). The material search answers a width, for the film tells which moves as filmed
         """
-    @remesh.setter
-    def remesh(self, value: bool) -> None:
+    @length_exceedances.setter
+    def length_exceedances(self, value: collections.abc.Sequence[float]) -> None:
         ...
     @property
     def min_edge_run(self) -> float:
         """
-        m, along the cut: shorter changes between hanging and free edge are noise of the template's mask: a number in [0, 10]
+        m, Shorter changes between attachment and free edge along the cut are ignored: a number in [0, 10]. They are noise of the template's mask
         """
     @min_edge_run.setter
     def min_edge_run(self, value: float) -> None:
@@ -3497,7 +3585,7 @@ class GarmentOptions:
     @property
     def min_hole_area(self) -> float:
         """
-        m^2, smaller holes are filled; 14 x 14 cm: a number in [0, 10]
+        m^2, Smaller holes of the garment are filled: a number in [0, 10]. 14 x 14 cm
         """
     @min_hole_area.setter
     def min_hole_area(self, value: float) -> None:
@@ -3505,23 +3593,23 @@ class GarmentOptions:
     @property
     def min_piece_area(self) -> float:
         """
-        m^2, smaller pieces move as skin; 28 x 28 cm, about a short sleeve: a number in [0, 10]
+        m^2, Smaller pieces move as skin: a number in [0, 10]. 28 x 28 cm, about a short sleeve
         """
     @min_piece_area.setter
     def min_piece_area(self, value: float) -> None:
         ...
     @property
-    def length_exceedances(self) -> list[float]:
+    def remesh(self) -> bool:
         """
-        shares of the time that a length may be exceeded: a width each, of which the video chooses; more is narrower: a number in (0, 1)
+        Cloth gets a regular mesh of its own; off = it is a part of the template, as in the paper
         """
-    @length_exceedances.setter
-    def length_exceedances(self, value: collections.abc.Sequence[float]) -> None:
+    @remesh.setter
+    def remesh(self, value: bool) -> None:
         ...
     @property
     def vertices(self) -> int:
         """
-        about, of all regions together; more fold finer and cost more: a number in [50, 2e+05]
+        Approximate number of vertices of all regions together: a number in [50, 2e+05]. More fold finer and cost more
         """
     @vertices.setter
     def vertices(self, value: int) -> None:
@@ -3652,7 +3740,7 @@ class BodyFitOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> BodyFitOptions:
         ...
@@ -3677,7 +3765,7 @@ class BodyFitOptions:
     @property
     def cloth_attraction(self) -> float:
         """
-        weight, against skin, of cloth within about outlier_scale of the body: it rests there: a number in [0, 1]
+        Weight of cloth within about outlier_scale of the body, against that of skin: a number in [0, 1]. Where cloth is that close it rests on the body
         """
     @cloth_attraction.setter
     def cloth_attraction(self, value: float) -> None:
@@ -3685,7 +3773,7 @@ class BodyFitOptions:
     @property
     def cloth_margin(self) -> float:
         """
-        m, the body stays this far inside cloth: a number of at least 0
+        m, The body stays at least this far inside cloth: a number of at least 0
         """
     @cloth_margin.setter
     def cloth_margin(self, value: float) -> None:
@@ -3693,7 +3781,7 @@ class BodyFitOptions:
     @property
     def iterations(self) -> int:
         """
-        of ICP; the robust scale shrinks over the first two thirds: a number of at least 1
+        Number of ICP iterations: a number of at least 1. The robust scale shrinks over the first two thirds
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
@@ -3701,7 +3789,7 @@ class BodyFitOptions:
     @property
     def joint_deviation(self) -> float:
         """
-        m, how far a marked joint is trusted: rigs differ in where a hip is: a number above 0
+        m, Expected error of a marked joint: a number above 0. Rigs differ in where a hip is
         """
     @joint_deviation.setter
     def joint_deviation(self, value: float) -> None:
@@ -3709,7 +3797,7 @@ class BodyFitOptions:
     @property
     def landmark_deviation(self) -> float:
         """
-        m, how far a clicked landmark is trusted; Cauchy weights beyond three of them: a number above 0
+        m, Expected error of a clicked landmark: a number above 0. Cauchy weights count for less what is more than three of them off
         """
     @landmark_deviation.setter
     def landmark_deviation(self, value: float) -> None:
@@ -3717,7 +3805,7 @@ class BodyFitOptions:
     @property
     def outlier_scale(self) -> float:
         """
-        m, final scale of the Geman-McClure weights (hair, shoes): a number above 0
+        m, Final scale of the Geman-McClure weights of the surface: a number above 0. Hair and shoes are outliers
         """
     @outlier_scale.setter
     def outlier_scale(self, value: float) -> None:
@@ -3725,7 +3813,7 @@ class BodyFitOptions:
     @property
     def scale_deviation(self) -> float:
         """
-        relative, prior of the similarity's scale: stature is the model's, this is for units and children: a number above 0
+        Expected relative deviation of the overall scale from 1: a number above 0. Stature is the model's; this is for units and children
         """
     @scale_deviation.setter
     def scale_deviation(self, value: float) -> None:
@@ -3733,7 +3821,7 @@ class BodyFitOptions:
     @property
     def surface_deviation(self) -> float:
         """
-        m, of skin around the model, per 4 cm^2 of surface (errors of the model are correlated): a number above 0
+        m, Expected error of skin around the model, for 4 cm^2 of surface: a number above 0. Errors of the model are correlated
         """
     @surface_deviation.setter
     def surface_deviation(self, value: float) -> None:
@@ -3746,7 +3834,7 @@ class ProxyOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> ProxyOptions:
         ...
@@ -3771,7 +3859,7 @@ class ProxyOptions:
     @property
     def capsules_per_bone(self) -> int:
         """
-        tapered capsules along one bone: a number in [1, 3]
+        Number of tapered capsules along one bone: a number in [1, 3]
         """
     @capsules_per_bone.setter
     def capsules_per_bone(self, value: int) -> None:
@@ -3779,7 +3867,7 @@ class ProxyOptions:
     @property
     def clearance(self) -> float:
         """
-        m, the capsules stand this much inside the body on average: a number in (-0.1, 0.1)
+        m, The capsules are this far inside the body on average: a number in (-0.1, 0.1)
         """
     @clearance.setter
     def clearance(self, value: float) -> None:
@@ -3787,7 +3875,7 @@ class ProxyOptions:
     @property
     def cloth_margin(self) -> float:
         """
-        m, at least this far inside the cloth of the scan pose: resting cloth is never pushed: a number in [0, 0.1)
+        m, The capsules are at least this far inside the cloth of the scan pose: a number in [0, 0.1). Resting cloth is never pushed
         """
     @cloth_margin.setter
     def cloth_margin(self, value: float) -> None:
@@ -3795,7 +3883,7 @@ class ProxyOptions:
     @property
     def iterations(self) -> int:
         """
-        of the least squares: a number of at least 0
+        Number of iterations of the least squares: a number of at least 0
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
@@ -3845,6 +3933,11 @@ class DetectedJoints:
     Joints and landmarks of a person that nobody marked.
     """
     @property
+    def facing_ambiguity(self) -> float:
+        """
+        how unlikely it is over the fit that looks the other way: near 1 = hard to tell
+        """
+    @property
     def fit(self) -> BodyFit:
         """
         the body that they were read from
@@ -3858,11 +3951,6 @@ class DetectedJoints:
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         """
         name -> point on the body, m
-        """
-    @property
-    def facing_ambiguity(self) -> float:
-        """
-        how unlikely it is over the fit that looks the other way: near 1 = hard to tell
         """
 class BodyRegion:
     """
@@ -3935,7 +4023,7 @@ class TrainOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> TrainOptions:
         ...
@@ -3960,7 +4048,7 @@ class TrainOptions:
     @property
     def command(self) -> str:
         """
-        recorded in the file
+        Command that is recorded in the file
         """
     @command.setter
     def command(self, value: str) -> None:
@@ -3968,7 +4056,7 @@ class TrainOptions:
     @property
     def components(self) -> int:
         """
-        shape components kept, at most meshes - 1; 100 keep 99.99 % of the shipped population's variance: a number of at least 1
+        Number of shape components that are kept, at most meshes - 1: a number of at least 1. 100 keep 99.99 % of the shipped population's variance
         """
     @components.setter
     def components(self, value: int) -> None:
@@ -3976,7 +4064,7 @@ class TrainOptions:
     @property
     def individuals(self) -> list[int]:
         """
-        train on these only (empty = all); the others are for leave-out tests: a number of at least 0
+        Individuals to train on; empty = all: a number of at least 0. The others are for leave-out tests
         """
     @individuals.setter
     def individuals(self, value: collections.abc.Sequence[int]) -> None:
@@ -3984,7 +4072,7 @@ class TrainOptions:
     @property
     def licence(self) -> str:
         """
-        of the population; copied into the file
+        Licence of the population, which is copied into the file
         """
     @licence.setter
     def licence(self, value: str) -> None:
@@ -3992,7 +4080,7 @@ class TrainOptions:
     @property
     def name(self) -> str:
         """
-        of the model
+        Name of the model
         """
     @name.setter
     def name(self, value: str) -> None:
@@ -4000,7 +4088,7 @@ class TrainOptions:
     @property
     def pose_floor(self) -> float:
         """
-        rad, added in quadrature to every pose deviation: joints that the population never bends sideways can follow a scan a little: a number above 0
+        rad, Angle that is added in quadrature to every pose deviation: a number above 0. Joints that the population never bends sideways can then follow a scan a little
         """
     @pose_floor.setter
     def pose_floor(self, value: float) -> None:
@@ -4047,7 +4135,7 @@ class Material:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> Material:
         ...
@@ -4072,7 +4160,7 @@ class Material:
     @property
     def d_n(self) -> float:
         """
-        1/m, drag along the normal, quadratic: a number in [0, 32]
+        1/m, Drag along the normal, quadratic in the velocity: a number in [0, 32]
         """
     @d_n.setter
     def d_n(self, value: float) -> None:
@@ -4080,7 +4168,7 @@ class Material:
     @property
     def d_t(self) -> float:
         """
-        1/s, drag along the surface, linear: a number in [0, 32]
+        1/s, Drag along the surface, linear in the velocity: a number in [0, 32]
         """
     @d_t.setter
     def d_t(self, value: float) -> None:
@@ -4088,7 +4176,7 @@ class Material:
     @property
     def k_bend(self) -> float:
         """
-        bending stiffness: a number in [0, 1]
+        Bending stiffness: a number in [0, 1]
         """
     @k_bend.setter
     def k_bend(self, value: float) -> None:
@@ -4096,7 +4184,7 @@ class Material:
     @property
     def k_damping(self) -> float:
         """
-        velocity damping towards rigid motion: a number in [0, 1]
+        Damping of the velocity towards rigid motion: a number in [0, 1]
         """
     @k_damping.setter
     def k_damping(self, value: float) -> None:
@@ -4104,7 +4192,7 @@ class Material:
     @property
     def k_friction(self) -> float:
         """
-        friction against proxies and itself: a number in [0, 1]
+        Friction against proxies and itself: a number in [0, 1]
         """
     @k_friction.setter
     def k_friction(self, value: float) -> None:
@@ -4112,7 +4200,7 @@ class Material:
     @property
     def k_stretch(self) -> float:
         """
-        stretching stiffness; below 0.99 cloth hangs like rubber: a number in (0, 1]
+        Stretching stiffness: a number in (0, 1]. Below 0.99 cloth hangs like rubber
         """
     @k_stretch.setter
     def k_stretch(self, value: float) -> None:
@@ -4251,7 +4339,7 @@ class ClothOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     @staticmethod
     def paper() -> ClothOptions:
@@ -4281,7 +4369,7 @@ class ClothOptions:
     @property
     def edge_collision(self) -> bool:
         """
-        edges collide with edges, too, where cloth collides with itself
+        Edges collide with edges, too, where cloth collides with itself
         """
     @edge_collision.setter
     def edge_collision(self, value: bool) -> None:
@@ -4289,7 +4377,7 @@ class ClothOptions:
     @property
     def gravity(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        m/s^2, acceleration of free cloth: a number in [-1000, 1000]
+        m/s^2, Acceleration of free cloth: a number in [-1000, 1000]
         """
     @gravity.setter
     def gravity(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
@@ -4297,7 +4385,7 @@ class ClothOptions:
     @property
     def iterations(self) -> int:
         """
-        Gauss-Seidel sweeps a step; 24 as in the paper: a number in [1, 10000]
+        Number of Gauss-Seidel sweeps in a substep: a number in [1, 10000]. The paper has 24 a frame, in one step
         """
     @iterations.setter
     def iterations(self, value: int) -> None:
@@ -4305,7 +4393,7 @@ class ClothOptions:
     @property
     def over_relaxation(self) -> float:
         """
-        every stretch correction times this, but at most times 1 + 16^(-1/iterations): the sweeps come further; under 'compliance' alone: a number in [1, 1.9]
+        Factor of stretch corrections, at most 1 + 16^(-1/iterations); under 'compliance' alone: a number in [1, 1.9]. The same sweeps come further
         """
     @over_relaxation.setter
     def over_relaxation(self, value: float) -> None:
@@ -4313,7 +4401,7 @@ class ClothOptions:
     @property
     def rest_curvature(self) -> float:
         """
-        share of the rest mesh's angles that bending keeps; 0 = cut flat, as a garment's rest shape is blown up, not sewn so: a number in [0, 1]
+        Share of the rest mesh's angles that bending keeps; 0 = cut flat: a number in [0, 1]. A garment's rest shape is blown up, not sewn so
         """
     @rest_curvature.setter
     def rest_curvature(self, value: float) -> None:
@@ -4321,7 +4409,7 @@ class ClothOptions:
     @property
     def restitution(self) -> float:
         """
-        share of the normal velocity that a contact reflects, for what arrives faster than two steps of gravity; 0 = inelastic: a number in [0, 1]
+        Share of the normal velocity that a contact reflects; 0 = inelastic: a number in [0, 1]. Only of what arrives faster than two steps of gravity
         """
     @restitution.setter
     def restitution(self, value: float) -> None:
@@ -4329,7 +4417,7 @@ class ClothOptions:
     @property
     def self_collision(self) -> bool:
         """
-        cloth collides with itself
+        Cloth collides with itself
         """
     @self_collision.setter
     def self_collision(self, value: bool) -> None:
@@ -4337,7 +4425,7 @@ class ClothOptions:
     @property
     def self_thickness(self) -> float:
         """
-        m, kept between cloth and itself; pairs that rest closer are left alone: a number in [0, 1]
+        m, Distance that is kept between cloth and itself: a number in [0, 1]. Pairs that are closer at rest are left alone
         """
     @self_thickness.setter
     def self_thickness(self, value: float) -> None:
@@ -4345,7 +4433,7 @@ class ClothOptions:
     @property
     def stiffness(self) -> str:
         """
-        what k_bend and k_stretch mean: 'compliance', whatever the sweeps and substeps, or 'sweeps', as in the paper: one of 'sweeps', 'compliance'
+        Meaning of k_bend and k_stretch: XPBD's compliance, or by sweeps as in the paper: one of 'sweeps', 'compliance'. Under 'compliance' a material means the same whatever the sweeps and substeps
         """
     @stiffness.setter
     def stiffness(self, value: str) -> None:
@@ -4353,7 +4441,7 @@ class ClothOptions:
     @property
     def substeps(self) -> int:
         """
-        steps a frame; targets and proxies are interpolated, friction and damping are shared out: a number in [1, 1000]
+        Number of steps in a frame: a number in [1, 1000]. Targets and proxies are interpolated, friction and damping shared out
         """
     @substeps.setter
     def substeps(self, value: int) -> None:
@@ -4361,7 +4449,7 @@ class ClothOptions:
     @property
     def thickness(self) -> float:
         """
-        m, kept between cloth and proxies: its own, the sag of an edge round a shin, and what the proxies are slimmer than the body: a number in [0, 1]
+        m, Distance that is kept between cloth and proxies: a number in [0, 1]. Its own, the sag of an edge round a shin, and what the proxies are slimmer than the body
         """
     @thickness.setter
     def thickness(self, value: float) -> None:
@@ -4444,7 +4532,7 @@ class SolverSettings:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> SolverSettings:
         ...
@@ -4473,7 +4561,7 @@ class SolverSettings:
     @property
     def cloth(self) -> ClothOptions:
         """
-        of the solver
+        Options of the cloth solver
         """
     @cloth.setter
     def cloth(self, value: ClothOptions) -> None:
@@ -4481,7 +4569,7 @@ class SolverSettings:
     @property
     def dt(self) -> float:
         """
-        s, one frame: a number in (0, 1]
+        s, Duration of one frame: a number in (0, 1]
         """
     @dt.setter
     def dt(self, value: float) -> None:
@@ -4775,7 +4863,7 @@ class RetargetOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> RetargetOptions:
         ...
@@ -4800,7 +4888,7 @@ class RetargetOptions:
     @property
     def align_start(self) -> bool:
         """
-        start where the actor stands in the rest pose, facing the same way
+        The motion starts where the actor stands in the rest pose, facing the same way
         """
     @align_start.setter
     def align_start(self, value: bool) -> None:
@@ -4808,7 +4896,7 @@ class RetargetOptions:
     @property
     def apply_limits(self) -> bool:
         """
-        keep hinges and balls inside the skeleton's limits
+        Hinges and balls are kept inside the skeleton's limits
         """
     @apply_limits.setter
     def apply_limits(self, value: bool) -> None:
@@ -4816,7 +4904,7 @@ class RetargetOptions:
     @property
     def blend_seconds(self) -> float:
         """
-        s, from the rest pose to the first pose, so that cloth is not torn away; 0 with hold_seconds 0 = the clip alone: a number in [0, 60]
+        s, Time from the rest pose to the first pose; 0 with hold_seconds 0 = the clip alone: a number in [0, 60]. Cloth is not torn away
         """
     @blend_seconds.setter
     def blend_seconds(self, value: float) -> None:
@@ -4824,7 +4912,7 @@ class RetargetOptions:
     @property
     def first_second(self) -> float:
         """
-        s, where in the file to start: a number of at least 0
+        s, Time in the file at which the motion starts: a number of at least 0
         """
     @first_second.setter
     def first_second(self, value: float) -> None:
@@ -4832,7 +4920,7 @@ class RetargetOptions:
     @property
     def fps(self) -> float:
         """
-        1/s, of the result; give the character's 1/dt. 0 = that of the file: a number of at least 0
+        1/s, Frame rate of the result; 0 = that of the file: a number of at least 0. Give the character's 1/dt
         """
     @fps.setter
     def fps(self, value: float) -> None:
@@ -4840,7 +4928,7 @@ class RetargetOptions:
     @property
     def ground_feet(self) -> bool:
         """
-        one height for the whole clip so that the feet reach the floor as in the rest pose, and not below
+        The whole clip is shifted so that feet reach the floor as in the rest pose, and not below
         """
     @ground_feet.setter
     def ground_feet(self, value: bool) -> None:
@@ -4848,7 +4936,7 @@ class RetargetOptions:
     @property
     def hold_seconds(self) -> float:
         """
-        s, in the rest pose before the motion, see blend_in(): a number in [0, 60]
+        s, Time in the rest pose before the motion, see blend_in(): a number in [0, 60]
         """
     @hold_seconds.setter
     def hold_seconds(self, value: float) -> None:
@@ -4856,7 +4944,7 @@ class RetargetOptions:
     @property
     def joint_names(self) -> dict[str, str]:
         """
-        our joint -> joint of the file, for names nobody guesses; CMU, Acclaim, iClone, Mixamo, Biped and our own need none
+        Our joint -> joint of the file, for names that are not known. CMU, Acclaim, iClone, Mixamo, Biped and our own are known
         """
     @joint_names.setter
     def joint_names(self, value: collections.abc.Mapping[str, str]) -> None:
@@ -4864,7 +4952,7 @@ class RetargetOptions:
     @property
     def last_second(self) -> float:
         """
-        s, where to stop: a number of at least 0
+        s, Time in the file at which the motion stops: a number of at least 0
         """
     @last_second.setter
     def last_second(self, value: float) -> None:
@@ -4872,7 +4960,7 @@ class RetargetOptions:
     @property
     def plant_feet(self) -> bool:
         """
-        feet stand where they stand and none is below the floor, see plant_feet()
+        Feet are planted where they stand, and none is below the floor, see plant_feet()
         """
     @plant_feet.setter
     def plant_feet(self, value: bool) -> None:
@@ -4904,7 +4992,7 @@ class PlantOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> PlantOptions:
         ...
@@ -4929,7 +5017,7 @@ class PlantOptions:
     @property
     def blend_seconds(self) -> float:
         """
-        s, in which a foot comes from its own path to where it stands: a number in [0, 2]
+        s, Time in which a foot goes from its own path to where it stands: a number in [0, 2]
         """
     @blend_seconds.setter
     def blend_seconds(self, value: float) -> None:
@@ -4937,7 +5025,7 @@ class PlantOptions:
     @property
     def contact_height(self) -> float:
         """
-        m, heel or ball this close to the lowest within 0.75 s may stand; a contact lasts up to 1.4 times it: a number in [0, 1]
+        m, Heel or ball may stand if this close to the lowest point within 0.75 s: a number in [0, 1]. A contact lasts up to 1.4 times it
         """
     @contact_height.setter
     def contact_height(self, value: float) -> None:
@@ -4945,7 +5033,7 @@ class PlantOptions:
     @property
     def contact_speed(self) -> float:
         """
-        m/s, heel or ball as slow as this may stand; a contact lasts up to 1.6 times it: a number in [0, 10]
+        m/s, Heel or ball may stand if it is as slow as this: a number in [0, 10]. A contact lasts up to 1.6 times it
         """
     @contact_speed.setter
     def contact_speed(self, value: float) -> None:
@@ -4953,7 +5041,7 @@ class PlantOptions:
     @property
     def floor_height(self) -> float:
         """
-        m, of the floor that the feet stand on in the rest pose: a finite number
+        m, Height of the floor that the feet stand on in the rest pose: a finite number
         """
     @floor_height.setter
     def floor_height(self, value: float) -> None:
@@ -4961,7 +5049,7 @@ class PlantOptions:
     @property
     def max_pelvis_drop(self) -> float:
         """
-        m, the hips may go down by so much for feet to reach where they stand; beyond that the feet let go: a number in [0, 0.5]
+        m, The hips may go down this far for feet to reach where they stand: a number in [0, 0.5]. Beyond that the feet let go
         """
     @max_pelvis_drop.setter
     def max_pelvis_drop(self, value: float) -> None:
@@ -4993,7 +5081,7 @@ class AnimateOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> AnimateOptions:
         ...
@@ -5018,7 +5106,7 @@ class AnimateOptions:
     @property
     def body(self) -> bool:
         """
-        also the body under the clothes
+        The animation has the body under the clothes, too
         """
     @body.setter
     def body(self, value: bool) -> None:
@@ -5026,31 +5114,39 @@ class AnimateOptions:
     @property
     def edge_collision(self) -> bool:
         """
-        edges of the cloth collide with edges, too, and cloth that has passed through itself is moved apart, whatever the character's solver says
+        Edges of the cloth collide with edges, and crossings are moved apart. Whatever the character's solver says
         """
     @edge_collision.setter
     def edge_collision(self, value: bool) -> None:
         ...
     @property
-    def redrape_when_tangled(self) -> bool:
-        """
-        when the pose has been held for 0.75 s, cloth that passes through itself (more than 0.5 % of its faces) or has a limb through it is put on anew, if that is better, and drawn on its way there for 0.5 s; in motion, cloth that is all in a knot for 0.5 s
-        """
-    @redrape_when_tangled.setter
-    def redrape_when_tangled(self, value: bool) -> None:
-        ...
-    @property
     def high(self) -> bool:
         """
-        also M_high
+        The animation has the display surface M_high, too
         """
     @high.setter
     def high(self, value: bool) -> None:
         ...
     @property
+    def redrape_when_tangled(self) -> bool:
+        """
+        The garment is draped anew when it is tangled, in a held pose or for long in motion. When a pose is held for 0.75 s and over 0.5 % of the faces cross or a limb is through the cloth; in motion, when it is all in a knot for 0.5 s. The new state is used if it is better, and blended in over 0.5 s
+        """
+    @redrape_when_tangled.setter
+    def redrape_when_tangled(self, value: bool) -> None:
+        ...
+    @property
+    def resolve_body_penetration(self) -> bool:
+        """
+        The body is drawn under the surface where it would stand out of it. Proxies are simpler than the body, so cloth may rest a little inside it
+        """
+    @resolve_body_penetration.setter
+    def resolve_body_penetration(self, value: bool) -> None:
+        ...
+    @property
     def rest_damping(self) -> float:
         """
-        1/s, of the cloth while the pose is held, in still air: from 0.25 s after the last motion it grows to this within 1 s; 0 = off: a number in [0, 100]
+        1/s, Damping of cloth in still air that is reached within 1 s while a pose is held; 0 = off: a number in [0, 100]. It grows from 0.25 s after the last motion on
         """
     @rest_damping.setter
     def rest_damping(self, value: float) -> None:
@@ -5058,18 +5154,10 @@ class AnimateOptions:
     @property
     def settle_seconds(self) -> float:
         """
-        s, the cloth falls into place in the first pose before the animation starts: a number in [0, 60]
+        s, The cloth falls into place in the first pose for this long before the animation starts: a number in [0, 60]
         """
     @settle_seconds.setter
     def settle_seconds(self, value: float) -> None:
-        ...
-    @property
-    def resolve_body_penetration(self) -> bool:
-        """
-        draw the body under the surface where it stands out: proxies are simpler, so cloth may rest a little inside it
-        """
-    @resolve_body_penetration.setter
-    def resolve_body_penetration(self, value: bool) -> None:
         ...
 class AnimationResult:
     """
@@ -5147,7 +5235,7 @@ class BakedGlbOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> BakedGlbOptions:
         ...
@@ -5172,7 +5260,7 @@ class BakedGlbOptions:
     @property
     def keys_per_second(self) -> float:
         """
-        1/s, shapes that are stored; viewers blend between them, and at 10 loose cloth is up to 2 cm off. 0 = every frame: a number in [0, 1000]
+        1/s, Shapes that are stored a second; 0 = one a frame: a number in [0, 1000]. Viewers blend between them; at 10 loose cloth is up to 2 cm off
         """
     @keys_per_second.setter
     def keys_per_second(self, value: float) -> None:
@@ -5180,7 +5268,7 @@ class BakedGlbOptions:
     @property
     def max_keys(self) -> int:
         """
-        a long clip gets fewer keys a second rather than a file of hundreds of megabytes: a number in [2, 5000]
+        Shapes that are stored at most: a number in [2, 5000]. A long clip gets fewer keys a second rather than a file of hundreds of megabytes
         """
     @max_keys.setter
     def max_keys(self, value: int) -> None:
@@ -5297,7 +5385,7 @@ class RenderOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> RenderOptions:
         ...
@@ -5322,7 +5410,7 @@ class RenderOptions:
     @property
     def background(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        R G B: a number in [0, 1]
+        Colour of the background, R G B: a number in [0, 1]
         """
     @background.setter
     def background(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
@@ -5330,7 +5418,7 @@ class RenderOptions:
     @property
     def floor(self) -> bool:
         """
-        a grid at floor_height, with the meshes' soft shadow
+        A grid is drawn at floor_height, with the soft shadow of the meshes
         """
     @floor.setter
     def floor(self, value: bool) -> None:
@@ -5338,7 +5426,7 @@ class RenderOptions:
     @property
     def floor_height(self) -> float:
         """
-        m, of the grid: a finite number
+        m, Height of the grid: a finite number
         """
     @floor_height.setter
     def floor_height(self, value: float) -> None:
@@ -5346,7 +5434,7 @@ class RenderOptions:
     @property
     def light(self) -> float:
         """
-        share of the key light; the rest is the sky: a number in [0, 1]
+        Share of the key light; the rest is the sky: a number in [0, 1]
         """
     @light.setter
     def light(self, value: float) -> None:
@@ -5354,7 +5442,7 @@ class RenderOptions:
     @property
     def light_direction(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
         """
-        to the light, world; of any length but 0: a finite number
+        Direction to the light in the world, of any length but 0: a finite number
         """
     @light_direction.setter
     def light_direction(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
@@ -5362,7 +5450,7 @@ class RenderOptions:
     @property
     def supersample(self) -> bool:
         """
-        2 x 2 samples a pixel
+        Every pixel is the mean of 2 x 2 samples
         """
     @supersample.setter
     def supersample(self, value: bool) -> None:
@@ -5389,7 +5477,7 @@ class TextureOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> TextureOptions:
         ...
@@ -5414,7 +5502,7 @@ class TextureOptions:
     @property
     def albedo(self) -> bool:
         """
-        divide the light that the images were taken in out of the texture, so that whoever draws it can light it; off = as photographed
+        The light of the images is divided out of the texture; off = as photographed. Whoever draws it can then light it
         """
     @albedo.setter
     def albedo(self, value: bool) -> None:
@@ -5422,7 +5510,7 @@ class TextureOptions:
     @property
     def depth_margin(self) -> float:
         """
-        m, a point this far behind the z-buffer's surface is hidden: a number above 0
+        m, A point this far behind the z-buffer's surface is hidden: a number above 0
         """
     @depth_margin.setter
     def depth_margin(self, value: float) -> None:
@@ -5430,7 +5518,7 @@ class TextureOptions:
     @property
     def edge_margin(self) -> float:
         """
-        m, a point this close to the edge of something in front of it does not count: legs at a hem: a number in [0, 1]
+        m, A point does not count this close to the edge of something in front of it: a number in [0, 1]. Legs at a hem
         """
     @edge_margin.setter
     def edge_margin(self, value: float) -> None:
@@ -5438,7 +5526,7 @@ class TextureOptions:
     @property
     def facing_power(self) -> float:
         """
-        cameras count by cos^k of the angle between normal and ray: a number in [0, 64]
+        Cameras count by the cosine between normal and ray to this power: a number in [0, 64]
         """
     @facing_power.setter
     def facing_power(self, value: float) -> None:
@@ -5446,7 +5534,7 @@ class TextureOptions:
     @property
     def grazing(self) -> float:
         """
-        cameras below this cosine do not count: they see the silhouette's mixed pixels: a number in [0, 1)
+        Cameras below this cosine do not count: a number in [0, 1). They see the silhouette's mixed pixels
         """
     @grazing.setter
     def grazing(self, value: float) -> None:
@@ -5454,7 +5542,7 @@ class TextureOptions:
     @property
     def label_margin(self) -> float:
         """
-        m, where body and garment are seen this close together, 3 cm apart in depth, neither takes the other's colour: hands before a skirt; 0 = they may: a number in [0, 0.5]
+        m, Body and garment do not take each other's colour where seen this close together; 0 = they may: a number in [0, 0.5]. Where they are 3 cm apart in depth: hands before a skirt
         """
     @label_margin.setter
     def label_margin(self, value: float) -> None:
@@ -5462,7 +5550,7 @@ class TextureOptions:
     @property
     def screen_margin(self) -> float:
         """
-        pixels of the screen's colour do not count this far inside the silhouette (a share of the image's smaller side), nor deeper where the actor has next to none of it: gaps between fingers; 0 = they do: a number in [0, 0.5]
+        Pixels of the screen's colour do not count this far inside the silhouette; 0 = they do: a number in [0, 0.5]. A share of the image's smaller side, and deeper where the actor has next to none of the colour: gaps between fingers
         """
     @screen_margin.setter
     def screen_margin(self, value: float) -> None:
@@ -5470,7 +5558,7 @@ class TextureOptions:
     @property
     def size(self) -> int:
         """
-        px, width and height of the atlas; in 2048, 25k triangles get cells of about 18 pixels: a number in [64, 16384]
+        px, Width and height of the atlas: a number in [64, 16384]. In 2048, 25k triangles get cells of about 18 pixels
         """
     @size.setter
     def size(self, value: int) -> None:
@@ -5618,7 +5706,7 @@ class CmaEsOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> CmaEsOptions:
         ...
@@ -5643,7 +5731,7 @@ class CmaEsOptions:
     @property
     def initial_mean(self) -> float:
         """
-        along every axis; 0.5 = the centre of the box: a finite number
+        Mean at the start along every axis; 0.5 = the centre of the box: a finite number
         """
     @initial_mean.setter
     def initial_mean(self, value: float) -> None:
@@ -5651,7 +5739,7 @@ class CmaEsOptions:
     @property
     def initial_sigma(self) -> float:
         """
-        along every axis; 0.3: one box is about +-1.7 sigma: a number above 0
+        Standard deviation at the start along every axis: a number above 0. At 0.3 the box is about +-1.7 of them
         """
     @initial_sigma.setter
     def initial_sigma(self, value: float) -> None:
@@ -5659,15 +5747,23 @@ class CmaEsOptions:
     @property
     def max_evaluations(self) -> int:
         """
-        no generation begins at or beyond it; 512 is the paper's: a number of at least 1
+        No generation begins at or beyond this number of evaluations: a number of at least 1. 512 is the paper's
         """
     @max_evaluations.setter
     def max_evaluations(self, value: int) -> None:
         ...
     @property
+    def min_deviation(self) -> float:
+        """
+        The search stops when all standard deviations are below this: a number of at least 0. 0.025 is the paper's
+        """
+    @min_deviation.setter
+    def min_deviation(self, value: float) -> None:
+        ...
+    @property
     def population(self) -> int:
         """
-        lambda; 0 = 4 + floor(3 ln n), Hansen's default (8 for n = 5, 9 for n = 6): a number of at least 0
+        Number of samples in a generation; 0 = Hansen's 4 + floor(3 ln n): a number of at least 0. 8 for n = 5, 9 for n = 6
         """
     @population.setter
     def population(self, value: int) -> None:
@@ -5675,23 +5771,15 @@ class CmaEsOptions:
     @property
     def seed(self) -> int:
         """
-        of the random numbers: a number of at least 0
+        Seed of the random numbers: a number of at least 0
         """
     @seed.setter
     def seed(self, value: int) -> None:
         ...
     @property
-    def min_deviation(self) -> float:
-        """
-        stop when all standard deviations are below it; 0.025 is the paper's: a number of at least 0
-        """
-    @min_deviation.setter
-    def min_deviation(self, value: float) -> None:
-        ...
-    @property
     def stagnation(self) -> float:
         """
-        stop when neither best nor median energies of the generations change by more than this share; 0 = never: a number of at least 0
+        The search stops when best and median energies change by less than this share; 0 = never: a number of at least 0
         """
     @stagnation.setter
     def stagnation(self, value: float) -> None:
@@ -5704,7 +5792,7 @@ class AnnealingOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> AnnealingOptions:
         ...
@@ -5729,7 +5817,7 @@ class AnnealingOptions:
     @property
     def chains(self) -> int:
         """
-        samples a generation: a number of at least 1
+        Number of chains, which is that of the samples in a generation: a number of at least 1
         """
     @chains.setter
     def chains(self, value: int) -> None:
@@ -5737,7 +5825,7 @@ class AnnealingOptions:
     @property
     def final_step(self) -> float:
         """
-        and at the end: a number above 0
+        Standard deviation of a step at the end, in box units: a number above 0
         """
     @final_step.setter
     def final_step(self, value: float) -> None:
@@ -5745,7 +5833,7 @@ class AnnealingOptions:
     @property
     def final_temperature(self) -> float:
         """
-        likewise, at the end: a number above 0
+        Temperature at the end, as a share of the first generation's mean energy: a number above 0
         """
     @final_temperature.setter
     def final_temperature(self, value: float) -> None:
@@ -5753,7 +5841,7 @@ class AnnealingOptions:
     @property
     def initial_step(self) -> float:
         """
-        standard deviation of a step at the start, box units: a number above 0
+        Standard deviation of a step at the start, in box units: a number above 0
         """
     @initial_step.setter
     def initial_step(self, value: float) -> None:
@@ -5761,7 +5849,7 @@ class AnnealingOptions:
     @property
     def initial_temperature(self) -> float:
         """
-        as a fraction of the first generation's mean energy: a number above 0
+        Temperature at the start, as a share of the first generation's mean energy: a number above 0
         """
     @initial_temperature.setter
     def initial_temperature(self, value: float) -> None:
@@ -5769,7 +5857,7 @@ class AnnealingOptions:
     @property
     def max_evaluations(self) -> int:
         """
-        the schedule's length; the paper: 2-4 times those of CMA-ES: a number of at least 1
+        Length of the cooling schedule in evaluations: a number of at least 1. The paper needs 2 to 4 times as many as with CMA-ES
         """
     @max_evaluations.setter
     def max_evaluations(self, value: int) -> None:
@@ -5777,7 +5865,7 @@ class AnnealingOptions:
     @property
     def seed(self) -> int:
         """
-        of the random numbers: a number of at least 0
+        Seed of the random numbers: a number of at least 0
         """
     @seed.setter
     def seed(self, value: int) -> None:
@@ -5790,7 +5878,7 @@ class BayesianOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> BayesianOptions:
         ...
@@ -5823,7 +5911,7 @@ class BayesianOptions:
     @property
     def levels(self) -> int:
         """
-        above 1: the last coordinate takes so many values, evenly spaced, and groups of 16 samples share one; else any: a number in [0, 64]
+        Above 1, the last coordinate takes so many evenly spaced values; else it takes any: a number in [0, 64]. Groups of 16 samples share a value
         """
     @levels.setter
     def levels(self, value: int) -> None:
@@ -5831,15 +5919,23 @@ class BayesianOptions:
     @property
     def max_evaluations(self) -> int:
         """
-        no generation begins at or beyond it: a number of at least 1
+        No generation begins at or beyond this number of evaluations: a number of at least 1
         """
     @max_evaluations.setter
     def max_evaluations(self, value: int) -> None:
         ...
     @property
+    def min_gain(self) -> float:
+        """
+        The search stops when four generations have gained less than this share of the energy; 0 = never: a number of at least 0
+        """
+    @min_gain.setter
+    def min_gain(self, value: float) -> None:
+        ...
+    @property
     def population(self) -> int:
         """
-        samples a generation; two groups of 16 fill two threads: a number in [4, 4096]
+        Number of samples in a generation: a number in [4, 4096]. Two groups of 16 fill the lanes of two threads
         """
     @population.setter
     def population(self, value: int) -> None:
@@ -5847,18 +5943,10 @@ class BayesianOptions:
     @property
     def seed(self) -> int:
         """
-        of the random numbers: a number of at least 0
+        Seed of the random numbers: a number of at least 0
         """
     @seed.setter
     def seed(self, value: int) -> None:
-        ...
-    @property
-    def min_gain(self) -> float:
-        """
-        stop when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
-        """
-    @min_gain.setter
-    def min_gain(self, value: float) -> None:
         ...
 class GenerationRow:
     """
@@ -5954,7 +6042,7 @@ class MinimiseOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     def __copy__(self) -> MinimiseOptions:
         ...
@@ -5979,7 +6067,7 @@ class MinimiseOptions:
     @property
     def budget(self) -> int:
         """
-        evaluations at which the optimisers stop; 0 = not known: a number of at least 0
+        Number of evaluations at which the optimisers stop; 0 = not known: a number of at least 0
         """
     @budget.setter
     def budget(self, value: int) -> None:
@@ -5995,7 +6083,7 @@ class MinimiseOptions:
     @property
     def expected_evaluations(self) -> int:
         """
-        for the progress bar and the time left only: a number of at least 1
+        Expected number of evaluations, for the progress bar and the time left only: a number of at least 1
         """
     @expected_evaluations.setter
     def expected_evaluations(self, value: int) -> None:
@@ -6019,7 +6107,7 @@ class MinimiseOptions:
     @property
     def penalty(self) -> float:
         """
-        omega: energy(clamped sample) + omega scale |sample - clamped|^2: a number of at least 0
+        Weight omega: energy(clamped sample) + omega scale |sample - clamped|^2: a number of at least 0
         """
     @penalty.setter
     def penalty(self, value: float) -> None:
@@ -6035,7 +6123,7 @@ class MinimiseOptions:
     @property
     def relative_penalty(self) -> bool:
         """
-        scale = median energy of the first generation; off = 1 (the paper's)
+        Scale of the penalty is the median energy of the first generation. Off = 1, the paper's
         """
     @relative_penalty.setter
     def relative_penalty(self, value: bool) -> None:
@@ -6043,7 +6131,7 @@ class MinimiseOptions:
     @property
     def seed(self) -> int:
         """
-        part r gets seed + r: a number of at least 0
+        Seed of the search; part r gets seed + r: a number of at least 0
         """
     @seed.setter
     def seed(self, value: int) -> None:
@@ -6075,7 +6163,7 @@ class EnergyOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     @staticmethod
     def paper() -> EnergyOptions:
@@ -6105,7 +6193,7 @@ class EnergyOptions:
     @property
     def alpha(self) -> float:
         """
-        weight of E_sil (1 is the paper's): a number of at least 0
+        Weight of E_sil, simulated rims that are not seen: a number of at least 0. 1 is the paper's
         """
     @alpha.setter
     def alpha(self, value: float) -> None:
@@ -6113,7 +6201,7 @@ class EnergyOptions:
     @property
     def beta(self) -> float:
         """
-        weight of E_sift (10 is the paper's); more prefers cloth that is too stiff to fold over folds in other places: a number of at least 0
+        Weight of E_sift, features in another place: a number of at least 0. 10 is the paper's; more prefers cloth that is too stiff to fold over folds in other places
         """
     @beta.setter
     def beta(self, value: float) -> None:
@@ -6121,7 +6209,7 @@ class EnergyOptions:
     @property
     def delta(self) -> float:
         """
-        weight of E_surf, how far the simulated cloth is from the captured surface; 0 = images alone (the paper's): a number of at least 0
+        Weight of E_surf, the distance of the simulated cloth from the captured surface: a number of at least 0. 0 = images alone, the paper's
         """
     @delta.setter
     def delta(self, value: float) -> None:
@@ -6129,23 +6217,15 @@ class EnergyOptions:
     @property
     def dt(self) -> float:
         """
-        s, one video frame: a number above 0
+        s, Duration of one video frame: a number above 0
         """
     @dt.setter
     def dt(self, value: float) -> None:
         ...
     @property
-    def speed_dependent_cap(self) -> bool:
-        """
-        a feature that the captured cloth confirms costs up to its displacement plus half of feature_cap, if that is more
-        """
-    @speed_dependent_cap.setter
-    def speed_dependent_cap(self, value: bool) -> None:
-        ...
-    @property
     def feature_cap(self) -> float:
         """
-        longest feature distance, likewise (32 px: 3 m/s at 2.4 mm a pixel and 40 fps): a mismatch costs every material the same: a number above 0
+        Largest feature distance that counts, as a share of the larger image side: a number above 0. 32 px at 1004, 3 m/s at 2.4 mm a pixel and 40 fps: a mismatch costs every material the same
         """
     @feature_cap.setter
     def feature_cap(self, value: float) -> None:
@@ -6153,15 +6233,23 @@ class EnergyOptions:
     @property
     def field_size(self) -> int:
         """
-        nodes that would span the larger side of a distance field: a number of at least 16
+        Number of nodes that would span the larger side of a distance field: a number of at least 16
         """
     @field_size.setter
     def field_size(self, value: int) -> None:
         ...
     @property
+    def fixed_correspondences(self) -> bool:
+        """
+        Every sample is compared with all that the captured cloth shows. Off = with what the sample itself shows (the paper's): then showing nothing is free
+        """
+    @fixed_correspondences.setter
+    def fixed_correspondences(self, value: bool) -> None:
+        ...
+    @property
     def gamma(self) -> float:
         """
-        weight of E_con, the measured contour that no simulated rim comes near; 1 = as rims that are not seen, 0 = the paper's: a number of at least 0
+        Weight of E_con, seen rims that are not simulated: a number of at least 0. 1 = as E_sil, 0 = the paper's
         """
     @gamma.setter
     def gamma(self, value: float) -> None:
@@ -6169,7 +6257,7 @@ class EnergyOptions:
     @property
     def outline_size(self) -> int:
         """
-        px, along the larger side of the views in which outline and visibility are decided: a number of at least 16
+        px, Larger side of the views in which outline and visibility are decided: a number of at least 16
         """
     @outline_size.setter
     def outline_size(self, value: int) -> None:
@@ -6177,31 +6265,31 @@ class EnergyOptions:
     @property
     def rim_cap(self) -> float:
         """
-        longest rim distance, fraction of the larger image side (64 px at 1004): one lost fold must not rule: a number above 0
+        Largest rim distance that counts, as a share of the larger image side: a number above 0. 64 px at 1004: one lost fold must not rule
         """
     @rim_cap.setter
     def rim_cap(self, value: float) -> None:
         ...
     @property
-    def fixed_correspondences(self) -> bool:
-        """
-        every sample is measured on what the captured cloth shows; off = on what it shows itself (the paper's)
-        """
-    @fixed_correspondences.setter
-    def fixed_correspondences(self, value: bool) -> None:
-        ...
-    @property
     def settle_frames(self) -> int:
         """
-        frames of fall into place in the first pose, before the first counts: half a second, for a hem to come to rest: a number of at least 0
+        Frames in which the cloth falls into place in the first pose before the first counts: a number of at least 0. Half a second, for a hem to come to rest
         """
     @settle_frames.setter
     def settle_frames(self, value: int) -> None:
         ...
     @property
+    def speed_dependent_cap(self) -> bool:
+        """
+        A confirmed feature costs up to its displacement plus half of feature_cap, if that is more. Else cloth that stands still where the film's flies costs no more than cloth that is a little slow
+        """
+    @speed_dependent_cap.setter
+    def speed_dependent_cap(self, value: bool) -> None:
+        ...
+    @property
     def window(self) -> int:
         """
-        frames of the windows into which the motion is cut, each from the captured surface at its speed; 0 = one rollout: a number of at least 0
+        Frames of the windows that the motion is cut into; 0 = one rollout: a number of at least 0. Each begins at the captured surface and its speed: over a long rollout chaos outgrows the material
         """
     @window.setter
     def window(self, value: int) -> None:
@@ -6209,7 +6297,7 @@ class EnergyOptions:
     @property
     def window_lead(self) -> int:
         """
-        frames simulated before a window counts: the captured surface is not at rest under any material: a number of at least 0
+        Frames that are simulated before a window counts: a number of at least 0. The captured surface is not at rest under any material
         """
     @window_lead.setter
     def window_lead(self, value: int) -> None:
@@ -6222,7 +6310,7 @@ class ParameterSpace:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     @staticmethod
     def paper() -> ParameterSpace:
@@ -6258,17 +6346,9 @@ class ParameterSpace:
         (n) the point of the box at which a material lies.
         """
     @property
-    def warp_parameters(self) -> bool:
-        """
-        search where equal steps change the cloth about equally: drag = 32 u^2, k_stretch = 1 - (1 - u)^4; off = the box itself (the paper's)
-        """
-    @warp_parameters.setter
-    def warp_parameters(self, value: bool) -> None:
-        ...
-    @property
     def fixed(self) -> Material:
         """
-        gives the parameters that are not searched
+        Material that gives the parameters that are not searched
         """
     @fixed.setter
     def fixed(self, value: Material) -> None:
@@ -6276,10 +6356,18 @@ class ParameterSpace:
     @property
     def names(self) -> list[str]:
         """
-        of the material parameters that are searched: one of 'd_n', 'd_t', 'k_bend', 'k_stretch', 'k_friction', 'k_damping'
+        Names of the material parameters that are searched: one of 'd_n', 'd_t', 'k_bend', 'k_stretch', 'k_friction', 'k_damping'
         """
     @names.setter
     def names(self, value: collections.abc.Sequence[str]) -> None:
+        ...
+    @property
+    def warp_parameters(self) -> bool:
+        """
+        The search goes in steps that change the cloth about equally; off = the box itself. drag = 32 u^2, k_stretch = 1 - (1 - u)^4; the paper searches the box
+        """
+    @warp_parameters.setter
+    def warp_parameters(self, value: bool) -> None:
         ...
 class MaterialObjective(Objective):
     """
@@ -6370,7 +6458,7 @@ class FitOptions:
     @staticmethod
     def described() -> dict:
         """
-        Name -> {unit, meaning, takes} of every option in order, and lower and upper, or choices, where it has them.
+        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
         """
     @staticmethod
     def paper() -> FitOptions:
@@ -6408,7 +6496,7 @@ class FitOptions:
     @property
     def energy(self) -> EnergyOptions:
         """
-        of E_fit
+        Options of E_fit
         """
     @energy.setter
     def energy(self, value: EnergyOptions) -> None:
@@ -6416,7 +6504,7 @@ class FitOptions:
     @property
     def initial_design_size(self) -> int:
         """
-        materials spread evenly over the box that bayesian begins with, three of four inelastic, in groups of 16 a width: a number in [4, 4096]
+        Number of materials, spread evenly over the box, with which the Bayesian search begins: a number in [4, 4096]. Three of four do not stretch, as hardly any cloth does; groups of 16 share a width
         """
     @initial_design_size.setter
     def initial_design_size(self, value: int) -> None:
@@ -6424,7 +6512,7 @@ class FitOptions:
     @property
     def initial_sigma(self) -> float:
         """
-        of CMA-ES and annealing where they start, box units: a number above 0
+        Standard deviation with which CMA-ES and annealing start, in box units: a number above 0
         """
     @initial_sigma.setter
     def initial_sigma(self, value: float) -> None:
@@ -6448,10 +6536,26 @@ class FitOptions:
     @property
     def max_evaluations(self) -> int:
         """
-        no generation begins at or beyond it; 512 is the paper's: a number of at least 1
+        No generation begins at or beyond this number of evaluations: a number of at least 1. 512 is the paper's
         """
     @max_evaluations.setter
     def max_evaluations(self, value: int) -> None:
+        ...
+    @property
+    def min_deviation(self) -> float:
+        """
+        CMA-ES stops when all standard deviations are below this, in box units: a number of at least 0. 0.025 is the paper's
+        """
+    @min_deviation.setter
+    def min_deviation(self, value: float) -> None:
+        ...
+    @property
+    def min_gain(self) -> float:
+        """
+        The Bayesian search stops when four generations have gained less than this share; 0 = never: a number of at least 0
+        """
+    @min_gain.setter
+    def min_gain(self, value: float) -> None:
         ...
     @property
     def on_generation(self) -> collections.abc.Callable[[...], None]:
@@ -6464,7 +6568,7 @@ class FitOptions:
     @property
     def optimizer(self) -> str:
         """
-        bayesian, cma-es (the paper's), or annealing (the paper's comparison): one of 'bayesian', 'cma-es', 'annealing'
+        Method: bayesian, cma-es (the paper's) or annealing (the paper's comparison): one of 'bayesian', 'cma-es', 'annealing'
         """
     @optimizer.setter
     def optimizer(self, value: str) -> None:
@@ -6472,7 +6576,7 @@ class FitOptions:
     @property
     def penalty(self) -> float:
         """
-        omega, of samples outside the box; 16 is the paper's: a number of at least 0
+        Weight omega of the penalty for samples outside the box: a number of at least 0. 16 is the paper's
         """
     @penalty.setter
     def penalty(self, value: float) -> None:
@@ -6480,7 +6584,7 @@ class FitOptions:
     @property
     def population(self) -> int:
         """
-        samples a generation; 0 = 32, of CMA-ES Hansen's 4 + floor(3 ln n): 8 for five parameters, 9 for six: a number of at least 0
+        Number of samples in a generation; 0 = 32, of CMA-ES Hansen's 4 + floor(3 ln n): a number of at least 0. 8 for five parameters, 9 for six
         """
     @population.setter
     def population(self, value: int) -> None:
@@ -6488,7 +6592,7 @@ class FitOptions:
     @property
     def relative_penalty(self) -> bool:
         """
-        omega times the median energy of the first generation; off = omega alone (the paper's)
+        The penalty is omega times the median energy of the first generation. Off = omega alone, the paper's
         """
     @relative_penalty.setter
     def relative_penalty(self, value: bool) -> None:
@@ -6496,7 +6600,7 @@ class FitOptions:
     @property
     def seed(self) -> int:
         """
-        region r of R uses seed + r, and of search k (from 0) seed + k R + r: a number of at least 0
+        Seed of the search; region r of R in search k uses seed + k R + r: a number of at least 0
         """
     @seed.setter
     def seed(self, value: int) -> None:
@@ -6504,31 +6608,15 @@ class FitOptions:
     @property
     def seeds(self) -> int:
         """
-        searches from as many seeds, side by side; the answer is that of the lowest energy: a number of at least 1
+        Number of searches with seeds of their own; the lowest energy is the answer: a number of at least 1
         """
     @seeds.setter
     def seeds(self, value: int) -> None:
         ...
     @property
-    def min_deviation(self) -> float:
-        """
-        CMA-ES stops when all standard deviations are below, box units; 0.025 is the paper's: a number of at least 0
-        """
-    @min_deviation.setter
-    def min_deviation(self, value: float) -> None:
-        ...
-    @property
-    def min_gain(self) -> float:
-        """
-        bayesian stops when four generations have lowered the energy of the answer by less than this share; 0 = never: a number of at least 0
-        """
-    @min_gain.setter
-    def min_gain(self, value: float) -> None:
-        ...
-    @property
     def space(self) -> ParameterSpace:
         """
-        which parameters are searched
+        Parameters that are searched
         """
     @space.setter
     def space(self, value: ParameterSpace) -> None:
@@ -6536,7 +6624,7 @@ class FitOptions:
     @property
     def stagnation(self) -> float:
         """
-        CMA-ES stops when best and median energy of ten generations changed by less than this share since the ten before; 0 = never: a number of at least 0
+        CMA-ES stops when best and median energy change by less than this share; 0 = never: a number of at least 0. Those of ten generations against the ten before
         """
     @stagnation.setter
     def stagnation(self, value: float) -> None:
@@ -6597,6 +6685,10 @@ def animate_each(character: Character, motion: Motion, frame: collections.abc.Ca
     """
     animate(), but calls frame(AnimationFrame) in order and keeps nothing.
     """
+def apply_corrections(pose: Mesh, face_valid: numpy.typing.ArrayLike, found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
+    """
+    What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a border between regions.
+    """
 def body_fitter_violations(fitter: BodyFitter, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> list[str]:
     """
     One sentence for each rule that a BodyFitter breaks on a scan of yours: sizes, finite, the same bits twice, refusals.
@@ -6609,13 +6701,29 @@ def body_regions(fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation) ->
     """
     One BodyRegion a bone: how far the fit can be trusted there.
     """
+def build_display_mesh(actor: RiggedMesh, segmentation: Segmentation, high: Mesh) -> DisplayMesh:
+    """
+    The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.
+    """
 def build_template(scan: Mesh, options: TemplateOptions = ..., context: Context = ...) -> Template:
     """
     The closed surface of a scan, its two decimations and the faces that were invented over holes.
     """
+def canonical_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
+    """
+    (T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.
+    """
 def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: float, r1: float) -> Mesh:
     """
     Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.
+    """
+def choose_widths(garment: Garment, chosen: collections.abc.Sequence[float] = []) -> Garment:
+    """
+    The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, in its `rest`.
+    """
+def cloth_prior(actor: RiggedMesh, pose: Mesh) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    """
+    (V) log odds of loose cloth by place on the body: below 0 on hands, feet, head, and what hangs on no trunk.
     """
 def cloth_segmenter_violations(segmenter: ClothSegmenter) -> list[str]:
     """
@@ -6629,10 +6737,6 @@ def common_widths(garments: collections.abc.Sequence[Garment], count: int) -> li
     """
     [garments][count] positions at which several meshes of one garment have the same area at rest, the widest first.
     """
-def apply_corrections(pose: Mesh, face_valid: numpy.typing.ArrayLike, found: Segmentation, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> Segmentation:
-    """
-    What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a seam between regions.
-    """
 def create_bayesian(dimension: int, options: BayesianOptions = ...) -> Optimizer:
     """
     Bayesian optimisation by Thompson sampling over [0, 1]^dimension: for energies that are expensive and noisy.
@@ -6644,6 +6748,10 @@ def create_cma_es(dimension: int, options: CmaEsOptions = ...) -> Optimizer:
 def create_simulated_annealing(dimension: int, options: AnnealingOptions = ...) -> Optimizer:
     """
     Independent Metropolis chains under one geometric cooling schedule, over [0, 1]^dimension.
+    """
+def detect_joints(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> DetectedJoints:
+    """
+    Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: joints whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.
     """
 def distances_to_surface(points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], surface: Mesh, face_valid: numpy.typing.ArrayLike = [], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
@@ -6697,10 +6805,6 @@ def filmed(session: Session, captured: CaptureResult) -> Session:
     """
     The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.
     """
-def detect_joints(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> DetectedJoints:
-    """
-    Joints and landmarks of a person, upright (+Y), by the body model. face_valid: 0 = invented, empty = all valid; seen: joints whose places are known to 3 cm, name -> (3) m; without them arms and legs must be apart.
-    """
 def find_contacts(skeleton: Skeleton, motion: Motion, options: PlantOptions = ...) -> list[FootContacts]:
     """
     A FootContacts for each foot of the Motion that can be planted: when its heel and ball stand.
@@ -6716,10 +6820,6 @@ def find_start_frame(scan: Mesh, rig: collections.abc.Sequence[Camera], frames: 
 def fit_proxies(fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation, options: ProxyOptions = ...) -> list[TaperedCapsule]:
     """
     Tapered capsules along the bones, inside the body: what cloth collides with.
-    """
-def fitting_thresholds(pose: Mesh, face_valid: numpy.typing.ArrayLike, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: SegmentOptions = ...) -> SegmentOptions:
-    """
-    The options, with both thresholds raised while all of the surface moves: the noise of a poor capture.
     """
 def frame_source_violations(frames: FrameSource) -> list[str]:
     """
@@ -6741,10 +6841,6 @@ def make_character(actor: RiggedMesh, segmentation: Segmentation, body: BodyFit,
     """
     Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.
     """
-def build_display_mesh(actor: RiggedMesh, segmentation: Segmentation, high: Mesh) -> DisplayMesh:
-    """
-    The scan's surface as it is drawn; where the actor wears a garment with a mesh of its own, that takes its place.
-    """
 def material_energy(simulator: CharacterSimulator, performance: ReferencePerformance, observations: Observations, materials: collections.abc.Sequence[Material], options: EnergyOptions = ..., context: Context = ...) -> list[float]:
     """
     One E_fit a region, pixels^2, of one material a region.
@@ -6760,10 +6856,6 @@ def minimise(objective: Objective, options: MinimiseOptions = ..., context: Cont
 def objective_violations(objective: Objective) -> list[str]:
     """
     One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, refusals.
-    """
-def width_variants(garment: Garment) -> list[Garment]:
-    """
-    The garment in each of the widths that it offers.
     """
 def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
     """
@@ -6879,7 +6971,7 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointAnnota
     """
 def sample_colours(mesh: Mesh, face_valid: numpy.typing.ArrayLike, cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
-    (10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for MeshSequence.colours.
+    (10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for SegmentInputs.colours.
     """
 def scan_from_views(rig: collections.abc.Sequence[Camera], views: collections.abc.Sequence[CameraView], options: ViewScanOptions = ..., context: Context = ...) -> Mesh:
     """
@@ -6887,11 +6979,11 @@ def scan_from_views(rig: collections.abc.Sequence[Camera], views: collections.ab
     """
 def segment_cloth(sequence: MeshSequence, face_valid: numpy.typing.ArrayLike, options: SegmentOptions = ..., context: Context = ...) -> Segmentation:
     """
-    ClothSegmenter.create(options).segment(sequence, face_valid, context).
+    ClothSegmenter.create(options).segment(SegmentInputs(sequence, face_valid), context).
     """
-def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, fullness: FullnessOptions = ..., context: Context = ...) -> Segmentation:
+def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, fullness: FullnessOptions = ..., context: Context = ...) -> Segmentation:
     """
-    The whole stage for a captured performance: frames brought back to the scan pose, segmentation, fullness.
+    The whole stage for a captured performance: canonical frames, prior, segmentation, fullness. colours of its first frame, as SegmentInputs has them.
     """
 def segmentation_pose(actor: RiggedMesh, performance: ReferencePerformance) -> Mesh:
     """
@@ -6921,6 +7013,10 @@ def summarise_garment(garment: Garment) -> GarmentSummary:
     """
     Counts and quality of a garment's mesh.
     """
+def summarise_segmentation(pose: Mesh, face_valid: numpy.typing.ArrayLike, segmentation: Segmentation) -> SegmentSummary:
+    """
+    Areas, noise and how sure a segmentation is.
+    """
 def summarise_template(surface: Template, scan: Mesh, context: Context = ...) -> TemplateSummary:
     """
     Quality of both surfaces of a template, and their distances to the scan.
@@ -6941,10 +7037,6 @@ def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | s
     """
     Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
     """
-def canonical_frames(actor: RiggedMesh, performance: ReferencePerformance, context: Context = ...) -> numpy.typing.NDArray[numpy.float64]:
-    """
-    (T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.
-    """
 def vertex_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (V) m^2, a third of the faces around each vertex.
@@ -6957,9 +7049,9 @@ def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.fl
     """
     (V) 1 where at least one camera sees the vertex; tolerance in m
     """
-def worn(garment: Garment, chosen: collections.abc.Sequence[float] = []) -> Garment:
+def width_variants(garment: Garment) -> list[Garment]:
     """
-    The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, in its `rest`.
+    The garment in each of the widths that it offers.
     """
 def write_actor(path: os.PathLike | str | bytes, actor: RiggedMesh) -> None:
     """

@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable
 
-from .common import renamed
+from . import _renamed as renamed
 
 PACKAGE = __name__.rpartition(".")[0]
 #: Modules that were known under another name -> where they are.
