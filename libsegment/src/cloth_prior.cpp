@@ -3,6 +3,8 @@
 #include "surface_patches.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 namespace doublet {
 namespace {
@@ -70,6 +72,11 @@ Eigen::VectorXd unattached(const RiggedMesh &actor, const Surface &surface) {
 
 Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose) {
   require_actor(actor, "cloth_prior");
+  require_usable(pose, "cloth_prior: pose");
+  if (pose.vertices.rows() != actor.mesh.vertices.rows() || pose.faces.rows() != actor.mesh.faces.rows())
+    throw std::invalid_argument("cloth_prior: pose: expected the actor's " + std::to_string(actor.mesh.vertices.rows()) +
+                                " vertices and " + std::to_string(actor.mesh.faces.rows()) + " faces, found " +
+                                std::to_string(pose.vertices.rows()) + " and " + std::to_string(pose.faces.rows()));
   const Surface surface = detail::surface_of(pose, actor.face_valid);
   return -kExtremity * extremities(actor, surface) - kUnattached * unattached(actor, surface);
 }

@@ -214,7 +214,8 @@ Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std
 
 SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                       const Segmentation &segmentation) {
-  const Eigen::VectorXd areas = vertex_areas(pose.vertices, valid_faces(pose.faces, face_valid));
+  require_segmentation(segmentation, pose.vertices.rows(), "summarise_segmentation");
+  const Eigen::VectorXd areas = surface_of_inputs(pose, face_valid, segmentation.sigma).areas;
   SegmentSummary summary;
   summary.regions = segmentation.region_count;
   int valid = 0, known = 0;

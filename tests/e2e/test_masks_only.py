@@ -35,7 +35,8 @@ def masks_only(tmp_path_factory):
 @pytest.fixture(scope="module")
 def made(masks_only, tmp_path_factory):
     out = tmp_path_factory.mktemp("out")
-    moved = ("--segment-rigid-threshold", 0.0005, "--segment-cloth-threshold", 0.002)  # m; little moves in ten frames
+    # m; little moves in ten frames
+    moved = ("--segment-thresholds", "--segment-rigid-threshold", 0.0005, "--segment-cloth-threshold", 0.002)
     done = doublet("reconstruct", masks_only, "-o", out, "--template-poisson-depth", 8, "--fit-max-evaluations", 8, *moved)
     assert done.returncode == 0, done.stderr
     return out

@@ -33,9 +33,9 @@ MAY = (
     (".*", ".*", r"(segmentation )?sigma (empty|nan|-?inf)"),  # NaN where no ray was valid
     (".*", ".*", r"(segmentation )?region index -1"),  # rigid
     (".*", ".*", "coefficients .*|body faces empty|faces empty|joints empty|frames empty"),  # not known, or nothing there
-    (".*", "sequence|captured|motion", "(frames|dofs) (shorter|longer|empty)"),  # any number of frames
+    (".*", "sequence|captured|motion|surface", "(frames|dofs) (shorter|longer|empty)"),  # any number of frames
     (".*", "performance", "(surface faces|frames first:|dofs a column less).*"),  # the actor's count
-    (".*", "captured|sequence", "faces .*"),  # likewise
+    (".*", "captured|sequence|surface", "faces .*"),  # likewise
     (".*", "observations|performance", "frames (first:|index) .*"),  # video frame numbers
     ("(face|vertex)_(normals|areas)|rasterize|visible_vertices", "vertices", "nan|-?inf"),  # such a face is degenerate, not drawn
     ("pose_surface|canonical_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone

@@ -3,8 +3,8 @@
 import doublet as d
 import numpy as np
 import pytest
-from doublet import _renamed as renamed
 from doublet.cli.program import build_parser
+from doublet.common import renamed
 from doublet.reconstruct import config
 
 MEMBERS = [(struct, old, new) for struct, members in renamed.ATTRIBUTES.items() for old, new in members.items()]

@@ -67,7 +67,7 @@ def reconstruction(bell, shapes, folder, remesh=False):
     motion = d.Motion(FPS, captured.dofs[:2])
     rig = [shapes["camera"](a, name=f"cam{i}", height=1.0, size=240) for i, a in enumerate((0, 2.1, 4.2))]
     synthesize(character, motion, folder / "session", SynthesisOptions(), rig, console=Console(quiet=True))
-    record = {"session": str(folder / "session"), "stages": {"fit": {"state": "done", "options": STEPS}}}
+    record = {"session": str(folder / "session"), "stages": {"fit": {"state": "running", "options": STEPS, "inputs": {}}}}
     (folder / "run.json").write_text(json.dumps(record))
     (folder / "material.json").write_text(json.dumps({"regions": [{"parameters": own.to_dict()}]}))
     return folder

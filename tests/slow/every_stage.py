@@ -45,6 +45,7 @@ OPTIONS = [
     "--garment-length-exceedances",
     "0.25",
     "0.35",
+    "--segment-thresholds",
     "--segment-rigid-threshold",
     "0.001",
 ]

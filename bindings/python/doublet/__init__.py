@@ -23,9 +23,9 @@ from . import _doublet
 from ._doublet import *  # noqa: F403
 from ._doublet import __version__ as __version__
 from ._lazy import DEPRECATED_MODULES, DEPRECATED_NAMES, find_deprecated_modules, lazy_modules
-from ._renamed import add_deprecated_attributes
 from .common.packaged import body_model_path as body_model_path
 from .common.programs import use_packaged_ffmpeg
+from .common.renamed import add_deprecated_attributes
 
 #: Packages and modules, loaded when they are first named.
 MODULES = ("corrections", "evaluation", "export", "optimizers", "pages", "reconstruct", "scan", "session", "testing")

@@ -9,8 +9,6 @@ import sys
 import warnings
 from collections.abc import Callable
 
-from . import _renamed as renamed
-
 PACKAGE = __name__.rpartition(".")[0]
 #: Modules that were known under another name -> where they are.
 DEPRECATED_MODULES = {
@@ -43,6 +41,12 @@ def warn(old: str, new: str) -> None:
     warnings.warn(f"{PACKAGE}.{old} is deprecated: use {PACKAGE}.{new}", DeprecationWarning, stacklevel=3)
 
 
+def renamed_to(name: str) -> str | None:
+    from .common.renamed import NAMES  # which needs this module itself
+
+    return NAMES.get(name)
+
+
 def lazy_modules(package: str, names: tuple[str, ...], deprecated: dict[str, str] | None = None) -> tuple[Callable, Callable]:
     """What a package needs as `__getattr__` and `__dir__` to have these modules without importing them, and names that are
     deprecated."""
@@ -53,9 +57,9 @@ def lazy_modules(package: str, names: tuple[str, ...], deprecated: dict[str, str
         if name in (deprecated or {}):
             warn(name, f"{deprecated[name]}.{name}")
             return getattr(importlib.import_module(f"{package}.{deprecated[name]}"), name)
-        if package == PACKAGE and name in renamed.NAMES:
-            warn(name, renamed.NAMES[name])
-            return getattr(sys.modules[package], renamed.NAMES[name])
+        if package == PACKAGE and (new := renamed_to(name)):
+            warn(name, new)
+            return getattr(sys.modules[package], new)
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
     def list_names() -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .._renamed import current_flags
+from ..common.renamed import current_flags
 
 
 class CommandParser(argparse.ArgumentParser):

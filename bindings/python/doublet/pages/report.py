@@ -111,17 +111,13 @@ def cameras(shown: Shown) -> str:
 
 
 def segmentation(shown: Shown) -> str:
-    segmentation = shown.job.results.segmentation()
-    mesh = shown.actor.mesh
+    segmentation, mesh = shown.job.results.segmentation(), shown.actor.mesh
     drawn = {"clothness": drawing.cloth_colours(segmentation.clothness)}
     if len(segmentation.probability):
         drawn["probability of cloth"] = drawing.probability_colours(segmentation.probability)
-    figures = []
-    for name, colours in drawn.items():
-        surface = d.RenderMesh(mesh.vertices, shown.faces, colours=colours)
-        for side, azimuth in (("front", 0.0), ("back", np.pi)):
-            figures.append(figure(drawing.shade([surface], drawing.around(mesh.vertices, azimuth)), f"{name}, {side}"))
-    pictures = row(figures)
+    sides = {"front": drawing.around(mesh.vertices, 0.0), "back": drawing.around(mesh.vertices, np.pi)}
+    surfaces = {name: d.RenderMesh(mesh.vertices, shown.faces, colours=colours) for name, colours in drawn.items()}
+    pictures = row([figure(drawing.shade([s], sides[v]), f"{name}, {v}") for name, s in surfaces.items() for v in sides])
     if not segmentation.region_count:
         return pictures + "<p>No cloth found: the character is skinned only.</p>"
     areas = d.vertex_areas(mesh.vertices, mesh.faces)

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from .._doublet import __version__
-from .._renamed import current_option
 from ..common.files import read_toml, write_text
+from ..common.renamed import current_option
 from .options import OPTION_GROUPS, is_derived, make_options, plain, takes_pairs
 
 HEAD = """# Options of doublet {version}: `doublet reconstruct SESSION -o OUT --config THIS_FILE`.

@@ -7,7 +7,8 @@ namespace doublet {
 
 /// (V) log odds of loose cloth by place on the body, the same for all garments: below 0 on hands, feet and the head (beyond the
 /// last joint of each limb), and on pieces of the scan that do not hang together with the trunk (a shank below a hem); 0
-/// elsewhere. pose: the actor's surface in the scan pose. Throws as require_actor, Error on an unusable mesh.
+/// elsewhere. pose: the actor's surface in the scan pose. Throws as require_actor, std::invalid_argument if pose is of another
+/// mesh, Error if it is unusable.
 Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose);
 
 } // namespace doublet

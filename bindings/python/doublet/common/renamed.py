@@ -17,7 +17,6 @@ NAMES = {
     "make_display": "build_display_mesh",
     "offered": "width_variants",
     "segmented_pose": "segmentation_pose",
-    "tuck_body": "resolve_body_penetration",
     "unposed_frames": "canonical_frames",
     "worn": "choose_widths",
 }
