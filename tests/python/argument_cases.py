@@ -6,6 +6,7 @@ import copy
 
 import doublet as d
 import numpy as np
+from doublet.common.renamed import ATTRIBUTES
 
 NUMBERS = {"nan": np.nan, "inf": np.inf, "-inf": -np.inf, "1e300": 1e300}
 
@@ -421,7 +422,8 @@ def duplicate(value, folder):
     if isinstance(value, d.Motion):
         return d.Motion(value.fps, np.array(value.dofs))
     other = type(value)()
-    for name in (n for n in dir(type(value)) if getattr(getattr(type(value), n), "fset", None)):
+    old_names = ATTRIBUTES.get(type(value).__name__, {})
+    for name in (n for n in dir(type(value)) if getattr(getattr(type(value), n), "fset", None) and n not in old_names):
         held = getattr(value, name)
         bound = type(held).__module__ == d.Mesh.__module__
         setattr(other, name, duplicate(held, folder) if bound else copy.copy(held))
