@@ -15,6 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 #: Of packages that are compiled in: static libraries, and headers.
 COMPILED_IN = (
+    "libboost1.74-dev",
     "libeigen3-dev",
     "liblbfgspp-dev",
     "libnanoflann-dev",
