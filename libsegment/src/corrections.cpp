@@ -26,7 +26,9 @@ Segmentation apply_corrections(const Mesh &pose, const std::vector<std::uint8_t>
     case CorrectionLabel::Skin:
     case CorrectionLabel::Cloth:
       result.clothness[i] = painted[i];
-      parting[i] = 0; // cloth that is painted over a seam joins what it parted
+      if (result.probability.size() > 0)
+        result.probability[i] = painted[i]; // who paints knows
+      parting[i] = 0;                       // cloth that is painted over a seam joins what it parted
       break;
     case CorrectionLabel::Border:
       parting[i] = 1;

@@ -298,6 +298,8 @@ TEST(Segment, ThePaintedGoesBeforeTheFound) {
   EXPECT_NE(region(seam - 1), region(seam + 1));
   EXPECT_TRUE(region(seam) == region(seam - 1) || region(seam) == region(seam + 1));
   EXPECT_EQ(result.clothness[skin * tube::kAround + 7], 0.0);
+  EXPECT_EQ(result.probability[skin * tube::kAround + 7], 0.0);
+  EXPECT_EQ(result.probability[seam * tube::kAround + 7], found.probability[seam * tube::kAround + 7]);
   EXPECT_EQ(region(skin), -1);
   EXPECT_EQ(result.clothness[cloth * tube::kAround + 7], 1.0);
   EXPECT_EQ(region(cloth), 3); // the smallest
