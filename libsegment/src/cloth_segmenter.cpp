@@ -2,10 +2,10 @@
 
 #include "colour_evidence.h"
 #include "colour_seams.h"
+#include "doublet/core/parts/labelling.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/segment/cloth_prior.h"
 #include "doublet/segment/parts/diffusion.h"
-#include "labelling.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -17,7 +17,6 @@
 namespace doublet {
 
 using detail::choose;
-using detail::LabellingEnergy;
 using detail::Surface;
 
 namespace {
@@ -128,8 +127,8 @@ Segmentation segmentation_of(const Mesh &pose, const SegmentInputs &inputs, cons
     if (options.colour > 0 && inputs.colours.rows() > 0)
       odds = with_colours(surface, inputs, odds, options);
     const LabellingEnergy energy = labelling_energy(surface, odds, options.border);
-    result.clothness = smooth_labels(surface, detail::lowest_labelling(energy), options.diffusion);
-    result.probability = detail::labelling_margins(energy, surface.areas, kSurest, kMarginSteps).unaryExpr([](double margin) {
+    result.clothness = smooth_labels(surface, lowest_labelling(energy), options.diffusion);
+    result.probability = labelling_margins(energy, surface.areas, kSurest, kMarginSteps).unaryExpr([](double margin) {
       return probability(margin);
     });
   }

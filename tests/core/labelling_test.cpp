@@ -1,10 +1,10 @@
-#include "../../libsegment/src/labelling.h"
+#include "doublet/core/parts/labelling.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-using namespace doublet::detail;
+using namespace doublet;
 
 namespace {
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace doublet::detail {
+namespace doublet {
 
 /// E(L) = sum over edges (a, b) with L_a != L_b of their cost - sum over vertices with L_v = 1 of their gain.
 struct LabellingEnergy {
@@ -23,4 +23,4 @@ std::vector<char> lowest_labelling(const LabellingEnergy &energy);
 /// flow algorithm, SIAM 1989). Known to 2 * largest / steps; with an odd number of steps above 0 exactly where the label is 1.
 Eigen::VectorXd labelling_margins(const LabellingEnergy &energy, const Eigen::VectorXd &weight, double largest, int steps);
 
-} // namespace doublet::detail
+} // namespace doublet

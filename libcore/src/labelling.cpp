@@ -1,4 +1,4 @@
-#include "labelling.h"
+#include "doublet/core/parts/labelling.h"
 
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace doublet::detail {
+namespace doublet {
 namespace {
 
 // Whole numbers: a flow of floating-point numbers would leave rests that depend on the order of the paths.
@@ -80,4 +80,4 @@ Eigen::VectorXd labelling_margins(const LabellingEnergy &energy, const Eigen::Ve
   return margin;
 }
 
-} // namespace doublet::detail
+} // namespace doublet
