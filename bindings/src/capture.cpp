@@ -19,6 +19,9 @@ public:
   void train(int camera, const std::vector<Image> &images) override {
     PYBIND11_OVERRIDE_PURE(void, SilhouetteExtractor, train, camera, images);
   }
+  void learn_actor(int camera, const std::vector<Image> &images) override {
+    PYBIND11_OVERRIDE(void, SilhouetteExtractor, learn_actor, camera, images);
+  }
   Image extract(int camera, const Image &image) const override {
     return call_override<Image>(this, "SilhouetteExtractor.extract", kMask, camera, image);
   }
@@ -115,6 +118,8 @@ void bind_session(py::module_ &m) {
                   "By the difference to a background.")
       .def("train", &SilhouetteExtractor::train, py::arg("camera"), py::arg("images"), Release(),
            "Looks at images of one camera before the first mask is made.")
+      .def("learn_actor", &SilhouetteExtractor::learn_actor, py::arg("camera"), py::arg("images"), Release(),
+           "Looks at images of the take, after train(): an extractor may learn what the actor looks like.")
       .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release(), "Mask (H, W), 255 = actor.");
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),

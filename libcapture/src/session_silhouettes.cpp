@@ -17,6 +17,7 @@ class SessionSilhouettes : public SilhouetteExtractor {
 public:
   void add(int camera, std::shared_ptr<SilhouetteExtractor> extractor) { extractors_[camera] = std::move(extractor); }
   void train(int camera, const std::vector<Image> &images) override { of(camera).train(camera, images); }
+  void learn_actor(int camera, const std::vector<Image> &images) override { of(camera).learn_actor(camera, images); }
   Image extract(int camera, const Image &image) const override { return of(camera).extract(camera, image); }
 
 private:
@@ -56,6 +57,7 @@ public:
                     " has no clean plate (\"background\" in session.json), which the "
                     "silhouette method 'plates' needs");
       background_->train(camera, plates(camera));
+      learn_actor(camera);
       all.add(camera, background_);
       return "difference to its clean plate";
     }
@@ -71,11 +73,14 @@ public:
         why = std::string(" (") + error.what() + ")";
       }
     background_->train(camera, require_images(spread_images(frames_, camera, options_.median_frames), name));
+    learn_actor(camera);
     all.add(camera, background_);
     return "difference to the median of its frames" + why;
   }
 
 private:
+  void learn_actor(int camera) { background_->learn_actor(camera, spread_images(frames_, camera, options_.actor_frames)); }
+
   std::vector<Image> plates(int camera) const {
     const std::vector<Lens> &lenses = session_.lenses;
     if (lenses.empty() || !lenses.at(camera).needs_undistortion())

@@ -1067,7 +1067,7 @@ class BackgroundOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, tolerance: float = 2.5, shadow: float = 0.55, highlight: float = 1.25, min_blob_area: int = 200) -> None:
+    def __init__(self, *, smoothness: float = 8.0, shadow: float = 0.55, highlight: float = 1.25, min_blob_area: int = 200) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1104,12 +1104,12 @@ class BackgroundOptions:
     def shadow(self, value: float) -> None:
         ...
     @property
-    def tolerance(self) -> float:
+    def smoothness(self) -> float:
         """
-        A pixel is actor beyond so many standard deviations of the noise: a number above 0. The noise is measured in every image
+        Log likelihood that an edge between two pixels of the same colour costs: a number of at least 0. More fills what looks like the background and loses thin parts
         """
-    @tolerance.setter
-    def tolerance(self, value: float) -> None:
+    @smoothness.setter
+    def smoothness(self, value: float) -> None:
         ...
 class SilhouetteOptions:
     """
@@ -1129,7 +1129,7 @@ class SilhouetteOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, method: typing.Literal['auto', 'plates', 'key', 'median'] = 'auto', median_frames: int = 25, key: ChromaKeyOptions = ..., background: BackgroundOptions = ...) -> None:
+    def __init__(self, *, method: typing.Literal['auto', 'plates', 'key', 'median'] = 'auto', median_frames: int = 25, actor_frames: int = 8, key: ChromaKeyOptions = ..., background: BackgroundOptions = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1141,6 +1141,14 @@ class SilhouetteOptions:
         """
         Name -> value of every option.
         """
+    @property
+    def actor_frames(self) -> int:
+        """
+        Number of frames, spread over the session, that the actor's colours before a background are learnt from: a number of at least 0
+        """
+    @actor_frames.setter
+    def actor_frames(self, value: int) -> None:
+        ...
     @property
     def background(self) -> BackgroundOptions:
         """
@@ -1194,6 +1202,10 @@ class SilhouetteExtractor:
     def extract(self, camera: int, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
         """
         Mask (H, W), 255 = actor.
+        """
+    def learn_actor(self, camera: int, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
+        """
+        Looks at images of the take, after train(): an extractor may learn what the actor looks like.
         """
     def train(self, camera: int, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
         """

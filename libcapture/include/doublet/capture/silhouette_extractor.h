@@ -29,10 +29,10 @@ struct ChromaKeyOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// Subtraction of a still background (Horprasert, Harwood & Davis 1999): a pixel belongs to the background if it has the
-/// background's colour there, scaled by a brightness between `shadow` and `highlight`, up to the noise.
+/// A still background (background_cut.cpp): each pixel is the actor's or the background's by how likely its colour is on either,
+/// and by its neighbours. A shadow is the background's colour at less brightness (Horprasert, Harwood & Davis 1999).
 struct BackgroundOptions {
-  double tolerance = 2.5;
+  double smoothness = 8;
   double shadow = 0.55;
   double highlight = 1.25;
   int min_blob_area = 200;
@@ -41,8 +41,9 @@ struct BackgroundOptions {
     using O = BackgroundOptions;
     return Description{
         "BackgroundOptions",
-        option(&O::tolerance, "tolerance", above(0), "", "A pixel is actor beyond so many standard deviations of the noise",
-               "The noise is measured in every image"),
+        option(&O::smoothness, "smoothness", at_least(0), "",
+               "Log likelihood that an edge between two pixels of the same colour costs",
+               "More fills what looks like the background and loses thin parts"),
         option(&O::shadow, "shadow", Range{0, 1, Open::Below}, "",
                "Background may be darkened by a shadow to this share of its brightness"),
         option(&O::highlight, "highlight", at_least(1), "", "Background may be brightened to this share of its brightness"),
@@ -61,6 +62,9 @@ public:
   /// images whose median is one, for subtraction. Called once a camera before extract(), not while another thread
   /// extracts. The chroma key throws Error if no hue dominates the image border.
   virtual void train(int camera, const std::vector<Image> &images) = 0;
+  /// Looks at a few images of the take, after train() and under the same rules: an extractor may learn from them what the actor
+  /// looks like. The chroma key needs nothing.
+  virtual void learn_actor(int /*camera*/, const std::vector<Image> & /*images*/) {}
   /// 255 = actor. Both throw std::invalid_argument if the camera was not trained or the image has not three channels.
   virtual Image extract(int camera, const Image &image) const = 0;
   static std::unique_ptr<SilhouetteExtractor> create(const ChromaKeyOptions &options = {});
@@ -70,6 +74,7 @@ public:
 struct SilhouetteOptions {
   std::string method = "auto";
   int median_frames = 25;
+  int actor_frames = 8;
   ChromaKeyOptions key;
   BackgroundOptions background;
   static constexpr std::array kMethods{"auto", "plates", "key", "median"};
@@ -84,6 +89,8 @@ struct SilhouetteOptions {
                "about"),
         option(&O::median_frames, "median_frames", at_least(1), "",
                "Number of frames, spread over the session, that the median is taken of"),
+        option(&O::actor_frames, "actor_frames", at_least(0), "",
+               "Number of frames, spread over the session, that the actor's colours before a background are learnt from"),
         option(&O::key, "key", "Options of the screen of one colour"),
         option(&O::background, "background", "Options of the difference to a background"),
     };
