@@ -151,10 +151,15 @@ void bind_session(py::module_ &m) {
         "StartFrame.");
   OptionsClass<ViewScanOptions>(m, "Options of scan_from_views.");
   m.def(
-      "scan_from_views", &scan_from_views, py::arg("rig"), py::arg("views"), py::arg("options") = ViewScanOptions{},
-      py::arg("context") = interruptible_context(), Release(),
+      "scan_from_views",
+      [](const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options, const Context &context,
+         const Mesh *body) {
+        return body ? scan_from_views(rig, views, *body, options, context) : scan_from_views(rig, views, options, context);
+      },
+      py::arg("rig"), py::arg("views"), py::arg("options") = ViewScanOptions{}, py::arg("context") = interruptible_context(),
+      py::arg("body") = nullptr, Release(),
       "Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a "
-      "camera, of one frame.");
+      "camera, of one frame; body: a fitted one, from which the surface is no farther than the outlines are.");
   OptionsClass<RestPoseOptions>(m, "Options of refine_rest_pose.");
   m.def("refine_rest_pose", &refine_rest_pose, py::arg("actor"), py::arg("performance"), py::arg("rigid"),
         py::arg("options") = RestPoseOptions{}, py::arg("context") = interruptible_context(), Release(),

@@ -57,11 +57,13 @@ Mesh one_piece(const detail::PoissonSurface &surface) {
 
 } // namespace
 
-Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options,
-                     const Context &context) {
+namespace {
+
+Mesh scan_around(const Mesh *body, const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options,
+                 const Context &context) {
   options.validate();
   require_views(rig, views);
-  const detail::OrientedPoints points = detail::visual_hull(rig, views, options, context);
+  const detail::OrientedPoints points = detail::visual_hull(rig, views, body, options, context);
   // Coarse first: where the hull is far off its normals are, too, and point past what the cameras could agree on.
   const int passes = options.search_depth > 0 ? 2 : 0;
   const auto depth_of = [&](int pass) { return options.poisson_depth - (pass + 1 < passes); };
@@ -73,6 +75,18 @@ Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views,
     surface = one_piece(detail::poisson_surface(surface, depth_of(pass)));
   }
   return without_sheets(surface, rig, views, options.grazing_angle, context);
+}
+
+} // namespace
+
+Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options,
+                     const Context &context) {
+  return scan_around(nullptr, rig, views, options, context);
+}
+
+Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views, const Mesh &body, const ViewScanOptions &options,
+                     const Context &context) {
+  return scan_around(&body, rig, views, options, context);
 }
 
 } // namespace doublet

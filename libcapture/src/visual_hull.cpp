@@ -1,5 +1,6 @@
 #include "visual_hull.h"
 
+#include "body_bound.h"
 #include "doublet/core/error.h"
 #include "ray_bundle.h"
 
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace doublet::detail {
 namespace {
@@ -64,6 +66,9 @@ public:
 
   const std::vector<Silhouette> &silhouettes() const { return silhouettes_; }
 
+  /// From now on less what lies outside it, which must live on.
+  void bound_by(const BodyBound &body) { body_ = &body; }
+
   /// The least of what the cameras say, but for the max_missing_views ones; points that fewer than half of them see are outside.
   double operator()(const Eigen::Vector3d &point) const {
     std::array<double, ViewScanOptions::kMaxMissingViews + 1> least;
@@ -79,7 +84,8 @@ public:
           std::swap(said, value);
     }
     const int fewest = std::max(2, static_cast<int>(silhouettes_.size() + 1) / 2);
-    return count < fewest ? -1 : least[std::min(outvoted_, count - 2)];
+    const double hull = count < fewest ? -1 : least[std::min(outvoted_, count - 2)];
+    return body_ && hull > 0 ? std::min(hull, body_->inside(point)) : hull;
   }
 
   Eigen::Vector3d outward(const Eigen::Vector3d &point, double step) const {
@@ -94,6 +100,7 @@ public:
 private:
   std::vector<Silhouette> silhouettes_;
   int outvoted_;
+  const BodyBound *body_ = nullptr;
 };
 
 /// A cube that holds the actor: about the point nearest to the rays through the silhouettes' middles.
@@ -121,6 +128,45 @@ Cube cube_around(const std::vector<Silhouette> &silhouettes) {
   if (!centre.allFinite() || !(half > 0) || half > kLargest)
     throw Error("scan: the silhouettes do not surround one person of at most 10 m: wrong calibration, units or order of cameras");
   return {centre.array() - half, 2 * half};
+}
+
+/// Where the lines of sight along an outline touch the actor: of the places on each where the hull ends, the one that is nearest
+/// to the body.
+std::vector<Contact> contacts_of(const Hull &hull, const Silhouette &silhouette, const Cube &cube, const BodyBound &body,
+                                 double cell) {
+  constexpr float kOn = 0.71F;      // px from the outline
+  constexpr double kFarthest = 0.5; // m, from the body
+  const Eigen::Vector3d from = silhouette.camera->centre(), middle = cube.corner.array() + cube.side / 2;
+  const double first = std::max(0.0, (middle - from).norm() - cube.side), last = (middle - from).norm() + cube.side;
+  std::vector<Contact> contacts;
+  for (int y = silhouette.box.y; y < silhouette.box.br().y; ++y)
+    for (int x = silhouette.box.x; x < silhouette.box.br().x; ++x) {
+      if (silhouette.distance.at<float>(y, x) < 0 || silhouette.distance.at<float>(y, x) > kOn)
+        continue;
+      const Eigen::Vector3d direction = silhouette.camera->ray_direction(Eigen::Vector2d(x, y));
+      Contact best{from, kFarthest};
+      for (double s = first, clearance = 0; s < last; s += std::max(cell, clearance - best.clearance)) { // nothing nearer between
+        const Eigen::Vector3d point = from + s * direction;
+        clearance = body.distance(point);
+        if (clearance < best.clearance && hull(point) > -1.5 * cell)
+          best = {point, clearance};
+      }
+      if (best.clearance < kFarthest)
+        contacts.push_back(best);
+    }
+  return contacts;
+}
+
+/// All cameras' outlines tell the bound how far from the body they are.
+void learn_clearances(BodyBound &body, const Hull &hull, const Cube &cube, double cell, const Context &context) {
+  const std::vector<Silhouette> &silhouettes = hull.silhouettes();
+  std::vector<std::vector<Contact>> of_camera(silhouettes.size());
+  parallel_for(context, static_cast<int>(silhouettes.size()),
+               [&](int c) { of_camera[c] = contacts_of(hull, silhouettes[c], cube, body, cell); });
+  std::vector<Contact> all;
+  for (const std::vector<Contact> &contacts : of_camera)
+    all.insert(all.end(), contacts.begin(), contacts.end());
+  body.learn(all);
 }
 
 /// Sums up one block's samples.
@@ -216,8 +262,8 @@ std::string blame(const std::vector<Silhouette> &silhouettes, const ViewScanOpti
 
 } // namespace
 
-OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options,
-                           const Context &context) {
+OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &views, const Mesh *body,
+                           const ViewScanOptions &options, const Context &context) {
   std::vector<Silhouette> silhouettes;
   for (std::size_t c = 0; c < rig.size(); ++c) {
     const Image &mask = views[c].mask;
@@ -230,7 +276,14 @@ OrientedPoints visual_hull(const CameraRig &rig, const std::vector<CameraView> &
     throw Error("scan: expected the actor in at least 3 cameras, found " + std::to_string(silhouettes.size()) + " of " +
                 std::to_string(rig.size()) + " with a silhouette");
   const Cube cube = cube_around(silhouettes);
-  OrientedPoints points = sample(Hull(silhouettes, options.max_missing_views), cube, options.cell, context);
+  Hull hull(silhouettes, options.max_missing_views);
+  std::optional<BodyBound> bound;
+  if (body) {
+    bound.emplace(*body, [&](const Eigen::Vector3d &point) { return hull(point) > 0; });
+    learn_clearances(*bound, hull, cube, options.cell, context);
+    hull.bound_by(*bound);
+  }
+  OrientedPoints points = sample(hull, cube, options.cell, context);
   if (points.points.rows() < kFewestPoints)
     throw Error("scan: the silhouettes have no point in common" + blame(silhouettes, options, context));
   return points;

@@ -175,6 +175,44 @@ TEST(ScanFromViews, WhatFacesDownUnseenIsLeftOut) {
   EXPECT_TRUE(scene.cast({2, 0.9, 0}, {-1, 0, 0}).has_value());
 }
 
+TEST(ScanFromViews, ABodyTellsFourCamerasWhatNoneSees) {
+  const Mesh person = figure_surface();
+  const CameraRig rig = camera_ring(4, 320);
+  const std::vector<CameraView> views = views_of(person, rig);
+  const double alone = mean_distance(scan_from_views(rig, views, hull_only()), person),
+               around = mean_distance(scan_from_views(rig, views, person, hull_only()), person);
+  EXPECT_LT(around, 0.006);
+  EXPECT_GT(alone, 2 * around);
+}
+
+TEST(ScanFromViews, OutlinesTellHowFarFromTheBodyTheSurfaceIs) {
+  const Mesh person = closed_tube(
+                 {0, 0.4, 0}, {0, 1.4, 0}, [](double) { return 0.2; }, 30, 48),
+             body = closed_tube(
+                 {0.02, 0.4, 0}, {0.02, 1.4, 0}, [](double) { return 0.16; }, 30, 48); // thinner, and not quite there
+  const CameraRig rig = camera_ring(4, 320);
+  const std::vector<CameraView> views = views_of(person, rig);
+  const RayScene scan(scan_from_views(rig, views, body, hull_only()));
+  for (const double a : {0.0, pi / 4, pi / 2, 3 * pi / 4, 5 * pi / 4}) { // the hull's corners are 0.28 m out
+    const Eigen::Vector3d out(std::sin(a), 0, std::cos(a));
+    const auto hit = scan.cast(Eigen::Vector3d(0, 0.9, 0) + out, -out);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_NEAR(1 - hit->distance, 0.2, 0.025) << a;
+  }
+}
+
+TEST(ScanFromViews, AGarmentSpansTheGapBetweenTheLegs) {
+  const Mesh body = figure_surface(), dressed = join({body, skirt()});
+  const CameraRig rig = camera_ring(8, 320);
+  const RayScene scan(scan_from_views(rig, views_of(dressed, rig), body, hull_only()));
+  for (const double height : {0.58, 0.7, 0.8, 0.88}) {
+    const auto hit = scan.cast({0, height, 2}, {0, 0, -1});
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_NEAR(2 - hit->distance, 0.38 - 0.4 * (height - 0.5), 0.01) << height;
+  }
+  EXPECT_FALSE(scan.cast({0, 0.3, 2}, {0, 0, -1}, 0, 4).has_value()) << "below the hem one sees through between the legs";
+}
+
 TEST(ScanFromViews, SameBitsOnAnyNumberOfThreads) {
   const Mesh drum = dented_drum();
   const CameraRig rig = camera_ring(6, 200);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,7 +35,9 @@ OF_ANOTHER_SCAN = 0.01
 LIKELY_RIVAL = 0.7
 #: m; a joint farther from where keypoints see it is put there.
 FAR_FROM_KEYPOINT = 0.06
-#: The hull that a given scan is aligned to.
+#: m; of a surface that cameras have made around skin: hulls have corners. A scanner's is what the body model's options say.
+OF_HULL = 0.05
+#: The hull that a given scan is aligned to, and that a body is first fitted to.
 COARSE = d.ViewScanOptions(cell=0.012, poisson_depth=7, search_depth=0)
 #: How coarsely frames are tried for the best one, and how many at most.
 TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
@@ -81,7 +84,7 @@ def scan_session(
         chosen = best_frame(job) if frame == BEST else frame
         require_motion_after(job, chosen)
         options = options or d.ViewScanOptions()
-        mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen)
+        mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen, keypoints)
         d.write_mesh(require_free(folder / SCAN, force), mesh)
         made.append(folder / SCAN)
         description["scan"] = SCAN
@@ -89,17 +92,17 @@ def scan_session(
         save(job, description)
     rival = 0.0
     if "markers" in wanted:
-        rival = write_marks(job, keypoints, force)
+        rival = write_marks(job, keypoints, force, of_cameras="scan" in wanted and not given)
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
     return with_check_picture(job, made, rival)
 
 
-def write_marks(job: Workspace, keypoints: Path | None, force: bool) -> float:
+def write_marks(job: Workspace, keypoints: Path | None, force: bool, of_cameras: bool) -> float:
     """Writes joints.json; how nearly as likely the other facing is."""
     seen = triangulated(job.session, keypoints, 0) if keypoints else {}
-    marks = marks_of(job, seen)
+    marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
     write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
     return marks.facing_ambiguity
 
@@ -130,7 +133,7 @@ def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = N
     d.write_mesh(path, d.Mesh(fine, scan.faces))
     made, rival = [path], 0.0
     if found_here(job.session_folder / MARKS):
-        rival = write_marks(job, keypoints, force=True)
+        rival = write_marks(job, keypoints, force=True, of_cameras=True)
         made.append(job.session_folder / MARKS)
     return with_check_picture(job, made, rival)
 
@@ -205,9 +208,20 @@ def require_free(path: Path, force: bool) -> Path:
     return path
 
 
-def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int) -> d.Mesh:
+def hull_of(job: Workspace, frame: int) -> d.Mesh:
+    return d.scan_from_views(job.session.rig, views_at(job, d.FrameSource.open(job.session), frame), COARSE, job.context)
+
+
+def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int, keypoints: Path | None) -> d.Mesh:
+    """The surface that the cameras see around a body, which is first fitted to their hull."""
+    seen = triangulated(job.session, keypoints, frame) if keypoints else {}
+    try:
+        body = marks_of(job, hull_of(job, frame), seen, of_cameras=True).fit.body
+    except d.Error as error:
+        job.console.say(f"scan: no body was found in the cameras' hull, which is the scan as it is ({error})")
+        body = None
     views = views_at(job, d.FrameSource.open(job.session), frame)
-    return d.scan_from_views(job.session.rig, views, options, job.context)
+    return d.scan_from_views(job.session.rig, views, options, job.context, body)
 
 
 def corrected(marks: dict, seen: dict[str, np.ndarray], job: Workspace) -> dict:
@@ -230,17 +244,19 @@ def rounded(point) -> list[float]:
 
 
 def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
-    found = align_scan(d.read_mesh(given), scan_of(job, COARSE, frame))
+    found = align_scan(d.read_mesh(given), hull_of(job, frame))
     floor = ", without its floor" if found.floor else ""
     off = f"{1000 * found.distance:.0f} mm from what the cameras see"
     job.console.say(f"scan: {given} is in {found.unit}, {found.up} is up{floor}; brought to {off}")
     return found.mesh
 
 
-def marks_of(job: Workspace, seen: dict[str, np.ndarray]) -> d.DetectedJoints:
-    surface = d.build_template(d.read_mesh(job.session.scan), d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
-    model = d.BodyModel.read(job.body_model)
-    return d.detect_joints(surface.mesh, surface.face_valid, model, job.group("body"), seen, job.context)
+def marks_of(job: Workspace, scan: d.Mesh, seen: dict[str, np.ndarray], of_cameras: bool) -> d.DetectedJoints:
+    surface = d.build_template(scan, d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
+    options = copy(job.group("body"))
+    if of_cameras:
+        options.surface_deviation = max(options.surface_deviation, OF_HULL)
+    return d.detect_joints(surface.mesh, surface.face_valid, d.BodyModel.read(job.body_model), options, seen, job.context)
 
 
 def joints_file(marks: d.DetectedJoints) -> dict:

@@ -49,4 +49,10 @@ struct ViewScanOptions {
 Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views, const ViewScanOptions &options = {},
                      const Context &context = {});
 
+/// The same around a body (closed, usable; m) that was fitted to a first scan, as detect_joints() does: the surface lies no
+/// farther from it than the outlines do thereabouts. Few cameras leave a hull that has corners, and is full where an arm hides
+/// the trunk from a camera.
+Mesh scan_from_views(const CameraRig &rig, const std::vector<CameraView> &views, const Mesh &body,
+                     const ViewScanOptions &options = {}, const Context &context = {});
+
 } // namespace doublet
