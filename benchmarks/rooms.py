@@ -1,0 +1,220 @@
+"""What each flaw of a real room costs: a session filmed before a screen, as it would have been there, against the same truth.
+
+python benchmarks/rooms.py SESSION -o FOLDER [--rooms clean flicker ...] [--seed N]
+
+Rooms (ROOMS): `flicker`, ready masks whose outline is off by 2 pixels, another in every frame, with holes now and then; `calib`,
+every camera turned by N(0, 0.2 degrees), its focal length off by N(0, 0.2 %); `calib05`, the same with 0.5; `late`, every second
+camera films a frame late, and nobody says so; `masks`, calib and flicker, with blur, noise, other exposures and a strong
+compression; `room`, the same before clutter, with clean plates in the place of masks; `eight` and `four`, without scan and joints
+(`doublet scan`), with all cameras and with every second one. Printed: a row of `doublet evaluate` each. What is in FOLDER already
+is not made again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+from doublet.common.video import VideoWriter
+from PIL import Image, ImageFilter
+
+METRICS = ("joint_mm", "surface_body_mm", "surface_cloth_mm", "silhouette_iou", "cloth_iou")
+PLATES = 8
+LIGHT_FLICKER = 0.01  #: standard deviation of the light of a cluttered room
+KEYED = 0.5  #: of a pixel, that is the screen
+
+
+@dataclass(frozen=True)
+class Flaws:
+    """None by default."""
+
+    turn: float = 0  # degrees, standard deviation; of the focal length in percent
+    late: bool = False  # every second camera films a frame late
+    blur: float = 0  # px, standard deviation
+    noise: float = 0  # grey levels
+    exposure: float = 0  # of brightness; two fifths of it of the ratios of colours
+    crf: int = 17  # of libx264
+    clutter: bool = False  # in the place of the screen, with clean plates
+    flicker: float = 0  # px; ready masks in the place of a screen
+    scanned: bool = True  # has a scan and joints
+    every: int = 1  # camera of so many is there
+
+
+FILMED = {"turn": 0.2, "blur": 0.7, "noise": 4, "exposure": 0.08, "crf": 26}
+ROOMS = {
+    "clean": Flaws(),
+    "flicker": Flaws(flicker=2),
+    "calib": Flaws(turn=0.2),
+    "calib05": Flaws(turn=0.5),
+    "late": Flaws(late=True),
+    "masks": Flaws(**FILMED, flicker=2),
+    "room": Flaws(**FILMED, clutter=True),
+    "eight": Flaws(scanned=False),
+    "four": Flaws(scanned=False, every=2),
+}
+
+
+def blurred(picture: np.ndarray, radius: float) -> np.ndarray:
+    return np.asarray(Image.fromarray(picture).filter(ImageFilter.GaussianBlur(radius)))
+
+
+def wavy(shape: tuple[int, int], size: int, random: np.random.Generator) -> np.ndarray:
+    """(H, W) a smooth field of deviation about 1 with waves of `size` pixels."""
+    small = random.normal(size=(max(2, shape[0] // size), max(2, shape[1] // size))).astype(np.float32)
+    return np.asarray(Image.fromarray(small).resize(shape[::-1], Image.Resampling.BICUBIC))
+
+
+def share_of_screen(bgr: np.ndarray) -> np.ndarray:
+    """(H, W) in [0, 1]: how green, against the larger of blue and red."""
+    b, g, r = (bgr[..., c].astype(np.float32) for c in range(3))
+    return np.clip((g - 1.02 * np.maximum(b, r) - 8) / 25, 0, 1)
+
+
+def clutter(shape: tuple[int, int], random: np.random.Generator) -> np.ndarray:
+    """(H, W, 3) a still room: sixty boxes of any colour, with a grain."""
+    room = np.full((*shape, 3), 150, np.uint8)
+    for _ in range(60):
+        x, y = random.integers(0, shape[1]), random.integers(0, shape[0])
+        width, height = random.integers(10, shape[1] // 3, 2)
+        room[y : y + height, x : x + width] = random.uniform(30, 230, 3)
+    return blurred(room, 1.2).astype(np.float32) + 12 * wavy(shape, 4, random)[..., None]
+
+
+def flickering(screen: np.ndarray, flaws: Flaws, random: np.random.Generator) -> np.ndarray:
+    """(H, W) uint8 a mask whose outline is off by about `flicker` pixels, and now and then has a hole."""
+    spread = 2 * flaws.flicker
+    soft = blurred(np.where(screen < KEYED, 255, 0).astype(np.uint8), spread).astype(np.float32) / 255
+    slope = 1 / (spread * np.sqrt(2 * np.pi))  # of the blurred mask at its outline, a pixel
+    mask = soft > 0.5 + slope * flaws.flicker * wavy(screen.shape, 24, random)
+    if random.random() < 0.15:
+        inside = np.argwhere(mask)
+        y, x = inside[random.integers(len(inside))]
+        rows, columns = np.ogrid[: mask.shape[0], : mask.shape[1]]
+        mask &= np.hypot(rows - y, columns - x) > 6 * flaws.flicker
+    return np.where(mask, 255, 0).astype(np.uint8)
+
+
+class Filmed:
+    """One camera in the room."""
+
+    def __init__(self, flaws: Flaws, shape: tuple[int, int], random: np.random.Generator):
+        self.flaws, self.random = flaws, random
+        colours = random.normal(size=3) * flaws.exposure * np.array([0.4, 0.15, 0.4])
+        self.gain = 1 + colours + random.normal() * flaws.exposure
+        self.room = clutter(shape, random) if flaws.clutter else None
+
+    def light(self) -> np.ndarray:
+        return self.gain * (1 + self.random.normal() * LIGHT_FLICKER * self.flaws.clutter)
+
+    def plate(self) -> np.ndarray:
+        noise = self.random.normal(size=self.room.shape) * (2 + self.flaws.noise)
+        return np.clip(self.room * self.light() + noise, 0, 255).astype(np.uint8)
+
+    def picture(self, bgr: np.ndarray, screen: np.ndarray) -> np.ndarray:
+        picture = bgr.astype(np.float32)
+        if self.room is not None:
+            back = blurred((255 * screen).astype(np.uint8), 0.7).astype(np.float32)[..., None] / 255
+            picture[..., 1] = np.minimum(picture[..., 1], 1.05 * np.maximum(picture[..., 0], picture[..., 2]))
+            picture = picture * (1 - back) + self.room * back
+        picture = np.clip(picture * self.light(), 0, 255)
+        if self.flaws.blur:
+            picture = blurred(picture.astype(np.uint8), self.flaws.blur).astype(np.float32)
+        picture += self.random.normal(size=picture.shape) * self.flaws.noise
+        return np.clip(picture, 0, 255).astype(np.uint8)
+
+
+def turned(camera: d.Camera, degrees: float, random: np.random.Generator) -> d.Camera:
+    """About its centre, around a random axis."""
+    x, y, z = axis = random.normal(size=3)
+    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) / np.linalg.norm(axis)
+    angle = np.radians(random.normal() * degrees)
+    turn = np.eye(3) + np.sin(angle) * across + (1 - np.cos(angle)) * across @ across
+    K, R, centre = np.array(camera.K), turn @ camera.R, np.ravel(camera.centre)
+    K[:2, :2] *= 1 + random.normal() * degrees / 100
+    camera.K, camera.R, camera.t = K, R, -R @ centre
+    return camera
+
+
+def film(session: d.Session, camera: int, flaws: Flaws, folder: Path, random: np.random.Generator) -> dict:
+    """Writes video, masks and plates of a camera; its entry of session.json."""
+    frames, name = d.FrameSource.open(session), session.cameras[camera].name
+    late = int(flaws.late and camera % 2)
+    first = np.asarray(frames.image(camera, 0))
+    place, entry = Filmed(flaws, first.shape[:2], random), {"name": name, "video": f"videos/{name}.mp4"}
+    for key, used in (("masks", flaws.flicker), ("plates", flaws.clutter)):
+        if used:
+            (folder / key / name).mkdir(parents=True, exist_ok=True)
+            entry["masks" if key == "masks" else "background"] = f"{key}/{name}/%05d.png"
+    for k in range(PLATES * flaws.clutter):
+        Image.fromarray(place.plate()[..., ::-1]).save(folder / f"plates/{name}/{k:05d}.png")
+    height, width = first.shape[:2]
+    with VideoWriter(folder / entry["video"], width, height, session.fps, flaws.crf) as video:
+        for t in range(session.frame_count):
+            bgr = np.asarray(frames.image(camera, max(0, t - late)))
+            screen = share_of_screen(bgr)
+            video.write(place.picture(bgr, screen))
+            if flaws.flicker:
+                Image.fromarray(flickering(screen, flaws, random)).save(folder / f"masks/{name}/{t:05d}.png")
+    return entry
+
+
+def make_session(source: Path, flaws: Flaws, folder: Path, seed: int) -> None:
+    session, random = d.Session(source), np.random.default_rng(seed)
+    (folder / "videos").mkdir(parents=True)
+    description = json.loads((source / "session.json").read_text(encoding="utf-8"))
+    for key in ("scan", "markers", "new_motion"):
+        description.pop(key, None)
+    if flaws.scanned:
+        for key, path in (("scan", session.scan), ("markers", session.markers)):
+            shutil.copy(path, folder / Path(path).name)
+            description[key] = Path(path).name
+    rig = [turned(camera, flaws.turn, random) for camera in session.rig][:: flaws.every]
+    cameras = range(0, len(session.cameras), flaws.every)
+    description["cameras"] = [film(session, camera, flaws, folder, random) for camera in cameras]
+    d.write_calibration(folder / "calibration.yml", rig)
+    description["calibration"] = "calibration.yml"
+    (folder / "session.json").write_text(json.dumps(description, indent=1), encoding="utf-8")  # last: it is complete
+
+
+def run(*command: object) -> str:
+    """What it prints."""
+    whole = [sys.executable, "-m", "doublet", *map(str, command), "--quiet"]
+    return subprocess.run(whole, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def measured(source: Path, room: str, folder: Path, seed: int) -> dict[str, float]:
+    flaws, session, out = ROOMS[room], folder / room, folder / f"{room}.out"
+    if not (session / "session.json").exists():
+        shutil.rmtree(session, ignore_errors=True)
+        make_session(source, flaws, session, seed)
+    if not flaws.scanned and not (session / "scan.ply").exists():
+        run("scan", session)
+    run("capture", session, "-o", out, "--keep-going")
+    run("segment", out)
+    return json.loads(run("evaluate", out, "--truth", source / "ground_truth", "--json"))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("session", type=Path, help="before a green screen, with its ground_truth")
+    parser.add_argument("-o", "--out", type=Path, required=True)
+    parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=list(ROOMS))
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    print("| | " + " | ".join(f"`{name}`" for name in METRICS) + " |")
+    print("| --- |" + " --- |" * len(METRICS))
+    for room in options.rooms:
+        values = measured(options.session, room, options.out, options.seed)
+        row = [f"{values[name]:.1f}" if name.endswith("mm") else f"{values[name]:.3f}" for name in METRICS]
+        print(f"| {room} | " + " | ".join(row) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
