@@ -3,7 +3,7 @@
 from types import SimpleNamespace
 
 import numpy as np
-from doublet.reconstruct.stages import cloth_ends
+from doublet.reconstruct.stages import cloth_ends, end_findings
 
 
 def test_a_foot_or_a_hand_of_cloth_is_named():
@@ -16,3 +16,9 @@ def test_a_foot_or_a_hand_of_cloth_is_named():
     assert cloth_ends(actor, np.array([1, 1, 0, 1, 0], bool), areas) == []
     assert cloth_ends(actor, np.array([0, 0, 1, 0, 0], bool), areas) == ["toe"]
     assert cloth_ends(actor, np.ones(5, bool), areas) == ["toe", "hand"]
+
+
+def test_cloth_that_includes_the_head_is_no_result():
+    hand, head = end_findings(["l_hand", "head_top"])
+    assert hand.level == "doubtful" and "l_hand" in hand.text
+    assert head.level == "impossible" and "head_top" in head.text

@@ -10,6 +10,8 @@ from doublet.common.quality_checks import LIMITS, findings
         ("template", "template_valid_to_scan_mean_mm", 1.1, 6.0, 40.0),
         ("performance", "silhouette_iou_against_measured_masks", 0.97, 0.8, 0.3),
         ("body", "residual_mm", 1.6, 30.0, 56000.0),
+        ("body", "largest_coefficient", 3.5, 6.0, 12.0),
+        ("character", "overlap_of_character", 0.88, 0.78, 0.585),
     ],
 )
 def test_numbers_beyond_their_limits_are_found(stage, name, good, doubtful, impossible):

@@ -55,6 +55,11 @@ def overlap(one: np.ndarray, other: np.ndarray) -> float:
     return float((one & other).sum() / max((one | other).sum(), 1))
 
 
+def mean_overlap(vertices, faces, cameras, masks: dict[int, np.ndarray]) -> float:
+    """Of a surface with the masks (H, W) bool of the cameras that have one: index in `cameras` -> mask, at least one."""
+    return float(np.mean([overlap(d.rasterize(vertices, faces, cameras[c])[0] >= 0, mask) for c, mask in masks.items()]))
+
+
 def edges(vertices, faces, camera) -> np.ndarray:
     """(H, W) bool: where the visible triangles meet."""
     face = d.rasterize(vertices, faces, camera)[0]

@@ -54,7 +54,7 @@ class Limit:
         return "" if self.finding(value) else f"{self.meaning}: {value:.3g} ({self.expected})"
 
 
-#: Stage -> limits of its numbers. Those of good sessions are far inside: an overlap of 0.97, 4 mm, 1 mm (docs/results.md).
+#: Stage -> limits of its numbers. Those of good sessions are inside: 1 mm, overlap of 0.97, 4 mm, 3.7, overlap of 0.88.
 LIMITS = {
     "template": (
         Limit("template_valid_to_scan_mean_mm", 5, 30, "mean distance of the template to the scan, mm", "look at template.ply"),
@@ -77,6 +77,16 @@ LIMITS = {
     ),
     "body": (
         Limit("residual_mm", 20, 80, "mean distance of the skin to the body, mm", "the marked joints or the units may be wrong"),
+        Limit(
+            "largest_coefficient", 5, 8, "largest coefficient of the body, standard deviations of people",
+            "no person is built or stands like that; look at the joints, and whether the scan's limbs have grown together",
+        ),
+    ),
+    "character": (
+        Limit(
+            "overlap_of_character", 0.8, 0.75, "overlap of the simulated character with the silhouettes",
+            "it does not move as the film shows; look at what is cloth and at the body",
+        ),
     ),
 }  # fmt: skip
 

@@ -230,7 +230,8 @@ def follow(shown: Shown) -> Track:
         masks = {c: mask > 0 for c, mask in enumerate(shown.masks(row)) if mask.size}
         surfaces = ((shown.captured[row], shown.faces), (shown.simulated[row], faces))
         if masks:
-            compared.append([shown.performance.frames[row], *(mean_overlap(shown, masks, *surface) for surface in surfaces)])
+            overlaps = (drawing.mean_overlap(*surface, shown.session.rig, masks) for surface in surfaces)
+            compared.append([shown.performance.frames[row], *overlaps])
     overlaps = np.array(compared, float).reshape(-1, 3).T
     cloth = dressed.segmentation.clothness > 0.5
     if not cloth.any():
@@ -238,12 +239,6 @@ def follow(shown: Shown) -> Track:
     captured = shown.job.results.dressed_performance().surface.frames
     error = 100 * np.linalg.norm(np.asarray(shown.simulated)[:, cloth] - captured[:, cloth], axis=-1)
     return Track(*overlaps, np.sqrt(np.square(error).mean(axis=1)), np.percentile(error, 95, axis=1))
-
-
-def mean_overlap(shown: Shown, masks: dict[int, np.ndarray], vertices, faces) -> float:
-    """Of a surface with the masks (H, W) bool of the cameras that have one."""
-    cameras = shown.session.rig
-    return np.mean([drawing.overlap(d.rasterize(vertices, faces, cameras[c])[0] >= 0, mask) for c, mask in masks.items()])
 
 
 def overlap_in_words(track: Track) -> str:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from .. import _doublet as d
+from ..common import drawing
 from ..session.first_frame import camera_views
 from . import simulation
 from .workspace import Workspace
+
+COMPARED = 8  #: frames in which the character is compared with the film
 
 
 def build_character(job: Workspace) -> dict:
@@ -39,11 +42,24 @@ def build_character(job: Workspace) -> dict:
     seen = bake_first_frame(character, job, performance)
     d.write_simulated(job.path("simulated.npz"), simulated, len(job.results.actor.mesh.vertices))
     character.write(job.path("character.glb"))
+    summary = {"texture_seen": seen, **overlap_with_film(job, performance, simulated)}
     cloth = dressed.segmentation.clothness > 0.5
-    if not cloth.any():
-        return {"texture_seen": seen}
-    error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)
-    return {"rms_to_captured_cloth_cm": 100 * float(np.sqrt(np.square(error[:, cloth]).mean())), "texture_seen": seen}
+    if cloth.any():
+        error = np.linalg.norm(simulated - performance.surface.frames, axis=-1)
+        summary["rms_to_captured_cloth_cm"] = 100 * float(np.sqrt(np.square(error[:, cloth]).mean()))
+    return summary
+
+
+def overlap_with_film(job: Workspace, performance: d.ReferencePerformance, simulated: np.ndarray) -> dict[str, float]:
+    """Of the re-animated surface with the silhouettes, mean over frames and cameras; empty where no frame has one."""
+    actor, found = job.results.dressed.actor, []
+    faces = actor.mesh.faces[np.asarray(actor.face_valid, bool)]
+    for row in np.unique(np.linspace(0, len(performance.frames) - 1, COMPARED).astype(int)):
+        _, masks = camera_views(job.filmed, performance.frames[row], job.silhouettes)
+        present = {c: np.asarray(mask) > 0 for c, mask in enumerate(masks) if mask.size}
+        if present:
+            found.append(drawing.mean_overlap(simulated[row], faces, job.filmed.rig, present))
+    return {"overlap_of_character": float(np.mean(found))} if found else {}
 
 
 def bake_first_frame(character: d.Character, job: Workspace, performance: d.ReferencePerformance) -> float:

@@ -21,6 +21,7 @@ from .stage import Stage
 from .workspace import Workspace
 
 CAPTURE_CHECKPOINT = "capture_checkpoint.bin"
+HEAD = "head_top"
 
 
 def run_check(job: Workspace) -> dict:
@@ -123,9 +124,8 @@ def run_segment(job: Workspace) -> dict:
     areas = d.vertex_areas(job.results.actor.mesh.vertices, job.results.actor.mesh.faces)
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.results.actor, cloth, areas)
-    text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
     return {
-        "findings": [asdict(Finding(False, text.format(joint), "cloth_ends")) for joint in doubtful],
+        "findings": [asdict(finding) for finding in end_findings(doubtful)],
         "noise_mm": 1000 * summary.noise,
         "uncertain_area": summary.uncertain_area,
         "corrections": "none" if result is found else "painted",
@@ -161,6 +161,12 @@ def cloth_ends(actor: d.RiggedMesh, cloth: np.ndarray, areas: np.ndarray) -> lis
     return doubtful
 
 
+def end_findings(joints: list[str]) -> list[Finding]:
+    """About ends of limbs that are cloth: a glove or a boot may be one, a head is not."""
+    text = "expected a garment without sole, hand or head, found the cloth to include what ends at {}; look at it"
+    return [Finding(joint == HEAD, text.format(joint), "cloth_ends") for joint in joints]
+
+
 def run_body(job: Workspace) -> dict:
     model = d.BodyModel.read(job.body_model)
     segmentation = job.results.segmentation()
@@ -168,7 +174,12 @@ def run_body(job: Workspace) -> dict:
     proxies = d.fit_proxies(fit, job.results.actor, segmentation, job.options["proxy"])
     d.write_body(job.path("body.npz"), fit)
     d.write_proxies(job.path("proxies.json"), proxies, job.results.actor.skeleton)
-    return {"residual_mm": 1000 * fit.residual, "model": fit.model, "proxies": len(proxies)}
+    return {
+        "residual_mm": 1000 * fit.residual,
+        "largest_coefficient": float(np.abs(fit.coefficients).max(initial=0)),
+        "model": fit.model,
+        "proxies": len(proxies),
+    }
 
 
 def run_garment(job: Workspace) -> dict:
