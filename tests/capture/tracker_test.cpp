@@ -134,16 +134,13 @@ TEST(Tracker, RefinementFindsABulge) {
 TEST(Tracker, SameBitsForAnyNumberOfThreads) {
   const RiggedMesh actor = figure();
   const CameraRig rig = ring();
-  Frames frames(actor, rig, surfaces(actor, motion(actor, 4)));
-  const CaptureResult a = track(actor, frames, rig, {}, 1), b = track(actor, frames, rig, {}, 2),
-                      c = track(actor, frames, rig, {}, 3);
-  for (const CaptureResult *other : {&b, &c}) {
-    EXPECT_EQ(a.performance.dofs, other->performance.dofs);
-    for (size_t t = 0; t < 4; ++t)
-      EXPECT_EQ(a.performance.surface.frames[t], other->performance.surface.frames[t]);
-    EXPECT_EQ(a.summary.silhouette_iou, other->summary.silhouette_iou);
-    ASSERT_EQ(a.observations.views[3][2].matches.size(), other->observations.views[3][2].matches.size());
-  }
+  Frames frames(actor, rig, surfaces(actor, motion(actor, 3)));
+  const CaptureResult a = track(actor, frames, rig, {}, 1), b = track(actor, frames, rig, {}, 3);
+  EXPECT_EQ(a.performance.dofs, b.performance.dofs);
+  for (size_t t = 0; t < 3; ++t)
+    EXPECT_EQ(a.performance.surface.frames[t], b.performance.surface.frames[t]);
+  EXPECT_EQ(a.summary.silhouette_iou, b.summary.silhouette_iou);
+  ASSERT_EQ(a.observations.views[2][2].matches.size(), b.observations.views[2][2].matches.size());
 }
 
 TEST(Tracker, EveryPieceCanBeSwapped) {
