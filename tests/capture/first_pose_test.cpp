@@ -18,11 +18,8 @@ struct Start {
 };
 
 const Start kStarts[] = {
-    {"Turned60", 0, 0, 60, false, 8},
-    {"Turned67BetweenTwoHeadings", 0, 0, 67, false, 8},
-    {"AMetreAway", -0.8, 0.6, 0, false, 8},
-    {"Both", 0.7, 0.7, -60, false, 8},
-    {"FourCameras", -0.7, 0.7, -60, true, 4},
+    {"Turned60", 0, 0, 60, false, 8},  {"Turned67BetweenTwoHeadings", 0, 0, 67, false, 8}, {"AMetreAway", -0.8, 0.6, 0, false, 8},
+    {"Both", 0.7, 0.7, -60, false, 8}, {"FourCameras", -0.7, 0.7, -60, true, 4},
 };
 const Start kMoreStarts[] = {
     {"BothAndOtherLimbs", 0.7, -0.7, 60, true, 8},
