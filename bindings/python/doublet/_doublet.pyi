@@ -151,7 +151,7 @@ class MeshSequence:
     @property
     def frames(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (T, V, 3) m; a copy
+        (T, V, 3) m; a copy that cannot be written to: set it as a whole
         """
     @frames.setter
     def frames(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
@@ -426,7 +426,7 @@ class ReferencePerformance:
     @property
     def joints(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (T, J, 3) m; a copy
+        (T, J, 3) m; a copy that cannot be written to: set it as a whole
         """
     @joints.setter
     def joints(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
@@ -985,11 +985,11 @@ class FrameSource:
         """
     def __init__(self) -> None:
         ...
-    def image(self, camera: int, frame: int) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def image(self, camera: int, frame: int) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W, 3) uint8, BGR
         """
-    def mask(self, camera: int, frame: int) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def mask(self, camera: int, frame: int) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W) uint8, 255 = actor
         """
@@ -1191,11 +1191,11 @@ class SilhouetteExtractor:
         """
     def __init__(self) -> None:
         ...
-    def extract(self, camera: int, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def extract(self, camera: int, image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
         """
         Mask (H, W), 255 = actor.
         """
-    def train(self, camera: int, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
+    def train(self, camera: int, images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None:
         """
         Looks at images of one camera before the first mask is made.
         """
@@ -1203,15 +1203,15 @@ class CameraView:
     """
     What a camera shows at a frame.
     """
-    def __init__(self, image: typing.Annotated[numpy.ndarray, numpy.uint8] = ..., mask: typing.Annotated[numpy.ndarray, numpy.uint8] = ...) -> None:
+    def __init__(self, image: numpy.typing.NDArray[numpy.uint8] = ..., mask: numpy.typing.NDArray[numpy.uint8] = ...) -> None:
         ...
     @property
-    def image(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def image(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W, 3) uint8, BGR; (0, 0) = nothing
         """
     @property
-    def mask(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def mask(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W) uint8, 255 = actor; (0, 0) = none
         """
@@ -1719,7 +1719,7 @@ class FeatureTracker:
         """
     def __init__(self) -> None:
         ...
-    def detect(self, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8]) -> Features:
+    def detect(self, image: numpy.typing.NDArray[numpy.uint8], mask: numpy.typing.NDArray[numpy.uint8]) -> Features:
         """
         Features of an image (H, W, 3) inside its mask (H, W). Called from many threads.
         """
@@ -2238,7 +2238,7 @@ class LimbProblem:
         a copy
         """
     @property
-    def masks(self) -> list[typing.Annotated[numpy.ndarray, numpy.uint8]]:
+    def masks(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
         """
         measured, one a camera; empty = no part
         """
@@ -2273,7 +2273,7 @@ class LimbSearch:
         """
     def __init__(self) -> None:
         ...
-    def search(self, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], lost: collections.abc.Sequence[Limb], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    def search(self, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], lost: collections.abc.Sequence[Limb], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (D) the pose `dofs` with the lost limbs sought anew.
         """
@@ -3685,15 +3685,15 @@ class BodyModel:
         """
         (B, 3) m per standard deviation
         """
-    def joints(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+    def joints(self, coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
         """
         The same of the model's own joints, in the order of joint_names.
         """
-    def linearise(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], chosen: collections.abc.Sequence[int]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+    def linearise(self, coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], chosen: collections.abc.Sequence[int]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
         """
         The chosen vertices (n, 3) m and their derivatives (3n, K) m per standard deviation.
         """
-    def vertices(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    def vertices(self, coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
         (B, 3) m
         """
@@ -3920,7 +3920,7 @@ class BodyFitter:
         """
     def __init__(self) -> None:
         ...
-    def fit(self, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
+    def fit(self, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]], context: Context = ...) -> BodyFit:
         """
         The body under the clothes. landmarks: name -> point, m.
         """
@@ -4511,6 +4511,10 @@ class ClothSolver:
         """
     def __init__(self, model: ClothModel) -> None:
         ...
+    def advance(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: int) -> list[int] | None:
+        """
+        For subclasses to define, and for step_batch to call: changes the states in place; returns the indices of those that came out not finite, or None.
+        """
     def step(self, state: ClothState, inputs: StepInputs, material: Material) -> None:
         """
         Advances the state by one frame.
@@ -4608,7 +4612,7 @@ class CharacterSimulator:
     """
     The forward model: pose in, surface out.
     """
-    def __init__(self, actor: RiggedMesh, segmentation: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
+    def __init__(self, actor: RiggedMesh, segmentation: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> None:
         """
         make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.
         """
@@ -5277,7 +5281,7 @@ class Player:
     """
     A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the AnimationFrame that it returns are views, which the next step writes over: copy what you keep.
     """
-    def __init__(self, character: Character, options: AnimateOptions = ..., make_solver: typing.Any = None) -> None:
+    def __init__(self, character: Character, options: AnimateOptions = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> None:
         """
         Stands in the rest pose; begin with reset(). make_solver: as of CharacterSimulator.
         """
@@ -5465,7 +5469,7 @@ class CharacterRenderer:
         """
         The RenderMesh objects of a frame.
         """
-    def render(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def render(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], camera: Camera, options: RenderOptions = ...) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W, 3) uint8, BGR
         """
@@ -5694,7 +5698,7 @@ class Optimizer:
         """
         Is the search over?
         """
-    def tell(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def tell(self, samples: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"], energies: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]) -> None:
         """
         samples (S, n) as asked, energies (S); lower is better.
         """
@@ -6022,7 +6026,7 @@ class Objective:
     """
     def __init__(self) -> None:
         ...
-    def evaluate(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    def evaluate(self, samples: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
         samples (S, parts * n) in [0, 1] -> energies (S, parts)
         """
@@ -6052,7 +6056,7 @@ class MinimiseOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, seed: int = 1, penalty: float = 16.0, relative_penalty: bool = True, expected_evaluations: int = 512, budget: int = 0, checkpoint: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[MinimiseResult], None] = ..., problem: str = ...) -> None:
+    def __init__(self, *, seed: int = 1, penalty: float = 16.0, relative_penalty: bool = True, expected_evaluations: int = 512, budget: int = 0, checkpoint: os.PathLike | str | bytes = ..., make_optimizer: collections.abc.Callable[[int, int], Optimizer] | None = ..., on_generation: collections.abc.Callable[[MinimiseResult], None] = ..., problem: str = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6089,12 +6093,12 @@ class MinimiseOptions:
     def expected_evaluations(self, value: int) -> None:
         ...
     @property
-    def make_optimizer(self) -> None:
+    def make_optimizer(self) -> collections.abc.Callable[[int, int], Optimizer] | None:
         """
         make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.
         """
     @make_optimizer.setter
-    def make_optimizer(self, value: typing.Any) -> None:
+    def make_optimizer(self, value: collections.abc.Callable[[int, int], Optimizer] | None) -> None:
         ...
     @property
     def on_generation(self) -> collections.abc.Callable[[MinimiseResult], None]:
@@ -6473,7 +6477,7 @@ class FitOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, initial_design_size: int = 64, min_gain: float = 0.02, initial_sigma: float = 0.3, min_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
+    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, initial_design_size: int = 64, min_gain: float = 0.02, initial_sigma: float = 0.3, min_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: collections.abc.Callable[[int, int], Optimizer] | None = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6526,12 +6530,12 @@ class FitOptions:
     def log(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
-    def make_optimizer(self) -> None:
+    def make_optimizer(self) -> collections.abc.Callable[[int, int], Optimizer] | None:
         """
         make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.
         """
     @make_optimizer.setter
-    def make_optimizer(self, value: typing.Any) -> None:
+    def make_optimizer(self, value: collections.abc.Callable[[int, int], Optimizer] | None) -> None:
         ...
     @property
     def max_evaluations(self) -> int:
@@ -6677,11 +6681,11 @@ class FitResult:
         """
         SolverSettings, without which the materials mean nothing
         """
-def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> AnimationResult:
+def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> AnimationResult:
     """
     The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers. make_solver: as of CharacterSimulator.
     """
-def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> int:
+def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> int:
     """
     animate(), but calls frame(AnimationFrame) in order and keeps nothing.
     """
@@ -6729,7 +6733,7 @@ def cloth_segmenter_violations(segmenter: ClothSegmenter) -> list[str]:
     """
     One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.
     """
-def cloth_solver_violations(make_solver: typing.Any) -> list[str]:
+def cloth_solver_violations(make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None) -> list[str]:
     """
     One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth falls, pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay finite, wrong input is refused.
     """
@@ -6797,7 +6801,7 @@ def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float6
     """
     (F, 3) unit; zero for degenerate faces.
     """
-def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8], reach: float) -> list[str]:
+def feature_tracker_violations(tracker: FeatureTracker, image: numpy.typing.NDArray[numpy.uint8], mask: numpy.typing.NDArray[numpy.uint8], reach: float) -> list[str]:
     """
     The same of a FeatureTracker, on an image of yours; reach in pixels.
     """
@@ -6813,7 +6817,7 @@ def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
     """
-def find_start_frame(scan: Mesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor = None, context: Context = ...) -> StartFrame:
+def find_start_frame(scan: Mesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None, context: Context = ...) -> StartFrame:
     """
     Frame 0 if it is in the scan's pose, moved and turned about the vertical, otherwise the frame that comes nearest -> StartFrame.
     """
@@ -6857,7 +6861,7 @@ def objective_violations(objective: Objective) -> list[str]:
     """
     One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, refusals.
     """
-def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
+def optimizer_violations(make_optimizer: collections.abc.Callable[[int, int], Optimizer] | None) -> list[str]:
     """
     One sentence for each rule that the optimisers of make_optimizer(dimension, seed) break: shapes, seeds, a paraboloid is brought down, refusals.
     """
@@ -6865,7 +6869,7 @@ def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64,
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
     """
-def performance_capture_violations(capture: ..., actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor = None) -> list[str]:
+def performance_capture_violations(capture: ..., actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None) -> list[str]:
     """
     The same of a PerformanceCapture, on a short film of yours, which it captures twice.
     """
@@ -6937,7 +6941,7 @@ def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[nump
     """
     simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.
     """
-def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor = None) -> CameraView:
+def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor | None = None) -> CameraView:
     """
     The image, and the ready mask or, where there is none, the extractor's -> CameraView.
     """
@@ -6949,7 +6953,7 @@ def refine_rest_pose(actor: RiggedMesh, performance: ReferencePerformance, rigid
     """
     (V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least have them.
     """
-def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> numpy.typing.NDArray[numpy.uint8]:
     """
     (H, W, 3) uint8, BGR
     """
@@ -6969,7 +6973,7 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointAnnota
     """
     Skeleton from the marked joints and skin weights -> RiggedMesh.
     """
-def sample_colours(mesh: Mesh, face_valid: numpy.typing.ArrayLike, cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+def sample_colours(mesh: Mesh, face_valid: numpy.typing.ArrayLike, cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], masks: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
     (10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for SegmentInputs.colours.
     """
@@ -6997,7 +7001,7 @@ def session_silhouettes(session: Session, frames: FrameSource, options: Silhouet
     """
     A trained extractor for the cameras without ready masks; None if all have some.
     """
-def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> list[str]:
+def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], image: numpy.typing.NDArray[numpy.uint8]) -> list[str]:
     """
     The same of a SilhouetteExtractor, trained and tried with images of yours.
     """
@@ -7025,11 +7029,11 @@ def surface_refiner_violations(refiner: SurfaceRefiner, problem: SurfaceProblem)
     """
     The same of a SurfaceRefiner, on a problem that it was given.
     """
-def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
+def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], masks: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
     """
     Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.
     """
-def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: int = 2) -> Outline:
+def trace_outline(mask: numpy.typing.NDArray[numpy.uint8], margin: int = 2) -> Outline:
     """
     Boundary of a mask (H, W).
     """
