@@ -292,7 +292,8 @@ ELSEWHERE = {
     "limb_search_violations", "performance_capture_violations", "cloth_solver_violations",
     "optimizer_violations", "objective_violations",
     "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
-    "measure_observations", "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
+    "measure_observations",
+    "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 
 

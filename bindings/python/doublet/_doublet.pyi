@@ -3179,7 +3179,7 @@ class PerformanceCapture:
         """
     def __init__(self) -> None:
         ...
-    def capture(self, actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor, context: Context = ...) -> CaptureResult:
+    def capture(self, actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None, context: Context = ...) -> CaptureResult:
         """
         Tracks all frames. extractor: None if all cameras have masks.
         """
