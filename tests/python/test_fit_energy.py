@@ -130,4 +130,4 @@ def test_a_tracker_of_ones_own_goes_on_to_the_fit(captured, bell):
     fit = d.FitOptions(max_evaluations=24, initial_design_size=12)
     fit.energy, fit.space = d.EnergyOptions(dt=1 / 40), d.ParameterSpace(names=["d_n"])
     (region,) = d.estimate_material(simulator, found.performance, found.observations, fit).to_dict()["regions"]
-    assert abs(region["material"]["d_n"] - 4) < 2  # of 0 to 32
+    assert abs(region["material"].d_n - 4) < 2  # of 0 to 32

@@ -1,10 +1,9 @@
 #pragma once
 // What every ClothSolver must do, for those who write their own: call it in a test of any framework and expect an empty list.
 
-#include "cloth_solver_physics.h"
-
 #include "doublet/options/options.h"
 #include "doublet/pbd/cloth_solver.h"
+#include "doublet/pbd/detail/cloth_physics.h"
 
 #include <algorithm>
 #include <cmath>
