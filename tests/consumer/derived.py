@@ -160,6 +160,7 @@ class Halving(d.Optimizer):
         result = d.OptimizerResult()
         result.best = result.answer = self.best
         result.best_energy = self.energy
+        result.deviations = np.full(len(self.best), self.size)
         return result
 
 
