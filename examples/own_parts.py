@@ -64,9 +64,11 @@ class DrawnStage(d.FrameSource):
         self.greys = np.random.default_rng(1).integers(0, 256, len(actor.mesh.faces)).astype(np.uint8)
         self.wall = np.uint8(150) + np.random.default_rng(2).integers(0, 8, (rig[0].height, rig[0].width, 3)).astype(np.uint8)
 
+    @property
     def frame_count(self):
         return len(self.surfaces)
 
+    @property
     def camera_count(self):
         return len(self.rig)
 

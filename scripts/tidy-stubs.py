@@ -15,8 +15,11 @@ import doublet as d
 PLAIN = (
     ("typing.SupportsFloat | typing.SupportsIndex", "float"),
     ("typing.SupportsInt | typing.SupportsIndex", "int"),
+    ("typing.Annotated[numpy.ndarray, numpy.uint8]", "numpy.typing.NDArray[numpy.uint8]"),
     ("def __eq__(self, other: typing.Any) -> typing.Any:", "def __eq__(self, other: object) -> bool:"),
 )
+#: Of a class whose methods are there to be defined by subclasses, in its docstring.
+SWAPPED = re.compile(r"Swap point|Subclass to replace|To replace it")
 ANY_KEYWORD = "def __init__(self, **kwargs) -> None:"
 
 
@@ -53,10 +56,32 @@ def keywords(options_class, types: dict[str, str]) -> str:
     return f"def __init__(self, *, {', '.join(words)}) -> None:"
 
 
+def without_hooks(text: str) -> str:
+    """Without __init_subclass__, which a type checker takes for a demand."""
+    return re.sub(r"(    @\w+\n)?    def __init_subclass__\(.*\n +\.\.\.\n", "", text)
+
+
+def given_arrays(text: str) -> str:
+    """What subclasses define is given arrays, and may say so: whoever calls it gives it some."""
+    lines = text.split("\n")
+    for node in ast.parse(text).body:
+        if not isinstance(node, ast.ClassDef) or not SWAPPED.search(ast.get_docstring(node) or ""):
+            continue
+        for method in (m for m in node.body if isinstance(m, ast.FunctionDef) and m.name != "__init__"):
+            line = lines[method.lineno - 1]
+            lines[method.lineno - 1] = re.sub(
+                r"typing\.Annotated\[numpy\.typing\.ArrayLike, (numpy\.\w+), ",
+                r"typing.Annotated[numpy.typing.NDArray[\1], ",
+                line,
+            )
+    return "\n".join(lines)
+
+
 def tidy(text: str) -> str:
     for before, after in PLAIN:
         text = text.replace(before, after)
-    text = without_deprecated(text)
+    text = re.sub(r"(\b[a-z_]+: [A-Z]\w+) = None", r"\1 | None = None", text)
+    text = given_arrays(without_hooks(without_deprecated(text)))
     lines = text.split("\n")
     for node in ast.parse(text).body:
         options_class = getattr(d, node.name, None) if isinstance(node, ast.ClassDef) else None

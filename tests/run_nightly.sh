@@ -8,7 +8,7 @@
 #   fuzz      libFuzzer, DOUBLET_FUZZ_SECONDS (60) a harness
 #   mutate    DOUBLET_MUTANTS (1000) damaged files of every format, read from Python
 #   stages    `doublet reconstruct`, stopped at every stage in every way
-#   slow      ctest -L slow: cloth in every corner of the material box
+#   slow      ctest -L slow: cloth in every corner of the material box; templates, first poses and searches beyond those of every run
 #   pictures  every picture of docs/, by its script
 #   conda     the conda recipe, rendered
 #   wheel     the wheel of scripts/build-wheel.sh, in a clean environment

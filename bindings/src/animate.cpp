@@ -212,7 +212,7 @@ void bind_animator(py::module_ &m) {
   m.def(
       "animate",
       [](const Character &character, const Motion &motion, const AnimateOptions &options, const Context &context,
-         const py::object &make_solver) {
+         const SolverMaker &make_solver) {
         const pbd::ClothSolverFactory make = solver_factory(make_solver);
         const py::gil_scoped_release release;
         return animate(character, motion, options, context, make);
@@ -234,7 +234,7 @@ void bind_streaming(py::module_ &m) {
   m.def(
       "animate_each",
       [](const Character &character, const Motion &motion, const std::function<void(const AnimationFrame &)> &frame,
-         const AnimateOptions &options, const Context &context, const py::object &make_solver) {
+         const AnimateOptions &options, const Context &context, const SolverMaker &make_solver) {
         const pbd::ClothSolverFactory make = solver_factory(make_solver);
         const py::gil_scoped_release release;
         return animate(character, motion, options, frame, context, make);
@@ -258,7 +258,7 @@ void bind_player(py::module_ &m) {
   Class<Player>(m, "Player",
                 "A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the "
                 "AnimationFrame that it returns are views, which the next step writes over: copy what you keep.")
-      .def(py::init([](const Character &character, const AnimateOptions &options, const py::object &make_solver) {
+      .def(py::init([](const Character &character, const AnimateOptions &options, const SolverMaker &make_solver) {
              const pbd::ClothSolverFactory make = solver_factory(make_solver);
              const py::gil_scoped_release release;
              return std::make_unique<Player>(character, options, make);

@@ -2,6 +2,7 @@
 
 #include "doublet/capture/calibration_file.h"
 #include "doublet/capture/heat_weights.h"
+#include "doublet/capture/measured_observations.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/rest_pose.h"
@@ -29,13 +30,42 @@ public:
 
 class PyFrameSource : public FrameSource {
 public:
-  int frame_count() const override { PYBIND11_OVERRIDE_PURE(int, FrameSource, frame_count, ); }
-  int camera_count() const override { PYBIND11_OVERRIDE_PURE(int, FrameSource, camera_count, ); }
+  int frame_count() const override { return count("frame_count"); }
+  int camera_count() const override { return count("camera_count"); }
   Image image(int camera, int frame) override {
     return call_override<Image>(this, "FrameSource.image", "a uint8 array (H, W, 3), or (0, 0) for none", camera, frame);
   }
   Image mask(int camera, int frame) override { return call_override<Image>(this, "FrameSource.mask", kMask, camera, frame); }
+
+private:
+  /// A property of the subclass.
+  int count(const char *name) const {
+    const py::gil_scoped_acquire gil;
+    const py::object self = py::cast(static_cast<const FrameSource *>(this), py::return_value_policy::reference);
+    if (py::type::of(self).attr(name).is(py::type::of<FrameSource>().attr(name)))
+      throw std::runtime_error(std::string("FrameSource.") + name + " is not defined by the subclass");
+    const py::object found = self.attr(name);
+    if (!PyLong_Check(found.ptr()) && !PyIndex_Check(found.ptr()))
+      throw py::type_error(std::string("FrameSource.") + name + " must be a whole number, found " + described(found));
+    return found.cast<int>();
+  }
 };
+
+/// __init_subclass__ of FrameSource: the counts are properties; methods of their name, as one once wrote them, become some.
+void make_counts_properties(const py::object &subclass, const py::kwargs &keywords) {
+  const py::module_ builtins = py::module_::import("builtins");
+  for (const char *name : {"frame_count", "camera_count"}) {
+    const py::dict own = builtins.attr("dict")(subclass.attr("__dict__"));
+    if (!own.contains(name) || !PyFunction_Check(own[name].ptr()))
+      continue;
+    const std::string text = subclass.attr("__name__").cast<std::string>() + "." + name +
+                             " as a method is deprecated: make it a property, as it is of every FrameSource";
+    if (PyErr_WarnEx(PyExc_DeprecationWarning, text.c_str(), 1) != 0)
+      throw py::error_already_set();
+    py::setattr(subclass, name, builtins.attr("property")(own[name]));
+  }
+  builtins.attr("super")(py::type::of<FrameSource>(), subclass).attr("__init_subclass__")(**keywords);
+}
 
 class PyPerformanceCapture : public PerformanceCapture {
 public:
@@ -99,8 +129,10 @@ void bind_session(py::module_ &m) {
       .def_readonly("joints", &Session::joints, "JointMarks of joints.json")
       .def_readonly("landmarks", &Session::landmarks, "name -> (3) m, clicked on the body's surface")
       .def_readonly("new_motion", &Session::new_motion, "absolute; empty if there is none");
-  Class<FrameSource, PyFrameSource>(m, "FrameSource", "Swap point: where the images and masks come from.")
-      .def(py::init<>())
+  Class<FrameSource, PyFrameSource> source(m, "FrameSource", "Swap point: where the images and masks come from.");
+  const py::cpp_function init_subclass(&make_counts_properties, py::name("__init_subclass__"));
+  source.attr("__init_subclass__") = py::reinterpret_steal<py::object>(PyClassMethod_New(init_subclass.ptr()));
+  source.def(py::init<>())
       .def_static("open", &FrameSource::open, py::arg("session"), Release(),
                   "Images and masks of a session, read as they are asked for.")
       .def_property_readonly("frame_count", &FrameSource::frame_count, "of each camera")
@@ -267,6 +299,12 @@ void bind_performance(py::module_ &m) {
       .def_readwrite("summary", &CaptureResult::summary, "CaptureSummary");
   m.def("filmed", &filmed, py::arg("session"), py::arg("captured"), Release(),
         "The session with the cameras that a capture of it went by: refined, if they were, and late ones waited for.");
+  m.def(
+      "measure_observations", &measure_observations, py::arg("rig"), py::arg("frames"), py::arg("extractor") = nullptr,
+      py::arg("numbers") = std::vector<int>{}, py::arg("tracker") = nullptr, py::arg("options") = FeatureTrackerOptions{},
+      py::arg("context") = interruptible_context(), Release(),
+      "Observations of a take without tracking it, as the capture measures them: outlines of the frames `numbers` (none = all), "
+      "and, with a FeatureTracker, features matched with the frame before. extractor: trained, for frames without a ready mask.");
   Class<PerformanceCapture, PyPerformanceCapture>(m, "PerformanceCapture", "Stage: video -> reference performance.")
       .def(py::init<>())
       .def_static(
@@ -275,7 +313,7 @@ void bind_performance(py::module_ &m) {
           py::arg("options") = CaptureOptions{}, py::arg("parts") = CaptureParts{},
           "The built-in capture, with pieces of one's own in `parts`.")
       .def("capture", &PerformanceCapture::capture, py::arg("actor"), py::arg("rig"), py::arg("frames"),
-           py::arg("extractor").none(true), py::arg("context") = interruptible_context(), Release(),
+           py::arg("extractor").none(true) = nullptr, py::arg("context") = interruptible_context(), Release(),
            "Tracks all frames. extractor: None if all cameras have masks.");
 }
 

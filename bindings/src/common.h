@@ -92,6 +92,28 @@ template <> struct type_caster<std::vector<std::uint8_t>> {
 
 namespace doublet::python {
 
+/// An array made for its caller from what a class keeps otherwise: it cannot be written to, as what one would write to it would
+/// be lost.
+template <class Array> struct ReadOnly { Array values; };
+
+} // namespace doublet::python
+
+namespace pybind11::detail {
+
+template <class Array> struct type_caster<doublet::python::ReadOnly<Array>> {
+  static constexpr auto name = make_caster<Array>::name;
+  static handle cast(doublet::python::ReadOnly<Array> &&made, return_value_policy, handle parent) {
+    const handle result = make_caster<Array>::cast(std::move(made.values), return_value_policy::move, parent);
+    if (result)
+      array_proxy(result.ptr())->flags &= ~npy_api::NPY_ARRAY_WRITEABLE_;
+    return result;
+  }
+};
+
+} // namespace pybind11::detail
+
+namespace doublet::python {
+
 namespace py = pybind11;
 using Release = py::call_guard<py::gil_scoped_release>;
 
@@ -190,14 +212,15 @@ public:
     Base::def_readonly(std::forward<Arguments>(arguments)...);
     return *this;
   }
-  template <class... Arguments> Class &def_property_readonly(Arguments &&...arguments) {
-    Base::def_property_readonly(std::forward<Arguments>(arguments)...);
+  template <class Getter, class... More>
+  Class &def_property_readonly(const char *name, const Getter &getter, const More &...more) {
+    Base::def_property_readonly(name, without_loss(getter), more...);
     return *this;
   }
   template <class Getter, class Setter, class... More>
   Class &def_property(const char *name, const Getter &getter, Setter setter, const More &...more) {
-    Base::def_property(name, getter, py::cpp_function(std::move(setter), py::name(name), py::is_method(*this), py::arg("value")),
-                       more...);
+    Base::def_property(name, without_loss(getter),
+                       py::cpp_function(std::move(setter), py::name(name), py::is_method(*this), py::arg("value")), more...);
     return *this;
   }
   template <class C, class Value, class... More> Class &def_readwrite(const char *name, Value C::*member, const More &...more) {
@@ -219,6 +242,21 @@ public:
   }
 
 private:
+  template <class Value>
+  static constexpr bool kIsArray =
+      std::is_base_of_v<Eigen::EigenBase<Value>, Value> || std::is_base_of_v<py::array, Value> || std::is_same_v<Value, Image>;
+  /// What returns an array of its own returns one that cannot be written to; every other getter is left as it is.
+  template <class Getter> static auto without_loss(const Getter &getter) {
+    if constexpr (std::is_invocable_v<Getter, const T &>) {
+      using Value = std::invoke_result_t<Getter, const T &>;
+      if constexpr (kIsArray<Value>)
+        return [getter](const T &self) { return ReadOnly<Value>{std::invoke(getter, self)}; };
+      else
+        return getter;
+    } else {
+      return getter;
+    }
+  }
   static py::array_t<int> read_only(const std::vector<int> &values) {
     py::array_t<int> result(static_cast<py::ssize_t>(values.size()), values.data());
     result.attr("flags").attr("writeable") = false;

@@ -145,7 +145,7 @@ void bind_mesh(py::module_ &m) {
           [](MeshSequence &s, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {
             s.frames = unstack(frames, "frames");
           },
-          "(T, V, 3) m; a copy")
+          "(T, V, 3) m; a copy that cannot be written to: set it as a whole")
       .def("__len__", [](const MeshSequence &s) { return s.frames.size(); });
   m.def("face_normals", &face_normals, py::arg("vertices"), py::arg("faces"), Release(),
         "(F, 3) unit; zero for degenerate faces.");
@@ -304,7 +304,7 @@ void bind_stage_values(py::module_ &m) {
           [](ReferencePerformance &p, const py::array_t<double, py::array::c_style | py::array::forcecast> &joints) {
             p.joints = unstack(joints, "joints");
           },
-          "(T, J, 3) m; a copy")
+          "(T, J, 3) m; a copy that cannot be written to: set it as a whole")
       .def_numbers_readwrite("frames", &ReferencePerformance::frames, "(T) video frame numbers");
   m.def(
       "canonical_frames",

@@ -4,6 +4,8 @@
 #include "doublet/testing/objective_conformance.h"
 #include "doublet/testing/optimizer_conformance.h"
 
+#include <pybind11/typing.h>
+
 namespace doublet::python {
 namespace {
 
@@ -48,6 +50,8 @@ public:
 private:
   std::shared_ptr<Optimizer> inner_;
 };
+
+using OptimizerMaker = py::typing::Optional<py::typing::Callable<Optimizer(int, std::uint64_t)>>;
 
 OptimizerFactory optimizer_factory(const py::object &make) {
   const auto made = factory_from<Optimizer, int, std::uint64_t>(make, "make_optimizer must return an Optimizer");
@@ -118,8 +122,8 @@ void bind_minimise(py::module_ &m) {
       .def_readwrite("problem", &MinimiseOptions::problem, "what the checkpoint belongs to; that of another is not used")
       .def_readwrite("on_generation", &MinimiseOptions::on_generation, "called with the MinimiseResult so far")
       .def_property(
-          "make_optimizer", [](const MinimiseOptions &) { return py::none(); },
-          [](MinimiseOptions &options, const py::object &make) { options.make_optimizer = optimizer_factory(make); },
+          "make_optimizer", [](const MinimiseOptions &) { return OptimizerMaker(py::none()); },
+          [](MinimiseOptions &options, const OptimizerMaker &make) { options.make_optimizer = optimizer_factory(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.");
   m.def(
       "minimise", &minimise, py::arg("objective"), py::arg("options") = MinimiseOptions{},
@@ -134,7 +138,7 @@ void bind_conformance(py::module_ &m) {
         "refusals.");
   m.def(
       "optimizer_violations",
-      [](const py::object &make_optimizer) {
+      [](const OptimizerMaker &make_optimizer) {
         const OptimizerFactory make = optimizer_factory(make_optimizer);
         const py::gil_scoped_release release;
         return testing::optimizer_violations(make);
@@ -313,8 +317,8 @@ void bind_fit(py::module_ &m) {
       .def_readwrite("checkpoint", &FitOptions::checkpoint, "a killed run goes on from it, to the same bits; empty = none")
       .def_readwrite("log", &FitOptions::log, "fit_log.csv, rewritten after every generation; empty = none")
       .def_property(
-          "make_optimizer", [](const FitOptions &) { return py::none(); },
-          [](FitOptions &options, const py::object &make) { options.make_optimizer = optimizer_factory(make); },
+          "make_optimizer", [](const FitOptions &) { return OptimizerMaker(py::none()); },
+          [](FitOptions &options, const OptimizerMaker &make) { options.make_optimizer = optimizer_factory(make); },
           "make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.");
   Class<PyTake>(m, "Take", "One film of a character: simulators (one a width of its garment), what was captured and seen.")
       .def(py::init([](const py::list &widths, const py::object &performance, const py::object &observations, double dt) {

@@ -206,6 +206,15 @@ void bind_pbd(py::module_ &m) {
           py::arg("model"), "The built-in solver.")
       .def_property_readonly("model", &ClothSolver::model, "ClothModel that it was made for")
       .def(
+          "advance",
+          [](const ClothSolver &, const std::vector<ClothState *> &, const std::vector<OwnedInputs> &,
+             const std::vector<Material> &, int) -> std::optional<std::vector<int>> {
+            throw std::logic_error("ClothSolver.advance is for subclasses to define; call step_batch");
+          },
+          py::arg("states"), py::arg("inputs"), py::arg("materials"), py::arg("threads"),
+          "For subclasses to define, and for step_batch to call: changes the states in place; returns the indices of those that "
+          "came out not finite, or None.")
+      .def(
           "step",
           [](const ClothSolver &solver, ClothState &state, const OwnedInputs &inputs, const Material &material) {
             solver.step(state, inputs.view(), material);
@@ -219,7 +228,7 @@ void bind_pbd(py::module_ &m) {
           "left as they were.");
   m.def(
       "cloth_solver_violations",
-      [](const py::object &make_solver) {
+      [](const SolverMaker &make_solver) {
         const pbd::ClothSolverFactory make = solver_factory(make_solver);
         const py::gil_scoped_release release;
         return testing::cloth_solver_violations(make);

@@ -20,7 +20,7 @@ void bind_simulate(py::module_ &m) {
           "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
   Class<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
       .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const std::vector<TaperedCapsule> &proxies,
-                       const pbd::ClothOptions &options, const py::object &make_solver) {
+                       const pbd::ClothOptions &options, const SolverMaker &make_solver) {
              const pbd::ClothSolverFactory make = solver_factory(make_solver);
              const py::gil_scoped_release release;
              return std::make_unique<CharacterSimulator>(actor, segmentation, proxies, options, make);

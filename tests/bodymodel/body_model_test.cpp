@@ -472,6 +472,17 @@ private:
   mutable int calls_ = 0;
 };
 
+/// Ours, a metre and a half away.
+class Beside : public BodyFitter {
+public:
+  BodyFit fit(const RiggedMesh &actor, const Segmentation &segmentation, const BodyModel &model,
+              const std::map<std::string, Eigen::Vector3d> &landmarks, const Context &context) const override {
+    BodyFit fit = BodyFitter::create()->fit(actor, segmentation, model, landmarks, context);
+    fit.body.vertices.col(0).array() += 1.5;
+    return fit;
+  }
+};
+
 TEST(BodyFitConformance, OursConformsAndACarelessOneDoesNot) {
   const Subject subject = make_subject();
   const auto violations = [&](const BodyFitter &fitter) {
@@ -480,7 +491,8 @@ TEST(BodyFitConformance, OursConformsAndACarelessOneDoesNot) {
   };
   for (const std::string &broken : violations(*BodyFitter::create()))
     ADD_FAILURE() << broken;
-  EXPECT_EQ(violations(Careless()).size(), 5u); // sizes, finite, bits, landmarks, another mesh
+  EXPECT_EQ(violations(Careless()).size(), 6u); // sizes, finite, place, bits, landmarks, another mesh
+  EXPECT_EQ(violations(Beside()), std::vector<std::string>{"the body does not stand where the actor does"});
 }
 
 TEST(BodyFit, CanBeCancelled) {

@@ -190,7 +190,7 @@ struct RefinedCapture : ::testing::Test {
       EXPECT_GE(fraction, last);
       last = fraction;
     };
-    context.cancelled = [&] { return stopped && last > first + 0.15; };
+    context.cancelled = [&] { return stopped && last > first + 0.25; };
     return PerformanceCapture::create(options)->capture(actor, cameras, frames, nullptr, context);
   }
 
@@ -257,7 +257,7 @@ TEST_F(RefinedCapture, GoesOnToTheSameBitsWhereverItIsStopped) {
     } catch (const Cancelled &) {
     }
   }
-  EXPECT_GT(stops, 3);
+  EXPECT_GE(stops, 3);
   EXPECT_LT(stops, 20);
 }
 

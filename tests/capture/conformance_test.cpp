@@ -105,13 +105,84 @@ TEST(CaptureConformance, TheKitsCatchWhatIsRestless) {
   EXPECT_EQ(testing::frame_source_violations(all).size(), 4u);                         // channels, mask, sizes, another frame
   EXPECT_EQ(testing::silhouette_extractor_violations(all, {image}, image).size(), 4u); // untrained, mask, another, channels
   EXPECT_EQ(testing::feature_tracker_violations(all, image, mask, 20).size(), 4u);     // descriptors, others, outside, reach
-  EXPECT_EQ(testing::pose_optimizer_violations(all, film.pose).size(), 4u);     // degrees of freedom, residuals, bits, actor
-  EXPECT_EQ(testing::surface_refiner_violations(all, film.surface).size(), 4u); // vertices, residuals, bits, actor
+  // Degrees of freedom or vertices, residuals, bits, beside, actor.
+  EXPECT_EQ(testing::pose_optimizer_violations(all, film.pose).size(), 5u);
+  EXPECT_EQ(testing::surface_refiner_violations(all, film.surface).size(), 5u);
   // Every degree of freedom is moved, or beyond its limits; other bits; a pose without lost limbs.
   const std::size_t limb_rules = testing::limb_search_violations(all, film.limbs, film.pose.start, film.lost()).size();
   EXPECT_EQ(limb_rules, film.actor.skeleton.dof_count() + 2u);
   // A frame that the film has not, no observations, other bits, any rig.
   EXPECT_EQ(testing::performance_capture_violations(all, film.actor, film.rig, film.frames).size(), 4u);
+}
+
+/// Does nothing, and that in good form.
+class Idle : public SilhouetteExtractor,
+             public FeatureTracker,
+             public PoseOptimizer,
+             public SurfaceRefiner,
+             public LimbSearch,
+             public PerformanceCapture {
+public:
+  std::uint8_t all_masks = 0;
+  void train(int, const std::vector<Image> &) override { trained_ = true; }
+  Image extract(int, const Image &image) const override {
+    if (!trained_ || image.channels != 3)
+      throw std::invalid_argument("untrained, or grey");
+    return Image(image.width, image.height, 1, all_masks);
+  }
+  Features detect(const Image &, const Image &) const override { return {{{120, 120}, {121, 120}}, MatrixRM::Zero(2, 1)}; }
+  std::vector<std::pair<int, int>> match(const Features &, const Features &, double) const override { return {{0, 1}, {1, 0}}; }
+  PoseEstimate optimize(const PoseProblem &problem, const Context &) override { return {problem.start, 0, 0, 0, 1}; }
+  SurfaceEstimate refine(const SurfaceProblem &problem, const Context &) override { return {problem.base, 0, 0}; }
+  Eigen::VectorXd search(const LimbProblem &, const Eigen::VectorXd &dofs, const std::vector<Limb> &, const Context &) override {
+    return dofs;
+  }
+  CaptureResult capture(const RiggedMesh &actor, const CameraRig &rig, FrameSource &frames, const SilhouetteExtractor *extractor,
+                        const Context &context) override {
+    CaptureResult result = PerformanceCapture::create()->capture(actor, rig, frames, extractor, context);
+    for (Vertices &surface : result.performance.surface.frames)
+      surface.col(0).array() += 0.5; // m
+    return result;
+  }
+
+private:
+  bool trained_ = false;
+};
+
+TEST(CaptureConformance, TheKitsCatchWhatIsIdle) {
+  Film film;
+  const auto only = [](const std::vector<std::string> &broken, const std::string &what) {
+    ASSERT_EQ(broken.size(), 1u) << what;
+    EXPECT_NE(broken[0].find(what), std::string::npos) << broken[0];
+  };
+  const Image image = film.frames.image(0, 0), mask = film.frames.mask(0, 0);
+  for (const int all : {0, 255}) {
+    Idle idle;
+    idle.all_masks = static_cast<std::uint8_t>(all);
+    only(testing::silhouette_extractor_violations(idle, {image}, image), all ? "all of an image" : "no actor is found");
+  }
+  Idle idle;
+  only(testing::feature_tracker_violations(idle, image, Image(mask.width, mask.height, 1, 255), 20), "does not match itself");
+  only(testing::pose_optimizer_violations(idle, film.pose), "does not draw the pose");
+  only(testing::surface_refiner_violations(idle, film.surface), "does not draw the surface");
+  Eigen::VectorXd away = film.pose.start;
+  away[film.lost().front().dofs.front()] += 0.8;
+  only(testing::limb_search_violations(idle, film.limbs, away, film.lost()), "no nearer to the masks");
+  only(testing::performance_capture_violations(idle, film.actor, film.rig, film.frames), "not where the cameras see the actor");
+}
+
+/// All right at its beginning.
+class Broken : public FrameSource {
+public:
+  int frame_count() const override { return 2; }
+  int camera_count() const override { return 1; }
+  Image image(int, int) override { return Image(4, 4, 3); }
+  Image mask(int, int frame) override { return frame == 0 ? Image(4, 4, 1, 255) : Image(5, 4, 1, 255); }
+};
+
+TEST(CaptureConformance, TheKitLooksAtTheEndOfAFilm) {
+  Broken film;
+  EXPECT_EQ(testing::frame_source_violations(film), std::vector<std::string>{"camera 0: image and mask differ in size"});
 }
 
 } // namespace conformance_test

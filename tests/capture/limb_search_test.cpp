@@ -213,14 +213,15 @@ TEST(LostLimb, PutWrongInOneFrameIsFoundAgain) {
 
 TEST(LostLimb, ThatJumpedBetweenFramesIsFoundAgain) {
   const Scene scene;
-  const int frames = 8, turned = scene.dof("l_shoulder.z");
+  const int frames = 6, turned = scene.dof("l_shoulder.z");
   MatrixRM truth = MatrixRM::Zero(frames, scene.truth.size());
-  truth.bottomRows(5).col(turned).setConstant(70 * kDegree); // the arm goes up between frames 2 and 3
+  truth.bottomRows(4).col(turned).setConstant(70 * kDegree); // the arm goes up between frames 1 and 2
   Masks film(scene.actor, scene.rig, tracker_scene::surfaces(scene.actor, truth));
   CaptureOptions options;
   options.smooth_window = 1;
+  options.second_pass = false;
   const auto with = PerformanceCapture::create(options)->capture(scene.actor, scene.rig, film, nullptr, scene.context);
-  for (int t = 5; t < frames; ++t)
+  for (int t = 4; t < frames; ++t)
     EXPECT_LT(hand_error(with, scene, truth, t), 0.04) << "frame " << t;
   options.find_lost_limbs = false;
   const auto without = PerformanceCapture::create(options)->capture(scene.actor, scene.rig, film, nullptr, scene.context);

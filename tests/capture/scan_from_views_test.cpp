@@ -111,8 +111,8 @@ TEST(ScanFromViews, FourCamerasMakeNoPhantom) {
 TEST(ScanFromViews, WhereCamerasAgreeTheHullIsPressedIn) {
   const Mesh drum = dented_drum();
   CameraRig rig;
-  for (int c = 0; c < 12; ++c) {
-    const double a = pi * c / 6;
+  for (int c = 0; c < 8; ++c) {
+    const double a = pi * c / 4;
     rig.push_back(look_at({2 * std::sin(a), 0.9 + 0.2 * (c % 2), 2 * std::cos(a)}, {0, 0.9, 0}, 600, 320, 320, "cam"));
   }
   const std::vector<CameraView> views = views_of(drum, rig);
@@ -215,10 +215,11 @@ TEST(ScanFromViews, AGarmentSpansTheGapBetweenTheLegs) {
 
 TEST(ScanFromViews, SameBitsOnAnyNumberOfThreads) {
   const Mesh drum = dented_drum();
-  const CameraRig rig = camera_ring(6, 200);
+  const CameraRig rig = camera_ring(6, 120);
   const std::vector<CameraView> views = views_of(drum, rig);
   ViewScanOptions options = hull_only();
-  options.cell = 0.02;
+  options.cell = 0.03;
+  options.poisson_depth = 6;
   options.search_depth = 0.05;
   Context one, three;
   one.threads = 1;

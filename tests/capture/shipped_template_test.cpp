@@ -138,7 +138,7 @@ void check(const std::string &name, const Mesh &mesh, const std::vector<std::uin
   EXPECT_EQ(count, 3); // the dressed body and two lower legs, which the sheet under the hem keeps apart
 }
 
-TEST(ShippedTemplate, AgainstTheTruth) {
+TEST(SlowShippedTemplate, AgainstTheTruth) {
   const Session session = read_session(kShipped);
   const Mesh scan = read_mesh(session.scan), truth = true_surface();
   const auto start = std::chrono::steady_clock::now();

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <numbers>
 
 namespace tracker_scene {
@@ -83,7 +85,7 @@ inline double texture(const Eigen::Vector3d &p) {
   return std::clamp(128 + 90 * a + 50 * b, 5.0, 250.0);
 }
 
-/// Frames rendered from known surfaces.
+/// Frames rendered from known surfaces, once, however often they are asked for.
 class Frames : public doublet::FrameSource {
 public:
   Frames(const doublet::RiggedMesh &actor, const doublet::CameraRig &rig, std::vector<Vertices> surfaces)
@@ -93,8 +95,29 @@ public:
   int camera_count() const override { return static_cast<int>(rig_.size()); }
 
   doublet::Image image(int camera, int frame) override {
+    return is_missing(camera, frame) ? doublet::Image() : once(images_, camera, frame, [&] { return drawn(camera, frame); });
+  }
+  doublet::Image mask(int camera, int frame) override {
     if (is_missing(camera, frame))
       return {};
+    return once(masks_, camera, frame, [&] { return doublet::silhouette(render(camera, frame)); });
+  }
+
+  std::function<bool(int camera, int frame)> missing;
+
+private:
+  using Drawn = std::map<std::pair<int, int>, doublet::Image>;
+  template <class Draw> doublet::Image once(Drawn &known, int camera, int frame, const Draw &draw) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto found = known.find({camera, frame}); found != known.end())
+        return found->second;
+    }
+    const doublet::Image image = draw(); // threads draw side by side
+    const std::lock_guard lock(mutex_);
+    return known.emplace(std::pair(camera, frame), image).first->second;
+  }
+  doublet::Image drawn(int camera, int frame) const {
     const doublet::FaceBuffer buffer = render(camera, frame);
     doublet::Image image(buffer.width, buffer.height, 3, 0);
     for (int y = 0; y < buffer.height; ++y)
@@ -108,13 +131,6 @@ public:
         }
     return image;
   }
-  doublet::Image mask(int camera, int frame) override {
-    return is_missing(camera, frame) ? doublet::Image() : doublet::silhouette(render(camera, frame));
-  }
-
-  std::function<bool(int camera, int frame)> missing;
-
-private:
   bool is_missing(int camera, int frame) const { return missing && missing(camera, frame); }
   doublet::FaceBuffer render(int camera, int frame) const {
     return doublet::rasterize(surfaces_[frame], actor_.mesh.faces, rig_[camera]);
@@ -123,6 +139,8 @@ private:
   doublet::RiggedMesh actor_;
   doublet::CameraRig rig_;
   std::vector<Vertices> surfaces_;
+  std::mutex mutex_;
+  Drawn images_, masks_;
 };
 
 /// A dance: (T, D), about 4 degrees and 2 cm a frame at its fastest.

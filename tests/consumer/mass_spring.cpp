@@ -2,10 +2,12 @@
 #include <doublet/pbd/cloth_solver.h>
 #include <doublet/testing/cloth_solver_conformance.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
+#include <vector>
 
 namespace {
 
@@ -58,12 +60,14 @@ private:
       push.row(s.a) += w[s.a] * force;
       push.row(s.b) -= w[s.b] * force;
     }
-    const double drag = std::exp(-0.5 * material.d_t * h);
+    const Vertices normals = vertex_normals(state.positions);
+    const double drag = std::exp(-0.5 * material.d_t * h), slides = std::pow(1 - material.k_friction, 1.0 / kSteps);
     for (Eigen::Index v = 0; v < w.size(); ++v) {
       const double loose = model().clothness()[v];
       Eigen::RowVector3d x = state.positions.row(v), u = state.velocities.row(v);
-      u = drag * (u + h * (push.row(v) + in.gravity.value_or(model().options().gravity).transpose()) - in.wind.transpose()) +
-          in.wind.transpose();
+      u += h * (push.row(v) + in.gravity.value_or(model().options().gravity).transpose()) - in.wind.transpose();
+      const double across = u.dot(normals.row(v));
+      u = drag * u + across * (1 / (1 + 0.5 * material.d_n * h * std::abs(across)) - drag) * normals.row(v) + in.wind.transpose();
       x += h * u;
       if (loose < 1) {
         const Vertices &after = *in.targets, &before = in.previous_targets ? *in.previous_targets : after;
@@ -72,19 +76,46 @@ private:
       }
       if (loose > 0 && in.capsules)
         for (std::size_t c = 0; c < in.capsules->size(); ++c)
-          push_out(x, (*in.capsules)[c]);
+          push_out(x, state.positions.row(v), moved(in, c, end - 1.0 / kSteps), moved(in, c, end), slides);
       state.velocities.row(v) = (x - state.positions.row(v)) / h;
       state.positions.row(v) = x;
     }
   }
 
-  void push_out(Eigen::RowVector3d &x, const Capsule &capsule) const {
+  /// Of unit length.
+  Vertices vertex_normals(const Vertices &positions) const {
+    Vertices normals = Vertices::Zero(positions.rows(), 3);
+    const Faces &faces = model().faces();
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+      const Eigen::RowVector3d a = positions.row(faces(f, 0)), b = positions.row(faces(f, 1)), c = positions.row(faces(f, 2));
+      for (int k = 0; k < 3; ++k)
+        normals.row(faces(f, k)) += (b - a).cross(c - a);
+    }
+    for (Eigen::Index v = 0; v < normals.rows(); ++v)
+      normals.row(v) /= std::max(normals.row(v).norm(), 1e-12);
+    return normals;
+  }
+
+  /// Proxy c when the fraction t of the frame is over.
+  static Capsule moved(const StepInputs &in, std::size_t c, double t) {
+    const Capsule &after = (*in.capsules)[c], &before = in.previous_capsules ? (*in.previous_capsules)[c] : after;
+    return {before.p0 + t * (after.p0 - before.p0), before.p1 + t * (after.p1 - before.p1), after.r0, after.r1};
+  }
+
+  /// x, which was at `old` while the proxy was `before`: out of the proxy, and sliding on it by `slides` of its way.
+  void push_out(Eigen::RowVector3d &x, const Eigen::RowVector3d &old, const Capsule &before, const Capsule &capsule,
+                double slides) const {
     const Eigen::RowVector3d axis = (capsule.p1 - capsule.p0).transpose(), from = x - capsule.p0.transpose();
     const double along = std::clamp(from.dot(axis) / std::max(axis.squaredNorm(), 1e-12), 0.0, 1.0);
     const Eigen::RowVector3d away = from - along * axis;
     const double radius = capsule.r0 + along * (capsule.r1 - capsule.r0) + model().options().thickness;
-    if (away.norm() < radius && away.norm() > 0)
-      x += (radius / away.norm() - 1) * away;
+    if (away.norm() >= radius || away.norm() == 0)
+      return;
+    const Eigen::RowVector3d was = (before.p0 + along * (before.p1 - before.p0)).transpose(),
+                             is = capsule.p0.transpose() + along * axis, normal = away.normalized();
+    x += (radius / away.norm() - 1) * away;
+    const Eigen::RowVector3d way = (x - old) - (is - was), slid = way - way.dot(normal) * normal;
+    x -= (1 - slides) * slid;
   }
 
   std::vector<Spring> springs_;

@@ -7,7 +7,7 @@ import doublet as d
 import numpy as np
 from conftest import doublet
 
-FRAMES = 12
+FRAMES = 6
 ARCHIVES = (
     "template_suggestion.npz", "actor.npz", "performance.npz", "observations.npz", "segmentation.npz", "body.npz", "garment.npz",
     "simulated.npz",

@@ -71,5 +71,21 @@ TEST(Conformance, TheKitCatchesARankingObjective) {
   EXPECT_EQ(testing::objective_violations(objective).size(), 5u); // again, order, alone, too wide, too narrow
 }
 
+/// Finds everything as good.
+class Indifferent : public Objective {
+public:
+  int parameter_count() const override { return 2; }
+  MatrixRM evaluate(const MatrixRM &samples, const Context &) override {
+    if (samples.cols() != 2)
+      throw std::invalid_argument("two parameters");
+    return MatrixRM::Ones(samples.rows(), 1);
+  }
+};
+
+TEST(Conformance, TheKitCatchesAnIndifferentObjective) {
+  Indifferent objective;
+  EXPECT_EQ(testing::objective_violations(objective), std::vector<std::string>{"part 0: every sample costs the same"});
+}
+
 } // namespace
 } // namespace doublet

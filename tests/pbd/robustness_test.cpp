@@ -2,6 +2,7 @@
 
 #include "scenes.h"
 
+#include <doublet/pbd/detail/lanes.h>
 #include <doublet/testing/cloth_solver_conformance.h>
 
 #include <filesystem>
@@ -268,6 +269,154 @@ TEST(Conformance, TheKitCatchesBrokenSolvers) {
   EXPECT_TRUE(says(violations(Spoilt::Frozen), "does not fall"));
   EXPECT_TRUE(says(violations(Spoilt::Crowded), "differs in company"));
   EXPECT_TRUE(says(violations(Spoilt::Explosive), "corner 63 "));
+}
+
+/// Ours with one piece of the physics taken out.
+class Without : public ClothSolver {
+public:
+  enum Piece {
+    Capsules,
+    SecondCapsule,
+    PreviousCapsules,
+    PreviousTargets,
+    Wind,
+    Gravity,
+    Time,
+    Blend,
+    NormalDrag,
+    TangentialDrag,
+    Stretch,
+    Softness,
+    Friction,
+    Constraints,
+  };
+  Without(const std::shared_ptr<const ClothModel> &cloth, Piece piece)
+      : ClothSolver(cloth), real_(ClothSolver::create(piece == Blend ? unblended(*cloth) : cloth)), piece_(piece) {}
+
+private:
+  static std::shared_ptr<const ClothModel> unblended(const ClothModel &cloth) {
+    const Eigen::VectorXd all_or_nothing = (cloth.clothness().array() > 0).cast<double>();
+    return ClothModel::create(cloth.rest(), cloth.faces(), all_or_nothing, cloth.options());
+  }
+  std::vector<int> advance(std::span<ClothState> states, std::span<const StepInputs> inputs, std::span<const Material> materials,
+                           int threads) const override {
+    if (piece_ == Constraints)
+      return fallen(states, inputs);
+    std::vector<StepInputs> own(inputs.begin(), inputs.end());
+    std::vector<std::vector<Capsule>> firsts(2 * own.size());
+    for (std::size_t i = 0; i < own.size(); ++i)
+      spoil(own[i], firsts[2 * i], firsts[2 * i + 1]);
+    std::vector<Material> of(materials.begin(), materials.end());
+    for (Material &material : of)
+      spoil(material);
+    return real_->step_batch(states, own, of, threads);
+  }
+  void spoil(StepInputs &in, std::vector<Capsule> &first, std::vector<Capsule> &first_before) const {
+    if (piece_ == Capsules)
+      in.capsules = in.previous_capsules = nullptr;
+    if (piece_ == SecondCapsule && in.capsules && in.capsules->size() > 1) {
+      first = {in.capsules->front()};
+      first_before = {(in.previous_capsules ? in.previous_capsules : in.capsules)->front()};
+      in.capsules = &first, in.previous_capsules = &first_before;
+    }
+    if (piece_ == PreviousCapsules)
+      in.previous_capsules = in.capsules;
+    if (piece_ == PreviousTargets)
+      in.previous_targets = in.targets;
+    if (piece_ == Wind)
+      in.wind.setZero();
+    if (piece_ == Gravity)
+      in.gravity.reset();
+    if (piece_ == Time)
+      in.dt = 1.0 / 40;
+  }
+  void spoil(Material &material) const {
+    if (piece_ == NormalDrag)
+      material.d_n = 0;
+    if (piece_ == TangentialDrag)
+      material.d_t = 0;
+    if (piece_ == Stretch)
+      material.k_stretch = 1e-6;
+    if (piece_ == Softness)
+      material.k_stretch = 1;
+    if (piece_ == Friction)
+      material.k_friction = 0;
+  }
+  /// Every vertex for itself.
+  std::vector<int> fallen(std::span<ClothState> states, std::span<const StepInputs> inputs) const {
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const StepInputs &in = inputs[inputs.size() == 1 ? 0 : i];
+      ClothState &state = states[i];
+      state.velocities.rowwise() += in.dt * in.gravity.value_or(model().options().gravity).transpose();
+      state.positions += in.dt * state.velocities;
+      for (Eigen::Index v = 0; in.targets && v < state.positions.rows(); ++v)
+        if (model().inverse_masses()[v] == 0)
+          state.positions.row(v) = in.targets->row(v);
+    }
+    return {};
+  }
+  std::unique_ptr<ClothSolver> real_;
+  Piece piece_;
+};
+
+/// Ours with other settings than the model's.
+class Set : public ClothSolver {
+public:
+  Set(const std::shared_ptr<const ClothModel> &cloth, const ClothOptions &options)
+      : ClothSolver(cloth),
+        real_(ClothSolver::create(ClothModel::create(cloth->rest(), cloth->faces(), cloth->clothness(), options))) {}
+
+private:
+  std::vector<int> advance(std::span<ClothState> states, std::span<const StepInputs> inputs, std::span<const Material> materials,
+                           int threads) const override {
+    return real_->step_batch(states, inputs, materials, threads);
+  }
+  std::unique_ptr<ClothSolver> real_;
+};
+
+TEST(Conformance, TheKitMissesEveryPieceOfThePhysics) {
+  const auto missed = [](Without::Piece piece) {
+    std::string all;
+    for (const std::string &broken : doublet::testing::cloth_solver_violations(
+             [&](std::shared_ptr<const ClothModel> model) { return std::make_shared<Without>(model, piece); }))
+      all += broken + "; ";
+    return all;
+  };
+  EXPECT_TRUE(says(missed(Without::Capsules), "capsules do not hold: a vertex was"));
+  EXPECT_TRUE(says(missed(Without::SecondCapsule), "inside capsule 1"));
+  EXPECT_TRUE(says(missed(Without::PreviousCapsules), "previous_capsules are not heeded"));
+  EXPECT_TRUE(says(missed(Without::PreviousCapsules), "friction with capsules that move is not heeded"));
+  EXPECT_TRUE(says(missed(Without::PreviousTargets), "previous_targets are not heeded"));
+  EXPECT_TRUE(says(missed(Without::Wind), "wind is not heeded"));
+  EXPECT_TRUE(says(missed(Without::Gravity), "where the gravity of its inputs points"));
+  EXPECT_TRUE(says(missed(Without::Time), "dt is not heeded"));
+  EXPECT_TRUE(says(missed(Without::Blend), "blended vertices are not drawn to their targets"));
+  EXPECT_TRUE(says(missed(Without::NormalDrag), "d_n does not slow"));
+  EXPECT_TRUE(says(missed(Without::TangentialDrag), "d_t does not slow"));
+  EXPECT_TRUE(says(missed(Without::Stretch), "cloth does not keep its length"));
+  EXPECT_TRUE(says(missed(Without::Softness), "k_stretch is not heeded"));
+  EXPECT_TRUE(says(missed(Without::Friction), "k_friction is not heeded"));
+  EXPECT_TRUE(says(missed(Without::Constraints), "cloth does not keep its length"));
+}
+
+/// Nor is an honest one condemned, whatever its settings.
+TEST(Conformance, OurSolverConformsInEverySetting) {
+  ClothOptions fine, plain = ClothOptions::paper();
+  fine.iterations = 2, fine.substeps = 12;
+  plain.substeps = 2;
+  for (const ClothOptions &options : {ClothOptions::paper(), plain, fine}) {
+    const auto make = [&](const std::shared_ptr<const ClothModel> &asked) {
+      ClothOptions own = options;
+      own.gravity = asked->options().gravity;
+      return std::shared_ptr<const ClothSolver>(std::make_shared<Set>(asked, own));
+    };
+    for (const std::string &broken : doublet::testing::cloth_solver_violations(make))
+      ADD_FAILURE() << options.iterations << " x " << options.substeps << ": " << broken;
+  }
+  for (const int lanes : {1, 4})
+    for (const std::string &broken : doublet::testing::cloth_solver_violations(
+             [&](std::shared_ptr<const ClothModel> model) { return detail::create_with_lanes(std::move(model), lanes); }))
+      ADD_FAILURE() << lanes << " lanes: " << broken;
 }
 
 /// A solver that breaks its word is stopped before what it left is used.

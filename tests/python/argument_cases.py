@@ -292,6 +292,7 @@ ELSEWHERE = {
     "limb_search_violations", "performance_capture_violations", "cloth_solver_violations",
     "optimizer_violations", "objective_violations",
     "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
+    "measure_observations",
     "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
 }  # fmt: skip
 
@@ -315,9 +316,11 @@ def ring_of_discs() -> dict:
 class Discs(d.FrameSource):
     """One frame of what ring_of_discs() shows."""
 
+    @property
     def frame_count(self):
         return 1
 
+    @property
     def camera_count(self):
         return 4
 

@@ -1,7 +1,9 @@
 """doublet as a user's CMake project sees it: installed, inside the tree, and the cloth library alone."""
 
 import os
+import shutil
 import subprocess
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -19,8 +21,14 @@ def build_dir():
     return Path(folder)
 
 
+#: What was compiled in another temporary folder need not be compiled again.
+CACHED = {**os.environ, "CCACHE_BASEDIR": tempfile.gettempdir(), "CCACHE_NOHASHDIR": "1"}
+if shutil.which("ccache"):
+    CACHED["CMAKE_CXX_COMPILER_LAUNCHER"] = "ccache"
+
+
 def run(*command):
-    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=900)
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=900, env=CACHED)
     assert done.returncode == 0, f"{command}\n{done.stdout[-4000:]}\n{done.stderr[-4000:]}"
     return done.stdout
 

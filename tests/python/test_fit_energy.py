@@ -82,3 +82,55 @@ def test_cloth_is_put_on_before_a_first_pose_that_is_bent(shapes):
     observations.views = shapes["views"](frames, faces, observations.cameras)
     (energy,) = d.material_energy(simulator, performance, observations, [material], d.EnergyOptions(dt=1 / 40))
     assert energy < 1.5  # pixels^2
+
+
+class Bell(d.FrameSource):
+    """Masks of surfaces that are known."""
+
+    def __init__(self, surface, cameras):
+        super().__init__()
+        self.surface, self.cameras = surface, cameras
+
+    @property
+    def frame_count(self):
+        return len(self.surface)
+
+    @property
+    def camera_count(self):
+        return len(self.cameras)
+
+    def image(self, camera, frame):
+        return np.zeros((0, 0, 3), np.uint8)
+
+    def mask(self, camera, frame):
+        seen, _ = d.rasterize(self.surface.frames[frame], self.surface.faces, self.cameras[camera])
+        return np.where(seen >= 0, 255, 0).astype(np.uint8)
+
+
+class MarkerSystem(d.PerformanceCapture):
+    """A tracker that knows the poses from elsewhere, and has the library measure what the fit wants to see."""
+
+    def __init__(self, performance):
+        super().__init__()
+        self.performance = performance
+
+    def capture(self, actor, rig, frames, extractor=None, context=None):
+        result = d.CaptureResult()
+        result.performance = self.performance
+        result.observations = d.measure_observations(rig, frames, extractor, list(self.performance.frames))
+        return result
+
+
+def test_a_tracker_of_ones_own_goes_on_to_the_fit(captured, bell):
+    actor, cameras = d.read_actor(bell / "actor.npz"), d.read_observations(bell / "observations.npz").cameras
+    simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [], d.ClothOptions.paper())
+    film = Bell(captured.surface, cameras)
+    found = MarkerSystem(captured).capture(actor, cameras, film)
+    assert len(found.observations.views) == len(captured.surface)
+    objective = d.MaterialObjective(simulator, found.performance, found.observations)
+    light, true, heavy = objective.energies([[d.Material(d_n=n, d_t=4.9, k_bend=0.3, k_stretch=0.999)] for n in (0, 4, 20)])[:, 0]
+    assert true < min(light, heavy)
+    fit = d.FitOptions(max_evaluations=8, initial_design_size=4)
+    fit.energy, fit.space = d.EnergyOptions(dt=1 / 40), d.ParameterSpace(names=["d_n"])
+    (region,) = d.estimate_material(simulator, found.performance, found.observations, fit).to_dict()["regions"]
+    assert 0 < region["energy"] <= region["energy_at_centre"]

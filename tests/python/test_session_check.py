@@ -50,9 +50,11 @@ class Filmed(d.FrameSource):
         super().__init__()
         self.masks = masks  # [camera], or {(camera, frame): mask}
 
+    @property
     def frame_count(self):
         return 20
 
+    @property
     def camera_count(self):
         return CAMERAS
 

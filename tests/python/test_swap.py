@@ -2,6 +2,7 @@
 
 import runpy
 import sys
+import warnings
 from pathlib import Path
 
 import doublet as d
@@ -302,3 +303,85 @@ class Distance(d.Objective):
 def test_the_kit_for_objectives():
     assert testing.objective_violations(Distance(shared=False)) == []
     assert testing.objective_violations(Distance(shared=True)) == ["a sample alone has another energy than among others"]
+
+
+DERIVED = runpy.run_path(str(ROOT / "tests" / "consumer" / "derived.py"))
+
+
+def test_what_a_typed_user_derives_keeps_the_rules(world):
+    images = np.zeros((2, 3, 8, 8, 3), np.uint8)
+    images[:, :, 2:6, 3:5] = 200
+    film, bright = DERIVED["Film"](images), DERIVED["Bright"]()
+    assert (film.camera_count, film.frame_count) == (2, 3)
+    assert testing.frame_source_violations(film) == []
+    assert d.read_view(film, 1, 2, bright).mask.sum() == 8 * 255
+    assert testing.body_model_violations(DERIVED["Growing"]()) == []
+    assert testing.objective_violations(DERIVED["Distance"]()) == []
+    assert testing.optimizer_violations(lambda dimension, seed: DERIVED["Halving"](dimension)) == []
+    assert testing.garment_mesher_violations(DERIVED["Meshed"](), world.actor, world.segmentation) == []
+    assert any(s.startswith("cloth falls: the solver threw") for s in testing.cloth_solver_violations(DERIVED["AsStiffAsSkin"]))
+    found = d.minimise(DERIVED["Distance"](), DERIVED["solvers"]())
+    np.testing.assert_allclose(found.parts[0].best, 0.6, atol=0.01)
+
+
+def test_counts_of_a_film_are_properties_and_methods_are_old():
+    def film(**members):
+        empty = {"image": lambda self, c, t: np.zeros((4, 4, 3), np.uint8), "mask": lambda self, c, t: np.zeros((0, 0), np.uint8)}
+        return type("Own", (d.FrameSource,), {**empty, **members})
+
+    counts = {"frame_count": property(lambda self: 2), "camera_count": property(lambda self: 1)}
+    assert testing.frame_source_violations(film(**counts)()) == []
+    with pytest.warns(DeprecationWarning, match="Own.frame_count as a method is deprecated: make it a property"):
+        old = film(frame_count=lambda self: 2, camera_count=counts["camera_count"])()
+    assert (old.frame_count, old.camera_count) == (2, 1)  # to callers, too
+    assert testing.frame_source_violations(old) == []
+    (said,) = testing.frame_source_violations(film(camera_count=counts["camera_count"])())
+    assert "FrameSource.frame_count is not defined by the subclass" in said
+    (said,) = testing.frame_source_violations(film(frame_count="two", camera_count=counts["camera_count"])())
+    assert "FrameSource.frame_count must be a whole number, found str" in said
+
+
+def test_advance_is_there_to_be_found():
+    assert "advance" in dir(d.ClothSolver)
+    model = d.ClothModel(np.eye(3), np.array([[0, 1, 2]]), np.ones(3))
+    with pytest.raises(RuntimeError, match="for subclasses to define; call step_batch"):
+        d.ClothSolver.create(model).advance([d.ClothState(np.eye(3))], [d.StepInputs()], [d.Material()], 1)
+
+
+def arrays_of(value, seen):
+    """(class, property, object) of every property that is an array, of all that can be reached."""
+    kind = type(value)
+    if isinstance(value, (list, tuple)) and value:
+        yield from arrays_of(value[0], seen)
+    if not kind.__module__.startswith("doublet") or kind in seen:
+        return
+    seen.add(kind)
+    for name in (n for n in dir(kind) if isinstance(getattr(kind, n), property)):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # old names
+            found = getattr(value, name)
+        if isinstance(found, np.ndarray):
+            yield kind.__name__, name, value
+        else:
+            yield from arrays_of(found, seen)
+
+
+def test_no_array_of_a_class_swallows_what_is_written_to_it(world):
+    """It is a view, or it cannot be written to."""
+    seen, tried = set(), 0
+    parts = [getattr(world, name) for name in dir(world) if not name.startswith("_")]
+    parts += [d.trace_outline(np.pad(np.full((4, 4), 255, np.uint8), 4)), d.Features(np.zeros((2, 2)), np.zeros((2, 1)))]
+    parts += [d.ClothState(np.eye(3)), d.CameraView(np.zeros((2, 2, 3), np.uint8)), d.SegmentInputs(world.performance.surface)]
+    for owner, name, value in (found for part in parts for found in arrays_of(part, seen)):
+        array = getattr(value, name)
+        tried += 1
+        if array.flags.writeable and array.size:
+            before = array.copy()
+            array.flat[0] += 1
+            assert not np.array_equal(getattr(value, name), before, equal_nan=True), f"{owner}.{name}"
+            array.flat[0] = before.flat[0]
+    assert tried > 40
+    with pytest.raises(ValueError, match="read-only"):
+        world.performance.surface.frames[0][:] = 1
+    with pytest.raises(ValueError, match="read-only"):
+        world.actor.face_valid[0] = 0

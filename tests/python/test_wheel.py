@@ -77,9 +77,11 @@ def test_it_runs_in_a_clean_environment_without_a_compiler(elsewhere, tmp_path):
 
 def test_a_users_script_is_sound_to_a_strict_type_checker(tmp_path):
     """The package says what it is (py.typed); a mistake in the script is found, and nothing else."""
-    script = ROOT / "tests" / "consumer" / "script.py"
+    script, derived = (ROOT / "tests" / "consumer" / name for name in ("script.py", "derived.py"))
     wrong = tmp_path / "wrong.py"
     wrong.write_text(script.read_text(encoding="utf-8").replace("d.SourceMotion.read(clip)", "d.SourceMotion.read(3.5)"))
+    other = tmp_path / "other.py"
+    other.write_text(derived.read_text(encoding="utf-8").replace("lambda dimension, seed: Halving", "lambda dimension: Halving"))
 
     def check(path):
         command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", path]
@@ -87,3 +89,5 @@ def test_a_users_script_is_sound_to_a_strict_type_checker(tmp_path):
 
     assert "Success: no issues found" in check(script)
     assert "Argument 1" in check(wrong)
+    assert "Success: no issues found" in check(derived)
+    assert "Incompatible types in assignment" in check(other)

@@ -27,7 +27,23 @@ private:
 };
 
 TEST(Conformance, TheKitCatchesACarelessSegmenter) {
-  EXPECT_EQ(testing::cloth_segmenter_violations(Careless()).size(), 5u); // range, regions, rigid, bits, refusal
+  EXPECT_EQ(testing::cloth_segmenter_violations(Careless()).size(), 6u); // range, regions, swaying, rigid, bits, refusal
+}
+
+/// Nothing is cloth.
+class Blind : public ClothSegmenter {
+public:
+  Segmentation segment(const SegmentInputs &inputs, const Context &) const override {
+    if (inputs.surface.frames.size() < 2)
+      throw std::invalid_argument("one frame");
+    const Eigen::Index n = inputs.surface.frames[0].rows();
+    return {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXi::Constant(n, -1), 0};
+  }
+};
+
+TEST(Conformance, TheKitCatchesABlindSegmenter) {
+  EXPECT_EQ(testing::cloth_segmenter_violations(Blind()),
+            std::vector<std::string>{"what sways is no more cloth than what stands still"});
 }
 
 } // namespace

@@ -157,6 +157,24 @@ TEST(GarmentConformance, TheKitCatchesASaggingOne) {
   EXPECT_EQ(broken.size(), 3u); // other bits, vertices without cloth, no refusal
 }
 
+/// Ours, a size too large.
+class TooLarge : public GarmentMesher {
+public:
+  Garment mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
+               const Context &context) const override {
+    Garment garment = GarmentMesher::create(small_garment())->mesh(actor, segmentation, body, captured, context);
+    garment.mesh.vertices *= 1.3;
+    return garment;
+  }
+};
+
+TEST(GarmentConformance, TheKitCatchesOneThatIsTooLarge) {
+  const Person person;
+  const auto broken = doublet::testing::garment_mesher_violations(TooLarge(), person.actor, person.segmentation);
+  ASSERT_EQ(broken.size(), 1u);
+  EXPECT_NE(broken[0].find("not where the cloth is"), std::string::npos) << broken[0];
+}
+
 TEST(GarmentMesher, ASkirtHangsOnItsSeamAndHasOneHem) {
   const Person person;
   const Garment garment = garment_of(person);

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'material_energy', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -151,7 +151,7 @@ class MeshSequence:
     @property
     def frames(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (T, V, 3) m; a copy
+        (T, V, 3) m; a copy that cannot be written to: set it as a whole
         """
     @frames.setter
     def frames(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
@@ -426,7 +426,7 @@ class ReferencePerformance:
     @property
     def joints(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        (T, J, 3) m; a copy
+        (T, J, 3) m; a copy that cannot be written to: set it as a whole
         """
     @joints.setter
     def joints(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> None:
@@ -985,11 +985,11 @@ class FrameSource:
         """
     def __init__(self) -> None:
         ...
-    def image(self, camera: int, frame: int) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def image(self, camera: int, frame: int) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W, 3) uint8, BGR
         """
-    def mask(self, camera: int, frame: int) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def mask(self, camera: int, frame: int) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W) uint8, 255 = actor
         """
@@ -1199,15 +1199,15 @@ class SilhouetteExtractor:
         """
     def __init__(self) -> None:
         ...
-    def extract(self, camera: int, image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def extract(self, camera: int, image: numpy.typing.NDArray[numpy.uint8]) -> numpy.typing.NDArray[numpy.uint8]:
         """
         Mask (H, W), 255 = actor.
         """
-    def learn_actor(self, camera: int, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
+    def learn_actor(self, camera: int, images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None:
         """
         Looks at images of the take, after train(): an extractor may learn what the actor looks like.
         """
-    def train(self, camera: int, images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]]) -> None:
+    def train(self, camera: int, images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None:
         """
         Looks at images of one camera before the first mask is made.
         """
@@ -1215,15 +1215,15 @@ class CameraView:
     """
     What a camera shows at a frame.
     """
-    def __init__(self, image: typing.Annotated[numpy.ndarray, numpy.uint8] = ..., mask: typing.Annotated[numpy.ndarray, numpy.uint8] = ...) -> None:
+    def __init__(self, image: numpy.typing.NDArray[numpy.uint8] = ..., mask: numpy.typing.NDArray[numpy.uint8] = ...) -> None:
         ...
     @property
-    def image(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def image(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W, 3) uint8, BGR; (0, 0) = nothing
         """
     @property
-    def mask(self) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def mask(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W) uint8, 255 = actor; (0, 0) = none
         """
@@ -1731,7 +1731,7 @@ class FeatureTracker:
         """
     def __init__(self) -> None:
         ...
-    def detect(self, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8]) -> Features:
+    def detect(self, image: numpy.typing.NDArray[numpy.uint8], mask: numpy.typing.NDArray[numpy.uint8]) -> Features:
         """
         Features of an image (H, W, 3) inside its mask (H, W). Called from many threads.
         """
@@ -2250,7 +2250,7 @@ class LimbProblem:
         a copy
         """
     @property
-    def masks(self) -> list[typing.Annotated[numpy.ndarray, numpy.uint8]]:
+    def masks(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
         """
         measured, one a camera; empty = no part
         """
@@ -2285,7 +2285,7 @@ class LimbSearch:
         """
     def __init__(self) -> None:
         ...
-    def search(self, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], lost: collections.abc.Sequence[Limb], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
+    def search(self, problem: LimbProblem, dofs: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], lost: collections.abc.Sequence[Limb], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
         """
         (D) the pose `dofs` with the lost limbs sought anew.
         """
@@ -3191,7 +3191,7 @@ class PerformanceCapture:
         """
     def __init__(self) -> None:
         ...
-    def capture(self, actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor, context: Context = ...) -> CaptureResult:
+    def capture(self, actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None, context: Context = ...) -> CaptureResult:
         """
         Tracks all frames. extractor: None if all cameras have masks.
         """
@@ -3697,15 +3697,15 @@ class BodyModel:
         """
         (B, 3) m per standard deviation
         """
-    def joints(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+    def joints(self, coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
         """
         The same of the model's own joints, in the order of joint_names.
         """
-    def linearise(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], chosen: collections.abc.Sequence[int]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
+    def linearise(self, coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"], chosen: collections.abc.Sequence[int]) -> tuple[typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"], typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]]:
         """
         The chosen vertices (n, 3) m and their derivatives (3n, K) m per standard deviation.
         """
-    def vertices(self, coefficients: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+    def vertices(self, coefficients: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
         (B, 3) m
         """
@@ -3932,7 +3932,7 @@ class BodyFitter:
         """
     def __init__(self) -> None:
         ...
-    def fit(self, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]], context: Context = ...) -> BodyFit:
+    def fit(self, actor: RiggedMesh, segmentation: Segmentation, model: BodyModel, landmarks: collections.abc.Mapping[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]], context: Context = ...) -> BodyFit:
         """
         The body under the clothes. landmarks: name -> point, m.
         """
@@ -4523,6 +4523,10 @@ class ClothSolver:
         """
     def __init__(self, model: ClothModel) -> None:
         ...
+    def advance(self, states: collections.abc.Sequence[ClothState], inputs: collections.abc.Sequence[StepInputs], materials: collections.abc.Sequence[Material], threads: int) -> list[int] | None:
+        """
+        For subclasses to define, and for step_batch to call: changes the states in place; returns the indices of those that came out not finite, or None.
+        """
     def step(self, state: ClothState, inputs: StepInputs, material: Material) -> None:
         """
         Advances the state by one frame.
@@ -4620,7 +4624,7 @@ class CharacterSimulator:
     """
     The forward model: pose in, surface out.
     """
-    def __init__(self, actor: RiggedMesh, segmentation: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: typing.Any = None) -> None:
+    def __init__(self, actor: RiggedMesh, segmentation: Segmentation, proxies: collections.abc.Sequence[TaperedCapsule], options: ClothOptions = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> None:
         """
         make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.
         """
@@ -5289,7 +5293,7 @@ class Player:
     """
     A character that is moved as it is watched: a pose in, a surface out, a frame at a time. The arrays of the AnimationFrame that it returns are views, which the next step writes over: copy what you keep.
     """
-    def __init__(self, character: Character, options: AnimateOptions = ..., make_solver: typing.Any = None) -> None:
+    def __init__(self, character: Character, options: AnimateOptions = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> None:
         """
         Stands in the rest pose; begin with reset(). make_solver: as of CharacterSimulator.
         """
@@ -5477,7 +5481,7 @@ class CharacterRenderer:
         """
         The RenderMesh objects of a frame.
         """
-    def render(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+    def render(self, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], high: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], body: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], camera: Camera, options: RenderOptions = ...) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (H, W, 3) uint8, BGR
         """
@@ -5706,7 +5710,7 @@ class Optimizer:
         """
         Is the search over?
         """
-    def tell(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], energies: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
+    def tell(self, samples: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"], energies: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]) -> None:
         """
         samples (S, n) as asked, energies (S); lower is better.
         """
@@ -6034,7 +6038,7 @@ class Objective:
     """
     def __init__(self) -> None:
         ...
-    def evaluate(self, samples: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+    def evaluate(self, samples: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"], context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
         """
         samples (S, parts * n) in [0, 1] -> energies (S, parts)
         """
@@ -6064,7 +6068,7 @@ class MinimiseOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, seed: int = 1, penalty: float = 16.0, relative_penalty: bool = True, expected_evaluations: int = 512, budget: int = 0, checkpoint: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[MinimiseResult], None] = ..., problem: str = ...) -> None:
+    def __init__(self, *, seed: int = 1, penalty: float = 16.0, relative_penalty: bool = True, expected_evaluations: int = 512, budget: int = 0, checkpoint: os.PathLike | str | bytes = ..., make_optimizer: collections.abc.Callable[[int, int], Optimizer] | None = ..., on_generation: collections.abc.Callable[[MinimiseResult], None] = ..., problem: str = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6101,12 +6105,12 @@ class MinimiseOptions:
     def expected_evaluations(self, value: int) -> None:
         ...
     @property
-    def make_optimizer(self) -> None:
+    def make_optimizer(self) -> collections.abc.Callable[[int, int], Optimizer] | None:
         """
         make_optimizer(dimension, seed) -> Optimizer; None = CMA-ES. Cannot be read back.
         """
     @make_optimizer.setter
-    def make_optimizer(self, value: typing.Any) -> None:
+    def make_optimizer(self, value: collections.abc.Callable[[int, int], Optimizer] | None) -> None:
         ...
     @property
     def on_generation(self) -> collections.abc.Callable[[MinimiseResult], None]:
@@ -6485,7 +6489,7 @@ class FitOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, initial_design_size: int = 64, min_gain: float = 0.02, initial_sigma: float = 0.3, min_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: typing.Any = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
+    def __init__(self, *, seed: int = 1, seeds: int = 1, max_evaluations: int = 512, population: int = 0, initial_design_size: int = 64, min_gain: float = 0.02, initial_sigma: float = 0.3, min_deviation: float = 0.025, stagnation: float = 0.0, penalty: float = 16.0, relative_penalty: bool = True, optimizer: typing.Literal['bayesian', 'cma-es', 'annealing'] = 'bayesian', space: ParameterSpace = ..., energy: EnergyOptions = ..., checkpoint: os.PathLike | str | bytes = ..., log: os.PathLike | str | bytes = ..., make_optimizer: collections.abc.Callable[[int, int], Optimizer] | None = ..., on_generation: collections.abc.Callable[[...], None] = ...) -> None:
         """
         Every field may be given by keyword.
         """
@@ -6538,12 +6542,12 @@ class FitOptions:
     def log(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
-    def make_optimizer(self) -> None:
+    def make_optimizer(self) -> collections.abc.Callable[[int, int], Optimizer] | None:
         """
         make_optimizer(dimension, seed) -> Optimizer; None = the one that `optimizer` names. Cannot be read back.
         """
     @make_optimizer.setter
-    def make_optimizer(self, value: typing.Any) -> None:
+    def make_optimizer(self, value: collections.abc.Callable[[int, int], Optimizer] | None) -> None:
         ...
     @property
     def max_evaluations(self) -> int:
@@ -6689,11 +6693,11 @@ class FitResult:
         """
         SolverSettings, without which the materials mean nothing
         """
-def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> AnimationResult:
+def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> AnimationResult:
     """
     The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers. make_solver: as of CharacterSimulator.
     """
-def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ..., make_solver: typing.Any = None) -> int:
+def animate_each(character: Character, motion: Motion, frame: collections.abc.Callable[[AnimationFrame], None], options: AnimateOptions = ..., context: Context = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> int:
     """
     animate(), but calls frame(AnimationFrame) in order and keeps nothing.
     """
@@ -6741,7 +6745,7 @@ def cloth_segmenter_violations(segmenter: ClothSegmenter) -> list[str]:
     """
     One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.
     """
-def cloth_solver_violations(make_solver: typing.Any) -> list[str]:
+def cloth_solver_violations(make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None) -> list[str]:
     """
     One sentence for each rule that the solvers of make_solver(model) break; of None, ours: the rest state rests, cloth falls, pinned vertices obey, a copied state replays, company and threads change nothing, the corners of the material box stay finite, wrong input is refused.
     """
@@ -6809,7 +6813,7 @@ def face_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float6
     """
     (F, 3) unit; zero for degenerate faces.
     """
-def feature_tracker_violations(tracker: FeatureTracker, image: typing.Annotated[numpy.ndarray, numpy.uint8], mask: typing.Annotated[numpy.ndarray, numpy.uint8], reach: float) -> list[str]:
+def feature_tracker_violations(tracker: FeatureTracker, image: numpy.typing.NDArray[numpy.uint8], mask: numpy.typing.NDArray[numpy.uint8], reach: float) -> list[str]:
     """
     The same of a FeatureTracker, on an image of yours; reach in pixels.
     """
@@ -6825,7 +6829,7 @@ def find_limbs(skeleton: Skeleton) -> list[Limb]:
     """
     The limbs of a skeleton by its topology.
     """
-def find_start_frame(scan: Mesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor = None, context: Context = ...) -> StartFrame:
+def find_start_frame(scan: Mesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None, context: Context = ...) -> StartFrame:
     """
     Frame 0 if it is in the scan's pose, moved and turned about the vertical, otherwise the frame that comes nearest -> StartFrame.
     """
@@ -6857,6 +6861,10 @@ def material_energy(simulator: CharacterSimulator, performance: ReferencePerform
     """
     One E_fit a region, pixels^2, of one material a region.
     """
+def measure_observations(rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None, numbers: collections.abc.Sequence[int] = [], tracker: FeatureTracker | None = None, options: FeatureTrackerOptions = ..., context: Context = ...) -> Observations:
+    """
+    Observations of a take without tracking it, as the capture measures them: outlines of the frames `numbers` (none = all), and, with a FeatureTracker, features matched with the frame before. extractor: trained, for frames without a ready mask.
+    """
 def mesh_garment(actor: RiggedMesh, segmentation: Segmentation, body: Mesh, captured: MeshSequence, options: GarmentOptions = ..., context: Context = ...) -> Garment:
     """
     All cloth of the actor as a mesh of its own, in one call.
@@ -6869,7 +6877,7 @@ def objective_violations(objective: Objective) -> list[str]:
     """
     One sentence for each rule that an Objective breaks: shapes, finite energies, the same again and in any company, refusals.
     """
-def optimizer_violations(make_optimizer: typing.Any) -> list[str]:
+def optimizer_violations(make_optimizer: collections.abc.Callable[[int, int], Optimizer] | None) -> list[str]:
     """
     One sentence for each rule that the optimisers of make_optimizer(dimension, seed) break: shapes, seeds, a paraboloid is brought down, refusals.
     """
@@ -6877,7 +6885,7 @@ def orbit_camera(target: typing.Annotated[numpy.typing.ArrayLike, numpy.float64,
     """
     Looks at target from azimuth (rad, 0 = from +Z) and elevation.
     """
-def performance_capture_violations(capture: ..., actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor = None) -> list[str]:
+def performance_capture_violations(capture: ..., actor: RiggedMesh, rig: collections.abc.Sequence[Camera], frames: FrameSource, extractor: SilhouetteExtractor | None = None) -> list[str]:
     """
     The same of a PerformanceCapture, on a short film of yours, which it captures twice.
     """
@@ -6949,7 +6957,7 @@ def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[nump
     """
     simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.
     """
-def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor = None) -> CameraView:
+def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor | None = None) -> CameraView:
     """
     The image, and the ready mask or, where there is none, the extractor's -> CameraView.
     """
@@ -6961,7 +6969,7 @@ def refine_rest_pose(actor: RiggedMesh, performance: ReferencePerformance, rigid
     """
     (V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least have them.
     """
-def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> typing.Annotated[numpy.ndarray, numpy.uint8]:
+def render(meshes: collections.abc.Sequence[RenderMesh], camera: Camera, options: RenderOptions = ...) -> numpy.typing.NDArray[numpy.uint8]:
     """
     (H, W, 3) uint8, BGR
     """
@@ -6981,13 +6989,13 @@ def rig_template(surface: Template, joints: collections.abc.Sequence[JointAnnota
     """
     Skeleton from the marked joints and skin weights -> RiggedMesh.
     """
-def sample_colours(mesh: Mesh, face_valid: numpy.typing.ArrayLike, cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+def sample_colours(mesh: Mesh, face_valid: numpy.typing.ArrayLike, cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], masks: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
     """
     (10 F, 3) B G R, 0 to 255, at 10 points of every face, NaN where no camera sees it: for SegmentInputs.colours.
     """
-def scan_from_views(rig: collections.abc.Sequence[Camera], views: collections.abc.Sequence[CameraView], options: ViewScanOptions = ..., context: Context = ...) -> Mesh:
+def scan_from_views(rig: collections.abc.Sequence[Camera], views: collections.abc.Sequence[CameraView], options: ViewScanOptions = ..., context: Context = ..., body: Mesh | None = None) -> Mesh:
     """
-    Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a camera, of one frame.
+    Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a camera, of one frame; body: a fitted one, from which the surface is no farther than the outlines are.
     """
 def segment_cloth(sequence: MeshSequence, face_valid: numpy.typing.ArrayLike, options: SegmentOptions = ..., context: Context = ...) -> Segmentation:
     """
@@ -7009,7 +7017,7 @@ def session_silhouettes(session: Session, frames: FrameSource, options: Silhouet
     """
     A trained extractor for the cameras without ready masks; None if all have some.
     """
-def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], image: typing.Annotated[numpy.ndarray, numpy.uint8]) -> list[str]:
+def silhouette_extractor_violations(extractor: SilhouetteExtractor, training: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], image: numpy.typing.NDArray[numpy.uint8]) -> list[str]:
     """
     The same of a SilhouetteExtractor, trained and tried with images of yours.
     """
@@ -7037,11 +7045,11 @@ def surface_refiner_violations(refiner: SurfaceRefiner, problem: SurfaceProblem)
     """
     The same of a SurfaceRefiner, on a problem that it was given.
     """
-def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]], masks: collections.abc.Sequence[typing.Annotated[numpy.ndarray, numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
+def texture_character(character: Character, surface: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], cameras: collections.abc.Sequence[Camera], images: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], masks: collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]] = [], options: TextureOptions = ..., context: Context = ...) -> float:
     """
     Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.
     """
-def trace_outline(mask: typing.Annotated[numpy.ndarray, numpy.uint8], margin: int = 2) -> Outline:
+def trace_outline(mask: numpy.typing.NDArray[numpy.uint8], margin: int = 2) -> Outline:
     """
     Boundary of a mask (H, W).
     """

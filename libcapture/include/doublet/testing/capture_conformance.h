@@ -9,8 +9,10 @@
 #include "doublet/capture/session.h"
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/capture/surface_refiner.h"
+#include "doublet/core/rasterizer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <functional>
 #include <stdexcept>
@@ -28,6 +30,30 @@ inline bool same(const Image &a, const Image &b) {
 inline bool is_mask(const Image &image) {
   return image.channels == 1 &&
          std::all_of(image.data.begin(), image.data.end(), [](std::uint8_t value) { return value == 0 || value == 255; });
+}
+
+/// Of an image or none, and a mask or none.
+inline std::vector<std::string> what_is_wrong(const Image &image, const Image &mask) {
+  std::vector<std::string> wrong;
+  if (!image.empty() && image.channels != 3)
+    wrong.push_back("expected an image of 3 channels, found " + std::to_string(image.channels));
+  if (!mask.empty() && !is_mask(mask))
+    wrong.push_back("a mask has other values than 0 and 255, or more than one channel");
+  if (!image.empty() && !mask.empty() && (image.width != mask.width || image.height != mask.height))
+    wrong.push_back("image and mask differ in size");
+  return wrong;
+}
+
+/// Mean overlap of a surface with the ready masks of a frame; 1 if there are none.
+inline double overlap(const Vertices &surface, const Faces &faces, const CameraRig &rig, FrameSource &frames, int frame) {
+  double sum = 0, count = 0;
+  for (std::size_t camera = 0; camera < rig.size(); ++camera)
+    if (const Image mask = frames.mask(static_cast<int>(camera), frame);
+        mask.width == rig[camera].width && mask.height == rig[camera].height) {
+      sum += mask_iou(silhouette(rasterize(surface, faces, rig[camera])), mask);
+      count += 1;
+    }
+  return count > 0 ? sum / count : 1;
 }
 
 /// What `rules` adds to the list, and a sentence if it throws.
@@ -53,17 +79,14 @@ inline std::vector<std::string> frame_source_violations(FrameSource &frames) {
     }
     for (int camera = 0; camera < frames.camera_count(); ++camera) {
       const std::string where = "camera " + std::to_string(camera);
+      const int last = frames.frame_count() - 1;
       const Image image = frames.image(camera, 0), mask = frames.mask(camera, 0);
       if (image.empty() && mask.empty())
         broken.push_back(where + ": frame 0 has neither an image nor a mask");
-      if (!image.empty() && image.channels != 3)
-        broken.push_back(where + ": expected an image of 3 channels, found " + std::to_string(image.channels));
-      if (!mask.empty() && !detail::is_mask(mask))
-        broken.push_back(where + ": a mask has other values than 0 and 255, or more than one channel");
-      if (!image.empty() && !mask.empty() && (image.width != mask.width || image.height != mask.height))
-        broken.push_back(where + ": image and mask differ in size");
-      const int last = frames.frame_count() - 1;
-      const Image later = frames.image(camera, last);
+      const Image later = frames.image(camera, last), later_mask = frames.mask(camera, last);
+      const auto wrong = detail::what_is_wrong(image, mask), wrong_later = detail::what_is_wrong(later, later_mask);
+      for (const std::string &what : wrong.empty() ? wrong_later : wrong)
+        broken.push_back(where + ": " + what);
       if (!image.empty() && !later.empty() && (image.width != later.width || image.height != later.height))
         broken.push_back(where + ": frames differ in size");
       if (!detail::same(image, frames.image(camera, 0)) || !detail::same(mask, frames.mask(camera, 0)))
@@ -72,8 +95,8 @@ inline std::vector<std::string> frame_source_violations(FrameSource &frames) {
   });
 }
 
-/// Trained with `training`, it makes a mask of the size of `image`, the same one twice; before that, or from an image of one
-/// channel, std::invalid_argument.
+/// Trained with `training`, it makes a mask of the size of `image`, in which some is the actor and some is not, the same one
+/// twice; before that, or from an image of one channel, it throws.
 inline std::vector<std::string> silhouette_extractor_violations(SilhouetteExtractor &extractor,
                                                                 const std::vector<Image> &training, const Image &image) {
   return detail::tried("the extractor", [&](std::vector<std::string> &broken) {
@@ -81,7 +104,7 @@ inline std::vector<std::string> silhouette_extractor_violations(SilhouetteExtrac
       try {
         extractor.extract(0, wrong);
         broken.push_back(what + " is not refused");
-      } catch (const std::invalid_argument &) {
+      } catch (const std::exception &) { // of whatever kind: Python has its own
       }
     };
     refuses(image, "a camera that was not trained");
@@ -89,13 +112,17 @@ inline std::vector<std::string> silhouette_extractor_violations(SilhouetteExtrac
     const Image mask = extractor.extract(0, image);
     if (mask.width != image.width || mask.height != image.height || !detail::is_mask(mask))
       broken.push_back("expected a mask of 0 and 255 of the image's size");
+    else if (const auto inside = std::count(mask.data.begin(), mask.data.end(), 255);
+             inside == 0 || inside == static_cast<std::ptrdiff_t>(mask.data.size()))
+      broken.push_back(inside ? "all of an image is taken for the actor" : "no actor is found in an image that shows one");
     if (!detail::same(mask, extractor.extract(0, image)))
       broken.push_back("a second call gives another mask");
     refuses(Image(image.width, image.height, 1), "an image of one channel");
   });
 }
 
-/// Features lie in the mask, one descriptor each, the same ones twice; matches are indices, none twice, none beyond `reach`.
+/// Features lie in the mask, one descriptor each, the same ones twice; matches are indices, none twice, none beyond `reach`; and
+/// an image, which has something to track, matches itself.
 inline std::vector<std::string> feature_tracker_violations(const FeatureTracker &tracker, const Image &image, const Image &mask,
                                                            double reach) {
   return detail::tried("the tracker", [&](std::vector<std::string> &broken) {
@@ -112,7 +139,13 @@ inline std::vector<std::string> feature_tracker_violations(const FeatureTracker 
       }
     }
     std::vector<char> used(features.points.size(), 0), met(used);
-    for (const auto &[a, b] : tracker.match(features, again, reach)) {
+    const auto matches = tracker.match(features, again, reach);
+    const auto itself =
+        std::count_if(matches.begin(), matches.end(), [](const auto &match) { return match.first == match.second; });
+    if (itself == 0 || itself < static_cast<std::ptrdiff_t>(matches.size()) / 2)
+      broken.push_back("an image does not match itself: of " + std::to_string(features.points.size()) + " features " +
+                       std::to_string(itself) + " meet themselves");
+    for (const auto &[a, b] : matches) {
       const int count = static_cast<int>(used.size());
       if (a < 0 || b < 0 || a >= count || b >= count || used[a]++ || met[b]++) {
         broken.push_back("a match has an index twice, or one that is no feature");
@@ -126,8 +159,8 @@ inline std::vector<std::string> feature_tracker_violations(const FeatureTracker 
   });
 }
 
-/// A finite pose of all degrees of freedom, residuals of at least 0, the same bits from the same problem; and an actor that was
-/// changed where it stands in memory is another actor.
+/// A finite pose of all degrees of freedom, residuals of at least 0, the same bits from the same problem; a start 2 cm beside
+/// ends at the same pose; and an actor that was changed where it stands in memory is another actor.
 inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimizer, const PoseProblem &problem) {
   return detail::tried("the optimizer", [&](std::vector<std::string> &broken) {
     if (!problem.actor)
@@ -140,6 +173,11 @@ inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimiz
       broken.push_back("expected a finite pose and residuals of at least 0");
     if (found.dofs.size() != again.dofs.size() || found.dofs != again.dofs)
       broken.push_back("a second call gives other bits");
+    PoseProblem beside = problem;
+    beside.start[0] += 0.02;
+    const PoseEstimate from_beside = optimizer.optimize(beside, {});
+    if (from_beside.dofs.size() != found.dofs.size() || !(std::abs(from_beside.dofs[0] - found.dofs[0]) < 0.01))
+      broken.push_back("what is seen does not draw the pose: a start 2 cm beside ends beside");
     const auto solved = [&](const RiggedMesh &actor) {
       PoseProblem own = problem;
       own.actor = &actor;
@@ -155,8 +193,8 @@ inline std::vector<std::string> pose_optimizer_violations(PoseOptimizer &optimiz
   });
 }
 
-/// A finite surface of all vertices, residuals of at least 0, the same bits from the same problem; and an actor that was changed
-/// where it stands in memory is another actor.
+/// A finite surface of all vertices, residuals of at least 0, the same bits from the same problem; a base 2 cm beside is drawn
+/// back; and an actor that was changed where it stands in memory is another actor.
 inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refiner, const SurfaceProblem &problem) {
   return detail::tried("the refiner", [&](std::vector<std::string> &broken) {
     if (!problem.actor)
@@ -169,6 +207,11 @@ inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refin
       broken.push_back("expected a finite surface and residuals of at least 0");
     if (found.vertices.rows() != again.vertices.rows() || found.vertices != again.vertices)
       broken.push_back("a second call gives other bits");
+    SurfaceProblem beside = problem;
+    beside.base.col(0).array() += 0.02;
+    const SurfaceEstimate from_beside = refiner.refine(beside, {});
+    if (from_beside.vertices.rows() != found.vertices.rows() || !((from_beside.vertices - found.vertices).col(0).mean() < 0.015))
+      broken.push_back("what is seen does not draw the surface: a base 2 cm beside stays beside");
     const auto refined = [&](const RiggedMesh &actor) {
       SurfaceProblem own = problem;
       own.actor = &actor;
@@ -184,8 +227,9 @@ inline std::vector<std::string> surface_refiner_violations(SurfaceRefiner &refin
   });
 }
 
-/// A finite pose within the limits of the skeleton, in which only the lost limbs have moved; none moves if none is lost; the same
-/// bits from the same problem. `dofs` (D) within the limits; `lost` of find_limbs(), not empty.
+/// A finite pose within the limits of the skeleton, in which only the lost limbs have moved, and are nearer to the masks if they
+/// were lost indeed; none moves if none is lost; the same bits from the same problem. `dofs` (D) within the limits; `lost` of
+/// find_limbs(), not empty.
 inline std::vector<std::string> limb_search_violations(LimbSearch &search, const LimbProblem &problem,
                                                        const Eigen::VectorXd &dofs, const std::vector<Limb> &lost) {
   return detail::tried("the search", [&](std::vector<std::string> &broken) {
@@ -208,6 +252,11 @@ inline std::vector<std::string> limb_search_violations(LimbSearch &search, const
       else if (found[i] < skeleton.lower[i] || found[i] > skeleton.upper[i])
         broken.push_back("degree of freedom " + std::to_string(i) + " is beyond its limits");
     }
+    const LimbSearchOptions usual;
+    const Eigen::VectorXd before = limb_errors(problem, dofs, lost, usual, {}),
+                          after = limb_errors(problem, found, lost, usual, {});
+    if (before.size() > 0 && before.maxCoeff() > usual.lost_error && !(after.sum() < before.sum()))
+      broken.push_back("lost limbs are no nearer to the masks than they were");
     if (again.size() != found.size() || again != found)
       broken.push_back("a second call gives other bits");
     if (const Eigen::VectorXd kept = search.search(problem, dofs, {}, {}); kept.size() != dofs.size() || kept != dofs)
@@ -215,8 +264,9 @@ inline std::vector<std::string> limb_search_violations(LimbSearch &search, const
   });
 }
 
-/// A performance of the actor and observations of as many frames and cameras, in the order of the film; the same bits a second
-/// time; a rig of another number of cameras is refused. As PerformanceCapture::capture.
+/// A performance of the actor and observations of as many frames and cameras, in the order of the film; its surface covers the
+/// ready masks of the last frame, if there are any; the same bits a second time; a rig of another number of cameras is refused.
+/// As PerformanceCapture::capture.
 inline std::vector<std::string> performance_capture_violations(PerformanceCapture &capture, const RiggedMesh &actor,
                                                                const CameraRig &rig, FrameSource &frames,
                                                                const SilhouetteExtractor *extractor = nullptr) {
@@ -233,6 +283,11 @@ inline std::vector<std::string> performance_capture_violations(PerformanceCaptur
     if (numbers.size() != count || !std::is_sorted(numbers.begin(), numbers.end(), std::less_equal<>()) || numbers.front() < 0 ||
         numbers.back() >= frames.frame_count())
       broken.push_back("expected a frame number of the film for each frame, in rising order");
+    else if (const double covered =
+                 detail::overlap(found.performance.surface.frames.back(), actor.mesh.faces, rig, frames, numbers.back());
+             covered < 0.5)
+      broken.push_back("the captured surface is not where the cameras see the actor: it overlaps the masks of frame " +
+                       std::to_string(numbers.back()) + " by " + std::to_string(covered));
     const Observations &seen = found.observations;
     if (seen.frames != numbers || seen.views.size() != count || seen.cameras.size() != rig.size())
       broken.push_back("expected observations of the same frames, and all cameras");

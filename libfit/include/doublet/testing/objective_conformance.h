@@ -11,8 +11,8 @@
 namespace doublet::testing {
 
 /// One sentence for each rule that the objective breaks: energies (S, R) are finite at the box's centre and corners and in
-/// between, for one sample and for several; the same samples cost the same again, and whoever is asked about beside them; samples
-/// of the wrong width are refused. Calls evaluate() six times, with 11 samples at most.
+/// between, for one sample and for several, and not all the same; the same samples cost the same again, and whoever is asked
+/// about beside them; samples of the wrong width are refused. Calls evaluate() six times, with 11 samples at most.
 inline std::vector<std::string> objective_violations(Objective &objective) {
   std::vector<std::string> broken;
   try {
@@ -32,6 +32,9 @@ inline std::vector<std::string> objective_violations(Objective &objective) {
     if (energies.rows() != samples.rows() || energies.cols() != parts || !energies.allFinite())
       return {"evaluate() must return finite energies (" + std::to_string(samples.rows()) + ", " + std::to_string(parts) +
               "), found (" + std::to_string(energies.rows()) + ", " + std::to_string(energies.cols()) + ")"};
+    for (int part = 0; part < parts; ++part)
+      if ((energies.col(part).array() == energies(0, part)).all())
+        broken.push_back("part " + std::to_string(part) + ": every sample costs the same");
     const auto costs = [&](const MatrixRM &asked, const MatrixRM &expected, const std::string &otherwise) {
       const MatrixRM found = objective.evaluate(asked, {});
       if (found.rows() != expected.rows() || found.cols() != expected.cols() || found != expected)

@@ -131,7 +131,7 @@ struct ClothState {
 /// What the world does during one frame. A solver of your own heeds all of it.
 struct StepInputs {
   const Vertices *targets = nullptr;                       ///< (N, 3) skinned positions at the end of the frame
-  const Vertices *previous_targets = nullptr;              ///< (N, 3) at its start
+  const Vertices *previous_targets = nullptr;              ///< (N, 3) at its start; pinned vertices move evenly
   const std::vector<Capsule> *capsules = nullptr;          ///< proxies at the end of the frame
   const std::vector<Capsule> *previous_capsules = nullptr; ///< at its start, same order
   double dt = 1.0 / 40.0;                                  ///< s, one video frame

@@ -3,6 +3,7 @@
 
 #include "doublet/options/options.h"
 #include "doublet/pbd/cloth_solver.h"
+#include "doublet/pbd/detail/cloth_physics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,24 +15,6 @@
 namespace doublet::testing {
 
 namespace detail {
-
-/// A banner of (8 + 1) x (6 + 1) vertices, 5 cm apart, hanging from its top row along z = 0; the row below is blended.
-struct Banner {
-  pbd::Vertices rest{63, 3};
-  pbd::Faces faces{96, 3};
-  Eigen::VectorXd clothness = Eigen::VectorXd::Ones(63);
-  Banner() {
-    for (int i = 0; i < 63; ++i)
-      rest.row(i) << 0.05 * (i % 9), 1 - 0.05 * (i / 9), 0;
-    for (int q = 0; q < 48; ++q) {
-      const int a = q / 8 * 9 + q % 8;
-      faces.row(2 * q) << a, a + 9, a + 10;
-      faces.row(2 * q + 1) << a, a + 10, a + 1;
-    }
-    clothness.head(9).setZero();
-    clothness.segment(9, 9).setConstant(0.5);
-  }
-};
 
 /// One frame of the banner's world, which lives as long as this: the rail that it hangs from sways, a rod beats through it.
 struct BannerFrame {
@@ -73,6 +56,16 @@ public:
     check("company and threads change nothing", [this] { keeps_to_itself(); });
     check("the corners of the material box stay finite", [this] { stays_finite(); });
     check("wrong input is refused", [this] { refuses(); });
+    ClothPhysics physics(make, broken_);
+    check("the time of a frame counts", [&] { physics.keeps_time(); });
+    check("drag slows", [&] { physics.meets_drag(); });
+    check("wind blows", [&] { physics.is_blown(); });
+    check("blended vertices are drawn to their targets", [&] { physics.is_blended(); });
+    check("cloth keeps its length", [&] { physics.keeps_its_length(); });
+    check("capsules hold", [&] { physics.stays_out(); });
+    check("moving capsules push", [&] { physics.is_pushed(); });
+    check("friction holds and carries", [&] { physics.rubs(); });
+    check("pinned vertices move evenly", [&] { physics.moves_evenly(); });
   }
   const std::vector<std::string> &broken() const { return broken_; }
 
