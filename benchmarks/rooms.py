@@ -202,7 +202,7 @@ def measured(source: Path, room: str, folder: Path, seed: int) -> dict[str, floa
         run("scan", session)
     run("capture", session, "-o", out, "--keep-going")
     run("segment", out)
-    return json.loads(run("evaluate", out, "--truth", source / "ground_truth", "--json"))
+    return json.loads(run("evaluate", out, "--truth", source / "ground_truth", "--json"))["metrics"]
 
 
 def main() -> None:
