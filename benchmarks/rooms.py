@@ -2,12 +2,12 @@
 
 python benchmarks/rooms.py SESSION -o FOLDER [--rooms clean flicker ...] [--seed N]
 
-Rooms (ROOMS): `flicker`, ready masks whose outline is off by 2 pixels, another in every frame, with a hole or a blob now and
-then; `calib`, every camera turned by N(0, 0.2 degrees), its focal length off by N(0, 0.2 %); `calib05`, the same with 0.5;
-`late`, every second camera films a frame late, and nobody says so; `masks`, calib and flicker, with blur, noise, other exposures
-and a strong compression; `room`, the same before clutter, with clean plates in the place of masks; `eight` and `four`, without
-scan and joints (`doublet scan`), with all cameras and with every second one. Printed: a row of `doublet evaluate` each. What is
-in FOLDER already is not made again.
+Rooms (ROOMS): `flicker`, ready masks whose outline is off by 2 pixels, another in every frame, with a hole now and then; `calib`,
+every camera turned by N(0, 0.2 degrees), its focal length off by N(0, 0.2 %); `calib05`, the same with 0.5; `late`, every second
+camera films a frame late, and nobody says so; `masks`, calib and flicker, with blur, noise, other exposures and a strong
+compression; `room`, the same before clutter, with clean plates in the place of masks; `eight` and `four`, without scan and joints
+(`doublet scan`), with all cameras and with every second one. Printed: a row of `doublet evaluate` each. What is in FOLDER already
+is not made again.
 """
 
 from __future__ import annotations
@@ -89,11 +89,11 @@ def clutter(shape: tuple[int, int], random: np.random.Generator) -> np.ndarray:
 
 
 def flickering(screen: np.ndarray, flaws: Flaws, random: np.random.Generator) -> np.ndarray:
-    """(H, W) uint8 a mask whose outline is off by about `flicker` pixels, now and then with a hole or a blob."""
+    """(H, W) uint8 a mask whose outline is off by about `flicker` pixels, now and then with a hole."""
     spread = 2 * flaws.flicker
     soft = blurred(np.where(screen < KEYED, 255, 0).astype(np.uint8), spread).astype(np.float32) / 255
     slope = 1 / (spread * np.sqrt(2 * np.pi))  # of the blurred mask at its outline, a pixel
-    mask = soft > 0.5 + slope * flaws.flicker * wavy(screen.shape, 24, random)
+    mask = soft > 0.5 + slope * flaws.flicker * np.clip(wavy(screen.shape, 24, random), -2, 2)
     if random.random() < 0.15:
         inside = np.argwhere(mask)
         y, x = inside[random.integers(len(inside))]
