@@ -147,8 +147,9 @@ bool weld_hidden_body(Character &c, const std::vector<std::uint8_t> &hidden) {
   const detail::GarmentPart part = detail::garment_part(c);
   if (part.skin_faces == 0)
     return false;
-  const Mesh skin{c.high.vertices.topRows(part.skin_vertices), valid_faces(c.high.faces.topRows(part.skin_faces),
-                                                                           {c.high_valid.begin(), c.high_valid.begin() + part.skin_faces})};
+  const Mesh skin{
+      c.high.vertices.topRows(part.skin_vertices),
+      valid_faces(c.high.faces.topRows(part.skin_faces), {c.high_valid.begin(), c.high_valid.begin() + part.skin_faces})};
   if (skin.faces.rows() == 0)
     return false;
   const std::optional<detail::WeldedSkin> welded = detail::weld_body(skin, c.body, hidden);

@@ -1,8 +1,8 @@
 #include "../../libsegment/src/handles.h"
 
 #include "../../libsegment/src/surface_piece.h"
-#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/rays/parts/self_intersection.h"
 #include "doublet/segment/garment_mesher.h"
 #include "skirt_person.h"

@@ -14,14 +14,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTakenBack = 0.02;   // m, the scan's edge is ragged, and what closes the scan below a hem begins there
+constexpr double kTakenBack = 0.02;    // m, the scan's edge is ragged, and what closes the scan below a hem begins there
 constexpr double kBesideHidden = 0.05; // m, the scan ends at a garment where it ends so close to what is hidden of the body
-constexpr double kSameSkin = 0.03;    // m, body and scan are the same skin up to here
-constexpr double kNoOverlap = 0.002;  // m, between the body and the scan
-constexpr double kTooFar = 0.20;      // m, what goes on so far from all that is hidden has got out
-constexpr double kPiece = 0.005;      // m^2, smaller pieces and holes are none
-constexpr double kBlend = 0.05;       // m from the weld, within which the body goes over from the scan to itself
-constexpr double kSmear = 0.02;       // m, standard deviation along the weld of what the body is moved by
+constexpr double kSameSkin = 0.03;     // m, body and scan are the same skin up to here
+constexpr double kNoOverlap = 0.002;   // m, between the body and the scan
+constexpr double kTooFar = 0.20;       // m, what goes on so far from all that is hidden has got out
+constexpr double kPiece = 0.005;       // m^2, smaller pieces and holes are none
+constexpr double kBlend = 0.05;        // m from the weld, within which the body goes over from the scan to itself
+constexpr double kSmear = 0.02;        // m, standard deviation along the weld of what the body is moved by
 constexpr int kCleanings = 20;
 
 using Loop = std::vector<int>;

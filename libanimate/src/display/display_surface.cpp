@@ -1,10 +1,10 @@
 #include "doublet/animate/display_surface.h"
 
+#include "body_weld.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/rays/ray_scene.h"
-#include "body_weld.h"
 #include "garment_part.h"
 
 #include <Eigen/Geometry>
@@ -22,9 +22,10 @@ using Eigen::Vector3d;
 constexpr double kScanReach = 0.010; // m, the scan is looked for so far from the garment: more is another fold
 constexpr double kSameSide = 0.5;    // cosine between the normals of garment and scan
 constexpr int kSmoothing = 2;        // rounds over the heights
-constexpr double kSink = 0.0003;     // m, of the skin just under the seam: it must not show as a step ...
+constexpr double kSink = 0.001;      // m, of the skin just under the seam: it must not show as a step ...
 constexpr double kSinkBend = 10;     // 1/m, ... more with the square of the way below it ...
 constexpr double kDeepest = 0.004;   // m, ... up to this
+constexpr double kSeamSlope = 0.3;   // just above the seam skin stands out by so much of the way to it at most
 constexpr double kGoesOn = 0.04;     // m, of the scan below the seam, where it is the garment: to it the body is welded
 constexpr double kHidden = 0.06;     // m, skin so far below the seam at most is under the garment; further down it is a limb's
 constexpr double kAtSeam = 0.03;     // m, about a triangle of M, which may count as covered although the seam runs through it
@@ -138,7 +139,7 @@ public:
   enum class Side { Above, AtSeam, Under, Away };
   struct Place {
     Side side = Side::Away;
-    double below = 0, height = 0; ///< m, way from the seam; along `normal`, < 0 = under the garment
+    double below = 0, height = 0; ///< m, way from the seam, < 0 = above it; along `normal`, < 0 = under the garment
     Vector3d normal = Vector3d::Zero();
   };
   /// Where a point of the skin is: above the seam (nothing of the garment is nearer), so but close to it, under the garment just
@@ -152,8 +153,12 @@ public:
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < 3; ++k)
       normal += at.barycentric[k] * normals_.row(cloth_.faces(at.face, k)).transpose();
-    if (below < 1e-6)
-      return {at.distance < kAtSeam ? Side::AtSeam : Side::Above};
+    if (below < 1e-6) {
+      if (!(at.distance < kAtSeam) || !(normal.norm() > 0))
+        return {at.distance < kAtSeam ? Side::AtSeam : Side::Above};
+      const double height = (p - at.point).dot(normal.normalized());
+      return {Side::AtSeam, -std::sqrt(std::max(0.0, at.distance * at.distance - height * height)), height, normal.normalized()};
+    }
     if (at.distance > kScanReach || below > kHidden || !(normal.norm() > 0))
       return {Side::Away};
     return {Side::Under, below, (p - at.point).dot(normal.normalized()), normal.normalized()};
@@ -161,13 +166,15 @@ public:
 
   Vector3d sunk(const Vector3d &p) const {
     const Place at = place(p);
-    if (at.side != Side::Under)
+    if (at.side != Side::Under && at.side != Side::AtSeam)
       return p;
-    const double wanted = -std::min(kSink + kSinkBend * at.below * at.below, kDeepest);
+    const double wanted =
+        at.below < 0 ? -kSink - kSeamSlope * at.below : -std::min(kSink + kSinkBend * at.below * at.below, kDeepest);
     return p + std::min(wanted - at.height, 0.0) * at.normal;
   }
 
-  /// The faces of M_high that show beside the garment, lie across the seam or just below. `valid`: where M is valid, and not covered.
+  /// The faces of M_high that show beside the garment, lie across the seam or just below. `valid`: where M is valid, and not
+  /// covered.
   std::vector<int> skin(const Mesh &high, const std::vector<std::uint8_t> &valid) const {
     std::vector<Side> sides(high.vertices.rows());
     std::vector<std::uint8_t> just_under(high.vertices.rows());

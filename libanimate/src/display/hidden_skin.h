@@ -13,8 +13,8 @@ constexpr double kGamma = 2.2; // about that of sRGB, which images are in
 /// edge that it hangs by is nearer. All infinite without a garment.
 std::vector<double> beyond_free_edges(const Character &character);
 
-/// (VH) m from each vertex of M_high's skin to where the scan ends beside the garment's free edges, and the body goes on; infinite
-/// far from those. `away` from beyond_free_edges().
+/// (VH) m from each vertex of M_high's skin to where the scan ends beside the garment's free edges, and the body goes on;
+/// infinite far from those. `away` from beyond_free_edges().
 std::vector<double> from_the_seam(const Character &character, const std::vector<double> &away);
 
 /// (FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.

@@ -30,11 +30,11 @@ struct Character {
   Mesh high;                            ///< M_high for display, scan pose; may be empty: then M is displayed
   std::vector<std::uint8_t> high_valid; ///< (FH)
   int garment_subdivisions = -1;        ///< of the garment in M_high; -1 = M_high is one surface (see DisplayMesh)
-  /// The last of M_high's skin (its vertices before the garment's) that are the body's, which goes on under the garment, welded to
-  /// the scan: the vertex of `body` that each is. Then body_shown is 0. Empty = the hidden body is drawn beside M_high.
+  /// The last of M_high's skin (its vertices before the garment's) that are the body's, which goes on under the garment, welded
+  /// to the scan: the vertex of `body` that each is. Then body_shown is 0. Empty = the hidden body is drawn beside M_high.
   std::vector<int> high_body;
-  TexCoords texcoords;                  ///< (3 FH, 2) per corner of M_high; empty = no texture
-  std::vector<std::uint8_t> texture;    ///< PNG or JPEG file; empty = no texture
+  TexCoords texcoords;               ///< (3 FH, 2) per corner of M_high; empty = no texture
+  std::vector<std::uint8_t> texture; ///< PNG or JPEG file; empty = no texture
 };
 
 /// Checks that all parts fit together. Throws Error naming the part.

@@ -65,17 +65,17 @@ private:
   std::optional<SurfaceTransfer> under_garment_; ///< the skin below the seam follows the garment as it is drawn
   std::vector<int> under_vertices_;              ///< of M_high, for each that it carries; -1 = it stays with the skin
   Eigen::Index skin_vertices_ = 0, scan_vertices_ = 0, coarse_vertices_ = 0; ///< the scan's are the first of the skin's
-  std::optional<SkinBinding> binding_;                ///< of the body in M_high, and of the scan's skin beside it ...
-  std::vector<WeightedVertex> carried_;               ///< ... of M_high, which go so far with it
-  MatrixRM carried_weights_;                          ///< of those, (., J)
-  std::vector<int> nearest_;                          ///< of M, to each vertex of the body
-  Vertices rest_;                                     ///< of M
+  std::optional<SkinBinding> binding_;  ///< of the body in M_high, and of the scan's skin beside it ...
+  std::vector<WeightedVertex> carried_; ///< ... of M_high, which go so far with it
+  MatrixRM carried_weights_;            ///< of those, (., J)
+  std::vector<int> nearest_;            ///< of M, to each vertex of the body
+  Vertices rest_;                       ///< of M
   Skeleton skeleton_;
   std::vector<std::vector<WeightedVertex>> told_by_; ///< [joint] of M
-  std::vector<int> garment_vertices_; ///< [G] of M
-  Faces garment_faces_;               ///< (H, 3) of those
-  SparseRows subdivide_;              ///< (G', G)
-  Eigen::VectorXd heights_;           ///< (G') m over the subdivided garment
+  std::vector<int> garment_vertices_;                ///< [G] of M
+  Faces garment_faces_;                              ///< (H, 3) of those
+  SparseRows subdivide_;                             ///< (G', G)
+  Eigen::VectorXd heights_;                          ///< (G') m over the subdivided garment
 };
 
 // Deprecated names.
