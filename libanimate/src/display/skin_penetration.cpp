@@ -20,7 +20,7 @@ constexpr double kSlope = 1;                          // m out for each beyond a
 constexpr double kAtEdge = 1e-9;                      // a barycentric coordinate
 constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;  // m along the skin from the body; from the garment in the scan pose
 constexpr double kFold = 0.9;                         // cosine between the garment's normals above two corners of a face
-constexpr double kFoldReach = 0.03; // m, what is farther before it is drawn as it is: moved, it would be a spike
+constexpr double kFoldReach = 0.03;                   // m, all in all: moved farther, a corner would be a spike
 constexpr int kRounds = 2;
 
 /// What of the person's skin may come to lie under the garment.
@@ -137,6 +137,7 @@ double SkinPenetrationFix::outside(const Eigen::Vector3d &point, const Vertices 
 void SkinPenetrationFix::tuck(const Vertices &normals, std::vector<Tucked> &vertices, Vertices &positions) const {
   for (Tucked &tucked : vertices) {
     const Eigen::Vector3d p = positions.row(tucked.vertex);
+    tucked.moved = 0;
     if (const double out = outside(p, normals, tucked.last, tucked.normal); out > 0)
       positions.row(tucked.vertex) -= out * tucked.normal.transpose();
   }
@@ -147,8 +148,9 @@ void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Vertices &po
   Eigen::Vector3d normal;
   for (Eigen::Index f = 0; f < skin_faces_.rows(); ++f) {
     const Tucked &a = skin_[skin_faces_(f, 0)], &b = skin_[skin_faces_(f, 1)], &c = skin_[skin_faces_(f, 2)];
-    if (a.last < 0 || b.last < 0 || c.last < 0 ||
-        std::min({a.normal.dot(b.normal), b.normal.dot(c.normal), c.normal.dot(a.normal)}) > kFold)
+    if (a.last < 0 || b.last < 0 || c.last < 0)
+      continue;
+    if (std::min({a.normal.dot(b.normal), b.normal.dot(c.normal), c.normal.dot(a.normal)}) > kFold)
       continue;
     int last = a.last;
     for (int round = 0; round < kRounds; ++round)
@@ -158,9 +160,11 @@ void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Vertices &po
           if (i != k)
             middle += positions.row(skin_[skin_faces_(f, i)].vertex) / (k < 3 ? 2 : 3);
         const double out = outside(middle, normals, last, normal);
-        for (int i = 0; i < 3 && out > 0 && out < kFoldReach; ++i)
-          if (i != k)
-            positions.row(skin_[skin_faces_(f, i)].vertex) -= out * normal.transpose();
+        for (int i = 0; i < 3 && out > 0; ++i)
+          if (Tucked &corner = skin_[skin_faces_(f, i)]; i != k && corner.moved + out < kFoldReach) {
+            positions.row(corner.vertex) -= out * normal.transpose();
+            corner.moved += out;
+          }
       }
   }
 }

@@ -25,6 +25,7 @@ private:
   struct Tucked {
     int vertex;
     int last = -1;                                    ///< the face of the garment that was closest before; -1 = none
+    double moved = 0;                                 ///< m, for faces across folds
     Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of the garment there; 0 = none
   };
   /// By how much a point is to move, along `normal`, the garment's there.
