@@ -21,7 +21,7 @@ constexpr double kAtEdge = 1e-9;                      // a barycentric coordinat
 constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;  // m along the skin from the body; from the garment in the scan pose
 constexpr double kFold = 0.9;                         // cosine between the garment's normals above two corners of a face
 constexpr double kFoldReach = 0.03;                   // m, all in all: moved farther, a corner would be a spike
-constexpr int kRounds = 2;
+constexpr int kRounds = 1;
 
 /// What of the person's skin may come to lie under the garment.
 std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) {
