@@ -441,3 +441,14 @@ TEST(DisplaySurface, SkinOfTheScanGoesUnderAGarmentThatIsNarrowerThanTheLeg) {
   SkinPenetrationFix(c).apply(buffers, high, none);
   EXPECT_EQ(outside(), 0);
 }
+
+TEST(DisplaySurface, SkinIsNotPulledOutUnderAGarmentThatLiesInsideOut) {
+  const Character c = with_body(wearer(0, true));
+  DisplayBuffers buffers;
+  Vertices high, none;
+  DisplaySurface(c).apply(c.actor.mesh.vertices, high, buffers);
+  buffers.cloth_normals *= -1; // as of a hem thrown up over the hip
+  const Vertices before = high;
+  SkinPenetrationFix(c).apply(buffers, high, none);
+  EXPECT_LT((high - before).rowwise().norm().maxCoeff(), 1e-9);
+}

@@ -12,16 +12,18 @@
 namespace doublet {
 namespace {
 
-constexpr double kDeep = 0.010;                       // m: faces are flat where the cloth folds inward between their corners
-constexpr double kDeepAtSeam = 0.001, kDeepBend = 10; // m, 1/m: it must not show as a step where the garment hangs
-constexpr double kReachOut = 0.06;                    // m
-constexpr double kBeyondHem = 0.30;                   // m along the skin
-constexpr double kSlope = 1;                          // m out for each beyond a free edge
-constexpr double kAtEdge = 1e-9;                      // a barycentric coordinate
-constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;  // m along the skin from the body; from the garment in the scan pose
-constexpr double kFold = 0.9;                         // cosine between the garment's normals above two corners of a face
-constexpr double kFoldReach = 0.03;                   // m, all in all: moved farther, a corner would be a spike
-constexpr int kRounds = 1;
+constexpr double kDeep = 0.020; // m: faces are flat where the cloth folds inward between their corners ...
+constexpr double kDeepAtHem = 0.010, kDeepPerWay = 0.25; // ... from m, by m for each from a free edge
+constexpr double kDeepAtSeam = 0.001, kDeepBend = 10;    // m, 1/m: it must not show as a step where the garment hangs
+constexpr double kReachOut = 0.06;                       // m
+constexpr double kBeyondHem = 0.30;                      // m along the skin
+constexpr double kSlope = 1;                             // m out for each beyond a free edge
+constexpr double kAtEdge = 1e-9;                         // a barycentric coordinate
+constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;     // m along the skin from the body; from the garment in the scan pose
+constexpr double kFold = 0.9;                            // cosine between the normals of the garment above the ends of an edge
+constexpr double kFoldReach = 0.03;                      // m, of what an edge moves its ends by
+constexpr double kFacing =
+    0.2; // cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out
 
 /// What of the person's skin may come to lie under the garment.
 std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) {
@@ -56,55 +58,71 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c)
     : faces_(detail::garment_part(c).fine.faces), garment_({c.high.vertices.bottomRows(faces_.maxCoeff() + 1), faces_}) {
   const detail::GarmentPart part = detail::garment_part(c);
   for (int v : skin_near(c, part))
-    skin_.push_back({v});
-  std::vector<int> number(part.skin_vertices, -1);
-  for (std::size_t i = 0; i < skin_.size(); ++i)
-    number[skin_[i].vertex] = static_cast<int>(i);
-  std::vector<Eigen::RowVector3i> between;
-  for (Eigen::Index f = 0; f < part.skin_faces; ++f) {
-    const Eigen::RowVector3i corners = c.high.faces.row(f).unaryExpr([&](int v) { return number[v]; });
-    if (corners.minCoeff() >= 0)
-      between.push_back(corners);
-  }
-  skin_faces_.resize(static_cast<Eigen::Index>(between.size()), 3);
-  for (std::size_t f = 0; f < between.size(); ++f)
-    skin_faces_.row(static_cast<Eigen::Index>(f)) = between[f];
+    skin_.vertices.push_back({v});
+  skin_.bound(c.high.faces.topRows(part.skin_faces), part.skin_vertices);
+  const Faces shown = valid_faces(c.body.faces, c.body_shown);
   std::vector<std::uint8_t> drawn(c.body.vertices.rows(), 0);
-  for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f)
-    for (int k = 0; k < 3 && c.body_shown[f]; ++k)
-      drawn[c.body.faces(f, k)] = 1;
+  for (int v : shown.reshaped())
+    drawn[v] = 1;
   for (std::size_t v = 0; v < drawn.size(); ++v)
     if (drawn[v])
-      body_.push_back({static_cast<int>(v)});
+      body_.vertices.push_back({static_cast<int>(v)});
+  body_.bound(shown, c.body.vertices.rows());
 
   Eigen::VectorXd coarse(part.garment.vertices.size());
   for (Eigen::Index v = 0; v < coarse.size(); ++v)
     coarse[v] = c.segmentation.clothness[part.garment.vertices[v]];
   const Eigen::VectorXd clothness = part.fine.weights * coarse;
   const EdgeTopology topology = edge_topology(faces_);
-  std::vector<int> seam;
+  std::vector<int> seam, hem;
   edges_.resize(faces_.rows(), {Edge::Inner, Edge::Inner, Edge::Inner});
   for (std::size_t e = 0; e < topology.edges.size(); ++e) {
     const Eigen::Vector2i &edge = topology.edges[e];
     if (topology.edge_faces[e][1] >= 0)
       continue;
     const bool fixed = clothness[edge[0]] + clothness[edge[1]] < 1e-9;
-    if (fixed)
-      seam.insert(seam.end(), {edge[0], edge[1]});
+    std::vector<int> &ends = fixed ? seam : hem;
+    ends.insert(ends.end(), {edge[0], edge[1]});
     const int f = topology.edge_faces[e][0];
     for (int k = 0; k < 3; ++k)
       if (faces_(f, k) != edge[0] && faces_(f, k) != edge[1])
         edges_[f][k] = fixed ? Edge::Seam : Edge::Free;
   }
   const Vertices cloth = c.high.vertices.bottomRows(part.fine.weights.rows());
-  depths_ = edge_distances(cloth, vertex_neighbours(faces_, static_cast<int>(cloth.rows())), seam);
-  depths_ = (kDeepAtSeam + kDeepBend * depths_.array().square()).min(kDeep);
+  const auto neighbours = vertex_neighbours(faces_, static_cast<int>(cloth.rows()));
+  const Eigen::ArrayXd from_seam = edge_distances(cloth, neighbours, seam), from_hem = edge_distances(cloth, neighbours, hem);
+  depths_ = (kDeepAtSeam + kDeepBend * from_seam.square()).min(kDeepAtHem + kDeepPerWay * from_hem).min(kDeep);
+}
+
+/// The faces and edges between the vertices, of those of a mesh.
+void SkinPenetrationFix::Part::bound(const Faces &all, Eigen::Index mesh_vertices) {
+  std::vector<int> number(mesh_vertices, -1);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    number[vertices[i].vertex] = static_cast<int>(i);
+  std::vector<std::uint8_t> between(all.rows());
+  const Faces numbered = all.unaryExpr([&](int v) { return number[v]; });
+  for (Eigen::Index f = 0; f < all.rows(); ++f)
+    between[f] = numbered.row(f).minCoeff() >= 0;
+  faces = valid_faces(numbered, between);
+  edges = edge_topology(faces).edges;
+}
+
+void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
+  for (Tucked &tucked : vertices)
+    tucked.own.setZero();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    Tucked &a = vertices[faces(f, 0)], &b = vertices[faces(f, 1)], &c = vertices[faces(f, 2)];
+    const Eigen::Vector3d p = positions.row(a.vertex),
+                          across = (positions.row(b.vertex).transpose() - p).cross(positions.row(c.vertex).transpose() - p);
+    a.own += across;
+    b.own += across;
+    c.own += across;
+  }
 }
 
 void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body) {
   garment_.move_to(drawn.cloth);
   tuck(drawn.cloth_normals, skin_, high);
-  tuck_across_folds(drawn.cloth_normals, high);
   if (body.rows() > 0)
     tuck(drawn.cloth_normals, body_, body);
 }
@@ -134,39 +152,46 @@ double SkinPenetrationFix::outside(const Eigen::Vector3d &point, const Vertices 
   return std::max(0.0, out - most);
 }
 
-void SkinPenetrationFix::tuck(const Vertices &normals, std::vector<Tucked> &vertices, Vertices &positions) const {
-  for (Tucked &tucked : vertices) {
-    const Eigen::Vector3d p = positions.row(tucked.vertex);
-    tucked.moved = 0;
-    if (const double out = outside(p, normals, tucked.last, tucked.normal); out > 0)
-      positions.row(tucked.vertex) -= out * tucked.normal.transpose();
-  }
+/// By how much what stands out so much is moved.
+double SkinPenetrationFix::share(double out, const Tucked &tucked) {
+  const double facing = tucked.own.dot(tucked.normal);
+  return facing > 0 ? out * std::min(1.0, facing / (kFacing * tucked.own.norm())) : 0;
 }
 
-/// A face whose corners lie under different sides of a fold may have its middle before it.
-void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Vertices &positions) {
+void SkinPenetrationFix::tuck(const Vertices &normals, Part &part, Vertices &positions) const {
+  part.find_normals(positions);
+  for (Tucked &tucked : part.vertices)
+    tuck(normals, tucked, positions);
+  tuck_across_folds(normals, part, positions);
+}
+
+void SkinPenetrationFix::tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const {
+  if (const double out = outside(positions.row(tucked.vertex), normals, tucked.last, tucked.normal); out > 0)
+    positions.row(tucked.vertex) -= share(out, tucked) * tucked.normal.transpose();
+}
+
+/// An edge whose ends lie under two sides of a fold may have its middle before it: they go further under the garment, each as far
+/// as that one of its edges asks that asks the most.
+void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const {
   Eigen::Vector3d normal;
-  for (Eigen::Index f = 0; f < skin_faces_.rows(); ++f) {
-    const Tucked &a = skin_[skin_faces_(f, 0)], &b = skin_[skin_faces_(f, 1)], &c = skin_[skin_faces_(f, 2)];
-    if (a.last < 0 || b.last < 0 || c.last < 0)
+  for (const Eigen::Vector2i &edge : part.edges) {
+    Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]];
+    if (a.last < 0 || b.last < 0 || a.normal.dot(b.normal) > kFold)
       continue;
-    if (std::min({a.normal.dot(b.normal), b.normal.dot(c.normal), c.normal.dot(a.normal)}) > kFold)
-      continue;
+    const Eigen::Vector3d from = positions.row(a.vertex), to = positions.row(b.vertex);
+    if ((to - from).dot(b.normal - a.normal) >= 0)
+      continue; // over a ridge
     int last = a.last;
-    for (int round = 0; round < kRounds; ++round)
-      for (int k = 0; k < 4; ++k) { // the middles of the edges, and of the face
-        Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-        for (int i = 0; i < 3; ++i)
-          if (i != k)
-            middle += positions.row(skin_[skin_faces_(f, i)].vertex) / (k < 3 ? 2 : 3);
-        const double out = outside(middle, normals, last, normal);
-        for (int i = 0; i < 3 && out > 0; ++i)
-          if (Tucked &corner = skin_[skin_faces_(f, i)]; i != k && corner.moved + out < kFoldReach) {
-            positions.row(corner.vertex) -= out * normal.transpose();
-            corner.moved += out;
-          }
-      }
+    const double out = std::min(outside((from + to) / 2, normals, last, normal), kFoldReach);
+    a.further = std::max(a.further, out);
+    b.further = std::max(b.further, out);
   }
+  for (Tucked &tucked : part.vertices)
+    if (tucked.further > 0) {
+      positions.row(tucked.vertex) -= share(tucked.further, tucked) * tucked.normal.transpose();
+      tucked.further = 0;
+      tuck(normals, tucked, positions); // it may have come out elsewhere
+    }
 }
 
 } // namespace doublet

@@ -9,10 +9,10 @@
 namespace doublet {
 
 /// Brings what is drawn of the person near a garment under it, where it stands out by up to 6 cm: the hidden body, and the scan's
-/// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 10 mm deep, less where the garment hangs.
-/// Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the edge. Faces that
-/// bridge a fold of the garment go under it with their corners. Capsules, which keep the simulated cloth off, are simpler than
-/// legs. A matter of display only.
+/// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 20 mm deep, less at the
+/// garment's edges. Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the
+/// edge. Edges that bridge a fold of the garment go under it with their ends. Skin on which the garment lies inside out stays.
+/// Capsules, which keep the simulated cloth off, are simpler than legs. A matter of display only.
 class SkinPenetrationFix {
 public:
   /// The character must have M_high with a garment, else Error.
@@ -25,16 +25,25 @@ private:
   struct Tucked {
     int vertex;
     int last = -1;                                    ///< the face of the garment that was closest before; -1 = none
-    double moved = 0;                                 ///< m, for faces across folds
+    double further = 0;                               ///< m, for edges across folds
     Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of the garment there; 0 = none
+    Eigen::Vector3d own = Eigen::Vector3d::Zero();    ///< its own, of any length
+  };
+  struct Part {
+    std::vector<Tucked> vertices;
+    Faces faces; ///< between them, numbers into them; so the edges
+    std::vector<Eigen::Vector2i> edges;
+    void bound(const Faces &all, Eigen::Index mesh_vertices);
+    void find_normals(const Vertices &positions);
   };
   /// By how much a point is to move, along `normal`, the garment's there.
   double outside(const Eigen::Vector3d &point, const Vertices &normals, int &last, Eigen::Vector3d &normal) const;
-  void tuck(const Vertices &normals, std::vector<Tucked> &vertices, Vertices &positions) const;
-  void tuck_across_folds(const Vertices &normals, Vertices &positions);
+  static double share(double out, const Tucked &tucked);
+  void tuck(const Vertices &normals, Part &part, Vertices &positions) const;
+  void tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const;
+  void tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const;
 
-  std::vector<Tucked> skin_, body_;        ///< of M_high, of the body
-  Faces skin_faces_;                       ///< between those of M_high, numbers into skin_
+  Part skin_, body_;                       ///< of M_high, of the body
   Faces faces_;                            ///< of the garment as it is drawn
   Eigen::VectorXd depths_;                 ///< m under each of its vertices
   std::vector<std::array<Edge, 3>> edges_; ///< (F) opposite each corner
