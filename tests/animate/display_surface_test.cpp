@@ -6,6 +6,7 @@
 #include "doublet/animate/texture_baker.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
+#include "doublet/files/files.h"
 #include "doublet/rays/ray_scene.h"
 #include "doublet/rays/surface_distance.h"
 #include "support/figure.h"
@@ -407,6 +408,7 @@ TEST(DisplaySurface, ScanAndHiddenBodyAreOneClosedSurface) {
   const TempFolder folder;
   write_character(folder / "c.glb", c);
   EXPECT_EQ(read_character(folder / "c.glb").high_body, c.high_body);
+  EXPECT_NE(read_text(folder / "c.glb").find("\"version\":3"), std::string::npos); // others would draw the body wrongly
   Character wrong = c;
   wrong.high_body[0] = static_cast<int>(c.body.vertices.rows());
   EXPECT_THROW(validate_character(wrong), Error);

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char *kExtension = "DOUBLET_character";
-constexpr int kVersion = 2; // 1: some of the cloth options
+constexpr int kVersion = 3, kWithoutBody = 2; // 2: no body in M_high; 1: some of the cloth options
 
 json vector_json(const Eigen::Vector3d &v) {
   return {v.x(), v.y(), v.z()};
@@ -185,7 +185,7 @@ Mesh json_mesh(const glb::Reader &reader, const json &j) {
 
 json extension_json(glb::Writer &writer, const Character &c, int texture_image) {
   json out;
-  out["version"] = kVersion;
+  out["version"] = c.high_body.empty() ? kWithoutBody : kVersion;
   out["name"] = c.name;
   out["mesh"] = mesh_json(writer, c.actor.mesh);
   out["mesh"]["faceValid"] = writer.bytes(c.actor.face_valid);
