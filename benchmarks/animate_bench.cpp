@@ -8,6 +8,7 @@
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/body_penetration.h"
+#include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/animate/retarget.h"
 
 #include <benchmark/benchmark.h>
@@ -133,12 +134,32 @@ void part_tuck(benchmark::State &state) {
     tuck.apply(frame.surface, body);
   }
 }
+void part_tuck_skin(benchmark::State &state) {
+  AnimateOptions options;
+  options.body = false;
+  options.resolve_body_penetration = false;
+  Player player(scene().character, options);
+  SkinPenetrationFix tuck(scene().character);
+  const DisplaySurface display(scene().character);
+  DisplayBuffers buffers;
+  Vertices high, none;
+  std::size_t t = 0;
+  player.reset(pose_at(0));
+  for (auto unused : state) {
+    (void)unused;
+    state.PauseTiming();
+    display.apply(player.step(pose_at(++t)).surface, high, buffers);
+    state.ResumeTiming();
+    tuck.apply(buffers, high, none);
+  }
+}
 
 BENCHMARK(whole_frame)->Unit(benchmark::kMillisecond)->Iterations(300);
 BENCHMARK(part_pose)->Unit(benchmark::kMillisecond);
 BENCHMARK(part_cloth)->Unit(benchmark::kMillisecond)->Iterations(300);
 BENCHMARK(part_transfer)->Unit(benchmark::kMillisecond);
 BENCHMARK(part_body)->Unit(benchmark::kMillisecond);
+BENCHMARK(part_tuck_skin)->Unit(benchmark::kMillisecond)->Iterations(300);
 BENCHMARK(part_tuck)->Unit(benchmark::kMillisecond)->Iterations(100);
 BENCHMARK(crowd)->Arg(1)->Arg(4)->Arg(16)->Unit(benchmark::kMillisecond)->Iterations(100);
 

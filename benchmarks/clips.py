@@ -2,7 +2,8 @@
 
 python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 
-skin: pixels of the garment's outer side where the body is in front of it; stretch: the most that an edge of the drawn garment is
+skin: frames in which over 2 cm^2 of the person (without arms) come through the garment in the worst of 8 views, and the most of
+it (display_hem.py); stretch: the most that an edge of the drawn garment is
 longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges ever are over 3 times as
 long; floor: the lowest point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest
 point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose,
@@ -17,7 +18,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from display_hem import Drawn
+from display_hem import SEEN, Drawn, worst_view
 from doublet.common.console import Console
 
 ON_FLOOR, SHORTEST = 0.01, 0.002  # m
@@ -54,7 +55,7 @@ class Watcher:
         self.rest = np.maximum(self.length(rest_of(character)), SHORTEST)
         names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
         self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
-        self.pixels, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = np.zeros(2), [], [], [], [], []
+        self.through, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = [], [], [], [], [], []
         self.before, self.over = None, np.zeros(len(self.edges), bool)
 
     def length(self, vertices: np.ndarray) -> np.ndarray:
@@ -68,7 +69,7 @@ class Watcher:
             self.stretch.append(float(stretched.max()))
             self.watch_feet(surface)
             if frame.index % self.every == 0:
-                self.pixels += self.drawn.pixels(frame)
+                self.through.append(self.drawn.through(frame))
         elif self.before is not None:
             self.speeds.append(np.linalg.norm((surface - self.before)[self.free], axis=1) * self.fps)
         if frame.index == self.motion_frames - 1:
@@ -91,8 +92,9 @@ class Watcher:
         at, half = int(np.argmax(self.stretch)), int(self.fps / 2)
         rest = np.percentile(np.concatenate(self.speeds[-half:]), 95)
         self.crossing.append(self.count_crossing(self.last))
+        skin = worst_view(self.through)[:, 0]
         return [
-            f"{self.pixels[1] / max(self.pixels[0], 1):.2%}",
+            f"{(skin > SEEN).mean():.0%}, {skin.max():.1f} cm2",
             f"{self.stretch[at]:.1f} ({at}), {self.over.sum()}",
             f"{100 * min(self.lowest):.1f}, {100 * max(self.lowest):.1f}",
             f"{100 * np.percentile(self.slides, 95):.0f}" if self.slides else "-",
@@ -106,7 +108,7 @@ def main() -> None:
     parser.add_argument("character", type=Path, metavar="CHARACTER.glb")
     parser.add_argument("clips", type=Path, nargs="+", metavar="CLIP")
     parser.add_argument("--hold", type=float, default=3, metavar="S", help="the last pose is held so long (default: 3)")
-    parser.add_argument("--every", type=int, default=8, metavar="N", help="frames between two whose pixels are counted")
+    parser.add_argument("--every", type=int, default=8, metavar="N", help="frames between two in which skin is looked for")
     chosen = parser.parse_args()
     character, console = d.Character.read(chosen.character), Console()
     drawn = Drawn(character)

@@ -90,14 +90,13 @@ def clutter(shape: tuple[int, int], random: np.random.Generator) -> np.ndarray:
 
 def flickering(screen: np.ndarray, flaws: Flaws, random: np.random.Generator) -> np.ndarray:
     """(H, W) uint8 a mask whose outline is off by about `flicker` pixels, now and then with a hole."""
-    spread = 2 * flaws.flicker
-    soft = blurred(np.where(screen < KEYED, 255, 0).astype(np.uint8), spread).astype(np.float32) / 255
-    slope = 1 / (spread * np.sqrt(2 * np.pi))  # of the blurred mask at its outline, a pixel
-    mask = soft > 0.5 + slope * flaws.flicker * np.clip(wavy(screen.shape, 24, random), -2, 2)
+    height, width = screen.shape
+    rows, columns = np.mgrid[:height, :width] + flaws.flicker * np.stack([wavy(screen.shape, 24, random) for _ in "yx"])
+    mask = (screen < KEYED)[rows.round().astype(int).clip(0, height - 1), columns.round().astype(int).clip(0, width - 1)]
     if random.random() < 0.15:
         inside = np.argwhere(mask)
         y, x = inside[random.integers(len(inside))]
-        rows, columns = np.ogrid[: mask.shape[0], : mask.shape[1]]
+        rows, columns = np.ogrid[:height, :width]
         mask &= np.hypot(rows - y, columns - x) > 6 * flaws.flicker
     return np.where(mask, 255, 0).astype(np.uint8)
 

@@ -84,6 +84,10 @@ void bind_character(py::module_ &m) {
       .def_readwrite("solver", &Character::solver, "SolverSettings, without which the materials mean nothing")
       .def_readwrite("body", &Character::body, "the body under the clothes, scan pose; may be empty")
       .def_readwrite("body_shown", &Character::body_shown, "(FB) 1 = hidden under cloth in the scan, must be drawn")
+      .def_readwrite(
+          "high_body", &Character::high_body,
+          "the last of M_high's skin that are the body's, welded to the scan: the vertex of `body` that each is; empty "
+          "= the hidden body is drawn beside M_high")
       .def_readwrite("body_colour", &Character::body_colour, "linear RGB in [0, 1]")
       .def_readwrite("high", &Character::high, "M_high, what is displayed, scan pose; may be empty: then M is")
       .def_readwrite("high_valid", &Character::high_valid, "(FH) 0 = a face of M_high that is not drawn")

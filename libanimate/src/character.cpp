@@ -1,5 +1,6 @@
 #include "doublet/animate/character.h"
 
+#include "display/body_weld.h"
 #include "display/garment_part.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
@@ -88,6 +89,19 @@ void expect(const std::string &what, std::size_t found, std::size_t expected) {
     throw Error("character: " + what + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
 }
 
+void require_high_body(const Character &c) {
+  if (c.high_body.empty())
+    return;
+  const Eigen::Index skin = c.garment_subdivisions < 0 ? 0 : detail::garment_part(c).skin_vertices;
+  if (static_cast<Eigen::Index>(c.high_body.size()) >= skin)
+    throw Error("character: high_body has " + std::to_string(c.high_body.size()) + " entries, expected fewer than the " +
+                std::to_string(skin) + " vertices of M_high's skin");
+  for (int v : c.high_body)
+    if (v < 0 || v >= c.body.vertices.rows())
+      throw Error("character: high_body: expected vertices of the body in [0, " + std::to_string(c.body.vertices.rows()) +
+                  "), found " + std::to_string(v));
+}
+
 void require_inputs(const RiggedMesh &actor, const Segmentation &segmentation) {
   require_actor(actor, "character");
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "character");
@@ -126,6 +140,26 @@ MatrixRM diffuse_weights(const Mesh &body, const Skeleton &skeleton, const std::
     if (!fixed[v])
       weights.row(v) = solution.row(unknown[v]).cwiseMax(0);
   return weights;
+}
+
+/// What is hidden of the body becomes part of M_high's skin. False if it does not fit there.
+bool weld_hidden_body(Character &c, const std::vector<std::uint8_t> &hidden) {
+  const detail::GarmentPart part = detail::garment_part(c);
+  if (part.skin_faces == 0)
+    return false;
+  const Mesh skin{
+      c.high.vertices.topRows(part.skin_vertices),
+      valid_faces(c.high.faces.topRows(part.skin_faces), {c.high_valid.begin(), c.high_valid.begin() + part.skin_faces})};
+  if (skin.faces.rows() == 0)
+    return false;
+  const std::optional<detail::WeldedSkin> welded = detail::weld_body(skin, c.body, hidden);
+  if (!welded)
+    return false;
+  const Mesh garment{c.high.vertices.bottomRows(part.fine.weights.rows()), part.fine.faces};
+  c.high = detail::joined(welded->mesh, garment);
+  c.high_valid.assign(c.high.faces.rows(), 1);
+  c.high_body = welded->body_vertices;
+  return true;
 }
 
 } // namespace
@@ -191,6 +225,7 @@ void validate_character(const Character &c) {
     expect("high_valid", c.high_valid.size(), c.high.faces.rows());
     if (c.garment_subdivisions != -1)
       detail::garment_part(c); // throws
+    require_high_body(c);
   }
   if (c.texture.empty() != (c.texcoords.rows() == 0))
     throw Error("character: texture and texcoords must both be there or both be empty");
@@ -221,8 +256,9 @@ Character make_character(const RiggedMesh &actor, const Segmentation &segmentati
     std::vector<std::uint8_t> hidden = hidden_by_cloth(actor, segmentation, body.body);
     if (garment_subdivisions >= 0)
       add_uncovered(c, hidden);
-    c.body_shown.resize(c.body.faces.rows());
-    for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f)
+    c.body_shown.assign(c.body.faces.rows(), 0);
+    const bool welded = garment_subdivisions >= 0 && weld_hidden_body(c, hidden);
+    for (Eigen::Index f = 0; f < c.body.faces.rows() && !welded; ++f)
       c.body_shown[f] = hidden[c.body.faces(f, 0)] || hidden[c.body.faces(f, 1)] || hidden[c.body.faces(f, 2)];
   }
   validate_character(c);

@@ -3,6 +3,7 @@
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/motion.h"
 #include "doublet/animate/parts/body_penetration.h"
+#include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
 #include "doublet/rays/parts/self_intersection.h"
@@ -94,6 +95,7 @@ struct Player::Shared {
   AnimateOptions options;
   CharacterSimulator simulator, substeps; ///< a whole frame of the character's at once; one substep
   std::optional<DisplaySurface> display;
+  std::optional<SkinPenetrationFix> tuck_skin; ///< that copies begin with
   std::optional<SkinBinding> body;
   std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
 
@@ -105,6 +107,8 @@ struct Player::Shared {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);
+    if (display && character.garment_subdivisions >= 0)
+      tuck_skin.emplace(character);
     if (options.body && character.body.faces.rows() > 0)
       body.emplace(character.body.vertices, character.body_weights);
     for (const ClothRegion &region : simulator.regions()) {
@@ -122,8 +126,12 @@ struct Player::Playing {
   explicit Playing(const Shared &shared) : materials(shared.character.materials), proxies(shared.character.proxies) {
     world.dt = shared.character.solver.dt;
     world.gravity = shared.character.solver.cloth.gravity;
-    if (shared.body && shared.options.resolve_body_penetration)
-      tuck.emplace(shared.character);
+    const Character &character = shared.character;
+    if (!shared.options.resolve_body_penetration)
+      return;
+    if (shared.body && std::any_of(character.body_shown.begin(), character.body_shown.end(), [](auto f) { return f != 0; }))
+      tuck_body.emplace(character);
+    tuck_skin = shared.tuck_skin;
   }
   Playing(const Playing &other, const Shared &shared) : Playing(shared) {
     materials = other.materials;
@@ -328,11 +336,13 @@ struct Player::Playing {
     frame.world_from_rest = posed.world_from_rest;
     joint_positions(character.actor.skeleton, posed.world_from_rest, frame.joints);
     if (shared.display)
-      shared.display->apply(frame.surface, frame.high, display);
+      shared.display->apply(frame.surface, posed.joints, frame.high, display);
     if (shared.body)
       shared.body->pose(posed.joints, frame.body);
-    if (tuck)
-      tuck->apply(frame.surface, frame.body);
+    if (tuck_body)
+      tuck_body->apply(frame.surface, frame.body);
+    if (tuck_skin)
+      tuck_skin->apply(display, frame.high, frame.body);
   }
 
   std::vector<pbd::Material> materials, step_materials; ///< as given; of the step at hand
@@ -352,7 +362,8 @@ struct Player::Playing {
   Eigen::VectorXd between;
   StepBuffers buffers;
   DisplayBuffers display;
-  std::optional<BodyPenetrationFix> tuck;
+  std::optional<BodyPenetrationFix> tuck_body;
+  std::optional<SkinPenetrationFix> tuck_skin;
   AnimationFrame frame;
 };
 

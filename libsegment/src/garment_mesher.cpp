@@ -1,6 +1,7 @@
 #include "doublet/segment/garment_mesher.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/core/parts/closest_point.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/options/options.h"
@@ -20,7 +21,6 @@
 
 namespace doublet {
 
-using detail::boundary_loops;
 using detail::Piece;
 using detail::placed;
 

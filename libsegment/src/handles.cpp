@@ -1,5 +1,6 @@
 #include "handles.h"
 
+#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/core/parts/disjoint_sets.h"
 #include "surface_piece.h"
 

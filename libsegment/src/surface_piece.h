@@ -25,9 +25,6 @@ Piece cut_out(const Mesh &mesh, const Eigen::VectorXd &field);
 /// (N, 3) where the piece's vertices are when the actor's are at `actor_vertices`.
 Vertices placed(const Piece &piece, const Faces &actor_faces, const Vertices &actor_vertices);
 
-/// The boundary as loops of vertices, each in the order of its faces.
-std::vector<std::vector<int>> boundary_loops(const Faces &faces);
-
 /// Throws Error unless every directed edge has one face at most and the faces around every vertex hang together: who walks around
 /// a vertex of another surface, or along its boundary, does not come back.
 void require_manifold(const Mesh &mesh, const std::string &what);

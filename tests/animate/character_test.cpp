@@ -135,13 +135,13 @@ TEST(CharacterFile, ANewerOneIsRefusedInASentence) {
   const TempFolder folder;
   write_character(folder / "new.glb", figure_character());
   std::string text = read_text(folder / "new.glb");
-  overwrite(text, "\"version\":2", 11, "\"version\":3");
+  overwrite(text, "\"version\":2", 11, "\"version\":4");
   write_text(folder / "newer.glb", text);
   try {
     read_character(folder / "newer.glb");
     FAIL();
   } catch (const Error &error) {
-    EXPECT_NE(std::string(error.what()).find("expected version 1 to 2, found 3, which a newer doublet wrote"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("expected version 1 to 3, found 4, which a newer doublet wrote"), std::string::npos)
         << error.what();
   }
 }

@@ -575,7 +575,7 @@ spoilt_by(
     half_a_character=cut("c.glb"),
     a_character_that_is_no_glTF=content("c.glb", b"PK" + bytes(100)),
     a_glTF_of_another_program=gltf(lambda g: g.pop("extensions") and None),
-    a_version_of_the_future=gltf(lambda g: extension(g).update(version=3)),
+    a_version_of_the_future=gltf(lambda g: extension(g).update(version=4)),
     a_buffer_in_another_file=gltf(lambda g: g["buffers"][0].update(uri="../../../etc/passwd")),
     an_image_in_another_file=gltf(lambda g: g["images"][0].update(uri="https://example.com/a.png")),
     a_buffer_view_that_begins_at_2147483647=gltf(lambda g: view_of_texture(g).update(byteOffset=2**31 - 1)),

@@ -60,7 +60,7 @@ def reconstruction(bell, shapes, folder, remesh=False):
     solver = d.SolverSettings(1 / FPS, d.ClothOptions(**{**d.ClothOptions.paper().to_dict(), "iterations": 12}))
     character = d.make_character(dressed.actor, dressed.segmentation, d.BodyFit(), [], [own], solver)
     character.write(folder / "character.glb")
-    surfaces = captured.surface.frames
+    surfaces = np.array(captured.surface.frames)
     surfaces[0] += 0.01  # not quite the skinned surface, as captured ones are
     captured.surface = d.MeshSequence(bare.mesh.faces, surfaces)
     d.write_performance(folder / "performance.npz", captured)

@@ -2,6 +2,7 @@
 
 #include "../../libsegment/src/surface_piece.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/rays/parts/self_intersection.h"
 #include "doublet/segment/garment_mesher.h"
 #include "skirt_person.h"
@@ -108,7 +109,7 @@ TEST(Handles, FoldsThatWereJoinedArePartedAndClosed) {
   EXPECT_EQ(detail::genus(mesh), 2);
   const Mesh parted = detail::without_handles(mesh, 0.25);
   EXPECT_EQ(detail::genus(parted), 0);
-  EXPECT_EQ(detail::boundary_loops(parted.faces).size(), 2u);
+  EXPECT_EQ(boundary_loops(parted.faces).size(), 2u);
   expect_manifold(parted);
   EXPECT_EQ(parted.vertices.topRows(mesh.vertices.rows()), mesh.vertices);
   // Around a triangle, each cut has three new corners and two middles.
@@ -121,7 +122,7 @@ TEST(Handles, WhatIsFurtherAroundStays) {
   EXPECT_EQ(detail::without_handles(mesh, 0.12).faces, mesh.faces); // 0.124 around
   const Mesh cut = detail::without_handles(mesh, 0.13);
   EXPECT_EQ(detail::genus(cut), 0);
-  EXPECT_TRUE(detail::boundary_loops(cut.faces).empty());
+  EXPECT_TRUE(boundary_loops(cut.faces).empty());
   expect_manifold(cut);
 }
 

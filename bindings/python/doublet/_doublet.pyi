@@ -4724,6 +4724,14 @@ class Character:
     def high(self, value: Mesh) -> None:
         ...
     @property
+    def high_body(self) -> list[int]:
+        """
+        the last of M_high's skin that are the body's, welded to the scan: the vertex of `body` that each is; empty = the hidden body is drawn beside M_high
+        """
+    @high_body.setter
+    def high_body(self, value: collections.abc.Sequence[int]) -> None:
+        ...
+    @property
     def high_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
         (FH) 0 = a face of M_high that is not drawn

@@ -361,7 +361,7 @@ int write_baked_glb(const std::filesystem::path &path, const Character &characte
     materials.push_back(glb::add_material(writer, "surface", Vector3d::Ones(), -1, true));
   } else {
     TexturedHigh high = textured_high(writer, character);
-    const MatrixRM weights = DisplaySurface(character).sample(actor.weights);
+    const MatrixRM weights = DisplaySurface(character).skin_weights(actor.weights);
     meshes.push_back(shapes_of(std::move(high.shown), valid_faces(character.high.faces, character.high_valid), weights,
                                at_keys(animation.high, keys), poses));
     materials.push_back(glb::add_material(writer, "surface", Vector3d::Constant(0.6), high.image, true));

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -17,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char *kExtension = "DOUBLET_character";
-constexpr int kVersion = 2; // 1: some of the cloth options
+constexpr int kVersion = 3, kWithoutBody = 2; // 2: no body in M_high; 1: some of the cloth options
 
 json vector_json(const Eigen::Vector3d &v) {
   return {v.x(), v.y(), v.z()};
@@ -184,7 +185,7 @@ Mesh json_mesh(const glb::Reader &reader, const json &j) {
 
 json extension_json(glb::Writer &writer, const Character &c, int texture_image) {
   json out;
-  out["version"] = kVersion;
+  out["version"] = c.high_body.empty() ? kWithoutBody : kVersion;
   out["name"] = c.name;
   out["mesh"] = mesh_json(writer, c.actor.mesh);
   out["mesh"]["faceValid"] = writer.bytes(c.actor.face_valid);
@@ -206,6 +207,8 @@ json extension_json(glb::Writer &writer, const Character &c, int texture_image) 
     out["high"]["faceValid"] = writer.bytes(c.high_valid);
     if (c.garment_subdivisions >= 0)
       out["high"]["garmentSubdivisions"] = c.garment_subdivisions;
+    if (!c.high_body.empty())
+      out["high"]["bodyVertices"] = writer.integers({c.high_body.begin(), c.high_body.end()}, glb::Use::Data);
     if (texture_image >= 0) {
       out["high"]["texcoords"] = writer.matrix(c.texcoords);
       out["high"]["texture"] = texture_image;
@@ -242,6 +245,9 @@ void parse_extension(const glb::Reader &reader, const json &j, Character &c) {
     c.high = json_mesh(reader, high);
     c.high_valid = reader.bytes(high.at("faceValid").get<int>());
     c.garment_subdivisions = high.value("garmentSubdivisions", -1); // not in characters without a garment, or of before
+    if (high.contains("bodyVertices"))
+      for (std::uint32_t v : reader.integers(high.at("bodyVertices").get<int>()))
+        c.high_body.push_back(static_cast<int>(std::min<std::uint32_t>(v, std::numeric_limits<int>::max())));
     if (high.contains("texcoords")) {
       c.texcoords = reader.matrix(high.at("texcoords").get<int>(), 2);
       c.texture = reader.image(high.at("texture").get<int>());
@@ -273,7 +279,7 @@ void add_display(glb::Writer &writer, const Character &c, int texture_image) {
   const int material = glb::add_material(writer, "surface", Eigen::Vector3d(0.8, 0.8, 0.8), texture_image, true);
   const glb::GlbMesh shown =
       high ? glb::display_mesh(c.high, c.high_valid, c.texcoords) : glb::display_mesh(c.actor.mesh, c.actor.face_valid, {});
-  const MatrixRM weights = high ? DisplaySurface(c).sample(c.actor.weights) : c.actor.weights;
+  const MatrixRM weights = high ? DisplaySurface(c).skin_weights(c.actor.weights) : c.actor.weights;
   glb::add_mesh_node(writer, "surface", glb::add_mesh(writer, "surface", shown, material, &weights), skin);
   const glb::GlbMesh body = glb::display_mesh(c.body, c.body_shown, {});
   if (body.mesh.faces.rows() > 0) {

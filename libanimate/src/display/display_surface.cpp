@@ -1,11 +1,14 @@
 #include "doublet/animate/display_surface.h"
 
+#include "body_weld.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
+#include "doublet/core/parts/edge_distances.h"
 #include "doublet/rays/ray_scene.h"
 #include "garment_part.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -19,13 +22,17 @@ using Eigen::Vector3d;
 constexpr double kScanReach = 0.010; // m, the scan is looked for so far from the garment: more is another fold
 constexpr double kSameSide = 0.5;    // cosine between the normals of garment and scan
 constexpr int kSmoothing = 2;        // rounds over the heights
-constexpr double kSink = 0.0003;     // m, of the skin just under the seam: it must not show as a step ...
+constexpr double kSink = 0.001;      // m, of the skin just under the seam: it must not show as a step ...
 constexpr double kSinkBend = 10;     // 1/m, ... more with the square of the way below it ...
 constexpr double kDeepest = 0.004;   // m, ... up to this
+constexpr double kSeamSlope = 0.3;   // just above the seam skin stands out by so much of the way to it at most
+constexpr double kGoesOn = 0.04;     // m, of the scan below the seam, where it is the garment: to it the body is welded
 constexpr double kHidden = 0.06;     // m, skin so far below the seam at most is under the garment; further down it is a limb's
 constexpr double kAtSeam = 0.03;     // m, about a triangle of M, which may count as covered although the seam runs through it
 constexpr double kNearHem = 0.15;    // m, about the radius of what closes a hem in the scan ...
 constexpr double kFacesOut = 0.5;    // ... cosine of its normals to the way the garment ends
+constexpr double kCarried = 0.05;    // m from the weld, within which the scan's skin goes over to the body's weights
+constexpr double kEnough = 0.02;     // share of M's skin weights that tells how a joint stands
 constexpr double kCrumb = 0.005;     // m^2, skin in smaller pieces is what the mask left of the sheet below a hem
 
 Vector3d centre_of(const Mesh &mesh, int f) {
@@ -132,7 +139,7 @@ public:
   enum class Side { Above, AtSeam, Under, Away };
   struct Place {
     Side side = Side::Away;
-    double below = 0, height = 0; ///< m, way from the seam; along `normal`, < 0 = under the garment
+    double below = 0, height = 0; ///< m, way from the seam, < 0 = above it; along `normal`, < 0 = under the garment
     Vector3d normal = Vector3d::Zero();
   };
   /// Where a point of the skin is: above the seam (nothing of the garment is nearer), so but close to it, under the garment just
@@ -146,8 +153,12 @@ public:
     Vector3d normal = Vector3d::Zero();
     for (int k = 0; k < 3; ++k)
       normal += at.barycentric[k] * normals_.row(cloth_.faces(at.face, k)).transpose();
-    if (below < 1e-6)
-      return {at.distance < kAtSeam ? Side::AtSeam : Side::Above};
+    if (below < 1e-6) {
+      if (!(at.distance < kAtSeam) || !(normal.norm() > 0))
+        return {at.distance < kAtSeam ? Side::AtSeam : Side::Above};
+      const double height = (p - at.point).dot(normal.normalized());
+      return {Side::AtSeam, -std::sqrt(std::max(0.0, at.distance * at.distance - height * height)), height, normal.normalized()};
+    }
     if (at.distance > kScanReach || below > kHidden || !(normal.norm() > 0))
       return {Side::Away};
     return {Side::Under, below, (p - at.point).dot(normal.normalized()), normal.normalized()};
@@ -155,23 +166,30 @@ public:
 
   Vector3d sunk(const Vector3d &p) const {
     const Place at = place(p);
-    if (at.side != Side::Under)
+    if (at.side != Side::Under && at.side != Side::AtSeam)
       return p;
-    const double wanted = -std::min(kSink + kSinkBend * at.below * at.below, kDeepest);
+    const double wanted =
+        at.below < 0 ? -kSink - kSeamSlope * at.below : -std::min(kSink + kSinkBend * at.below * at.below, kDeepest);
     return p + std::min(wanted - at.height, 0.0) * at.normal;
   }
 
-  /// The faces of M_high that show beside the garment or lie across the seam. `valid`: where M is valid, and not covered.
+  /// The faces of M_high that show beside the garment, lie across the seam or just below. `valid`: where M is valid, and not
+  /// covered.
   std::vector<int> skin(const Mesh &high, const std::vector<std::uint8_t> &valid) const {
     std::vector<Side> sides(high.vertices.rows());
-    for (Eigen::Index v = 0; v < high.vertices.rows(); ++v)
-      sides[v] = place(high.vertices.row(v)).side;
+    std::vector<std::uint8_t> just_under(high.vertices.rows());
+    for (Eigen::Index v = 0; v < high.vertices.rows(); ++v) {
+      const Place at = place(high.vertices.row(v));
+      sides[v] = at.side;
+      just_under[v] = at.side == Side::AtSeam || (at.side == Side::Under && at.below < kGoesOn);
+    }
     std::vector<int> shown;
     for (int f = 0; f < high.faces.rows(); ++f) {
       const auto any = [&](Side side) {
         return sides[high.faces(f, 0)] == side || sides[high.faces(f, 1)] == side || sides[high.faces(f, 2)] == side;
       };
-      if (any(Side::AtSeam) || (valid[f] && !any(Side::Under)))
+      const bool goes_on = just_under[high.faces(f, 0)] && just_under[high.faces(f, 1)] && just_under[high.faces(f, 2)];
+      if (any(Side::AtSeam) || goes_on || (valid[f] && !any(Side::Under)))
         shown.push_back(f);
     }
     return shown;
@@ -255,11 +273,42 @@ std::vector<int> without_crumbs(const Mesh &mesh, const std::vector<int> &faces)
   return kept;
 }
 
-Mesh joined(const Mesh &first, const Mesh &second) {
-  Mesh both{Vertices(first.vertices.rows() + second.vertices.rows(), 3), Faces(first.faces.rows() + second.faces.rows(), 3)};
-  both.vertices << first.vertices, second.vertices;
-  both.faces << first.faces, Faces(second.faces.array() + static_cast<int>(first.vertices.rows()));
-  return both;
+/// (C) values (V, C) at a point of their mesh.
+Eigen::RowVectorXd interpolated(const MatrixRM &values, const Faces &faces, const ClosestPoint &at) {
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(values.cols());
+  for (int k = 0; k < 3; ++k)
+    sum += at.barycentric[k] * values.row(faces(at.face, k));
+  return sum;
+}
+
+/// The faces of a welded skin that are the scan's alone, with its vertices.
+Mesh scan_of(const Mesh &skin, Eigen::Index scan_vertices) {
+  std::vector<std::uint8_t> of_scan(skin.faces.rows());
+  for (Eigen::Index f = 0; f < skin.faces.rows(); ++f)
+    of_scan[f] = skin.faces.row(f).maxCoeff() < scan_vertices;
+  return {skin.vertices.topRows(scan_vertices), valid_faces(skin.faces, of_scan)};
+}
+
+/// That which moves some weighted vertices best (Umeyama 1991).
+Eigen::Isometry3d rigid_motion(const Vertices &from, const Vertices &to, const std::vector<WeightedVertex> &vertices) {
+  double sum = 0;
+  Vector3d from_centre = Vector3d::Zero(), to_centre = Vector3d::Zero();
+  for (const WeightedVertex &v : vertices) {
+    sum += v.weight;
+    from_centre += v.weight * from.row(v.vertex).transpose();
+    to_centre += v.weight * to.row(v.vertex).transpose();
+  }
+  from_centre /= sum;
+  to_centre /= sum;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const WeightedVertex &v : vertices)
+    covariance += v.weight * (to.row(v.vertex).transpose() - to_centre) * (from.row(v.vertex) - from_centre.transpose());
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double turn = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.linear() = svd.matrixU() * Vector3d(1, 1, turn).asDiagonal() * svd.matrixV().transpose();
+  motion.translation() = to_centre - motion.linear() * from_centre;
+  return motion;
 }
 
 } // namespace
@@ -288,7 +337,7 @@ DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segm
   Mesh skin = submesh(high, without_crumbs(high, seam.skin(high, display.valid)));
   for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v)
     skin.vertices.row(v) = seam.sunk(skin.vertices.row(v));
-  display.mesh = joined(skin, cloth);
+  display.mesh = detail::joined(skin, cloth);
   display.valid.assign(display.mesh.faces.rows(), 1);
   return display;
 }
@@ -299,7 +348,7 @@ DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.me
   validate_character(c);
   if (c.garment_subdivisions < 0) {
     skin_.emplace(c.actor.mesh, c.actor.face_valid, c.high, c.high_valid);
-    skin_vertices_ = c.high.vertices.rows();
+    skin_vertices_ = scan_vertices_ = c.high.vertices.rows();
     return;
   }
   const detail::GarmentPart part = detail::garment_part(c);
@@ -315,21 +364,81 @@ DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.me
   for (int f : part.garment.faces)
     valid[f] = 0;
   const Mesh skin{c.high.vertices.topRows(skin_vertices_), c.high.faces.topRows(part.skin_faces)};
-  skin_.emplace(c.actor.mesh, valid, skin, std::vector<std::uint8_t>{});
+  scan_vertices_ = skin_vertices_ - static_cast<Eigen::Index>(c.high_body.size());
+  const Mesh scan = c.high_body.empty() ? skin : scan_of(skin, scan_vertices_);
+  skin_.emplace(c.actor.mesh, valid, scan, std::vector<std::uint8_t>{});
   const Mesh cloth{c.high.vertices.bottomRows(smooth.rows()), part.fine.faces};
   const Seam seam(cloth, clothness_of(garment_vertices_, subdivide_, c.segmentation));
   std::vector<char> under(skin_vertices_);
-  for (Eigen::Index v = 0; v < skin_vertices_; ++v)
+  for (Eigen::Index v = 0; v < scan_vertices_; ++v)
     under[v] = seam.place(skin.vertices.row(v)).side == Seam::Side::Under;
+  if (!c.high_body.empty())
+    carry(c, valid, skin, under);
   std::vector<int> faces;
-  for (int f = 0; f < skin.faces.rows(); ++f)
-    if (under[skin.faces(f, 0)] || under[skin.faces(f, 1)] || under[skin.faces(f, 2)])
+  for (int f = 0; f < scan.faces.rows(); ++f)
+    if (under[scan.faces(f, 0)] || under[scan.faces(f, 1)] || under[scan.faces(f, 2)])
       faces.push_back(f);
   if (faces.empty())
     return;
-  under_garment_.emplace(cloth, std::vector<std::uint8_t>{}, submesh(skin, faces, &under_vertices_), std::vector<std::uint8_t>{});
+  under_garment_.emplace(cloth, std::vector<std::uint8_t>{}, submesh(scan, faces, &under_vertices_), std::vector<std::uint8_t>{});
   for (int &v : under_vertices_)
     v = under[v] ? v : -1;
+}
+
+/// What goes with the body's weights: the body, and the scan's skin beside it more and more.
+void DisplaySurface::carry(const Character &c, const std::vector<std::uint8_t> &valid, const Mesh &skin,
+                           const std::vector<char> &under) {
+  std::vector<int> weld;
+  for (int v : detail::weld_vertices(skin.faces, scan_vertices_))
+    if (!under[v])
+      weld.push_back(v);
+  const Eigen::VectorXd away =
+      edge_distances(skin.vertices, vertex_neighbours(skin.faces, static_cast<int>(skin_vertices_)), weld, kCarried);
+  const RayScene body(c.body);
+  std::vector<Eigen::RowVectorXd> weights;
+  for (Eigen::Index v = 0; v < skin_vertices_; ++v) {
+    const bool of_body = v >= scan_vertices_;
+    if (!of_body && (under[v] || !(away[v] < kCarried)))
+      continue;
+    const double left = of_body ? 1 : 1 - away[v] / kCarried;
+    carried_.push_back({static_cast<int>(v), left * left * (3 - 2 * left)});
+    if (of_body)
+      weights.emplace_back(c.body_weights.row(c.high_body[v - scan_vertices_]));
+    else
+      weights.push_back(interpolated(c.body_weights, c.body.faces, body.closest(skin.vertices.row(v))));
+  }
+  carried_weights_.resize(static_cast<Eigen::Index>(carried_.size()), c.body_weights.cols());
+  Vertices rest(carried_weights_.rows(), 3);
+  for (std::size_t i = 0; i < carried_.size(); ++i) {
+    carried_weights_.row(static_cast<Eigen::Index>(i)) = weights[i];
+    rest.row(static_cast<Eigen::Index>(i)) = skin.vertices.row(carried_[i].vertex);
+  }
+  binding_.emplace(rest, carried_weights_);
+  const RayScene bare(c.actor.mesh, valid);
+  for (Eigen::Index v = scan_vertices_; v < skin_vertices_; ++v)
+    nearest_.push_back(c.actor.mesh.faces(bare.closest(skin.vertices.row(v)).face, 0));
+  rest_ = c.actor.mesh.vertices;
+  skeleton_ = c.actor.skeleton;
+  told_by_.resize(c.actor.skeleton.joint_count());
+  std::vector<std::uint8_t> told(rest_.rows(), 0);
+  for (Eigen::Index f = 0; f < c.actor.mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3; ++k)
+      told[c.actor.mesh.faces(f, k)] |= valid[f];
+  for (std::size_t j = 0; j < told_by_.size(); ++j)
+    for (Eigen::Index v = 0; v < rest_.rows(); ++v)
+      if (const double weight = c.actor.weights(v, static_cast<Eigen::Index>(j)); told[v] && weight > kEnough)
+        told_by_[j].push_back({static_cast<int>(v), weight});
+}
+
+void DisplaySurface::joints_of(const Vertices &surface, std::vector<DualQuaternion> &joints) const {
+  Transforms world_from_rest(told_by_.size());
+  for (std::size_t j = 0; j < told_by_.size(); ++j) { // parents come first
+    const int parent = skeleton_.joints[j].parent;
+    world_from_rest[j] = parent < 0 ? Eigen::Isometry3d::Identity() : world_from_rest[parent];
+    if (told_by_[j].size() >= 3)
+      world_from_rest[j] = rigid_motion(rest_, surface, told_by_[j]);
+  }
+  dual_quaternions(skeleton_, world_from_rest, joints);
 }
 
 Vertices DisplaySurface::apply(const Vertices &surface) const {
@@ -339,7 +448,14 @@ Vertices DisplaySurface::apply(const Vertices &surface) const {
   return high;
 }
 
-void DisplaySurface::apply(const Vertices &surface, Vertices &high, DisplayBuffers &b) const {
+void DisplaySurface::apply(const Vertices &surface, Vertices &high, DisplayBuffers &buffers) const {
+  if (binding_ && surface.rows() == coarse_vertices_ && surface.allFinite())
+    joints_of(surface, buffers.joints);
+  apply(surface, buffers.joints, high, buffers);
+}
+
+void DisplaySurface::apply(const Vertices &surface, const std::vector<DualQuaternion> &joints, Vertices &high,
+                           DisplayBuffers &b) const {
   if (surface.rows() != coarse_vertices_)
     throw std::invalid_argument("DisplaySurface::apply: surface has " + std::to_string(surface.rows()) + " vertices, expected " +
                                 std::to_string(coarse_vertices_));
@@ -347,7 +463,18 @@ void DisplaySurface::apply(const Vertices &surface, Vertices &high, DisplayBuffe
     throw std::invalid_argument("DisplaySurface::apply: surface: expected finite positions, found NaN or infinity");
   high.resize(skin_vertices_ + subdivide_.rows(), 3);
   if (skin_)
-    skin_->apply(surface, high.topRows(skin_vertices_), b.skin_rows);
+    skin_->apply(surface, high.topRows(scan_vertices_), b.skin_rows);
+  if (binding_) {
+    binding_->pose(joints, b.carried);
+    for (std::size_t i = 0; i < carried_.size(); ++i) {
+      auto row = high.row(carried_[i].vertex);
+      const auto carried = b.carried.row(static_cast<Eigen::Index>(i));
+      if (carried_[i].weight == 1)
+        row = carried;
+      else
+        row += carried_[i].weight * (carried - row);
+    }
+  }
   if (garment_vertices_.empty())
     return;
   b.garment.resize(static_cast<Eigen::Index>(garment_vertices_.size()), 3);
@@ -381,12 +508,23 @@ MatrixRM DisplaySurface::sample(const MatrixRM &values) const {
                                 std::to_string(coarse_vertices_));
   MatrixRM result(skin_vertices_ + subdivide_.rows(), values.cols());
   if (skin_)
-    result.topRows(skin_vertices_) = skin_->sample(values);
+    result.topRows(scan_vertices_) = skin_->sample(values);
+  for (std::size_t i = 0; i < nearest_.size(); ++i)
+    result.row(scan_vertices_ + static_cast<Eigen::Index>(i)) = values.row(nearest_[i]);
   if (!garment_vertices_.empty()) {
     MatrixRM garment(garment_vertices_.size(), values.cols());
     for (std::size_t i = 0; i < garment_vertices_.size(); ++i)
       garment.row(i) = values.row(garment_vertices_[i]);
     result.bottomRows(subdivide_.rows()) = subdivide_ * garment;
+  }
+  return result;
+}
+
+MatrixRM DisplaySurface::skin_weights(const MatrixRM &weights) const {
+  MatrixRM result = sample(weights);
+  for (std::size_t i = 0; i < carried_.size(); ++i) {
+    auto row = result.row(carried_[i].vertex);
+    row += carried_[i].weight * (carried_weights_.row(static_cast<Eigen::Index>(i)) - row);
   }
   return result;
 }

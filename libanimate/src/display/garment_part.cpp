@@ -35,4 +35,11 @@ GarmentPart garment_part(const Character &c) {
   return part;
 }
 
+Mesh joined(const Mesh &first, const Mesh &second) {
+  Mesh both{Vertices(first.vertices.rows() + second.vertices.rows(), 3), Faces(first.faces.rows() + second.faces.rows(), 3)};
+  both.vertices << first.vertices, second.vertices;
+  both.faces << first.faces, Faces(second.faces.array() + static_cast<int>(first.vertices.rows()));
+  return both;
+}
+
 } // namespace doublet::detail

@@ -22,4 +22,7 @@ struct GarmentPart {
 /// Throws Error if M_high does not end in the garment as often subdivided as the character says.
 GarmentPart garment_part(const Character &character);
 
+/// Both, the second's vertices behind the first's.
+Mesh joined(const Mesh &first, const Mesh &second);
+
 } // namespace doublet::detail

@@ -1,5 +1,6 @@
 #include "hidden_skin.h"
 
+#include "body_weld.h"
 #include "doublet/core/parts/quantile.h"
 #include "garment_part.h"
 
@@ -55,8 +56,15 @@ std::vector<double> beyond_free_edges(const Character &c) {
 std::vector<double> from_the_seam(const Character &c, const std::vector<double> &away) {
   constexpr double kBeside = 0.30; // m from the free edges
   std::vector<Vector3d> seam;
+  if (!c.high_body.empty()) {
+    const GarmentPart part = garment_part(c);
+    const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
+    for (int v : weld_vertices(c.high.faces.topRows(part.skin_faces), scan))
+      if (away[v] < kBeside)
+        seam.push_back(c.high.vertices.row(v));
+  }
   const EdgeTopology topology = edge_topology(valid_faces(c.high.faces, c.high_valid));
-  for (std::size_t e = 0; e < topology.edges.size(); ++e)
+  for (std::size_t e = 0; e < topology.edges.size() && c.high_body.empty(); ++e)
     if (topology.edge_faces[e][1] < 0 && away[topology.edges[e][0]] < kBeside && away[topology.edges[e][1]] < kBeside)
       seam.push_back(c.high.vertices.row(topology.edges[e][0]));
   std::vector<double> distance(away.size(), kInfinite);
@@ -66,13 +74,25 @@ std::vector<double> from_the_seam(const Character &c, const std::vector<double> 
   return distance;
 }
 
+std::vector<std::uint8_t> of_hidden_body(const Character &c) {
+  std::vector<std::uint8_t> hidden(static_cast<std::size_t>(c.high.faces.rows()), 0);
+  if (c.high_body.empty())
+    return hidden;
+  const GarmentPart part = garment_part(c);
+  const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
+  for (Eigen::Index f = 0; f < part.skin_faces; ++f)
+    hidden[f] = c.high.faces.row(f).maxCoeff() >= scan;
+  return hidden;
+}
+
 bool find_hidden_colour(Character &c, const std::vector<double> &away, const BakedTexture &baked) {
   constexpr double kReach = 0.20; // m
   constexpr std::size_t kFewest = 20;
+  const std::vector<std::uint8_t> hidden = of_hidden_body(c);
   std::vector<Vector3d> found; // B G R
   for (int f = 0; f < c.high.faces.rows(); ++f) {
     const double farthest = std::max({away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]});
-    if (farthest > kReach || !c.high_valid[f])
+    if (farthest > kReach || !c.high_valid[f] || hidden[f])
       continue;
     const Eigen::Vector2d at = baked.texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * baked.image.width;
     const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());

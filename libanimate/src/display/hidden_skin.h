@@ -13,9 +13,12 @@ constexpr double kGamma = 2.2; // about that of sRGB, which images are in
 /// edge that it hangs by is nearer. All infinite without a garment.
 std::vector<double> beyond_free_edges(const Character &character);
 
-/// (VH) m from each vertex of M_high's skin to where it ends beside the garment's free edges, and the body goes on; infinite
-/// far from those. `away` from beyond_free_edges().
+/// (VH) m from each vertex of M_high's skin to where the scan ends beside the garment's free edges, and the body goes on;
+/// infinite far from those. `away` from beyond_free_edges().
 std::vector<double> from_the_seam(const Character &character, const std::vector<double> &away);
+
+/// (FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.
+std::vector<std::uint8_t> of_hidden_body(const Character &character);
 
 /// Sets the colour that the hidden part of the body has in all likelihood: the median of the brighter half (a shadow only
 /// darkens) of the skin within 20 cm beyond the garment's free edges, of legs below a hem. False, and as it was, where there is

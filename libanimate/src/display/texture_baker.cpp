@@ -427,19 +427,22 @@ double likeness(const Vector3d &bgr, const Vector3d &skin) {
 }
 
 /// Skin goes over into the hidden body's colour towards the seam where the body goes on; what is darker there is in the
-/// garment's shadow. `away` (VH) as of detail::from_the_seam().
+/// garment's shadow. Where the body is of the same surface, what is not like it (a stocking) goes on there and over into it.
+/// `away` (VH) as of detail::from_the_seam().
 void fade_into_hidden(const Character &c, const std::vector<double> &away, BakedTexture &baked) {
   constexpr double kReach = 0.10, kWhole = 0.02; // m
   const Vector3d skin = 255 * c.body_colour.reverse().array().pow(1 / kGamma).matrix();
   const Atlas atlas(baked.image.width, c.high.faces.rows());
+  const std::vector<std::uint8_t> hidden = detail::of_hidden_body(c);
   for (int f = 0; f < c.high.faces.rows(); ++f) {
     const Vector3d corners(away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]);
-    if (!(corners.maxCoeff() < kReach) || !c.high_valid[f])
+    if ((!(corners.maxCoeff() < kReach) && !hidden[f]) || !c.high_valid[f])
       continue;
     for_texels(atlas, f, [&](int x, int y, const Vector3d &b) {
       Vector3d colour(baked.image.at(x, y, 0), baked.image.at(x, y, 1), baked.image.at(x, y, 2));
-      const double near = std::clamp((kReach - b.dot(corners)) / (kReach - kWhole), 0.0, 1.0);
-      colour += near * near * (3 - 2 * near) * likeness(colour, skin) * (skin - colour);
+      const double near = std::clamp((kReach - b.dot(corners.cwiseMin(kReach))) / (kReach - kWhole), 0.0, 1.0);
+      const double share = near * near * (3 - 2 * near), alike = likeness(colour, skin);
+      colour += (hidden[f] ? 1 - share * (1 - alike) : share * alike) * (skin - colour);
       for (int k = 0; k < 3; ++k)
         baked.image.at(x, y, k) = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5, 0.0, 255.0));
     });

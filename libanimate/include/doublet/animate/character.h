@@ -30,14 +30,18 @@ struct Character {
   Mesh high;                            ///< M_high for display, scan pose; may be empty: then M is displayed
   std::vector<std::uint8_t> high_valid; ///< (FH)
   int garment_subdivisions = -1;        ///< of the garment in M_high; -1 = M_high is one surface (see DisplayMesh)
-  TexCoords texcoords;                  ///< (3 FH, 2) per corner of M_high; empty = no texture
-  std::vector<std::uint8_t> texture;    ///< PNG or JPEG file; empty = no texture
+  /// The last of M_high's skin (its vertices before the garment's) that are the body's, which goes on under the garment, welded
+  /// to the scan: the vertex of `body` that each is. Then body_shown is 0. Empty = the hidden body is drawn beside M_high.
+  std::vector<int> high_body;
+  TexCoords texcoords;               ///< (3 FH, 2) per corner of M_high; empty = no texture
+  std::vector<std::uint8_t> texture; ///< PNG or JPEG file; empty = no texture
 };
 
 /// Checks that all parts fit together. Throws Error naming the part.
 void validate_character(const Character &character);
 
-/// Puts a character together: checks sizes, computes the body's skin weights and which of its faces are needed.
+/// Puts a character together: checks sizes, computes the body's skin weights and which of its faces are needed; where M_high has
+/// a garment these become part of it, welded to its skin, if the two fit together.
 /// `high`, `body` may be empty; `high`, `high_valid` and `garment_subdivisions` as build_display_mesh() (display_surface.h) makes
 /// them.
 Character make_character(const RiggedMesh &actor, const Segmentation &segmentation, const BodyFit &body,

@@ -4,6 +4,7 @@
 // triangle bridges a fold, and the scan's detail is a height along the normal.
 
 #include "doublet/animate/surface_transfer.h"
+#include "doublet/core/skinning.h"
 #include "doublet/core/stage_values.h"
 
 #include <optional>
@@ -28,7 +29,13 @@ DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segm
 /// Memory of DisplaySurface::apply().
 struct DisplayBuffers {
   PaddedRows skin_rows, garment_rows, under_rows;
-  Vertices garment, garment_normals, cloth, cloth_normals, under;
+  Vertices garment, garment_normals, cloth, cloth_normals, under, carried;
+  std::vector<DualQuaternion> joints;
+};
+
+struct WeightedVertex {
+  int vertex;
+  double weight;
 };
 
 /// Immutable after construction; apply() is exact in the scan pose and under rigid motion.
@@ -41,18 +48,34 @@ public:
   Vertices apply(const Vertices &surface) const;
   /// The same into `high`; nothing is allocated once it and the buffers have been used.
   void apply(const Vertices &surface, Vertices &high, DisplayBuffers &buffers) const;
+  /// The same in a known pose, `joints` as dual_quaternions() gives them: the body that is welded to the skin is skinned with
+  /// them. Without, each joint is taken to have moved as its skin has.
+  void apply(const Vertices &surface, const std::vector<DualQuaternion> &joints, Vertices &high, DisplayBuffers &buffers) const;
   /// (VH, C) values of M's vertices (V, C) at M_high's, e.g. skin weights.
   MatrixRM sample(const MatrixRM &values) const;
+  /// (VH, J) skin weights of M_high for M's (V, J): the body that is welded to it has its own.
+  MatrixRM skin_weights(const MatrixRM &weights) const;
 
 private:
+  void carry(const Character &character, const std::vector<std::uint8_t> &valid, const Mesh &skin,
+             const std::vector<char> &under);
+  void joints_of(const Vertices &surface, std::vector<DualQuaternion> &joints) const;
+
   std::optional<SurfaceTransfer> skin_;          ///< of the vertices before the garment's; none = no such vertices
   std::optional<SurfaceTransfer> under_garment_; ///< the skin below the seam follows the garment as it is drawn
   std::vector<int> under_vertices_;              ///< of M_high, for each that it carries; -1 = it stays with the skin
-  Eigen::Index skin_vertices_ = 0, coarse_vertices_ = 0;
-  std::vector<int> garment_vertices_; ///< [G] of M
-  Faces garment_faces_;               ///< (H, 3) of those
-  SparseRows subdivide_;              ///< (G', G)
-  Eigen::VectorXd heights_;           ///< (G') m over the subdivided garment
+  Eigen::Index skin_vertices_ = 0, scan_vertices_ = 0, coarse_vertices_ = 0; ///< the scan's are the first of the skin's
+  std::optional<SkinBinding> binding_;  ///< of the body in M_high, and of the scan's skin beside it ...
+  std::vector<WeightedVertex> carried_; ///< ... of M_high, which go so far with it
+  MatrixRM carried_weights_;            ///< of those, (., J)
+  std::vector<int> nearest_;            ///< of M, to each vertex of the body
+  Vertices rest_;                       ///< of M
+  Skeleton skeleton_;
+  std::vector<std::vector<WeightedVertex>> told_by_; ///< [joint] of M
+  std::vector<int> garment_vertices_;                ///< [G] of M
+  Faces garment_faces_;                              ///< (H, 3) of those
+  SparseRows subdivide_;                             ///< (G', G)
+  Eigen::VectorXd heights_;                          ///< (G') m over the subdivided garment
 };
 
 // Deprecated names.

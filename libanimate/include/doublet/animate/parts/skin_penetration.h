@@ -1,0 +1,53 @@
+#pragma once
+// The person's skin, kept from showing through a garment as it is drawn.
+
+#include "doublet/animate/display_surface.h"
+#include "doublet/core/parts/moving_surface.h"
+
+#include <array>
+
+namespace doublet {
+
+/// Brings what is drawn of the person near a garment under it, where it stands out by up to 6 cm: the hidden body, and the scan's
+/// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 20 mm deep, less at the
+/// garment's edges. Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the
+/// edge. Edges that bridge a fold of the garment go under it with their ends. Skin on which the garment lies inside out stays.
+/// Capsules, which keep the simulated cloth off, are simpler than legs. A matter of display only.
+class SkinPenetrationFix {
+public:
+  /// The character must have M_high with a garment, else Error.
+  explicit SkinPenetrationFix(const Character &character);
+  /// `drawn` and `high` as DisplaySurface::apply() has left them, `body` (B, 3) or empty; once warm, nothing is allocated.
+  void apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body);
+
+private:
+  enum class Edge : std::uint8_t { Inner, Free, Seam };
+  struct Tucked {
+    int vertex;
+    int last = -1;                                    ///< the face of the garment that was closest before; -1 = none
+    double further = 0;                               ///< m, for edges across folds
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of the garment there; 0 = none
+    Eigen::Vector3d own = Eigen::Vector3d::Zero();    ///< its own, of any length
+  };
+  struct Part {
+    std::vector<Tucked> vertices;
+    Faces faces; ///< between them, numbers into them; so the edges
+    std::vector<Eigen::Vector2i> edges;
+    void bound(const Faces &all, Eigen::Index mesh_vertices);
+    void find_normals(const Vertices &positions);
+  };
+  /// By how much a point is to move, along `normal`, the garment's there.
+  double outside(const Eigen::Vector3d &point, const Vertices &normals, int &last, Eigen::Vector3d &normal) const;
+  static double share(double out, const Tucked &tucked);
+  void tuck(const Vertices &normals, Part &part, Vertices &positions) const;
+  void tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const;
+  void tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const;
+
+  Part skin_, body_;                       ///< of M_high, of the body
+  Faces faces_;                            ///< of the garment as it is drawn
+  Eigen::VectorXd depths_;                 ///< m under each of its vertices
+  std::vector<std::array<Edge, 3>> edges_; ///< (F) opposite each corner
+  MovingSurface garment_;
+};
+
+} // namespace doublet

@@ -1,0 +1,197 @@
+#include "doublet/animate/parts/skin_penetration.h"
+
+#include "body_weld.h"
+#include "doublet/core/parts/edge_distances.h"
+#include "doublet/rays/ray_scene.h"
+#include "garment_part.h"
+#include "hidden_skin.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+constexpr double kDeep = 0.020; // m: faces are flat where the cloth folds inward between their corners ...
+constexpr double kDeepAtHem = 0.010, kDeepPerWay = 0.25; // ... from m, by m for each from a free edge
+constexpr double kDeepAtSeam = 0.001, kDeepBend = 10;    // m, 1/m: it must not show as a step where the garment hangs
+constexpr double kReachOut = 0.06;                       // m
+constexpr double kBeyondHem = 0.30;                      // m along the skin
+constexpr double kSlope = 1;                             // m out for each beyond a free edge
+constexpr double kAtEdge = 1e-9;                         // a barycentric coordinate
+constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;     // m along the skin from the body; from the garment in the scan pose
+constexpr double kFold = 0.9;                            // cosine between the normals of the garment above the ends of an edge
+constexpr double kFoldReach = 0.03;                      // m, of what an edge moves its ends by
+constexpr double kFacing =
+    0.2; // cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out
+
+/// What of the person's skin may come to lie under the garment.
+std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) {
+  const Faces skin = c.high.faces.topRows(part.skin_faces);
+  const auto neighbours = vertex_neighbours(skin, static_cast<int>(part.skin_vertices));
+  const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
+  std::vector<int> ends;
+  for (Eigen::Index v = scan; v < part.skin_vertices; ++v)
+    ends.push_back(static_cast<int>(v));
+  const std::vector<double> beyond = detail::beyond_free_edges(c);
+  const std::vector<double> away = detail::from_the_seam(c, beyond);
+  for (Eigen::Index v = 0; v < scan && c.high_body.empty(); ++v)
+    if (away[v] == 0)
+      ends.push_back(static_cast<int>(v));
+  const Eigen::VectorXd along = edge_distances(c.high.vertices, neighbours, ends, kBeyondHem);
+  std::vector<int> near = std::move(ends);
+  const RayScene cloth({c.high.vertices, c.high.faces.bottomRows(part.fine.faces.rows())});
+  for (Eigen::Index v = 0; v < scan; ++v) {
+    if (!(along[v] > 0 && along[v] < kBeyondHem))
+      continue;
+    const ClosestPoint at = cloth.closest(c.high.vertices.row(v));
+    const bool worn = along[v] < kUnderSeam && at.distance < kAsWorn && at.barycentric.minCoeff() > kAtEdge;
+    if (std::isfinite(beyond[v]) || worn)
+      near.push_back(static_cast<int>(v));
+  }
+  return near;
+}
+
+} // namespace
+
+SkinPenetrationFix::SkinPenetrationFix(const Character &c)
+    : faces_(detail::garment_part(c).fine.faces), garment_({c.high.vertices.bottomRows(faces_.maxCoeff() + 1), faces_}) {
+  const detail::GarmentPart part = detail::garment_part(c);
+  for (int v : skin_near(c, part))
+    skin_.vertices.push_back({v});
+  skin_.bound(c.high.faces.topRows(part.skin_faces), part.skin_vertices);
+  const Faces shown = valid_faces(c.body.faces, c.body_shown);
+  std::vector<std::uint8_t> drawn(c.body.vertices.rows(), 0);
+  for (int v : shown.reshaped())
+    drawn[v] = 1;
+  for (std::size_t v = 0; v < drawn.size(); ++v)
+    if (drawn[v])
+      body_.vertices.push_back({static_cast<int>(v)});
+  body_.bound(shown, c.body.vertices.rows());
+
+  Eigen::VectorXd coarse(part.garment.vertices.size());
+  for (Eigen::Index v = 0; v < coarse.size(); ++v)
+    coarse[v] = c.segmentation.clothness[part.garment.vertices[v]];
+  const Eigen::VectorXd clothness = part.fine.weights * coarse;
+  const EdgeTopology topology = edge_topology(faces_);
+  std::vector<int> seam, hem;
+  edges_.resize(faces_.rows(), {Edge::Inner, Edge::Inner, Edge::Inner});
+  for (std::size_t e = 0; e < topology.edges.size(); ++e) {
+    const Eigen::Vector2i &edge = topology.edges[e];
+    if (topology.edge_faces[e][1] >= 0)
+      continue;
+    const bool fixed = clothness[edge[0]] + clothness[edge[1]] < 1e-9;
+    std::vector<int> &ends = fixed ? seam : hem;
+    ends.insert(ends.end(), {edge[0], edge[1]});
+    const int f = topology.edge_faces[e][0];
+    for (int k = 0; k < 3; ++k)
+      if (faces_(f, k) != edge[0] && faces_(f, k) != edge[1])
+        edges_[f][k] = fixed ? Edge::Seam : Edge::Free;
+  }
+  const Vertices cloth = c.high.vertices.bottomRows(part.fine.weights.rows());
+  const auto neighbours = vertex_neighbours(faces_, static_cast<int>(cloth.rows()));
+  const Eigen::ArrayXd from_seam = edge_distances(cloth, neighbours, seam), from_hem = edge_distances(cloth, neighbours, hem);
+  depths_ = (kDeepAtSeam + kDeepBend * from_seam.square()).min(kDeepAtHem + kDeepPerWay * from_hem).min(kDeep);
+}
+
+/// The faces and edges between the vertices, of those of a mesh.
+void SkinPenetrationFix::Part::bound(const Faces &all, Eigen::Index mesh_vertices) {
+  std::vector<int> number(mesh_vertices, -1);
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    number[vertices[i].vertex] = static_cast<int>(i);
+  std::vector<std::uint8_t> between(all.rows());
+  const Faces numbered = all.unaryExpr([&](int v) { return number[v]; });
+  for (Eigen::Index f = 0; f < all.rows(); ++f)
+    between[f] = numbered.row(f).minCoeff() >= 0;
+  faces = valid_faces(numbered, between);
+  edges = edge_topology(faces).edges;
+}
+
+void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
+  for (Tucked &tucked : vertices)
+    tucked.own.setZero();
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    Tucked &a = vertices[faces(f, 0)], &b = vertices[faces(f, 1)], &c = vertices[faces(f, 2)];
+    const Eigen::Vector3d p = positions.row(a.vertex),
+                          across = (positions.row(b.vertex).transpose() - p).cross(positions.row(c.vertex).transpose() - p);
+    a.own += across;
+    b.own += across;
+    c.own += across;
+  }
+}
+
+void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body) {
+  garment_.move_to(drawn.cloth);
+  tuck(drawn.cloth_normals, skin_, high);
+  if (body.rows() > 0)
+    tuck(drawn.cloth_normals, body_, body);
+}
+
+double SkinPenetrationFix::outside(const Eigen::Vector3d &point, const Vertices &normals, int &last,
+                                   Eigen::Vector3d &normal) const {
+  const std::optional<MovingSurface::Point> at = garment_.closest(point, kReachOut, last);
+  last = at ? at->face : -1;
+  normal.setZero();
+  if (!at)
+    return 0;
+  double deep = 0;
+  bool beyond = false;
+  for (int k = 0; k < 3; ++k) {
+    const int v = faces_(at->face, k);
+    normal += at->barycentric[k] * normals.row(v).transpose();
+    deep += at->barycentric[k] * depths_[v];
+    if (edges_[at->face][k] != Edge::Inner && at->barycentric[k] < kAtEdge) {
+      if (edges_[at->face][k] == Edge::Seam)
+        return 0; // above the garment
+      beyond = true;
+    }
+  }
+  normal.normalize();
+  const double out = (point - at->point).dot(normal);
+  const double most = -deep + (beyond ? kSlope * std::sqrt(std::max(0.0, at->distance * at->distance - out * out)) : 0.0);
+  return std::max(0.0, out - most);
+}
+
+/// By how much what stands out so much is moved.
+double SkinPenetrationFix::share(double out, const Tucked &tucked) {
+  const double facing = tucked.own.dot(tucked.normal);
+  return facing > 0 ? out * std::min(1.0, facing / (kFacing * tucked.own.norm())) : 0;
+}
+
+void SkinPenetrationFix::tuck(const Vertices &normals, Part &part, Vertices &positions) const {
+  part.find_normals(positions);
+  for (Tucked &tucked : part.vertices)
+    tuck(normals, tucked, positions);
+  tuck_across_folds(normals, part, positions);
+}
+
+void SkinPenetrationFix::tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const {
+  if (const double out = outside(positions.row(tucked.vertex), normals, tucked.last, tucked.normal); out > 0)
+    positions.row(tucked.vertex) -= share(out, tucked) * tucked.normal.transpose();
+}
+
+/// An edge whose ends lie under two sides of a fold may have its middle before it: they go further under the garment, each as far
+/// as that one of its edges asks that asks the most.
+void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const {
+  Eigen::Vector3d normal;
+  for (const Eigen::Vector2i &edge : part.edges) {
+    Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]];
+    if (a.last < 0 || b.last < 0 || a.normal.dot(b.normal) > kFold)
+      continue;
+    const Eigen::Vector3d from = positions.row(a.vertex), to = positions.row(b.vertex);
+    if ((to - from).dot(b.normal - a.normal) >= 0)
+      continue; // over a ridge
+    int last = a.last;
+    const double out = std::min(outside((from + to) / 2, normals, last, normal), kFoldReach);
+    a.further = std::max(a.further, out);
+    b.further = std::max(b.further, out);
+  }
+  for (Tucked &tucked : part.vertices)
+    if (tucked.further > 0) {
+      positions.row(tucked.vertex) -= share(tucked.further, tucked) * tucked.normal.transpose();
+      tucked.further = 0;
+      tuck(normals, tucked, positions); // it may have come out elsewhere
+    }
+}
+
+} // namespace doublet
