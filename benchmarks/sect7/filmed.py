@@ -110,7 +110,7 @@ def known_motion(made: reconstruct.Job, frames: int) -> d.ReferencePerformance:
     skinned surface, a garment with a mesh of its own from its rest shape. The captured surfaces after it only say where images
     matter."""
     performance = made.results.performance()
-    dofs, surfaces = performance.dofs[:frames], performance.surface.frames[:frames]
+    dofs, surfaces = performance.dofs[:frames], np.array(performance.surface.frames[:frames])
     surfaces[0] = d.pose_surface(made.results.actor, dofs[0])
     result = d.ReferencePerformance()
     result.dofs, result.frames, result.joints = dofs, list(range(len(dofs))), performance.joints[:frames]
