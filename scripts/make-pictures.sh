@@ -29,14 +29,15 @@ paint() { # NAME WORDS...: by benchmarks/pictures.py
   run python benchmarks/pictures.py "${@:2}" -o "$folder/$1"
 }
 
-without_scan() { # the shipped session, without its scan and joints; then the surface in it
+without_scan() { # every second camera of the shipped session, without its scan and joints; then the surface in it
   cp -r "$session" "$work/own"
   rm "$work/own/scan.ply" "$work/own/joints.json"
   python - "$work/own/session.json" <<'EOF'
 import json, sys
 path = sys.argv[1]
-described = json.load(open(path))
-json.dump({k: v for k, v in described.items() if k not in ("scan", "markers")}, open(path, "w"))
+described = {k: v for k, v in json.load(open(path)).items() if k not in ("scan", "markers")}
+described["cameras"] = described["cameras"][::2]
+json.dump(described, open(path, "w"))
 EOF
   run doublet scan "$work/own"
   run ffmpeg -y -i "$work/own/scan_check.png" -q:v 2 "$folder/scan_check.jpg"
@@ -44,7 +45,7 @@ EOF
   run doublet segment "$work/own_out"
 }
 
-fewer_evaluations=() fewer_frames=() own_frames=(0 30 55 75 95 118) grid=17 starts=4 evaluations=128
+fewer_evaluations=() fewer_frames=() own_frames=(0 20 40 60 80 100) grid=17 starts=4 evaluations=128
 if $quick; then
   fewer_evaluations=(--fit-max-evaluations 16) fewer_frames=(--capture-frame-count 16 --no-capture-second-pass)
   own_frames=(0 3 6 9 12 15) grid=3 starts=2 evaluations=16
@@ -69,7 +70,7 @@ paint garment.png garment "$out"
 paint display-hem.jpg hem "$out" "$session/motion.bvh"
 
 without_scan # scan_check.jpg
-paint own-footage.jpg captured "$work/own_out" --frames "${own_frames[@]}"
+paint own-footage.jpg captured "$work/own_out" --cameras 0 1 2 3 --frames "${own_frames[@]}"
 
 run python benchmarks/edit_pages.py template "$out" -o "$folder/edit-template.png"
 run python benchmarks/edit_pages.py segmentation "$out" -o "$folder/edit-segmentation.png"
