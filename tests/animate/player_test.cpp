@@ -242,21 +242,21 @@ TEST(Player, ManyTogetherMoveAsEachAlone) {
   AnimateOptions all_of_it;
   all_of_it.settle_seconds = 0.2;
   const Player first = ready(all_of_it);
-  std::vector<Player> alone(3, first), together(3, first);
+  std::vector<Player> alone(5, first), together(5, first);
   std::vector<Player *> all;
   for (Player &player : together)
     all.push_back(&player);
   together[2].set_wind({0, 0, 3});
   alone[2].set_wind({0, 0, 3});
-  for (int t = 1; t < 5; ++t) {
+  for (int t = 1; t < 8; ++t) {
     std::vector<Eigen::VectorXd> poses;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 5; ++k) {
       poses.push_back(elsewhere(dofs.row(t + 2 * k), 0.1 * k, {2.0 * k, 0, 0}));
       alone[k].step(poses[k], 1.0 / 30);
     }
     step_players(all, poses, 1.0 / 30, 2);
   }
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 5; ++k) {
     EXPECT_EQ(alone[k].frame().surface, together[k].frame().surface) << k;
     EXPECT_EQ(alone[k].frame().high, together[k].frame().high) << k;
     EXPECT_EQ(alone[k].frame().body, together[k].frame().body) << k;
