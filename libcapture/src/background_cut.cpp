@@ -340,7 +340,7 @@ public:
   /// First what no background would show, then what is found with these colours.
   void learn_actor(int camera, const std::vector<Image> &images) override {
     constexpr double kPlain = 10; // log likelihood
-    View &view = view_of(camera);
+    View view = view_of(camera);
     for (const bool first : {true, false}) {
       ActorColours colours;
       for (const Image &image : images) {
@@ -355,6 +355,7 @@ public:
       colours.learn();
       view.actor = colours;
     }
+    cameras_[camera] = view;
   }
 
   Image extract(int camera, const Image &image) const override {
@@ -384,7 +385,6 @@ private:
       throw std::invalid_argument("camera: expected one that was trained, found " + std::to_string(camera));
     return found->second;
   }
-  View &view_of(int camera) { return const_cast<View &>(std::as_const(*this).view_of(camera)); }
 
   static void require_alike(int camera, const View &view, const Image &image) {
     require_colour(image);

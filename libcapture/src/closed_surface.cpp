@@ -1,11 +1,11 @@
 #include "closed_surface.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/core/parts/disjoint_sets.h"
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -106,29 +106,10 @@ Mesh largest_component(const Mesh &mesh, std::vector<int> &old_vertex) {
 }
 
 /// The loops of boundary edges, against the direction of the faces beside them: the order in which a filling face runs.
-std::vector<std::vector<int>> boundary_loops(const Faces &faces) {
-  std::unordered_map<std::uint64_t, bool> edges;
-  for (Eigen::Index f = 0; f < faces.rows(); ++f)
-    for (int k = 0; k < 3; ++k)
-      edges[directed(faces(f, k), faces(f, (k + 1) % 3))] = true;
-  std::map<int, int>
-      next; // fans were split, so one boundary edge leaves a vertex; ordered, so that the result is always the same
-  for (const auto &[edge, unused] : edges) {
-    const int a = static_cast<int>(edge >> 32), b = static_cast<int>(edge & 0xffffffffU);
-    if (!edges.count(directed(b, a)))
-      next[b] = a;
-  }
-  std::vector<std::vector<int>> loops;
-  while (!next.empty()) {
-    std::vector<int> loop;
-    for (auto at = next.begin(); at != next.end();) {
-      loop.push_back(at->first);
-      const int to = at->second;
-      next.erase(at);
-      at = next.find(to);
-    }
-    loops.push_back(loop);
-  }
+std::vector<std::vector<int>> loops_to_fill(const Faces &faces) {
+  std::vector<std::vector<int>> loops = boundary_loops(faces); // fans were split, so one boundary edge leaves a vertex
+  for (std::vector<int> &loop : loops)
+    std::reverse(loop.begin() + 1, loop.end());
   return loops;
 }
 
@@ -169,7 +150,7 @@ Mesh closed_surface(const Mesh &mesh, std::vector<int> &old_vertex) {
   for (std::size_t f = 0; f < faces.size(); ++f)
     out.faces.row(static_cast<Eigen::Index>(f)) << faces[f][0], faces[f][1], faces[f][2];
   out = largest_component(out, old_vertex);
-  for (const auto &loop : boundary_loops(out.faces))
+  for (const auto &loop : loops_to_fill(out.faces))
     fill_loop(loop, out, old_vertex);
   if (const MeshReport report = report_mesh(out); !report.closed())
     throw Error("surface: expected a closed manifold surface after repair, found " + report.to_string());

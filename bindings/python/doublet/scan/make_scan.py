@@ -208,19 +208,23 @@ def require_free(path: Path, force: bool) -> Path:
     return path
 
 
-def hull_of(job: Workspace, frame: int) -> d.Mesh:
-    return d.scan_from_views(job.session.rig, views_at(job, d.FrameSource.open(job.session), frame), COARSE, job.context)
+def views_of(job: Workspace, frame: int) -> list[d.CameraView]:
+    return views_at(job, d.FrameSource.open(job.session), frame)
+
+
+def hull_of(job: Workspace, views: list[d.CameraView]) -> d.Mesh:
+    return d.scan_from_views(job.session.rig, views, COARSE, job.context)
 
 
 def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int, keypoints: Path | None) -> d.Mesh:
     """The surface that the cameras see around a body, which is first fitted to their hull."""
-    seen = triangulated(job.session, keypoints, frame) if keypoints else {}
+    seen, views = triangulated(job.session, keypoints, frame) if keypoints else {}, views_of(job, frame)
+    hull = hull_of(job, views)
     try:
-        body = marks_of(job, hull_of(job, frame), seen, of_cameras=True).fit.body
+        body = marks_of(job, hull, seen, of_cameras=True).fit.body
     except d.Error as error:
         job.console.say(f"scan: no body was found in the cameras' hull, which is the scan as it is ({error})")
         body = None
-    views = views_at(job, d.FrameSource.open(job.session), frame)
     return d.scan_from_views(job.session.rig, views, options, job.context, body)
 
 
@@ -244,7 +248,7 @@ def rounded(point) -> list[float]:
 
 
 def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
-    found = align_scan(d.read_mesh(given), hull_of(job, frame))
+    found = align_scan(d.read_mesh(given), hull_of(job, views_of(job, frame)))
     floor = ", without its floor" if found.floor else ""
     off = f"{1000 * found.distance:.0f} mm from what the cameras see"
     job.console.say(f"scan: {given} is in {found.unit}, {found.up} is up{floor}; brought to {off}")
