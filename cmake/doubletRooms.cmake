@@ -1,5 +1,5 @@
 # The rooms, each behind those that it links. Read by the build, and by those who look for doublet.
-set(doublet_rooms core rays files capture segment bodymodel pbd simulate animate fit)
+set(doublet_rooms core rays files capture segment bodymodel pbd simulate animate fit reconstruct)
 set(doublet_rays_links core)
 set(doublet_files_links core)
 set(doublet_capture_links core rays files)
@@ -8,6 +8,7 @@ set(doublet_bodymodel_links core rays files)
 set(doublet_simulate_links core pbd)
 set(doublet_animate_links core rays files pbd simulate)
 set(doublet_fit_links core rays files pbd simulate)
+set(doublet_reconstruct_links core rays files capture segment bodymodel pbd simulate animate fit)
 
 # doublet_with_links(OUT ROOM...): OUT becomes these rooms and all that they link, in the order above.
 function(doublet_with_links out)

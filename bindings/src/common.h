@@ -445,5 +445,6 @@ void bind_pbd(py::module_ &m);
 void bind_simulate(py::module_ &m);
 void bind_animate(py::module_ &m);
 void bind_fit(py::module_ &m);
+void bind_reconstruct(py::module_ &m);
 
 } // namespace doublet::python

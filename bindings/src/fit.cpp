@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/fit/material_estimator.h"
+#include "doublet/fit/results.h"
 #include "doublet/testing/objective_conformance.h"
 #include "doublet/testing/optimizer_conformance.h"
 
@@ -270,6 +271,40 @@ struct PyTake {
   }
 };
 
+void bind_results(py::module_ &m) {
+  constexpr auto kCopy = py::return_value_policy::copy; // they outlive forget()
+  Class<Results>(m, "Results", "What the stages have written into a folder, read when it is asked for.")
+      .def(py::init<Path>(), py::arg("out"))
+      .def("path", &Results::path, py::arg("file"), "of a file of the folder")
+      .def("forget", &Results::forget, "After files were written: what was read before is read again.")
+      .def("set_widths", &Results::set_widths, py::arg("positions"),
+           "The garment at these positions among its widths, until forget(), whatever material.json says.")
+      .def_property_readonly("actor", &Results::actor, kCopy, "RiggedMesh")
+      .def("performance", &Results::performance, "ReferencePerformance of the actor.")
+      .def("observations", &Results::observations, "Observations of the film.")
+      .def("segmentation", &Results::segmentation, "Segmentation of the actor.")
+      .def("body", &Results::body, "BodyFit under the clothes.")
+      .def("proxies", &Results::proxies, "TaperedCapsules of the body.")
+      .def_property_readonly("offered_garment", &Results::offered_garment, kCopy,
+                             "Garment as the mesher made it, in several widths to choose from")
+      .def_property_readonly("garment", &Results::garment, kCopy,
+                             "Garment in the width that was estimated with the material, or else in the middle one")
+      .def_property_readonly("dressed", &Results::dressed, kCopy, "DressedActor, which is simulated: the actor in `garment`")
+      .def("dressed_performance", &Results::dressed_performance, "ReferencePerformance of the dressed actor, whatever the width.")
+      .def("simulator", &Results::simulator, py::arg("cloth") = pbd::ClothOptions{}, "CharacterSimulator of `dressed`.")
+      .def(
+          "take",
+          [](Results &results, const SolverSettings &solver, const std::vector<Garment> &garments) {
+            FilmedTake film = results.take(solver, garments);
+            py::list widths;
+            for (CharacterSimulator &width : film.widths)
+              widths.append(py::cast(std::move(width)));
+            return PyTake{widths, py::cast(std::move(film.performance)), py::cast(std::move(film.observations)), film.dt};
+          },
+          py::arg("solver"), py::arg("garments") = std::vector<Garment>{},
+          "The Take that the material is estimated from, in each of these widths; none = in all that the garment offers.");
+}
+
 py::dict result_dict(const FitResult &result) {
   py::list regions;
   for (const RegionFit &region : result.regions) {
@@ -356,6 +391,7 @@ void bind_fit(py::module_ &m) {
         py::arg("context") = interruptible_context(), Release(),
         "Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes "
         "on from options.checkpoint if that is there.");
+  bind_results(m);
   m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
         py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release(),
         "One E_fit a region, pixels^2, of one material a region.");

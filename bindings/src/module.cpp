@@ -34,4 +34,7 @@ PYBIND11_MODULE(_doublet, m) {
 #ifdef DOUBLET_WITH_FIT
   bind_fit(m);
 #endif
+#ifdef DOUBLET_WITH_RECONSTRUCT
+  bind_reconstruct(m);
+#endif
 }

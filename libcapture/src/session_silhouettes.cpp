@@ -129,4 +129,15 @@ CameraView read_view(FrameSource &frames, int camera, int frame, const Silhouett
   return view;
 }
 
+FrameViews read_views(const Session &session, int frame, const SilhouetteExtractor *extractor) {
+  const auto source = FrameSource::open(session);
+  FrameViews views;
+  for (int camera = 0; camera < source->camera_count(); ++camera) {
+    auto [image, mask] = read_view(*source, camera, frame, extractor);
+    views.images.push_back(std::move(image));
+    views.masks.push_back(std::move(mask));
+  }
+  return views;
+}
+
 } // namespace doublet

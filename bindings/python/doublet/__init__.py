@@ -28,7 +28,7 @@ from .common.programs import use_packaged_ffmpeg
 from .common.renamed import add_deprecated_attributes
 
 #: Packages and modules, loaded when they are first named.
-MODULES = ("corrections", "evaluation", "export", "optimizers", "pages", "reconstruct", "scan", "session", "testing")
+MODULES = ("evaluation", "export", "optimizers", "pages", "reconstruct", "scan", "session", "testing")
 __all__ = list(MODULES)  # what help() goes through, too: classes and functions each have their own
 
 

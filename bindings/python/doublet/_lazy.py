@@ -23,10 +23,8 @@ DEPRECATED_MODULES = {
     "pipeline": "reconstruct",
     "ready_masks": "session.external_masks",
     "report": "pages.report",
-    "segmentation_paint": "corrections.segmentation_paint",
     "study": "evaluation.study",
     "synthesize": "evaluation.synthesize",
-    "template_mask": "corrections.template_mask",
     "usd": "export.usd",
 }
 KITS = (

@@ -6,8 +6,8 @@ import argparse
 import sys
 
 from ..common.console import Console
-from ..common.quality_checks import DOUBTFUL
 
+DOUBTFUL = 3  #: exit status of a run that ended, but with doubts
 MOTION_HELP = (
     ".bvh, .amc with its .asf beside it, a clip in .glb, poses of SMPL, SMPL-H or SMPL-X (AMASS) in .npz, or a performance.npz"
 )

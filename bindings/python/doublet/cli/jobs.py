@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..common.packaged import body_model_path
-from ..common.quality_checks import DOUBTFUL
 from ..reconstruct import Job, config
-from .common_flags import common_flags, make_console
+from .common_flags import DOUBTFUL, common_flags, make_console
 from .option_flags import add_option_flags, chosen_options
 
 
@@ -25,11 +23,11 @@ def add_stage_flags(parser, groups, with_body_model: bool) -> None:
 def make_job(arguments, session: Path) -> Job:
     config.complete(arguments)
     return Job(
-        session_folder=session,
-        out=arguments.out,
-        options=chosen_options(arguments),
-        seed=arguments.seed,
-        body_model=getattr(arguments, "body_model", None) or body_model_path(),
+        session,
+        arguments.out,
+        chosen_options(arguments),
+        arguments.seed,
+        getattr(arguments, "body_model", None),
         console=make_console(arguments),
         keep_going=arguments.keep_going,
         config=arguments.config,
@@ -37,4 +35,4 @@ def make_job(arguments, session: Path) -> Job:
 
 
 def exit_status(job: Job) -> int:
-    return DOUBTFUL if job.doubts else 0
+    return DOUBTFUL if job.findings else 0

@@ -2,5 +2,5 @@
 
 from .._lazy import lazy_modules
 
-MODULES = ("console", "drawing", "files", "quality_checks", "video")
+MODULES = ("console", "drawing", "files", "video")
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)

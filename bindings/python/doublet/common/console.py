@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-from pathlib import Path
 
 from tqdm import tqdm
 
@@ -19,7 +18,6 @@ class Console:
         self.stream = stream or sys.stderr
         self.quiet = quiet
         self.verbose = verbose
-        self.log_file: Path | None = None
         self.bars = self.stream.isatty() and not quiet
         self._name = None
         self.note = ""  # the last line of what runs, or ran
@@ -38,14 +36,13 @@ class Console:
         else:
             print(line, file=self.stream, flush=True)
 
+    def announce(self, line: str) -> None:
+        """What stands between stages: their bars are over."""
+        self.finish()
+        self.say(line)
+
     def log(self, line: str) -> None:
-        """What a stage says: to the log file, beside its progress, and to the screen if asked for."""
-        if self.log_file is not None:
-            try:
-                with self.log_file.open("a", encoding="utf-8") as stream:
-                    print(line, file=stream)
-            except OSError as error:
-                raise OSError(error.errno, f"cannot be written: {error.strerror}", str(self.log_file)) from error
+        """What a stage says: beside its progress, and to the screen if asked for."""
         if self._name and line.startswith(f"{self._name}: "):
             self.note = line.removeprefix(f"{self._name}: ")
         if self.verbose:

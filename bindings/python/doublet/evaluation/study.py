@@ -8,6 +8,7 @@ docs/studies.md.
 from __future__ import annotations
 
 import concurrent.futures
+import copy
 import hashlib
 import json
 import multiprocessing
@@ -16,6 +17,7 @@ import signal
 import time
 from collections.abc import Callable, Iterable
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 from pathlib import Path
@@ -24,8 +26,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import hash_files, write_text
-from ..reconstruct import OPTION_GROUPS, Job, make_options, recorded_session, simulation
-from ..reconstruct.fit import fit_options
+from ..reconstruct import OPTION_GROUPS, make_options, recorded_session
 
 #: Of this module in files of results of doublet 0.1, and now: a study goes on with them.
 FORMER_NAME = ("doublet.study.", f"{__name__}.")
@@ -237,22 +238,50 @@ def widths_of(out: Path) -> list[float]:
     return d.read_widths(material) if material.exists() else []
 
 
-def reconstruction(job: dict) -> Job:
+@dataclass
+class Film:
+    """What a fit needs of a reconstruction: its results, and the options of a job."""
+
+    results: d.Results
+    options: dict  # option group -> options object
+    seed: int
+    fps: float
+
+    @property
+    def solver(self) -> d.SolverSettings:
+        """Without which the materials mean nothing."""
+        return d.SolverSettings(1 / self.fps, self.options["cloth"])
+
+    def simulator(self) -> d.CharacterSimulator:
+        return self.results.simulator(self.options["cloth"])
+
+    def energy_options(self) -> d.EnergyOptions:
+        options = copy.copy(self.options["energy"])
+        options.dt = self.solver.dt
+        return options
+
+    def fit_options(self) -> d.FitOptions:
+        options = copy.copy(self.options["fit"])
+        options.energy, options.space, options.seed = self.energy_options(), self.options["space"], self.seed
+        return options
+
+
+def film_of(job: dict) -> Film:
     if inputs_hash(job["out"]) != job["inputs"]:
         raise ValueError(f"{job['out']}: the files are not those that the study was made for")
-    made = Job(Path(), Path(job["out"]), option_groups(job), job.get("seed", 1), fps=job["fps"])
+    made = Film(d.Results(job["out"]), option_groups(job), job.get("seed", 1), job["fps"])
     if "widths" in job:
-        made.results.garment = d.choose_widths(made.results.offered_garment, job["widths"])
+        made.results.set_widths(job["widths"])
     return made
 
 
 def fit(job: dict) -> dict:
     """Estimates the material; what material.json says, without file."""
-    made = reconstruction(job)
-    options = fit_options(made)
+    made = film_of(job)
+    options = made.fit_options()
     if "checkpoints" in job:
         options.checkpoint = Path(job["checkpoints"]) / f"{checkpoint_name(job)}.json"
-    result = d.estimate_material([simulation.make_take(made)], options, d.Context(threads=job["threads"]))
+    result = d.estimate_material([made.results.take(made.solver)], options, d.Context(threads=job["threads"]))
     if "checkpoints" in job:
         options.checkpoint.unlink(missing_ok=True)
     return plain_fit(result)
@@ -297,12 +326,10 @@ def energy(job: dict) -> list[float]:
 @lru_cache(maxsize=1)
 def opened_objective(job: str) -> tuple:
     """Kept in the worker: the next job is often about the same images."""
-    made = reconstruction(json.loads(job))
-    simulator = simulation.simulator(made)
+    made = film_of(json.loads(job))
+    simulator = made.simulator()
     observations = made.results.observations()
-    return simulator, d.MaterialObjective(
-        simulator, made.results.dressed_performance(), observations, simulation.energy_options(made)
-    )
+    return simulator, d.MaterialObjective(simulator, made.results.dressed_performance(), observations, made.energy_options())
 
 
 def table(rows: list[dict]) -> str:

@@ -9,10 +9,11 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.packaged import DATA
-from ..corrections import segmentation_paint
 from .page_server import LocalPage, surface_page
 
 PAGE = DATA / "edit_segmentation.html"
+PAINTED = "segmentation_paint.npz"
+AS_FOUND = -1  # among skin 0, cloth 1 and border 2
 FRAMES = 24  # of the captured motion, shown on demand
 
 
@@ -24,11 +25,11 @@ def shown_rows(count: int) -> np.ndarray:
 def segmentation_json(out: Path) -> bytes:
     """What the page shows: vertices (3 V) m, faces (3 F), which the scan has (F), clothness as found (V), what is painted (V),
     and the captured surface in some frames, all in one place."""
-    actor, found = d.read_actor(out / "actor.npz"), segmentation_paint.read_found(out)
+    actor, found = d.read_actor(out / "actor.npz"), d.read_found_segmentation(out)
     count = len(actor.mesh.vertices)
     if len(found.clothness) != count:
         raise RuntimeError(f"{out / 'actor.npz'} has {count} vertices, the segmentation {len(found.clothness)}")
-    painted = segmentation_paint.read(out, count)
+    painted = d.read_segmentation_paint(out, count)
     performance = d.read_performance(out / "performance.npz", actor)
     rows = shown_rows(len(performance.frames))
     middle = actor.mesh.vertices.mean(axis=0)
@@ -38,7 +39,7 @@ def segmentation_json(out: Path) -> bytes:
         "faces": actor.mesh.faces,
         "valid": np.asarray(actor.face_valid).astype(int),
         "clothness": np.round(found.clothness, 3),
-        "painted": np.full(count, segmentation_paint.NONE) if painted is None else painted,
+        "painted": np.full(count, AS_FOUND) if painted is None else painted,
     }
     frames = [np.round(vertices - vertices.mean(axis=0) + middle, 4).ravel().tolist() for vertices in moved]
     numbers = [int(performance.frames[row]) for row in rows]
@@ -54,15 +55,15 @@ def save_paint(out: Path, count: int, body: bytes) -> dict:
         raise ValueError('expected {"painted": [...]}') from error
     if not isinstance(values, list) or not all(isinstance(v, int) for v in values):
         raise ValueError("expected a list of the integers -1, 0, 1 and 2")
-    segmentation_paint.write(out, values, count)
-    return {"saved": str(out / segmentation_paint.PAINTED), "painted": len(values) - values.count(segmentation_paint.NONE)}
+    d.write_segmentation_paint(out, values, count)
+    return {"saved": str(out / PAINTED), "painted": len(values) - values.count(AS_FOUND)}
 
 
 def open_page(out: Path, port: int = 0) -> LocalPage:
     for name in ("actor.npz", "performance.npz", "segmentation.npz"):
         if not (out / name).exists():
             raise FileNotFoundError(f"{out / name} is missing; `doublet segment {out}` and the stages before write it")
-    count = len(segmentation_paint.read_found(out).clothness)
+    count = len(d.read_found_segmentation(out).clothness)
     shown = {"/segmentation.json": ("application/json", segmentation_json(out)), **surface_page()}
     return LocalPage(PAGE, shown, "/paint", lambda body: save_paint(out, count, body), 1000 + 4 * count, port)
 
@@ -71,5 +72,5 @@ def edit_segmentation(out: Path, port: int = 0, browser: bool = True) -> None:
     """Serves the page until Ctrl-C."""
     with open_page(Path(out), port) as page:
         page.run(browser)
-    painted = Path(out) / segmentation_paint.PAINTED
+    painted = Path(out) / PAINTED
     print(f"{painted}: the next command on {out} uses it" if painted.exists() else "nothing saved; the segmentation stays")

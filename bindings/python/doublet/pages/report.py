@@ -13,7 +13,6 @@ from .. import _doublet as d
 from .._doublet import __version__
 from ..common import drawing
 from ..common.files import arrays_of, write_text
-from ..common.quality_checks import LIMITS, findings
 from . import fit_page
 from .html_document import page, table
 
@@ -292,7 +291,7 @@ def timings(shown: Shown) -> str:
     return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
 
 
-#: Kind of doubt -> what to do about it; those of plausible.LIMITS bring their own advice.
+#: Kind of doubt -> what to do about it; those of quality_limits() bring their own advice.
 ADVICE = {
     "lower_bound": "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are right.",
     "guess": "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a motion that "
@@ -318,7 +317,7 @@ def doubts_of(shown: Shown) -> list[Doubt]:
     doubts = [
         Doubt(name, finding.kind, finding.text)
         for name, entry in stages.items()
-        for finding in findings(name, entry.get("summary", {}))
+        for finding in d.quality_findings(name, entry.get("summary", {}))
     ]
     lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
     doubts += [Doubt("performance", "lost", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
@@ -334,9 +333,9 @@ def good_of(shown: Shown) -> list[str]:
     """What was measured and is as it should be, with what it should be."""
     stages = shown.job.record.data["stages"]
     good = []
-    for name, limits in LIMITS.items():
-        summary = stages.get(name, {}).get("summary", {})
-        good += [limit.passed_text(summary[limit.name]) for limit in limits if limit.name in summary]
+    for limit in d.quality_limits():
+        value = stages.get(limit.stage, {}).get("summary", {}).get(limit.number)
+        good += [limit.passed(value)] if value is not None else []
     return [text for text in good if text]
 
 
@@ -386,10 +385,13 @@ def write_report(job) -> None:
         except (TypeError, KeyError, AttributeError) as error:
             if section not in (verdict, overlays, timings):  # what shows numbers of run.json
                 raise
-            job.record.refuse_summary(title, error)
+            path = job.record.path
+            raise RuntimeError(
+                f"{path}: {title}: expected numbers of the stages, found others ({error}); delete it to start afresh"
+            ) from error
     head = (
         f"{len(session.cameras)} cameras, {len(shown.performance.frames)} frames at {session.fps:g} fps; "
-        f"seed {job.record.data.get('seed', job.seed)}; doublet {__version__}"
+        f"seed {job.record.data.get('seed', job.options.seed)}; doublet {__version__}"
     )
     body = f"<h1>{html.escape(session.name)}</h1><p>{html.escape(head)}</p>{''.join(parts)}"
     write_text(job.path("report.html"), page(session.name, body))

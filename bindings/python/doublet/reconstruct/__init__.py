@@ -1,44 +1,16 @@
-"""From a session to an animatable character: stages that read and write files, and the record of what is up to date.
-
-`reconstruct(Job(session, out))` runs all of them; `with_stage` puts a function of yours in the place of one.
+"""From a session to an animatable character: `Job(session, out).run_all()`, or `.run(["template", "rig"])`; what is up to date is
+not run again. `job.replace("segment", mine)` puts a function of yours in the place of a stage's work.
 """
 
+from .. import _doublet
 from .._lazy import lazy_modules
-from .job import Job
-from .joint_fit import fit_together
 from .options import OPTION_GROUPS, make_options
-from .running import reconstruct, recorded_session, run_stage, start_record
-from .stage import Stage, with_stage
-from .stages import STAGES
-from .workspace import Workspace
+from .recorded_session import recorded_session
 
-__all__ = [
-    "OPTION_GROUPS",
-    "STAGES",
-    "Job",
-    "Stage",
-    "Workspace",
-    "fit_together",
-    "make_options",
-    "reconstruct",
-    "recorded_session",
-    "run_stage",
-    "start_record",
-    "with_stage",
-]
-MODULES = (
-    "character",
-    "config",
-    "fit",
-    "job",
-    "joint_fit",
-    "options",
-    "results",
-    "run_record",
-    "running",
-    "simulation",
-    "stage",
-    "stages",
-    "workspace",
-)
+if hasattr(_doublet, "Reconstruction"):  # in a build of all rooms; studies need fewer
+    from .job import Job
+    from .stages import STAGES
+
+__all__ = ["OPTION_GROUPS", "STAGES", "Job", "make_options", "recorded_session"]
+MODULES = ("config", "job", "options", "stages")
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)

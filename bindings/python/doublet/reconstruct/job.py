@@ -1,21 +1,43 @@
-"""One reconstruction: where from, where to, how."""
+"""One reconstruction, shown on a console."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..common.quality_checks import Finding
-from .stage import Stage
-from .stages import STAGES
-from .workspace import Workspace
+from .. import _doublet as d
+from ..common.console import Console
+from ..common.packaged import body_model_path
+from .stages import CHECK, REPORT, fit_and_show
 
 
-@dataclass
-class Job(Workspace):
-    """One reconstruction: where from, where to, how."""
+class Job(d.Reconstruction):
+    """A `doublet.Reconstruction` with the stages that need Python: the picture of the check, the page of the search, the report.
 
-    keep_going: bool = False  # past a result that cannot be true
-    config: Path | None = None  # the file that options are from, for the record
-    stages: tuple[Stage, ...] = field(default_factory=lambda: STAGES)  # see with_stage
-    doubts: list[Finding] = field(default_factory=list)  # what the stages that were asked for found doubtful
+    options: option group -> options object; a group that is part of another, such as `pose` of `capture`, goes before what the
+    other says. fps: of the videos; None = as the session says. config: the file that the options are from, for the record."""
+
+    def __init__(
+        self,
+        session: Path,
+        out: Path,
+        options: dict | None = None,
+        seed: int = 1,
+        body_model: Path | None = None,
+        console: Console | None = None,
+        keep_going: bool = False,
+        config: Path | None = None,
+        fps: float | None = None,
+    ):
+        chosen = d.ReconstructionOptions()
+        chosen.body_model = body_model or body_model_path()
+        chosen.seed, chosen.fps, chosen.keep_going = seed, fps or 0.0, keep_going
+        if config:
+            chosen.configuration = config
+        for group in d.ReconstructionOptions.groups:
+            if group in (options or {}):
+                chosen[group] = options[group]
+        self.console = console or Console()
+        super().__init__(session, out, chosen, self.console.context())
+        self.announce = self.console.announce
+        self.stages = [CHECK, *self.stages, REPORT]
+        self.replace("fit", fit_and_show, runner="")

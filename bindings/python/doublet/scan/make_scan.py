@@ -11,8 +11,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import write_json
-from ..common.quality_checks import Finding
-from ..reconstruct import OPTION_GROUPS, Workspace
+from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
 from .alignment import align_scan
 from .keypoints import triangulated
@@ -50,11 +49,11 @@ class ScanResult:
     """What was written, and what is doubtful about it."""
 
     files: list[Path]
-    findings: list[Finding]
+    findings: list[d.Finding]
 
 
 def scan_session(
-    job: Workspace,
+    job: Job,
     options: d.ViewScanOptions | None = None,
     force: bool = False,
     frame: int | str = 0,
@@ -99,7 +98,7 @@ def scan_session(
     return with_check_picture(job, made, rival)
 
 
-def write_marks(job: Workspace, keypoints: Path | None, force: bool, of_cameras: bool) -> float:
+def write_marks(job: Job, keypoints: Path | None, force: bool, of_cameras: bool) -> float:
     """Writes joints.json; how nearly as likely the other facing is."""
     seen = triangulated(job.session, keypoints, 0) if keypoints else {}
     marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
@@ -107,13 +106,13 @@ def write_marks(job: Workspace, keypoints: Path | None, force: bool, of_cameras:
     return marks.facing_ambiguity
 
 
-def with_check_picture(job: Workspace, made: list[Path], rival: float) -> ScanResult:
+def with_check_picture(job: Job, made: list[Path], rival: float) -> ScanResult:
     picture = job.session_folder / PICTURE
     evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
     return ScanResult([*made, picture], [*facing_finding(rival), *check.check_and_draw(evidence, picture)])
 
 
-def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
+def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
     """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
     `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
     kept as FIRST_SCAN, joints that this command had found are found anew."""
@@ -151,7 +150,7 @@ def found_here(marks: Path) -> bool:
     return marks.exists() and json.loads(marks.read_text(encoding="utf-8")).get("comment", "").startswith(FOUND)
 
 
-def require_motion_after(job: Workspace, frame: int) -> None:
+def require_motion_after(job: Job, frame: int) -> None:
     last = max(job.session.frame_count - 2, 0)  # a motion has two frames
     if not 0 <= frame <= last:
         raise RuntimeError(f"--frame: expected 0 to {last}, for a motion to be left, found {frame}")
@@ -167,12 +166,12 @@ def set_first_frame(description: dict, frame: int) -> None:
             camera["first_frame"] = camera.get("first_frame", 0) + frame
 
 
-def save(job: Workspace, description: dict) -> None:
+def save(job: Job, description: dict) -> None:
     write_json(job.session_folder / "session.json", description)
-    job.read_session_again()
+    job.reread_session()
 
 
-def best_frame(job: Workspace) -> int:
+def best_frame(job: Job) -> int:
     """The frame, of MOST_TRIED evenly spread over the first nine tenths, whose coarse hull is most like a standing body."""
     frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.body_model)
     tried = np.unique(np.linspace(0, 0.9 * (job.session.frame_count - 1), MOST_TRIED).astype(int))
@@ -193,7 +192,7 @@ def best_frame(job: Workspace) -> int:
     return min(costs, key=costs.get)
 
 
-def views_at(job: Workspace, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
+def views_at(job: Job, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
     return [d.read_view(frames, camera, frame, job.silhouettes) for camera in range(frames.camera_count)]
 
 
@@ -208,15 +207,15 @@ def require_free(path: Path, force: bool) -> Path:
     return path
 
 
-def views_of(job: Workspace, frame: int) -> list[d.CameraView]:
+def views_of(job: Job, frame: int) -> list[d.CameraView]:
     return views_at(job, d.FrameSource.open(job.session), frame)
 
 
-def hull_of(job: Workspace, views: list[d.CameraView]) -> d.Mesh:
+def hull_of(job: Job, views: list[d.CameraView]) -> d.Mesh:
     return d.scan_from_views(job.session.rig, views, COARSE, job.context)
 
 
-def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int, keypoints: Path | None) -> d.Mesh:
+def scan_of(job: Job, options: d.ViewScanOptions, frame: int, keypoints: Path | None) -> d.Mesh:
     """The surface that the cameras see around a body, which is first fitted to their hull."""
     seen, views = triangulated(job.session, keypoints, frame) if keypoints else {}, views_of(job, frame)
     hull = hull_of(job, views)
@@ -228,7 +227,7 @@ def scan_of(job: Workspace, options: d.ViewScanOptions, frame: int, keypoints: P
     return d.scan_from_views(job.session.rig, views, options, job.context, body)
 
 
-def corrected(marks: dict, seen: dict[str, np.ndarray], job: Workspace) -> dict:
+def corrected(marks: dict, seen: dict[str, np.ndarray], job: Job) -> dict:
     """joints.json with the joints that keypoints see somewhere else put there; what the model says of landmarks beyond them does
     not count then."""
     joints, landmarks = marks["joints"], marks["landmarks"]
@@ -247,7 +246,7 @@ def rounded(point) -> list[float]:
     return [round(float(x), 4) for x in np.ravel(point)]
 
 
-def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
+def aligned(job: Job, given: Path, frame: int) -> d.Mesh:
     found = align_scan(d.read_mesh(given), hull_of(job, views_of(job, frame)))
     floor = ", without its floor" if found.floor else ""
     off = f"{1000 * found.distance:.0f} mm from what the cameras see"
@@ -255,9 +254,9 @@ def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
     return found.mesh
 
 
-def marks_of(job: Workspace, scan: d.Mesh, seen: dict[str, np.ndarray], of_cameras: bool) -> d.DetectedJoints:
+def marks_of(job: Job, scan: d.Mesh, seen: dict[str, np.ndarray], of_cameras: bool) -> d.DetectedJoints:
     surface = d.build_template(scan, d.TemplateOptions(poisson_depth=MARKS_DEPTH), job.context)
-    options = copy(job.group("body"))
+    options = copy(job.options["body"])
     if of_cameras:
         options.surface_deviation = max(options.surface_deviation, OF_HULL)
     return d.detect_joints(surface.mesh, surface.face_valid, d.BodyModel.read(job.body_model), options, seen, job.context)
@@ -272,7 +271,7 @@ def joints_file(marks: d.DetectedJoints) -> dict:
     }
 
 
-def facing_finding(rival: float) -> list[Finding]:
+def facing_finding(rival: float) -> list[d.Finding]:
     if rival <= LIKELY_RIVAL:
         return []
-    return [Finding(False, f"the joints: front and back of the person were hard to tell apart (ratio {rival:.2f})")]
+    return [d.Finding(False, f"the joints: front and back of the person were hard to tell apart (ratio {rival:.2f})")]

@@ -14,7 +14,6 @@ from PIL import Image, ImageDraw
 from .. import _doublet as d
 from ..common import drawing
 from ..common.files import written_atomically
-from ..common.quality_checks import Finding
 
 UNITS = {0.001: "millimetres", 0.01: "centimetres", 0.0254: "inches", 1000.0: "kilometres"}
 SHORTEST, USUAL, TALLEST = 0.5, 1.7, 2.6  #: m, of people in any pose
@@ -141,29 +140,29 @@ def from_inside(scene: d.RayScene, mesh: d.Mesh, points: np.ndarray) -> np.ndarr
     return ((face >= 0) & back).reshape(len(points), -1).mean(axis=1)
 
 
-def check_scan(evidence: Evidence) -> Iterator[Finding]:
+def check_scan(evidence: Evidence) -> Iterator[d.Finding]:
     size = np.ptp(evidence.scan.vertices, axis=0)
     name = evidence.session.scan
     if not SHORTEST <= size.max() <= TALLEST:
-        yield Finding(
+        yield d.Finding(
             True,
             f"{name}: expected a person of {SHORTEST} to {TALLEST} m, found {size.max():.4g} m{likely_unit(size.max(), USUAL)}",
         )
     elif size[1] < 0.7 * size.max():
         axis = "xyz"[size.argmax()]
-        yield Finding(
+        yield d.Finding(
             True, f"{name}: expected a person who stands along y, found {size[1]:.2f} m in y and {size.max():.2f} m in {axis}"
         )
 
 
-def check_joints(evidence: Evidence) -> Iterator[Finding]:
+def check_joints(evidence: Evidence) -> Iterator[d.Finding]:
     names = [mark.name for mark in evidence.session.joints]
     places = np.array([mark.position for mark in evidence.session.joints])
     span, tall = np.ptp(places, axis=0).max(), np.ptp(evidence.scan.vertices, axis=0).max()
     where = f"joints of {evidence.session.folder}"
     if not 0.4 < span / tall < 1.5:
         unit = likely_unit(span, tall)
-        yield Finding(True, f"{where}: expected marks spread over the scan's {tall:.3g} m, found {span:.4g} m{unit}")
+        yield d.Finding(True, f"{where}: expected marks spread over the scan's {tall:.3g} m, found {span:.4g} m{unit}")
         return
     scene = d.RayScene(evidence.scan)
     distance = scene.closest(places)[1]
@@ -174,7 +173,7 @@ def check_joints(evidence: Evidence) -> Iterator[Finding]:
             f"{where}: expected every joint inside the scan, found {far.sum()} of {len(far)} more than {1000 * OUTSIDE:.0f} mm "
             f"outside ({names[worst]} by {1000 * distance[worst]:.0f} mm)"
         )
-        yield Finding(bool(far.mean() > 0.25), text)
+        yield d.Finding(bool(far.mean() > 0.25), text)
 
 
 def in_picture(camera: d.Camera, vertices: np.ndarray, translation: float = 1.0) -> float:
@@ -186,21 +185,21 @@ def in_picture(camera: d.Camera, vertices: np.ndarray, translation: float = 1.0)
     return float((ahead & inside).mean())
 
 
-def check_calibration(evidence: Evidence) -> Iterator[Finding]:
+def check_calibration(evidence: Evidence) -> Iterator[d.Finding]:
     """Units first: a camera in millimetres is a kilometre away, and the person a dot that it sees all of."""
     vertices, rig = np.asarray(evidence.scan.vertices), evidence.session.rig
     away = np.median([np.linalg.norm(np.ravel(camera.centre) - vertices.mean(axis=0)) for camera in rig])
     if not NEAREST < away < FARTHEST:
         wanted = f"expected cameras {NEAREST} to {FARTHEST:g} m from the scan"
-        yield Finding(True, f"{evidence.calibration}: {wanted}, found {away:.4g} m{likely_unit(away, USUAL_AWAY)}")
+        yield d.Finding(True, f"{evidence.calibration}: {wanted}, found {away:.4g} m{likely_unit(away, USUAL_AWAY)}")
         return
     blind = [camera.name for camera in rig if in_picture(camera, vertices) < IN_PICTURE]
     if blind:
         text = f"{evidence.calibration}: expected the scan in every camera's picture, found it outside that of {', '.join(blind)}"
-        yield Finding(len(blind) > len(rig) / 2, text)
+        yield d.Finding(len(blind) > len(rig) / 2, text)
 
 
-def check_masks(evidence: Evidence) -> Iterator[Finding]:
+def check_masks(evidence: Evidence) -> Iterator[d.Finding]:
     """Ready masks at a few frames, silhouettes at the first."""
     last = evidence.session.frame_count - 1
     for c, camera in enumerate(evidence.session.cameras):
@@ -213,14 +212,14 @@ def check_masks(evidence: Evidence) -> Iterator[Finding]:
             count = sum(bool(limit(share)) for share in known)
             if count:
                 text = f"{where}: expected {kind} that show a person, found {wrong} in {count} of the {len(known)} looked at"
-                yield Finding(count > len(known) / 2, text)
+                yield d.Finding(count > len(known) / 2, text)
         if len(known) < len(shares):
             missing = f"found none in {len(shares) - len(known)} of the {len(shares)} looked at"
             text = f"{where}: expected {kind} for every frame, {missing}"
-            yield Finding(len(known) <= len(shares) / 2, text)
+            yield d.Finding(len(known) <= len(shares) / 2, text)
 
 
-def check_overlap(evidence: Evidence) -> Iterator[Finding]:
+def check_overlap(evidence: Evidence) -> Iterator[d.Finding]:
     if not evidence.seen:
         return
     names, table = [camera.name for camera in evidence.session.cameras], evidence.overlaps
@@ -229,13 +228,13 @@ def check_overlap(evidence: Evidence) -> Iterator[Finding]:
     where = "frame 0"
     if np.nanmedian(mirrored) > max(middle + CLEARLY, 0.7):
         text = f"{where}: expected images as the camera saw them, found ones that fit the scan if they are mirrored"
-        yield Finding(True, f"{text} (overlap {np.nanmedian(mirrored):.2f}, as they are {middle:.2f})")
+        yield d.Finding(True, f"{text} (overlap {np.nanmedian(mirrored):.2f}, as they are {middle:.2f})")
         return
     swapped = [(i, j) for i in evidence.seen for j in evidence.seen if i < j and is_swapped(table, i, j)]
     for i, j in swapped:
         text = f"{where}: expected videos in the order of the calibration, found that {names[i]} and {names[j]} look swapped"
         overlap = f"overlap {own[i]:.2f} and {own[j]:.2f}, swapped {table[i, j]:.2f} and {table[j, i]:.2f}"
-        yield Finding(True, f"{text} ({overlap})")
+        yield d.Finding(True, f"{text} ({overlap})")
     if swapped:
         return
     bad = [f"{names[c]} {own[c]:.2f}" for c in evidence.seen if own[c] < FITS]
@@ -243,10 +242,10 @@ def check_overlap(evidence: Evidence) -> Iterator[Finding]:
         yield from check_start(evidence)
     elif bad:
         text = f"{where}: expected scan and silhouettes to overlap by at least {FITS}, found {', '.join(bad)}"
-        yield Finding(False, text + "; do scan, calibration and time belong together?")
+        yield d.Finding(False, text + "; do scan, calibration and time belong together?")
 
 
-def check_start(evidence: Evidence) -> Iterator[Finding]:
+def check_start(evidence: Evidence) -> Iterator[d.Finding]:
     """A take need not begin in the scan's pose, nor where the scan stands."""
     start = evidence.find_start()
     if start.in_scan_pose:
@@ -254,10 +253,10 @@ def check_start(evidence: Evidence) -> Iterator[Finding]:
     nearest = f"nearest is frame {start.frame} with an overlap of {start.overlap:.2f}"
     if start.near_scan_pose:
         text = f"expected a frame in the scan's pose, {FITS} at least, found none: {nearest}, and the pose is searched there"
-        yield Finding(False, text)
+        yield d.Finding(False, text)
         return
     text = f"expected a frame in the scan's pose, or near it, found none: {nearest}"
-    yield Finding(True, text + "; do scan, calibration and time belong together?")
+    yield d.Finding(True, text + "; do scan, calibration and time belong together?")
 
 
 def describe_start(evidence: Evidence) -> str:
@@ -279,7 +278,7 @@ def is_swapped(table: np.ndarray, i: int, j: int) -> bool:
     return bool(better and min(table[i, j], table[j, i]) > FITS)
 
 
-def check_rates(evidence: Evidence) -> Iterator[Finding]:
+def check_rates(evidence: Evidence) -> Iterator[d.Finding]:
     """What the containers say; 0 = nothing. Cameras that disagree are not synchronous; one rate for all may be slow motion."""
     said = {camera.name: camera.video_fps for camera in evidence.session.cameras if camera.video_fps > 0}
     if not said:
@@ -287,18 +286,18 @@ def check_rates(evidence: Evidence) -> Iterator[Finding]:
     usual = float(np.median(list(said.values())))
     others = [f"{name} {fps:.4g}" for name, fps in said.items() if abs(fps - usual) > 0.02 * usual]
     if others:
-        yield Finding(True, f"videos: expected one frame rate, found {', '.join(others)} and {usual:.4g} in the others")
+        yield d.Finding(True, f"videos: expected one frame rate, found {', '.join(others)} and {usual:.4g} in the others")
     elif abs(usual - evidence.session.fps) > 0.02 * usual:
-        yield Finding(False, f"session.json: expected the videos' frame rate {usual:.4g}, found {evidence.session.fps:.4g}")
+        yield d.Finding(False, f"session.json: expected the videos' frame rate {usual:.4g}, found {evidence.session.fps:.4g}")
 
 
 CHECKS = (check_scan, check_joints, check_calibration, check_rates, check_masks, check_overlap)
 WITHOUT_SCAN = (check_rates, check_masks)
 
 
-def check_session(evidence: Evidence) -> list[Finding]:
+def check_session(evidence: Evidence) -> list[d.Finding]:
     """Every check, the cheap ones first; none is made on what an earlier one found impossible, or on a scan that is not there."""
-    found: list[Finding] = []
+    found: list[d.Finding] = []
     checks = CHECKS if evidence.scanned else WITHOUT_SCAN
     for check in checks:
         if check is check_joints and not evidence.session.joints:
@@ -349,7 +348,7 @@ def dot(image: np.ndarray, place) -> None:
         image[max(0, y - 2) : y + 3, max(0, x - 2) : x + 3] = (255, 220, 0)
 
 
-def check_and_draw(evidence: Evidence, path: Path) -> list[Finding]:
+def check_and_draw(evidence: Evidence, path: Path) -> list[d.Finding]:
     """Every check, and the picture of it."""
     found = check_session(evidence)
     write_picture(path, draw(evidence))

@@ -8,7 +8,6 @@ from pathlib import Path
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.files import folder_written_atomically
-from ..common.quality_checks import Finding
 from . import check, synchronise
 from .filmed_cameras import filmed_cameras
 from .request import Request
@@ -24,7 +23,7 @@ class NewSession:
 
     folder: Path
     messages: list[str]
-    findings: list[Finding]
+    findings: list[d.Finding]
 
 
 def new_session(request: Request, console: Console | None = None) -> NewSession:
@@ -63,7 +62,7 @@ def refuse_existing(request: Request) -> None:
         raise FileExistsError(f"{request.out}: there is a session already; --force writes this one in its place")
 
 
-def draw_check_picture(session: d.Session, path: Path, console: Console, messages: list[str]) -> list[Finding]:
+def draw_check_picture(session: d.Session, path: Path, console: Console, messages: list[str]) -> list[d.Finding]:
     """Draws frame 0 of every camera with its silhouette; returns what is doubtful."""
     context = d.Context(progress=console.progress, log=messages.append)
     frames = d.FrameSource.open(session)

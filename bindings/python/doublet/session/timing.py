@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .. import _doublet as d
 from ..common.console import Console
-from ..common.quality_checks import Finding
 from . import synchronise
 from .request import FilmedCamera, Request
 
@@ -29,7 +29,12 @@ def common_rate(request: Request, cameras: Sequence[FilmedCamera], messages: lis
 
 
 def found_offsets(
-    request: Request, cameras: Sequence[FilmedCamera], fps: float, console: Console, messages: list[str], findings: list[Finding]
+    request: Request,
+    cameras: Sequence[FilmedCamera],
+    fps: float,
+    console: Console,
+    messages: list[str],
+    findings: list[d.Finding],
 ) -> np.ndarray:
     """(C) s, those that are given and those that are found between the other cameras."""
     open_cameras = [camera for camera in cameras if camera.name not in request.offsets]
@@ -48,7 +53,7 @@ def found_offsets(
 
 
 def synchronised(
-    method: str, cameras: Sequence[FilmedCamera], fps: float, console: Console, messages: list[str], findings: list[Finding]
+    method: str, cameras: Sequence[FilmedCamera], fps: float, console: Console, messages: list[str], findings: list[d.Finding]
 ) -> np.ndarray:
     """(C) s, the first camera's 0; all 0 and a finding if they are not to be trusted."""
     silent = [camera for camera in cameras if camera.source.sound_start is None]
@@ -65,7 +70,7 @@ def synchronised(
         reasons.append(f"{way}: {result.reason}")
     text = f"synchronisation: expected videos that tell by how much they are apart, found {'; '.join(reasons)}"
     advice = "; they are taken as synchronous, give what you know: --offset CAMERA=SECONDS, or --sync none"
-    findings.append(Finding(False, text + advice))
+    findings.append(d.Finding(False, text + advice))
     return np.zeros(len(cameras))
 
 

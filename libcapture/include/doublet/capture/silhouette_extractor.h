@@ -112,4 +112,10 @@ struct CameraView {
 /// The image, and the ready mask or, where there is none, the extractor's. `extractor` may be null: then only ready masks.
 CameraView read_view(FrameSource &frames, int camera, int frame, const SilhouetteExtractor *extractor);
 
+/// What all cameras of a session show at a frame: one image and one mask each, as CameraView has them.
+struct FrameViews {
+  std::vector<Image> images, masks;
+};
+FrameViews read_views(const Session &session, int frame, const SilhouetteExtractor *extractor);
+
 } // namespace doublet

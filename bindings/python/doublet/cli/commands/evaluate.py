@@ -5,13 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from ... import _doublet as d
 from ...evaluation import motion_metrics
 from ...evaluation.metrics import evaluate, format_table
 from ...evaluation.reconstruction import Reconstruction
 from ...evaluation.truth import Truth
-from ...reconstruct import recorded_session
-from ...reconstruct.results import Results
+from ...reconstruct import Job, recorded_session
 from ..common_flags import common_flags, make_console
 
 
@@ -32,11 +30,10 @@ def run(arguments) -> None:
     console = make_console(arguments)
     if not arguments.out.is_dir():
         raise FileNotFoundError(f"{arguments.out} is not a folder")
-    session = d.Session(arguments.session or recorded_session(arguments.out))
-    filmed = Results(arguments.out).recalibrated(session)
-    result = evaluate(arguments.out, arguments.truth, filmed, console, arguments.every)
+    job = Job(arguments.session or recorded_session(arguments.out), arguments.out, console=console)
+    result = evaluate(arguments.out, arguments.truth, job.filmed, console, arguments.every)
     if arguments.motion:
-        result["motion"] = motion_metrics.compare(Reconstruction(arguments.out), Truth(arguments.truth), session.fps)
+        result["motion"] = motion_metrics.compare(Reconstruction(arguments.out), Truth(arguments.truth), job.session.fps)
     if arguments.json:
         print(json.dumps(result, indent=1))
         return

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...reconstruct import OPTION_GROUPS, config, reconstruct
+from ...reconstruct import OPTION_GROUPS, config
 from ..jobs import add_stage_flags, exit_status, make_job
 from ..option_flags import chosen_options, describe_option
 from ..parsing import shorten_help
@@ -38,6 +38,6 @@ def run(arguments) -> int:
     if not (arguments.session and arguments.out):
         arguments.usage_error("the following arguments are required: SESSION, -o/--out")
     job = make_job(arguments, arguments.session)
-    reconstruct(job, arguments.force)
+    job.run_all(arguments.force)
     print(job.path("report.html"))
     return exit_status(job)

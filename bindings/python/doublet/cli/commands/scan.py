@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ...common.packaged import body_model_path
-from ...reconstruct import Workspace
+from ...reconstruct import Job
 from ...scan import refine_scan, scan_session
 from ...scan.make_scan import GROUPS
 from ..common_flags import common_flags, make_console, report_findings
@@ -60,9 +59,7 @@ def run(arguments) -> int:
     options = chosen_options(arguments, GROUPS)
     scan_options, rest_options = options.pop("scan"), options.pop("rest")
     console = make_console(arguments)
-    job = Workspace(
-        arguments.session, arguments.session, options, body_model=arguments.body_model or body_model_path(), console=console
-    )
+    job = Job(arguments.session, arguments.session, options, body_model=arguments.body_model, console=console)
     if arguments.refine:
         made = refine_scan(job, arguments.refine, rest_options, arguments.keypoints)
     else:

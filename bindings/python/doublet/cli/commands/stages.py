@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...reconstruct import OPTION_GROUPS, STAGES, fit_together, recorded_session, run_stage, start_record
+from ... import _doublet as d
+from ...reconstruct import OPTION_GROUPS, STAGES, recorded_session
 from ..jobs import add_stage_flags, exit_status, make_job
 
 #: Command -> (stages it runs, what it does).
@@ -33,7 +34,7 @@ def register(commands) -> None:
                 more = "more takes of the same garment: one material and one width are found that explain all of them together"
                 command.add_argument("takes", type=Path, nargs="*", default=[], metavar="OUT", help=more)
             command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
-        used = {group for stage in STAGES if stage.name in stages for group in stage.groups}
+        used = {group for stage in STAGES if stage.name in stages for group in stage.option_groups}
         groups = {group: c for group, c in OPTION_GROUPS.items() if group in used}
         add_stage_flags(command, groups, with_body_model=name == "body")
         command.set_defaults(run=run_fit if name == "fit" else run_stages, stages=stages)
@@ -42,10 +43,7 @@ def register(commands) -> None:
 def run_stages(arguments) -> int:
     session = arguments.session or recorded_session(arguments.out)
     job = make_job(arguments, session)
-    start_record(job, scanned=tuple(arguments.stages) != ("check",))
-    for stage in job.stages:
-        if stage.name in arguments.stages:
-            run_stage(job, stage, arguments.force)
+    job.run(list(arguments.stages), arguments.force)
     return exit_status(job)
 
 
@@ -58,6 +56,6 @@ def run_fit(arguments) -> int:
     for out in (arguments.out, *arguments.takes):
         arguments.out = out
         jobs.append(make_job(arguments, recorded_session(out)))
-        start_record(jobs[-1])
-    fit_together(jobs)
+    d.fit_together(jobs)
+    jobs[0].console.finish()
     return exit_status(jobs[0])

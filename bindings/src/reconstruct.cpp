@@ -1,0 +1,247 @@
+#include "common.h"
+
+#include "doublet/reconstruct/corrections_file.h"
+#include "doublet/reconstruct/reconstruction.h"
+
+namespace doublet::python {
+namespace {
+
+py::object plain_of(const py::object &value) {
+  for (const char *method : {"tolist", "to_dict"}) // arrays and NumPy's numbers; options
+    if (py::hasattr(value, method))
+      return value.attr(method)();
+  throw py::type_error("expected what JSON can hold, found " + described(value));
+}
+
+std::string to_json(const py::object &value) {
+  return py::module_::import("json").attr("dumps")(value, py::arg("default") = py::cpp_function(&plain_of)).cast<std::string>();
+}
+
+py::object from_json(const std::string &text) {
+  return py::module_::import("json").attr("loads")(text);
+}
+
+/// A stage's work written in Python: run(reconstruction) -> dict of numbers.
+Stage::Run run_from(const py::function &function) {
+  const std::shared_ptr<py::function> kept(new py::function(function), [](py::function *held) {
+    const py::gil_scoped_acquire gil;
+    delete held;
+  });
+  return [kept](Reconstruction &reconstruction) {
+    const py::gil_scoped_acquire gil;
+    return to_json((*kept)(py::cast(&reconstruction, py::return_value_policy::reference)));
+  };
+}
+
+/// "package.module.function": whose work it is, for the record.
+std::string runner_of(const py::function &function) {
+  return py::str("{}.{}").format(function.attr("__module__"), function.attr("__qualname__"));
+}
+
+/// visit(options) of the group of that name.
+template <class Visit> void visit_group(ReconstructionOptions &options, const std::string &name, Visit &&visit) {
+  std::string known;
+  bool found = false;
+  for_each_group(options, [&](const char *group, auto &values) {
+    known += (known.empty() ? "" : ", ") + std::string(group);
+    if (name == group) {
+      found = true;
+      visit(values);
+    }
+  });
+  if (!found)
+    throw py::key_error("option group '" + name + "': expected one of " + known);
+}
+
+void bind_checks(py::module_ &m) {
+  py::register_exception<Implausible>(m, "Implausible", m.attr("Error"));
+  Class<Limit>(m, "Limit", "Of a number in a stage's summary; too low if `impossible` is below `doubtful`, otherwise too high.")
+      .def_property_readonly(
+          "stage", [](const Limit &limit) { return limit.stage; }, "whose summary")
+      .def_property_readonly(
+          "number", [](const Limit &limit) { return limit.number; }, "name in the summary")
+      .def_readonly("doubtful", &Limit::doubtful, "beyond it the number is doubtful")
+      .def_readonly("impossible", &Limit::impossible, "beyond it nothing should be built on it")
+      .def("check", &Limit::check, py::arg("value"), "The Finding; None if the number is as it should be.")
+      .def("passed", &Limit::passed, py::arg("value"), "That the number is as it should be, in words; empty if it is not.");
+  m.def(
+      "quality_limits", [] { return std::vector<Limit>(quality_limits().begin(), quality_limits().end()); },
+      "Limits of the numbers of all stages.");
+  m.def(
+      "quality_findings",
+      [](const std::string &stage, const py::dict &summary) { return quality_findings(stage, to_json(summary)); },
+      py::arg("stage"), py::arg("summary"), "What is implausible in the summary of a stage that is done.");
+}
+
+void bind_corrections(py::module_ &m) {
+  m.def("read_suggested_mask", &read_suggested_mask, py::arg("out"),
+        "(F) uint8 of the template in OUT, 0: suggested as invalid.");
+  m.def("read_template_mask", &read_template_mask, py::arg("out"),
+        "(F) uint8: the edited mask if there is one, else the suggestion.");
+  m.def("write_template_mask", &write_template_mask, py::arg("out"), py::arg("mask"),
+        "Writes the edited mask (F), 0 or 1 each, for the template in OUT.");
+  m.def("read_segmentation_paint", &read_segmentation_paint, py::arg("out"), py::arg("vertices"),
+        "(V) int32 in -1 to 2, None if nothing was painted.");
+  m.def("write_segmentation_paint", &write_segmentation_paint, py::arg("out"), py::arg("painted"), py::arg("vertices"),
+        "Writes what was painted, -1 (as found), 0 (skin), 1 (cloth) or 2 (border) for each vertex.");
+  m.def("read_found_segmentation", &read_found_segmentation, py::arg("out"),
+        "The segmentation as it was before anything was painted.");
+}
+
+void bind_record(py::module_ &m) {
+  Class<RunRecord>(m, "RunRecord", "run.json: what was run, on what, with which options, how long it took.")
+      .def(py::init<Path>(), py::arg("out"))
+      .def_property_readonly("path", &RunRecord::path, "of run.json")
+      .def_property_readonly(
+          "data", [](const RunRecord &record) { return from_json(record.json()); }, "all of it, as plain values")
+      .def("hash", &RunRecord::hash, py::arg("path"), "SHA-256 of a file, or of all that is in a folder.")
+      .def(
+          "summary", [](const RunRecord &record, const std::string &stage) { return from_json(record.summary(stage)); },
+          py::arg("stage"), "The numbers of a stage; empty if it did not run.")
+      .def("is_done", &RunRecord::is_done, py::arg("stage"), "Did it run to its end?")
+      .def("foreign_outputs", &RunRecord::foreign_outputs, py::arg("stage"), py::arg("outputs"),
+           "Outputs that exist but are not what this program last wrote.")
+      .def(
+          "reason_to_run",
+          [](const RunRecord &record, const std::string &stage, const std::map<std::string, std::string> &inputs,
+             const py::dict &options, const std::vector<std::string> &outputs) {
+            return record.reason_to_run(stage, {inputs, to_json(options)}, outputs);
+          },
+          py::arg("stage"), py::arg("inputs"), py::arg("options"), py::arg("outputs"),
+          "Why the stage must run, in words; empty if it is up to date.")
+      .def(
+          "begin",
+          [](RunRecord &record, const std::string &stage, const std::map<std::string, std::string> &inputs,
+             const py::dict &options) {
+            record.begin(stage, {inputs, to_json(options)});
+          },
+          py::arg("stage"), py::arg("inputs"), py::arg("options"), "The stage runs from here.")
+      .def(
+          "end",
+          [](RunRecord &record, const std::string &stage, const py::dict &summary, const std::vector<std::string> &outputs) {
+            record.end(stage, to_json(summary), outputs);
+          },
+          py::arg("stage"), py::arg("summary"), py::arg("outputs"), "It is done.");
+}
+
+void bind_options(py::module_ &m) {
+  Class<ReconstructionOptions>(m, "ReconstructionOptions", "Every option of a reconstruction: options[group], and a few of all.")
+      .def(py::init<>())
+      .def(
+          "__getitem__",
+          [](const py::object &self, const std::string &group) {
+            py::object found;
+            visit_group(self.cast<ReconstructionOptions &>(), group,
+                        [&](auto &values) { found = py::cast(&values, py::return_value_policy::reference_internal, self); });
+            return found;
+          },
+          py::arg("group"), "The options object itself: what is set in it counts.")
+      .def(
+          "__setitem__",
+          [](ReconstructionOptions &options, const std::string &group, const py::object &chosen) {
+            visit_group(options, group, [&](auto &values) { values = chosen.cast<std::remove_cvref_t<decltype(values)>>(); });
+          },
+          py::arg("group"), py::arg("options"), "With the groups that are part of it.")
+      .def_property_readonly_static(
+          "groups",
+          [](const py::object &) {
+            std::vector<std::string> names;
+            const ReconstructionOptions options;
+            for_each_group(options, [&](const char *group, const auto &) { names.emplace_back(group); });
+            return names;
+          },
+          "Names of all groups; one that is part of another comes behind it.")
+      .def_readwrite("body_model", &ReconstructionOptions::body_model, "file of the statistical body")
+      .def_readwrite("seed", &ReconstructionOptions::seed, "of every random choice")
+      .def_readwrite("fps", &ReconstructionOptions::fps, "of the videos; 0 = as the session says")
+      .def_readwrite("keep_going", &ReconstructionOptions::keep_going, "past results that cannot be true")
+      .def_readwrite("configuration", &ReconstructionOptions::configuration, "the file that the options are from; empty = none");
+}
+
+void bind_stage(py::module_ &m) {
+  Class<Stage>(m, "Stage", "What reads and writes files of a reconstruction's folder.")
+      .def(py::init([](std::string name, const py::function &run, std::vector<std::string> reads, std::vector<std::string> writes,
+                       std::vector<std::string> may_read, std::vector<std::string> option_groups,
+                       std::vector<std::string> session_inputs, bool needs_scan) {
+             Stage stage{.name = std::move(name), .reads = std::move(reads), .writes = std::move(writes)};
+             stage.may_read = std::move(may_read);
+             stage.option_groups = std::move(option_groups);
+             stage.session_inputs = std::move(session_inputs);
+             stage.needs_scan = needs_scan;
+             stage.run = run_from(run);
+             return stage;
+           }),
+           py::arg("name"), py::arg("run"), py::kw_only(), py::arg("reads") = std::vector<std::string>{},
+           py::arg("writes") = std::vector<std::string>{}, py::arg("may_read") = std::vector<std::string>{},
+           py::arg("option_groups") = std::vector<std::string>{}, py::arg("session_inputs") = std::vector<std::string>{},
+           py::arg("needs_scan") = true, "run(reconstruction) does the work and returns the numbers worth recording.")
+      .def_readonly("name", &Stage::name, "of the stage")
+      .def_readonly("reads", &Stage::reads, "files of the folder")
+      .def_readonly("writes", &Stage::writes, "files of the folder")
+      .def_readonly("may_read", &Stage::may_read, "files of the folder that count as inputs if they are there")
+      .def_readonly("continues_from", &Stage::continues_from, "files of it that a stage that was stopped goes on from")
+      .def_readonly("option_groups", &Stage::option_groups, "that its results depend on")
+      .def_readonly("session_inputs", &Stage::session_inputs, "description, scan, calibration, joints, images")
+      .def_readonly("runner", &Stage::runner, "whose work it is; empty = doublet's")
+      .def(
+          "run",
+          [](const Stage &stage, Reconstruction &reconstruction) {
+            std::string summary;
+            {
+              const py::gil_scoped_release release;
+              summary = stage.run(reconstruction);
+            }
+            return from_json(summary);
+          },
+          py::arg("reconstruction"), "Does the work, whatever is up to date -> the numbers worth recording.");
+  m.def("default_stages", &default_stages, "The stages of a reconstruction, in their order.");
+}
+
+} // namespace
+
+void bind_reconstruct(py::module_ &m) {
+  constexpr auto kInside = py::return_value_policy::reference_internal;
+  bind_checks(m);
+  bind_corrections(m);
+  bind_record(m);
+  bind_options(m);
+  Class<Reconstruction> reconstruction(m, "Reconstruction", "From a capture session to an animatable character, in stages.");
+  bind_stage(m);
+  reconstruction
+      .def(py::init<Path, Path, ReconstructionOptions, Context>(), py::arg("session"), py::arg("out"),
+           py::arg("options") = ReconstructionOptions{}, py::arg("context") = interruptible_context())
+      .def_readwrite("options", &Reconstruction::options, "ReconstructionOptions")
+      .def_readwrite("stages", &Reconstruction::stages, "Stages in their order; a list of its own, to be set as a whole")
+      .def_readwrite("announce", &Reconstruction::announce, "called with one line about each stage")
+      .def(
+          "replace",
+          [](Reconstruction &self, const std::string &stage, const py::function &run, const std::optional<std::string> &runner) {
+            self.replace(stage, run_from(run), runner ? *runner : runner_of(run));
+          },
+          py::arg("stage"), py::arg("run"), py::arg("runner") = py::none(),
+          "Puts run(reconstruction), which returns numbers for run.json, in the place of a stage's work; it must write the same "
+          "files. runner: its name, for the record.")
+      .def("run", &Reconstruction::run, py::arg("names"), py::arg("force") = false, Release(),
+           "Stages by name, each unless it is up to date. Returns whether any ran.")
+      .def("run_all", &Reconstruction::run_all, py::arg("force") = false, Release(), "All stages, each unless it is up to date.")
+      .def_property_readonly("findings", &Reconstruction::findings, "what the stages that were asked for found doubtful")
+      .def_property_readonly("session_folder", &Reconstruction::session_folder, "as it was given")
+      .def_property_readonly("out", &Reconstruction::out, "folder of the results")
+      .def("path", &Reconstruction::path, py::arg("file"), "of a file of `out`")
+      .def_property_readonly("context", &Reconstruction::context, "Context, whose log is also in log.txt")
+      .def_property(
+          "session", [](Reconstruction &self) { return self.session(); }, &Reconstruction::set_session,
+          "Session, read when it is asked for")
+      .def("reread_session", &Reconstruction::reread_session, "After its files were changed.")
+      .def_property_readonly("filmed", &Reconstruction::filmed, "the session with the refined cameras, if there are any")
+      .def_property_readonly("silhouettes", &Reconstruction::silhouettes, kInside,
+                             "trained SilhouetteExtractor; None if all cameras have ready masks")
+      .def_property_readonly("results", &Reconstruction::results, kInside, "Results of the stages")
+      .def_property_readonly("record", &Reconstruction::record, kInside, "RunRecord")
+      .def("solver_settings", &Reconstruction::solver_settings, "SolverSettings, without which materials mean nothing.")
+      .def("fit_options", &Reconstruction::fit_options, "FitOptions with seed and frame rate.");
+  m.def("fit_together", &fit_together, py::arg("reconstructions"), Release(),
+        "One material, and one width, for several takes of one garment, with the options and the seed of the first.");
+}
+
+} // namespace doublet::python

@@ -1,0 +1,37 @@
+#pragma once
+// What a plausible result is: nonsense must not end in "done".
+
+#include "doublet/core/error.h"
+#include "doublet/core/finding.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace doublet {
+
+/// A result that nothing should be built on.
+class Implausible : public Error {
+public:
+  using Error::Error;
+};
+
+/// Of a number in a stage's summary, which is too low if `impossible` is below `doubtful`, otherwise too high.
+struct Limit {
+  const char *stage, *number;
+  double doubtful, impossible;
+  const char *meaning, *advice;
+  std::string expected() const; ///< "expected at least 0.85"
+  std::optional<Finding> check(double value) const;
+  std::string passed(double value) const; ///< that the number is as it should be, in words; empty if it is not
+};
+
+/// Those of good sessions are inside by far.
+std::span<const Limit> quality_limits();
+
+/// What is implausible in the summary (a JSON object as text, see Stage::run) of a stage that is done: what it found itself, and
+/// numbers beyond their limits. Throws Error if that is no such summary.
+std::vector<Finding> quality_findings(const std::string &stage, const std::string &summary);
+
+} // namespace doublet
