@@ -7,6 +7,7 @@
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/rest_pose.h"
 #include "doublet/capture/scan_from_views.h"
+#include "doublet/capture/session_check.h"
 #include "doublet/capture/start_frame.h"
 #include "doublet/capture/template_builder.h"
 
@@ -199,6 +200,24 @@ void bind_session(py::module_ &m) {
         "have them.");
 }
 
+void bind_session_check(py::module_ &m) {
+  Class<SessionCheck>(m, "SessionCheck", "What is wrong with a session, and the frame of C cameras that it was looked at in.")
+      .def_readonly("findings", &SessionCheck::findings, "Findings, in the order of the checks")
+      .def_readonly("start", &SessionCheck::start, "StartFrame, if the scan does not fit frame 0 as it stands; or None")
+      .def_readonly("start_text", &SessionCheck::start_text, "the same in words; may be empty")
+      .def_property_readonly("frame", &SessionCheck::frame, "that was looked at")
+      .def_readonly("rig", &SessionCheck::rig, "(C) the cameras made small")
+      .def_readonly("silhouettes", &SessionCheck::silhouettes, "(C) masks (h, w), 255 = actor; (0, 0) = none")
+      .def_readonly("shadows", &SessionCheck::shadows, "(C) the same of the scan; empty without one")
+      .def_readonly("overlaps", &SessionCheck::overlaps,
+                    "(C, C) IoU of the silhouette of camera i with the shadow in camera j, or NaN; (0, 0) without a scan")
+      .def_readonly("joints", &SessionCheck::joints, "(J, 3) m, placed as the scan is");
+  m.def("check_session", &check_session, py::arg("session"), py::arg("frames"), py::arg("extractor").none(true) = nullptr,
+        py::arg("context") = interruptible_context(), Release(),
+        "Whether a session can be true: scan, joints, calibration, frame rates and silhouettes against each other -> "
+        "SessionCheck.");
+}
+
 void bind_template(py::module_ &m) {
   OptionsClass<TemplateOptions>(m, "Options of build_template.");
   OptionsClass<HeatWeightOptions>(m, "Options of heat_weights.");
@@ -322,6 +341,7 @@ void bind_performance(py::module_ &m) {
 void bind_capture(py::module_ &m) {
   bind_calibration(m);
   bind_session(m);
+  bind_session_check(m);
   bind_template(m);
   bind_capture_parts(m);
   bind_performance(m);

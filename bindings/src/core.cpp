@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/finding.h"
 #include "doublet/core/garment.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/skinning.h"
@@ -107,6 +108,22 @@ void bind_context(py::module_ &m) {
       .def("__repr__", [](const Context &context) {
         return context.threads ? "Context(threads=" + std::to_string(context.threads) + ")" : std::string("Context()");
       });
+}
+
+void bind_finding(py::module_ &m) {
+  Class<Finding>(m, "Finding", "What is wrong with a session or a result: impossible stops a run, doubtful is only said.")
+      .def(py::init([](bool impossible, std::string text, std::string kind) {
+             return Finding{impossible, std::move(text), std::move(kind)};
+           }),
+           py::arg("impossible"), py::arg("text"), py::arg("kind") = "")
+      .def_readonly("impossible", &Finding::impossible, "nothing should be built on it")
+      .def_readonly("text", &Finding::text, "one sentence that names expectation and finding")
+      .def_readonly("kind", &Finding::kind, "a word for programs; may be empty")
+      .def_property_readonly(
+          "level", [](const Finding &finding) { return finding.impossible ? "impossible" : "doubtful"; },
+          "'impossible' or 'doubtful'")
+      .def("__repr__",
+           [](const Finding &finding) { return std::string(finding.impossible ? "impossible: " : "doubtful: ") + finding.text; });
 }
 
 void bind_mesh(py::module_ &m) {
@@ -410,6 +427,7 @@ Context interruptible_context() {
 void bind_core(py::module_ &m) {
   bind_errors(m);
   bind_context(m);
+  bind_finding(m);
   bind_mesh(m);
   bind_camera(m);
   bind_skeleton(m);

@@ -7,25 +7,12 @@ from dataclasses import dataclass
 
 from .. import _doublet as d
 
+Finding = d.Finding
 DOUBTFUL = 3  #: exit status of a run that ended, but with doubts
 
 
 class Implausible(d.Error):
     """A result that nothing should be built on."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """What is wrong, in one sentence that names expectation and finding. Impossible stops the run, doubtful is only said. kind:
-    what the report has advice for; may be empty."""
-
-    impossible: bool
-    text: str
-    kind: str = ""
-
-    @property
-    def level(self) -> str:
-        return "impossible" if self.impossible else "doubtful"
 
 
 @dataclass(frozen=True)
@@ -89,6 +76,11 @@ LIMITS = {
         ),
     ),
 }  # fmt: skip
+
+
+def entry(finding: Finding) -> dict:
+    """As a summary has it."""
+    return {"impossible": finding.impossible, "text": finding.text, "kind": finding.kind}
 
 
 def findings(stage: str, summary: dict) -> list[Finding]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
 from .. import _doublet as d
-from ..common.quality_checks import Finding
+from ..common.quality_checks import Finding, entry
 from ..corrections import segmentation_paint, template_mask
 from ..pages.report import write_report
 from ..session import check
@@ -25,12 +24,12 @@ HEAD = "head_top"
 
 
 def run_check(job: Workspace) -> dict:
-    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes, job.context)
-    found = check.check_and_draw(evidence, job.path("check.png"))
-    if words := check.describe_start(evidence):
+    frames = d.FrameSource.open(job.session)
+    checked = check.check_and_draw(job.session, frames, job.silhouettes, job.path("check.png"), job.context)
+    if checked.start_text:
         job.console.finish()
-        job.console.say(f"check: {words}")
-    return {"findings": [asdict(finding) for finding in found], "frame": evidence.shown_frame}
+        job.console.say(f"check: {checked.start_text}")
+    return {"findings": [entry(finding) for finding in checked.findings], "frame": checked.frame}
 
 
 def run_template(job: Workspace) -> dict:
@@ -125,7 +124,7 @@ def run_segment(job: Workspace) -> dict:
     cloth = result.clothness > 0.5
     doubtful = cloth_ends(job.results.actor, cloth, areas)
     return {
-        "findings": [asdict(finding) for finding in end_findings(doubtful)],
+        "findings": [entry(finding) for finding in end_findings(doubtful)],
         "noise_mm": 1000 * summary.noise,
         "uncertain_area": summary.uncertain_area,
         "corrections": "none" if result is found else "painted",

@@ -109,8 +109,8 @@ def write_marks(job: Workspace, keypoints: Path | None, force: bool, of_cameras:
 
 def with_check_picture(job: Workspace, made: list[Path], rival: float) -> ScanResult:
     picture = job.session_folder / PICTURE
-    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    return ScanResult([*made, picture], [*facing_finding(rival), *check.check_and_draw(evidence, picture)])
+    checked = check.check_and_draw(job.session, d.FrameSource.open(job.session), job.silhouettes, picture)
+    return ScanResult([*made, picture], [*facing_finding(rival), *checked.findings])
 
 
 def refine_scan(job: Workspace, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
