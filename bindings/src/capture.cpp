@@ -6,10 +6,12 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/rest_pose.h"
+#include "doublet/capture/scan_alignment.h"
 #include "doublet/capture/scan_from_views.h"
 #include "doublet/capture/session_check.h"
 #include "doublet/capture/start_frame.h"
 #include "doublet/capture/template_builder.h"
+#include "doublet/capture/triangulation.h"
 
 namespace doublet::python {
 namespace {
@@ -93,8 +95,20 @@ void bind_calibration(py::module_ &m) {
       .def_readwrite("camera", &CalibratedCamera::camera, "its distortion is zero where the lens is undone")
       .def_readwrite("lens", &CalibratedCamera::lens, "what is undone when frames are read")
       .def_readwrite("late", &CalibratedCamera::late, "frames: what it films in frame t + late the others film in frame t")
-      .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.");
+      .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.")
+      .def("project_jacobian", &CalibratedCamera::project_jacobian, py::arg("point"), "(2, 3) pixels per metre.");
   py::implicitly_convertible<Camera, CalibratedCamera>();
+  m.def(
+      "triangulate",
+      [](const std::vector<CalibratedCamera> &cameras, const Vertices &seen) {
+        std::vector<Keypoint> keypoints;
+        for (const auto &row : seen.rowwise())
+          keypoints.push_back({row.head<2>(), row.z()});
+        return triangulate(cameras, keypoints);
+      },
+      py::arg("cameras"), py::arg("seen"), Release(),
+      "(3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; "
+      "below 0.3 it does not count.");
   m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio or Metashape, or of a "
@@ -193,6 +207,14 @@ void bind_session(py::module_ &m) {
       py::arg("body") = nullptr, Release(),
       "Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a "
       "camera, of one frame; body: a fitted one, from which the surface is no farther than the outlines are.");
+  Class<AlignedScan>(m, "AlignedScan", "A scan in the world of the cameras, and what was found out about it.")
+      .def_readonly("mesh", &AlignedScan::mesh, "m, +Y up; without floor, specks and surroundings")
+      .def_readonly("unit", &AlignedScan::unit, "of the scan: 'm', 'cm', 'mm' or 'inches'")
+      .def_readonly("up", &AlignedScan::up, "its axis that points up: '+x' ... '-z'")
+      .def_readonly("floor", &AlignedScan::floor, "the person stood on one")
+      .def_readonly("distance", &AlignedScan::distance, "m to the hull, mean over the nearest four fifths");
+  m.def("align_scan", &align_scan, py::arg("scan"), py::arg("hull"), py::arg("context") = interruptible_context(), Release(),
+        "A scan in any unit, upright along any axis, brought to the hull that the cameras see (scan_from_views) -> AlignedScan.");
   OptionsClass<RestPoseOptions>(m, "Options of refine_rest_pose.");
   m.def("refine_rest_pose", &refine_rest_pose, py::arg("actor"), py::arg("performance"), py::arg("rigid"),
         py::arg("options") = RestPoseOptions{}, py::arg("context") = interruptible_context(), Release(),

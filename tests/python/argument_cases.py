@@ -108,6 +108,8 @@ def calls(world, folder) -> dict:
         "find_start_frame": (
             lambda scan, rig: d.find_start_frame(scan, rig, Discs()), {"scan": w.mesh, "rig": ring_of_discs()["rig"]},
         ),
+        "align_scan": (d.align_scan, {"scan": w.mesh, "hull": w.mesh}),
+        "triangulate": (d.triangulate, {"cameras": ring_of_discs()["rig"], "seen": np.full((4, 3), 47.5)}),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
         "cloth_prior": (d.cloth_prior, {"actor": w.actor, "pose": w.mesh}),
         "summarise_segmentation": (

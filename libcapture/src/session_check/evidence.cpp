@@ -137,11 +137,4 @@ double middle_of(const std::vector<double> &values) {
   return 0.5 * (quantile(values, 0.5) + median(values));
 }
 
-std::string joined(const std::vector<std::string> &texts) {
-  std::string all;
-  for (const std::string &text : texts)
-    all += (all.empty() ? "" : ", ") + text;
-  return all;
-}
-
 } // namespace doublet::detail

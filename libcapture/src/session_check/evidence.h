@@ -3,8 +3,7 @@
 
 #include "doublet/capture/session_check.h"
 #include "doublet/core/mesh.h"
-
-#include <cstdio>
+#include "sentences.h"
 
 namespace doublet::detail {
 
@@ -34,16 +33,7 @@ void look_at(Evidence &evidence, const StartFrame &start);
 /// Share of the image that the actor covers; NaN = no silhouette.
 double actor_share(const Evidence &evidence, int camera, int frame);
 
-/// A number in a sentence, as printf writes it.
-inline std::string printed(const char *format, double number) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, number);
-  return text;
-}
-
 /// Mean of the two in the middle if there are two; of at least one.
 double middle_of(const std::vector<double> &values);
-
-std::string joined(const std::vector<std::string> &texts);
 
 } // namespace doublet::detail

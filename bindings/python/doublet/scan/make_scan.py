@@ -14,7 +14,6 @@ from ..common.files import write_json
 from ..common.quality_checks import Finding
 from ..reconstruct import OPTION_GROUPS, Workspace
 from ..session import check
-from .alignment import align_scan
 from .keypoints import triangulated
 
 #: Option groups of the command.
@@ -248,7 +247,7 @@ def rounded(point) -> list[float]:
 
 
 def aligned(job: Workspace, given: Path, frame: int) -> d.Mesh:
-    found = align_scan(d.read_mesh(given), hull_of(job, views_of(job, frame)))
+    found = d.align_scan(d.read_mesh(given), hull_of(job, views_of(job, frame)), job.context)
     floor = ", without its floor" if found.floor else ""
     off = f"{1000 * found.distance:.0f} mm from what the cameras see"
     job.console.say(f"scan: {given} is in {found.unit}, {found.up} is up{floor}; brought to {off}")
