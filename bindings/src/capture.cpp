@@ -6,9 +6,12 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
 #include "doublet/capture/rest_pose.h"
+#include "doublet/capture/scan_alignment.h"
 #include "doublet/capture/scan_from_views.h"
+#include "doublet/capture/session_check.h"
 #include "doublet/capture/start_frame.h"
 #include "doublet/capture/template_builder.h"
+#include "doublet/capture/triangulation.h"
 
 namespace doublet::python {
 namespace {
@@ -92,8 +95,20 @@ void bind_calibration(py::module_ &m) {
       .def_readwrite("camera", &CalibratedCamera::camera, "its distortion is zero where the lens is undone")
       .def_readwrite("lens", &CalibratedCamera::lens, "what is undone when frames are read")
       .def_readwrite("late", &CalibratedCamera::late, "frames: what it films in frame t + late the others film in frame t")
-      .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.");
+      .def("project", &CalibratedCamera::project, py::arg("point"), "Pixel of a world point in the image as it was filmed.")
+      .def("project_jacobian", &CalibratedCamera::project_jacobian, py::arg("point"), "(2, 3) pixels per metre.");
   py::implicitly_convertible<Camera, CalibratedCamera>();
+  m.def(
+      "triangulate",
+      [](const std::vector<CalibratedCamera> &cameras, const Vertices &seen) {
+        std::vector<Keypoint> keypoints;
+        for (const auto &row : seen.rowwise())
+          keypoints.push_back({row.head<2>(), row.z()});
+        return triangulate(cameras, keypoints);
+      },
+      py::arg("cameras"), py::arg("seen"), Release(),
+      "(3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; "
+      "below 0.3 it does not count.");
   m.def("read_calibration", &read_calibration, py::arg("path"), py::arg("options") = CalibrationOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio or Metashape, or of a "
@@ -113,22 +128,23 @@ void bind_session(py::module_ &m) {
       .def_readwrite("late", &SessionCamera::late, "frames, as CalibratedCamera.late")
       .def_readonly("video_fps", &SessionCamera::video_fps, "what the video's container says; 0 = nothing");
   Class<Session>(m, "Session", "A capture session on disk, checked as a whole.")
+      .def(py::init<>(), "Empty, to be filled by hand: one that is nowhere on disk.")
       .def(py::init(&read_session), py::arg("folder"), Release())
       .def("recalibrated", &recalibrated, py::arg("calibration"), Release(),
            "The session with the cameras of another calibration.yml, such as the refined one of a capture.")
-      .def_readonly("folder", &Session::folder, "absolute")
-      .def_readonly("name", &Session::name, "of the session")
-      .def_readonly("fps", &Session::fps, "frames a second")
-      .def_readonly("frame_count", &Session::frame_count, "of every camera")
-      .def_readonly("cameras", &Session::cameras, "SessionCameras")
-      .def_readonly("rig", &Session::rig, "a Camera for each of `cameras`")
-      .def_readonly("lenses", &Session::lenses, "undone when images are read; one for each camera")
-      .def_readonly("scan", &Session::scan, "absolute; empty if there is none")
-      .def_readonly("calibration", &Session::calibration, "absolute")
-      .def_readonly("markers", &Session::markers, "joints.json, absolute; empty if there is none")
-      .def_readonly("joints", &Session::joints, "JointMarks of joints.json")
-      .def_readonly("landmarks", &Session::landmarks, "name -> (3) m, clicked on the body's surface")
-      .def_readonly("new_motion", &Session::new_motion, "absolute; empty if there is none");
+      .def_readwrite("folder", &Session::folder, "absolute")
+      .def_readwrite("name", &Session::name, "of the session")
+      .def_readwrite("fps", &Session::fps, "frames a second")
+      .def_readwrite("frame_count", &Session::frame_count, "of every camera")
+      .def_readwrite("cameras", &Session::cameras, "SessionCameras")
+      .def_readwrite("rig", &Session::rig, "a Camera for each of `cameras`")
+      .def_readwrite("lenses", &Session::lenses, "undone when images are read; one for each camera")
+      .def_readwrite("scan", &Session::scan, "absolute; empty if there is none")
+      .def_readwrite("calibration", &Session::calibration, "absolute")
+      .def_readwrite("markers", &Session::markers, "joints.json, absolute; empty if there is none")
+      .def_readwrite("joints", &Session::joints, "JointMarks of joints.json")
+      .def_readwrite("landmarks", &Session::landmarks, "name -> (3) m, clicked on the body's surface")
+      .def_readwrite("new_motion", &Session::new_motion, "absolute; empty if there is none");
   Class<FrameSource, PyFrameSource> source(m, "FrameSource", "Swap point: where the images and masks come from.");
   const py::cpp_function init_subclass(&make_counts_properties, py::name("__init_subclass__"));
   source.attr("__init_subclass__") = py::reinterpret_steal<py::object>(PyClassMethod_New(init_subclass.ptr()));
@@ -197,11 +213,37 @@ void bind_session(py::module_ &m) {
       py::arg("body") = nullptr, Release(),
       "Visual hull of the masks, pressed in where cameras agree -> Mesh, open where it faces down unseen. views: a CameraView a "
       "camera, of one frame; body: a fitted one, from which the surface is no farther than the outlines are.");
+  Class<AlignedScan>(m, "AlignedScan", "A scan in the world of the cameras, and what was found out about it.")
+      .def_readonly("mesh", &AlignedScan::mesh, "m, +Y up; without floor, specks and surroundings")
+      .def_readonly("unit", &AlignedScan::unit, "of the scan: 'm', 'cm', 'mm' or 'inches'")
+      .def_readonly("up", &AlignedScan::up, "its axis that points up: '+x' ... '-z'")
+      .def_readonly("floor", &AlignedScan::floor, "the person stood on one")
+      .def_readonly("distance", &AlignedScan::distance, "m to the hull, mean over the nearest four fifths");
+  m.def("align_scan", &align_scan, py::arg("scan"), py::arg("hull"), py::arg("context") = interruptible_context(), Release(),
+        "A scan in any unit, upright along any axis, brought to the hull that the cameras see (scan_from_views) -> AlignedScan.");
   OptionsClass<RestPoseOptions>(m, "Options of refine_rest_pose.");
   m.def("refine_rest_pose", &refine_rest_pose, py::arg("actor"), py::arg("performance"), py::arg("rigid"),
         py::arg("options") = RestPoseOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V, 3) m: the actor's vertices in the rest pose, those of the skin (rigid (V): 1) where the frames that are bent least "
         "have them.");
+}
+
+void bind_session_check(py::module_ &m) {
+  Class<SessionCheck>(m, "SessionCheck", "What is wrong with a session, and the frame of C cameras that it was looked at in.")
+      .def_readonly("findings", &SessionCheck::findings, "Findings, in the order of the checks")
+      .def_readonly("start", &SessionCheck::start, "StartFrame, if the scan does not fit frame 0 as it stands; or None")
+      .def_readonly("start_text", &SessionCheck::start_text, "the same in words; may be empty")
+      .def_property_readonly("frame", &SessionCheck::frame, "that was looked at")
+      .def_readonly("rig", &SessionCheck::rig, "(C) the cameras made small")
+      .def_readonly("silhouettes", &SessionCheck::silhouettes, "(C) masks (h, w), 255 = actor; (0, 0) = none")
+      .def_readonly("shadows", &SessionCheck::shadows, "(C) the same of the scan; empty without one")
+      .def_readonly("overlaps", &SessionCheck::overlaps,
+                    "(C, C) IoU of the silhouette of camera i with the shadow in camera j, or NaN; (0, 0) without a scan")
+      .def_readonly("joints", &SessionCheck::joints, "(J, 3) m, placed as the scan is");
+  m.def("check_session", &check_session, py::arg("session"), py::arg("frames"), py::arg("extractor").none(true) = nullptr,
+        py::arg("context") = interruptible_context(), Release(),
+        "Whether a session can be true: scan, joints, calibration, frame rates and silhouettes against each other -> "
+        "SessionCheck.");
 }
 
 void bind_template(py::module_ &m) {
@@ -327,6 +369,7 @@ void bind_performance(py::module_ &m) {
 void bind_capture(py::module_ &m) {
   bind_calibration(m);
   bind_session(m);
+  bind_session_check(m);
   bind_template(m);
   bind_capture_parts(m);
   bind_performance(m);

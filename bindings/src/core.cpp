@@ -111,16 +111,19 @@ void bind_context(py::module_ &m) {
 }
 
 void bind_finding(py::module_ &m) {
-  Class<Finding>(m, "Finding", "What is wrong with a session, or with the result of a stage.")
+  Class<Finding>(m, "Finding", "What is wrong with a session or a result: impossible stops a run, doubtful is only said.")
       .def(py::init([](bool impossible, std::string text, std::string kind) {
              return Finding{impossible, std::move(text), std::move(kind)};
            }),
            py::arg("impossible"), py::arg("text"), py::arg("kind") = "")
-      .def_readonly("impossible", &Finding::impossible, "nothing should be built on it; otherwise it is doubtful, and only said")
+      .def_readonly("impossible", &Finding::impossible, "nothing should be built on it")
       .def_readonly("text", &Finding::text, "one sentence that names expectation and finding")
       .def_readonly("kind", &Finding::kind, "a word for programs; may be empty")
       .def_property_readonly(
-          "level", [](const Finding &finding) { return finding.impossible ? "impossible" : "doubtful"; }, "in one word");
+          "level", [](const Finding &finding) { return finding.impossible ? "impossible" : "doubtful"; },
+          "'impossible' or 'doubtful'")
+      .def("__repr__",
+           [](const Finding &finding) { return std::string(finding.impossible ? "impossible: " : "doubtful: ") + finding.text; });
 }
 
 void bind_mesh(py::module_ &m) {

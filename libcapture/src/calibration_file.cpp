@@ -224,20 +224,42 @@ void require_size(const Camera &camera, ImageSize given, const std::string &wher
 
 } // namespace
 
-Eigen::Vector2d CalibratedCamera::project(const Eigen::Vector3d &point) const {
-  if (!lens.needs_undistortion())
-    return camera.project(point);
+namespace {
+
+struct Projected {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix<double, 2, 3> by_point; ///< d pixel / d point of the camera's frame
+};
+
+/// `p` in the camera's frame, through a lens that is undone elsewhere.
+Projected project_through(const Lens &lens, const Eigen::Matrix3d &camera_K, const Eigen::Vector3d &p) {
   detail::require_lens(lens);
-  const Eigen::Vector3d p = camera.R * point + camera.t;
   const std::vector<cv::Point3d> points{{p.x(), p.y(), p.z()}};
-  const cv::Matx33d K(camera.K(0, 0), 0, camera.K(0, 2), 0, camera.K(1, 1), camera.K(1, 2), 0, 0, 1);
+  const cv::Matx33d K(camera_K(0, 0), 0, camera_K(0, 2), 0, camera_K(1, 1), camera_K(1, 2), 0, 0, 1);
   const std::vector<double> terms(lens.distortion.begin(), lens.distortion.end());
   std::vector<cv::Point2d> pixels;
+  cv::Mat jacobian;
   if (lens.fisheye)
-    cv::fisheye::projectPoints(points, pixels, cv::Vec3d::all(0), cv::Vec3d::all(0), K, terms);
+    cv::fisheye::projectPoints(points, pixels, cv::Vec3d::all(0), cv::Vec3d::all(0), K, terms, 0, jacobian);
   else
-    cv::projectPoints(points, cv::Vec3d::all(0), cv::Vec3d::all(0), K, terms, pixels);
-  return {pixels[0].x, pixels[0].y};
+    cv::projectPoints(points, cv::Vec3d::all(0), cv::Vec3d::all(0), K, terms, pixels, jacobian);
+  const int translation = lens.fisheye ? 11 : 3; // its first column; without a rotation a point moves as the camera's frame does
+  Projected result{{pixels[0].x, pixels[0].y}, {}};
+  for (int row = 0; row < 2; ++row)
+    for (int column = 0; column < 3; ++column)
+      result.by_point(row, column) = jacobian.at<double>(row, translation + column);
+  return result;
+}
+
+} // namespace
+
+Eigen::Vector2d CalibratedCamera::project(const Eigen::Vector3d &point) const {
+  return lens.needs_undistortion() ? project_through(lens, camera.K, camera.R * point + camera.t).pixel : camera.project(point);
+}
+
+Eigen::Matrix<double, 2, 3> CalibratedCamera::project_jacobian(const Eigen::Vector3d &point) const {
+  return lens.needs_undistortion() ? project_through(lens, camera.K, camera.R * point + camera.t).by_point * camera.R
+                                   : camera.project_jacobian(point);
 }
 
 void CalibrationOptions::validate() const {

@@ -1,8 +1,9 @@
-// Sect. 4: scan and videos to a rigged template and a reference performance.
+// Sect. 4: the session, scan and videos to a rigged template and a reference performance.
 
 #include "doublet/capture/calibration_file.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
+#include "doublet/capture/session_check.h"
 #include "doublet/capture/template_builder.h"
 #include "doublet/reconstruct/corrections_file.h"
 #include "stages.h"
@@ -130,6 +131,15 @@ Json capture_numbers(const CaptureResult &result) {
 }
 
 } // namespace
+
+Json run_check(Reconstruction &reconstruction) {
+  const auto frames = FrameSource::open(reconstruction.session());
+  const SessionCheck check =
+      check_session(reconstruction.session(), *frames, reconstruction.silhouettes(), reconstruction.context());
+  if (!check.start_text.empty())
+    reconstruction.announce("check: " + check.start_text);
+  return {{"findings", to_json(check.findings)}, {"frame", check.frame()}};
+}
 
 Json run_template(Reconstruction &reconstruction) {
   const Mesh scan = read_mesh(reconstruction.session().scan);

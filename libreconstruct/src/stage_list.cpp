@@ -16,6 +16,11 @@ Stage::Run as_text(detail::Json (*run)(Reconstruction &)) {
 std::vector<Stage> default_stages() {
   using namespace detail;
   return {
+      {.name = "check",
+       .option_groups = {"silhouette", "key", "background"},
+       .session_inputs = {"description", "scan", "joints", "calibration", "images"},
+       .needs_scan = false,
+       .run = as_text(run_check)},
       {.name = "template",
        .writes = {"template.ply", "template_high.ply", kSuggestedMask},
        .option_groups = {"template"},

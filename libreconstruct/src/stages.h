@@ -9,6 +9,7 @@ namespace doublet::detail {
 
 inline constexpr const char *kCaptureCheckpoint = "capture_checkpoint.bin", *kFitCheckpoint = "fit_checkpoint.txt";
 
+Json run_check(Reconstruction &reconstruction);
 Json run_template(Reconstruction &reconstruction);
 Json run_rig(Reconstruction &reconstruction);
 Json run_performance(Reconstruction &reconstruction);

@@ -108,6 +108,8 @@ def calls(world, folder) -> dict:
         "find_start_frame": (
             lambda scan, rig: d.find_start_frame(scan, rig, Discs()), {"scan": w.mesh, "rig": ring_of_discs()["rig"]},
         ),
+        "align_scan": (d.align_scan, {"scan": w.mesh, "hull": w.mesh}),
+        "triangulate": (d.triangulate, {"cameras": ring_of_discs()["rig"], "seen": np.full((4, 3), 47.5)}),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
         "cloth_prior": (d.cloth_prior, {"actor": w.actor, "pose": w.mesh}),
         "summarise_segmentation": (
@@ -284,7 +286,7 @@ def calls(world, folder) -> dict:
 
 #: Functions without arrays, or whose damaged input is a file (tests/fuzz) or an object of ours.
 ELSEWHERE = {
-    "common_widths", "filmed", "read_widths",
+    "check_session", "common_widths", "filmed", "read_widths",
     "minimise", "explain_match", "retarget", "session_silhouettes", "train_body_model", "write_materials",
     "body_fitter_violations", "body_model_violations", "cloth_segmenter_violations", "feature_tracker_violations",
     "frame_source_violations", "garment_mesher_violations", "pose_optimizer_violations", "silhouette_extractor_violations",

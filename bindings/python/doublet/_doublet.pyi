@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AlignedScan', 'AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'Finding', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SessionCheck', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'align_scan', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'check_session', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'triangulate', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -37,6 +37,34 @@ class Context:
     @threads.setter
     def threads(self, value: int) -> None:
         ...
+class Finding:
+    """
+    What is wrong with a session or a result: impossible stops a run, doubtful is only said.
+    """
+    def __init__(self, impossible: bool, text: str, kind: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def impossible(self) -> bool:
+        """
+        nothing should be built on it
+        """
+    @property
+    def kind(self) -> str:
+        """
+        a word for programs; may be empty
+        """
+    @property
+    def level(self) -> str:
+        """
+        'impossible' or 'doubtful'
+        """
+    @property
+    def text(self) -> str:
+        """
+        one sentence that names expectation and finding
+        """
 class MeshReport:
     """
     What is wrong, or right, with a mesh.
@@ -816,6 +844,10 @@ class CalibratedCamera:
         """
         Pixel of a world point in the image as it was filmed.
         """
+    def project_jacobian(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 3]"]:
+        """
+        (2, 3) pixels per metre.
+        """
     @property
     def camera(self) -> Camera:
         """
@@ -1347,6 +1379,35 @@ class ViewScanOptions:
     @smoothness.setter
     def smoothness(self, value: float) -> None:
         ...
+class AlignedScan:
+    """
+    A scan in the world of the cameras, and what was found out about it.
+    """
+    @property
+    def distance(self) -> float:
+        """
+        m to the hull, mean over the nearest four fifths
+        """
+    @property
+    def floor(self) -> bool:
+        """
+        the person stood on one
+        """
+    @property
+    def mesh(self) -> Mesh:
+        """
+        m, +Y up; without floor, specks and surroundings
+        """
+    @property
+    def unit(self) -> str:
+        """
+        of the scan: 'm', 'cm', 'mm' or 'inches'
+        """
+    @property
+    def up(self) -> str:
+        """
+        its axis that points up: '+x' ... '-z'
+        """
 class RestPoseOptions:
     """
     Options of refine_rest_pose.
@@ -1409,6 +1470,55 @@ class RestPoseOptions:
     @smoothing.setter
     def smoothing(self, value: float) -> None:
         ...
+class SessionCheck:
+    """
+    What is wrong with a session, and the frame of C cameras that it was looked at in.
+    """
+    @property
+    def findings(self) -> list[Finding]:
+        """
+        Findings, in the order of the checks
+        """
+    @property
+    def frame(self) -> int:
+        """
+        that was looked at
+        """
+    @property
+    def joints(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (J, 3) m, placed as the scan is
+        """
+    @property
+    def overlaps(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (C, C) IoU of the silhouette of camera i with the shadow in camera j, or NaN; (0, 0) without a scan
+        """
+    @property
+    def rig(self) -> list[Camera]:
+        """
+        (C) the cameras made small
+        """
+    @property
+    def shadows(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
+        """
+        (C) the same of the scan; empty without one
+        """
+    @property
+    def silhouettes(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
+        """
+        (C) masks (h, w), 255 = actor; (0, 0) = none
+        """
+    @property
+    def start(self) -> StartFrame | None:
+        """
+        StartFrame, if the scan does not fit frame 0 as it stands; or None
+        """
+    @property
+    def start_text(self) -> str:
+        """
+        the same in words; may be empty
+        """
 class TemplateOptions:
     """
     Options of build_template.
@@ -6701,6 +6811,10 @@ class FitResult:
         """
         SolverSettings, without which the materials mean nothing
         """
+def align_scan(scan: Mesh, hull: Mesh, context: Context = ...) -> AlignedScan:
+    """
+    A scan in any unit, upright along any axis, brought to the hull that the cameras see (scan_from_views) -> AlignedScan.
+    """
 def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> AnimationResult:
     """
     The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers. make_solver: as of CharacterSimulator.
@@ -6740,6 +6854,10 @@ def canonical_frames(actor: RiggedMesh, performance: ReferencePerformance, conte
 def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], p1: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"], r0: float, r1: float) -> Mesh:
     """
     Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.
+    """
+def check_session(session: Session, frames: FrameSource, extractor: SilhouetteExtractor | None = None, context: Context = ...) -> SessionCheck:
+    """
+    Whether a session can be true: scan, joints, calibration, frame rates and silhouettes against each other -> SessionCheck.
     """
 def choose_widths(garment: Garment, chosen: collections.abc.Sequence[float] = []) -> Garment:
     """
@@ -7064,6 +7182,10 @@ def trace_outline(mask: numpy.typing.NDArray[numpy.uint8], margin: int = 2) -> O
 def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | str | bytes, options: TrainOptions = ..., context: Context = ...) -> TrainSummary:
     """
     Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
+    """
+def triangulate(cameras: collections.abc.Sequence[CalibratedCamera], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
+    """
+    (3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; below 0.3 it does not count.
     """
 def vertex_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """

@@ -39,5 +39,5 @@ class Job(d.Reconstruction):
         self.console = console or Console()
         super().__init__(session, out, chosen, self.console.context())
         self.announce = self.console.announce
-        self.stages = [CHECK, *self.stages, REPORT]
+        self.stages = [CHECK, *self.stages[1:], REPORT]
         self.replace("fit", fit_and_show, runner="")

@@ -9,14 +9,12 @@ from ..session import check
 
 
 def run_check(job: d.Reconstruction) -> dict:
-    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes, job.context)
-    found = check.check_and_draw(evidence, job.path("check.png"))
-    if words := check.describe_start(evidence):
-        job.announce(f"check: {words}")
-    return {
-        "findings": [{"impossible": f.impossible, "text": f.text, "kind": f.kind} for f in found],
-        "frame": evidence.shown_frame,
-    }
+    frames = d.FrameSource.open(job.session)
+    checked = check.check_and_draw(job.session, frames, job.silhouettes, job.path("check.png"), job.context)
+    if checked.start_text:
+        job.announce(f"check: {checked.start_text}")
+    findings = [{"impossible": found.impossible, "text": found.text, "kind": found.kind} for found in checked.findings]
+    return {"findings": findings, "frame": checked.frame}
 
 
 def fit_and_show(job: d.Reconstruction) -> dict:
@@ -51,4 +49,4 @@ REPORT = d.Stage(
     session_inputs=["images"],
 )  # fmt: skip
 #: All, in their order.
-STAGES = (CHECK, *d.default_stages(), REPORT)
+STAGES = (CHECK, *d.default_stages()[1:], REPORT)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +23,6 @@ LAYOUTS = {
     33: (11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28),  # MediaPipe
     133: _COCO,  # COCO whole body
 }
-CONFIDENT = 0.3  #: of a keypoint
-NEAR = 0.02  #: of the image's larger side, within which cameras agree on a point
 LEAST_AGREED = 6  #: of JOINTS
 FORMATS = "a list of frames, instance_info of RTMPose, or a folder of OpenPose's people, one file for each frame"
 
@@ -38,7 +35,7 @@ def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.nda
     seen = [read_frame(files[camera.name].path, frame + camera.first_frame) for camera in session.cameras]
     lenses = session.lenses or [d.Lens()] * len(session.rig)
     cameras = [d.CalibratedCamera(camera, lens) for camera, lens in zip(session.rig, lenses)]
-    points = {name: common_point(cameras, [s[i] for s in seen]) for i, name in enumerate(JOINTS)}
+    points = {name: d.triangulate(cameras, [s[i] for s in seen]) for i, name in enumerate(JOINTS)}
     agreed = {name: point for name, point in points.items() if point is not None}
     if len(agreed) < LEAST_AGREED:
         raise ValueError(
@@ -111,58 +108,3 @@ def joints_of(people: list, path: Path) -> np.ndarray:
         if joints[:, 2].sum() > best[:, 2].sum():
             best = joints
     return best
-
-
-# --- space
-
-
-def common_point(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray]) -> np.ndarray | None:
-    """(3) m: the point that the most cameras agree on, in least squares over these; None if no two do. Left and right are easily
-    exchanged in a view from behind, so that no mean over all would do. seen: x, y, confidence in each camera."""
-    sure = [i for i, s in enumerate(seen) if s[2] >= CONFIDENT]
-    best: tuple[int, float, np.ndarray | None] = (0, np.inf, None)
-    for pair in combinations(sure, 2):
-        point = refined(cameras, seen, pair)
-        errors = {i: error_of(cameras[i], seen[i], point) for i in sure}
-        agreeing = tuple(i for i in sure if errors[i] < NEAR)
-        if not set(pair) <= set(agreeing):
-            continue
-        total = sum(errors[i] for i in agreeing) / len(agreeing)
-        if (len(agreeing), -total) > (best[0], -best[1]):
-            best = len(agreeing), total, refined(cameras, seen, agreeing)
-    return best[2]
-
-
-def error_of(camera: d.CalibratedCamera, seen: np.ndarray, point: np.ndarray) -> float:
-    """Distance in the image over its larger side; infinite behind the camera."""
-    if depth_of(camera, point) <= 0:
-        return np.inf
-    pixel = np.ravel(camera.project(point))
-    return float(np.linalg.norm(pixel - seen[:2]) / max(camera.camera.width, camera.camera.height))
-
-
-def depth_of(camera: d.CalibratedCamera, point: np.ndarray) -> float:
-    return float((np.asarray(camera.camera.R) @ point + np.ravel(camera.camera.t))[2])
-
-
-def refined(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray], chosen: Sequence[int]) -> np.ndarray:
-    """(3) m: least squares of rays without distortion, then Gauss-Newton on pixels, with distortion."""
-    normal, right = np.zeros((3, 3)), np.zeros(3)
-    for i in chosen:
-        camera = cameras[i].camera
-        ray = np.asarray(camera.R).T @ np.linalg.solve(np.asarray(camera.K), np.array([*seen[i][:2], 1.0]))
-        across = np.eye(3) - np.outer(ray, ray) / (ray @ ray)
-        normal += across
-        right += across @ np.ravel(camera.centre)
-    point = np.linalg.lstsq(normal, right, rcond=None)[0]
-    step = 1e-4  # m
-    for _ in range(4):
-        if any(depth_of(cameras[i], point) <= 10 * step for i in chosen):
-            break
-        residual = np.concatenate([np.ravel(cameras[i].project(point)) - seen[i][:2] for i in chosen])
-        slope = [
-            np.concatenate([np.ravel(cameras[i].project(point + h)) - np.ravel(cameras[i].project(point - h)) for i in chosen])
-            for h in step * np.eye(3)
-        ]
-        point = point - np.linalg.lstsq(np.stack(slope, axis=1) / (2 * step), residual, rcond=None)[0]
-    return point

@@ -13,7 +13,6 @@ from .. import _doublet as d
 from ..common.files import write_json
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
-from .alignment import align_scan
 from .keypoints import triangulated
 
 #: Option groups of the command.
@@ -108,8 +107,8 @@ def write_marks(job: Job, keypoints: Path | None, force: bool, of_cameras: bool)
 
 def with_check_picture(job: Job, made: list[Path], rival: float) -> ScanResult:
     picture = job.session_folder / PICTURE
-    evidence = check.Evidence(job.session, d.FrameSource.open(job.session), job.silhouettes)
-    return ScanResult([*made, picture], [*facing_finding(rival), *check.check_and_draw(evidence, picture)])
+    checked = check.check_and_draw(job.session, d.FrameSource.open(job.session), job.silhouettes, picture)
+    return ScanResult([*made, picture], [*facing_finding(rival), *checked.findings])
 
 
 def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
@@ -247,7 +246,7 @@ def rounded(point) -> list[float]:
 
 
 def aligned(job: Job, given: Path, frame: int) -> d.Mesh:
-    found = align_scan(d.read_mesh(given), hull_of(job, views_of(job, frame)))
+    found = d.align_scan(d.read_mesh(given), hull_of(job, views_of(job, frame)), job.context)
     floor = ", without its floor" if found.floor else ""
     off = f"{1000 * found.distance:.0f} mm from what the cameras see"
     job.console.say(f"scan: {given} is in {found.unit}, {found.up} is up{floor}; brought to {off}")

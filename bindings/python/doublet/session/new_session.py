@@ -68,5 +68,4 @@ def draw_check_picture(session: d.Session, path: Path, console: Console, message
     frames = d.FrameSource.open(session)
     extractor = d.session_silhouettes(session, frames, d.SilhouetteOptions(), context)
     console.finish()
-    evidence = check.Evidence(session, frames, extractor)
-    return check.check_and_draw(evidence, path)
+    return check.check_and_draw(session, frames, extractor, path).findings

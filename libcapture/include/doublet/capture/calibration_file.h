@@ -31,6 +31,8 @@ struct CalibratedCamera {
   int late = 0; ///< frames: what the camera films in frame t + late the others film in frame t
   /// Pixel of a world point (m) in the image as it was filmed; meaningless if camera.depth(point) <= 0.
   Eigen::Vector2d project(const Eigen::Vector3d &point) const;
+  /// d project / d point, (2, 3), pixels per metre.
+  Eigen::Matrix<double, 2, 3> project_jacobian(const Eigen::Vector3d &point) const;
 };
 
 struct CalibrationOptions {
