@@ -42,7 +42,8 @@ def main() -> None:
     arguments = parser.parse_args()
 
     job = reconstruct.Job(reconstruct.recorded_session(arguments.out), arguments.out)
-    simulator, performance, dt = reconstruct.simulation.simulator(job), job.results.dressed_performance(), 1 / job.session.fps
+    simulator = job.results.simulator(job.options["cloth"])
+    performance, dt = job.results.dressed_performance(), 1 / job.session.fps
     made, truth, context = evaluate.Reconstruction(arguments.out), evaluate.Truth(arguments.truth), Console(quiet=True).context()
     regions = job.results.dressed.segmentation.region_count
     materials, distances = random_materials(arguments.materials, arguments.seed), []
@@ -56,7 +57,7 @@ def main() -> None:
     print(f"{len(materials)} materials: resim_cloth_cm {one.min():.2f} to {one.max():.2f}")
     observations = d.read_observations(job.path("observations.npz"))
     for name, changed in ENERGIES.items():
-        options = d.EnergyOptions(**{**reconstruct.simulation.energy_options(job).to_dict(), **changed})
+        options = d.EnergyOptions(**{**job.fit_options().energy.to_dict(), **changed})
         objective = d.MaterialObjective(simulator, performance, observations, options)
         energies = np.sum(objective.energies([[m] * regions for m in materials], d.Context()), axis=1)
         low = energies.argsort()[: len(energies) // 3]

@@ -54,9 +54,9 @@ def main() -> None:
             job.results.actor, job.results.segmentation(), body, captured, context
         )
         simulator, performance, energy = (
-            reconstruct.simulation.simulator(job),
+            job.results.simulator(job.options["cloth"]),
             job.results.dressed_performance(),
-            reconstruct.simulation.energy_options(job),
+            job.fit_options().energy,
         )
         observations = d.read_observations(job.path("observations.npz"))
         objective = d.MaterialObjective(simulator, performance, observations, energy, space)

@@ -24,7 +24,6 @@ from doublet import reconstruct
 from doublet.common import drawing
 from doublet.common.console import Console
 from doublet.evaluation import metrics as evaluate
-from doublet.reconstruct.character import bake_first_frame
 from PIL import Image, ImageDraw, ImageFont
 
 HEIGHT = 720  # px, of a panel
@@ -239,7 +238,9 @@ def with_the_scans_triangles(job: reconstruct.Job) -> d.Character:
         scanned,
         valid,
     )
-    bake_first_frame(made, job, job.results.dressed_performance())
+    performance = job.results.dressed_performance()
+    views = d.read_views(job.filmed, performance.frames[0], job.silhouettes)
+    d.texture_character(made, performance.surface.frames[0], job.filmed.rig, views.images, views.masks, job.options["texture"])
     return made
 
 

@@ -22,7 +22,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet.common.quality_checks import DOUBTFUL
+from doublet.cli.common_flags import DOUBTFUL
 from doublet.common.video import VideoWriter
 from PIL import Image, ImageFilter
 

@@ -15,7 +15,6 @@ from pathlib import Path
 import doublet as d
 import numpy as np
 from doublet.evaluation.metrics import Reconstruction, Truth, cloth_iou, seen_faces
-from doublet.session.first_frame import first_colours
 
 
 def barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -57,7 +56,9 @@ def main() -> None:
     segmenter = d.ClothSegmenter.create(d.SegmentOptions(even_odds=options.even_odds, colour=options.colour))
     performance = made.performance
     silhouettes = d.session_silhouettes(session, d.FrameSource.open(session))
-    colours = first_colours(made.actor, performance, session, silhouettes, d.Context())
+    views = d.read_views(session, performance.frames[0], silhouettes)
+    first = d.Mesh(performance.surface.frames[0], made.actor.mesh.faces)
+    colours = d.sample_colours(first, made.actor.face_valid, session.rig, views.images, views.masks)
     captured = np.array(performance.surface.frames)
     true, cloth = carried(made, truth, cameras)
     area = np.asarray(d.vertex_areas(made.actor.mesh.vertices, made.faces))

@@ -18,7 +18,6 @@ import doublet as d
 import numpy as np
 from doublet.evaluation.metrics import Truth
 from doublet.reconstruct import Job
-from doublet.session.first_frame import camera_views
 from PIL import Image
 
 OFF = 12  # in a, b of Lab
@@ -92,7 +91,8 @@ def main() -> None:
     job, truth = Job(options.session, options.out), Truth(options.session / "ground_truth")
     performance, character = job.results.dressed_performance(), d.Character.read(options.out / "character.glb")
     frame, surface = performance.frames[0], performance.surface.frames[0]
-    images, masks = camera_views(job.filmed, frame, job.silhouettes)
+    views = d.read_views(job.filmed, frame, job.silhouettes)
+    images, masks = views.images, views.masks
     true = TrueColours(truth, frame, job.filmed.rig, images, masks)
     parts, points = parts_of(character), on_faces(d.DisplaySurface(character).apply(surface)[character.high.faces])
     true_ab = {}

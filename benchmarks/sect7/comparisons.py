@@ -4,7 +4,6 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import reconstruct
 from doublet.common.console import Console
 from doublet.evaluation import metrics as evaluate
 from doublet.evaluation import study
@@ -43,7 +42,7 @@ def recovery(out: Path, session, truth: d.Material, how: Filming, search: dict, 
     header = ["region", "parameter", "true", "estimated", "abs. error, of the box", "90 % interval, of the box", "told"]
     print(markdown(header, rows), "\n")
 
-    made, found = study.reconstruction(job), [d.Material(**region["parameters"]) for region in fit["regions"]]
+    made, found = study.film_of(job), [d.Material(**region["parameters"]) for region in fit["regions"]]
     true = simulate(made, [truth] * len(found))[: round(seconds * fps)]
     others = {"truth, d_n moved by 0.001 of the box": nudged(truth), "centre of the box": box_centre(), **table_1()}
     samples = {"truth": [truth] * len(found), "estimate": found, **{n: [m] * len(found) for n, m in others.items()}}
@@ -71,7 +70,7 @@ def table1(out: Path, session, how: Filming, work: Path, workers: int):
     with what was filmed. (1a and 1b are one skirt in two motions: the paper calls them the same material.)"""
     sets, jobs = table_1(), []
     base = plain_job(out, session)
-    fps, regions = base["fps"], study.reconstruction(base).results.dressed.segmentation.region_count
+    fps, regions = base["fps"], study.film_of(base).results.dressed.segmentation.region_count
     for truth in sets.values():
         folder, options = filmed(out, session, truth, how, work)
         jobs.append(energy_job(study.plain_job(folder, options, fps, 1), [[m] * regions for m in sets.values()]))
@@ -110,7 +109,7 @@ def rivals(out: Path, session, truth_folder: Path, every: int, seeds: int, count
     """Sect. 7, user study: the estimate against other materials, by distance to the true garment instead of 52 people. As
     `doublet evaluate` measures it, on the reference motion and, if ground_truth/novel is there, on one that was not used.
     Beside Table 1 and the box's centre, at the estimate's damping: estimates from other seeds, and random materials."""
-    made, truth = study.reconstruction(plain_job(out, session)), evaluate.Truth(truth_folder)
+    made, truth = study.film_of(plain_job(out, session)), evaluate.Truth(truth_folder)
     recon, own, context = evaluate.Reconstruction(out), estimate(out), Console().context()
     others = {"centre of the box": box_centre(), "centre, k_stretch 1": stiff_centre(), **table_1()}
     others.update({f"random {k}": material for k, material in enumerate(random_materials(count, 0))})
@@ -167,7 +166,7 @@ def cross(outs: list[Path], sessions: list, truths: list, work: Path, workers: i
         rows, context = [], Console().context()
         for out, job, folder in zip(outs, jobs, truths):
             recon, truth = evaluate.Reconstruction(out), evaluate.Truth(folder)
-            made = study.reconstruction(job)
+            made = study.film_of(job)
             moving = [recon.animated(simulate(made, sample)) for sample in samples]
             rows.append([out.name, *(evaluate.cloth_rms_cm(m, truth, 1, context, "re-animation") for m in moving)])
         print("\n" + markdown(["resim_cloth_cm on", *header], rows))
@@ -182,7 +181,7 @@ def fewer_iterations(sweeps: int, substeps: int) -> list[tuple[int, int]]:
 
 def iterations(out: Path, session):
     """Sect. 7, "Discussion": the same material with 25 % fewer iterations; the paper: 1.8 cm RMS over the cloth."""
-    own, used = estimate(out), study.reconstruction(plain_job(out, session)).options["cloth"]
+    own, used = estimate(out), study.film_of(plain_job(out, session)).options["cloth"]
     rows = []
     for sweeps, substeps in dict.fromkeys([(24, 1), (used.iterations, used.substeps)]):
         full = apart_from(out, session, own, (sweeps, substeps))
@@ -198,8 +197,8 @@ def iterations(out: Path, session):
 def apart_from(out: Path, session, materials: list[d.Material], steps: tuple[int, int]):
     """RMS cm to `materials` under sweeps x substeps `steps`, as a function of other steps and materials."""
 
-    def made_with(steps: tuple[int, int]) -> reconstruct.Job:
-        return study.reconstruction(plain_job(out, session, cloth={"iterations": steps[0], "substeps": steps[1]}))
+    def made_with(steps: tuple[int, int]) -> study.Film:
+        return study.film_of(plain_job(out, session, cloth={"iterations": steps[0], "substeps": steps[1]}))
 
     reference = simulate(made_with(steps), materials)
     return lambda other, others: rms_cm(simulate(made_with(other), others), reference, made_with(other))

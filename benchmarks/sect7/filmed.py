@@ -4,14 +4,14 @@ What an estimation needs of it lies in a folder of its own, a reconstruction for
 import hashlib
 import json
 import shutil
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import doublet as d
 import numpy as np
 from doublet import reconstruct
 from doublet.common.console import Console
-from doublet.common.files import hash_files, write_json
+from doublet.common.files import write_json
 from doublet.evaluation import study
 from doublet.evaluation.synthesize import Surfaces, SynthesisOptions, synthesize
 from doublet.export.clips import read_motion
@@ -105,7 +105,7 @@ class PerfectViews:
         return result
 
 
-def known_motion(made: reconstruct.Job, frames: int) -> d.ReferencePerformance:
+def known_motion(made: study.Film, frames: int) -> d.ReferencePerformance:
     """The poses of OUT, of the bare actor. Cloth starts as that of an animation does: the loose part of the template from the
     skinned surface, a garment with a mesh of its own from its rest shape. The captured surfaces after it only say where images
     matter."""
@@ -129,12 +129,12 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
     """(folder, options): a reconstruction of the character of OUT under `truth`, up to what an estimation needs, and the
     options under which it is compared as it was animated. A folder that is there already is used."""
     base = plain_job(out, session_folder)
-    made = study.reconstruction(base)
+    made = study.film_of(base)
     session = d.Session(session_folder or reconstruct.recorded_session(out))
     settle = round(d.AnimateOptions().settle_seconds * base["fps"])
     # By images alone: the surface was captured of another material.
     options = {**base["options"], "energy.settle_frames": settle, "energy.delta": 0.0}
-    request = {"of": base, "character": hash_files(out / "character.glb"), "truth": truth.to_dict(), "filming": asdict(how)}
+    request = {"of": base, "character": d.hash_files(out / "character.glb"), "truth": truth.to_dict(), "filming": asdict(how)}
     folder = work / f"filmed-{hashlib.sha256(json.dumps(request, sort_keys=True).encode()).hexdigest()[:12]}"
     if (folder / "filming.json").exists():
         return folder, options
@@ -159,8 +159,7 @@ def filmed(out: Path, session_folder: Path | None, truth: d.Material, how: Filmi
         video = folder / "session"
         if not (video / "session.json").exists():
             synthesize(character, motion, video, SynthesisOptions(noise=how.noise), rig, console)
-        job = replace(made, session_folder=video, out=folder, console=console)
-        observations = seen_in_images(job, performance.dofs)
+        observations = seen_in_images(reconstruct.Job(video, folder, made.options, console=console), performance.dofs)
     console.finish()
     d.write_observations(folder / "observations.npz", observations)
     write_json(folder / "filming.json", request)  # last: a folder with it is complete

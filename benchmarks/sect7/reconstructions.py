@@ -6,9 +6,7 @@ from pathlib import Path
 
 import doublet as d
 import numpy as np
-from doublet import reconstruct
 from doublet.evaluation import study
-from doublet.reconstruct.run_record import RunRecord
 
 NAMES = ("d_n", "d_t", "k_bend", "k_stretch", "k_friction")  # in the paper's order
 #: Table 1. Its column "d_t (x 10^3)" is read as it stands, see docs/results.md.
@@ -61,7 +59,7 @@ def random_materials(count: int, seed: int) -> list[d.Material]:
 def recorded_options(out: Path, groups: tuple[str, ...] = MODEL) -> dict:
     """{"cloth.iterations": 6, ...}: how the cloth of OUT was simulated and compared when its material was estimated; with SEARCH
     also how it was searched for."""
-    stages = RunRecord(out).data.get("stages", {})
+    stages = d.RunRecord(out).data.get("stages", {})
     options = stages.get("fit", {}).get("options", {})
     return {name: value for name, value in options.items() if name.startswith(groups)}
 
@@ -74,15 +72,13 @@ def plain_job(out: Path, session: Path | None = None, threads: int = 1, **change
     return study.plain_job(out, options, fps, threads)
 
 
-def simulate(made: reconstruct.Job, materials: list[d.Material]) -> np.ndarray:
+def simulate(made: study.Film, materials: list[d.Material]) -> np.ndarray:
     """(T, V, 3) m: the reference motion, animated again."""
     settle = made.options["energy"].settle_frames
-    return d.simulate_reference(
-        reconstruct.simulation.simulator(made), made.results.dressed_performance(), materials, 1 / made.fps, settle
-    )
+    return d.simulate_reference(made.simulator(), made.results.dressed_performance(), materials, 1 / made.fps, settle)
 
 
-def rms_cm(a: np.ndarray, b: np.ndarray, made: reconstruct.Job) -> float:
+def rms_cm(a: np.ndarray, b: np.ndarray, made: study.Film) -> float:
     """Over the cloth's vertices (clothness > 0.5) and all frames."""
     apart = (a - b)[:, made.results.dressed.segmentation.clothness > 0.5]
     return 100 * float(np.sqrt(np.square(apart).sum(axis=2).mean()))

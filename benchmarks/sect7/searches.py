@@ -8,7 +8,6 @@ from pathlib import Path
 import doublet as d
 import matplotlib
 import numpy as np
-from doublet import reconstruct
 from doublet.common.console import Console
 from doublet.evaluation import metrics as evaluate
 from doublet.evaluation import study
@@ -32,11 +31,11 @@ VARIANTS = {
 def search(job: dict) -> dict:
     """An estimation: study.fit, and the first region's evaluations, best energy so far and mean (box units) after every
     generation. job["start"] and job["sigma"], if there: the first distribution of CMA-ES, box units."""
-    made = study.reconstruction(job)
-    options = reconstruct.fit.fit_options(made)
+    made = study.film_of(job)
+    options = made.fit_options()
     if "start" in job:
         options.make_optimizer = lambda n, seed: cma_from(job["start"], job["sigma"], seed, options)
-    take, context = reconstruct.simulation.make_take(made), d.Context(threads=job["threads"])
+    take, context = made.results.take(made.solver), d.Context(threads=job["threads"])
     start = time.monotonic()
     result = d.estimate_material([take], options, context)
     seconds = time.monotonic() - start
@@ -84,7 +83,7 @@ def variants(out: Path, session, truth_folder: Path | None, evaluations: int, se
 
 def resim_cm(out: Path, base: dict, truth_folder: Path, materials: list[d.Material]) -> float:
     recon, truth = evaluate.Reconstruction(out), evaluate.Truth(truth_folder)
-    moving = recon.animated(simulate(study.reconstruction(base), materials))
+    moving = recon.animated(simulate(study.film_of(base), materials))
     return evaluate.cloth_rms_cm(moving, truth, 2, Console(quiet=True).context(), "re-animation")
 
 

@@ -1,6 +1,7 @@
 #include "common.h"
 
 #include "doublet/files/files.h"
+#include "doublet/files/hash.h"
 
 namespace doublet::python {
 
@@ -30,6 +31,8 @@ void bind_files(py::module_ &m) {
         "observations.npz, complete or not at all.");
   m.def("read_observations", &read_observations, py::arg("path"), Release(),
         "observations.npz. Raises FileNotFoundError, or Error naming file and array.");
+  m.def("hash_files", &hash_files, py::arg("path"), Release(),
+        "SHA-256 of a file in hexadecimal digits; of a folder that of the names and contents of all files in it.");
 }
 
 } // namespace doublet::python

@@ -11,8 +11,6 @@
 #include "doublet/segment/garment_mesher.h"
 #include "stages.h"
 
-#include <set>
-
 namespace doublet::detail {
 
 namespace {
@@ -43,25 +41,6 @@ Segmentation corrected(Reconstruction &reconstruction, const Mesh &pose, const S
   return result;
 }
 
-/// Joints at the ends of limbs (toes, hands, top of the head) with more cloth than skin on the bone that ends there, in the
-/// order of their indices.
-std::vector<std::string> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation, const Eigen::VectorXd &areas) {
-  std::set<int> parents;
-  for (const Joint &joint : actor.skeleton.joints)
-    parents.insert(joint.parent);
-  std::vector<std::string> ends;
-  for (int j = 0; j < actor.skeleton.joint_count(); ++j) {
-    const int bone = actor.skeleton.joints[j].parent;
-    if (parents.count(j) || bone < 0)
-      continue;
-    const Eigen::ArrayXd area = areas.array() * actor.weights.col(bone).array();
-    const double cloth = (segmentation.clothness.array() > 0.5).select(area, 0.0).sum();
-    if (area.sum() > 0 && cloth > 0.5 * area.sum())
-      ends.push_back(actor.skeleton.joints[j].name);
-  }
-  return ends;
-}
-
 std::vector<Finding> end_findings(const std::vector<std::string> &ends) {
   std::vector<Finding> findings;
   for (const std::string &joint : ends)
@@ -89,7 +68,7 @@ Json run_segment(Reconstruction &reconstruction) {
   const SegmentSummary summary = summarise_segmentation(pose, actor.face_valid, result);
   const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces);
   const Eigen::ArrayXd cloth = (result.clothness.array() > 0.5).select(areas.array(), 0.0);
-  const std::vector<std::string> ends = cloth_ends(actor, result, areas);
+  const std::vector<std::string> ends = cloth_ends(actor, result);
   return {{"findings", to_json(end_findings(ends))},
           {"noise_mm", 1000 * summary.noise},
           {"uncertain_area", summary.uncertain_area},

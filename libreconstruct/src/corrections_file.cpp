@@ -1,8 +1,7 @@
 #include "doublet/reconstruct/corrections_file.h"
 
-#include "hash.h"
-
 #include "doublet/core/error.h"
+#include "doublet/files/hash.h"
 #include "doublet/files/npz.h"
 
 #include <algorithm>
@@ -44,13 +43,13 @@ void require_this_template(const Npz &npz, const Path &out, const Path &file) {
   if (!npz.has("template") || !std::filesystem::exists(out / kTemplate))
     return;
   const std::vector<std::string> made_for = npz.text("template");
-  if (made_for.size() != 1 || made_for[0] != detail::hash_file(out / kTemplate))
+  if (made_for.size() != 1 || made_for[0] != hash_files(out / kTemplate))
     throw Error(file.string() + " was made for another template.ply than the one beside it; delete it or paint it again");
 }
 
 void write_for_template(Npz &npz, const Path &out, const Path &file) {
   if (std::filesystem::exists(out / kTemplate)) {
-    npz.set_text("template", {detail::hash_file(out / kTemplate)});
+    npz.set_text("template", {hash_files(out / kTemplate)});
     npz.arrays.at("template").shape.clear(); // one text, not a list of one
   }
   npz.write(file);

@@ -1,10 +1,10 @@
 #include "doublet/reconstruct/run_record.h"
 
-#include "hash.h"
 #include "json.h"
 #include "peak_memory.h"
 
 #include "doublet/core/error.h"
+#include "doublet/files/hash.h"
 #include "doublet/version.h"
 
 #include <algorithm>
@@ -157,7 +157,7 @@ const std::string &RunRecord::hash(const Path &path) {
   const std::uintmax_t size = folder ? 0 : std::filesystem::file_size(path);
   auto &known = data_->hashes[path];
   if (folder || known.hash.empty() || known.written != written || known.size != size)
-    known = {written, size, detail::hash_files(path)};
+    known = {written, size, hash_files(path)};
   return known.hash;
 }
 

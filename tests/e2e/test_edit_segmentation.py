@@ -13,7 +13,6 @@ import pytest
 from conftest import doublet
 from doublet import reconstruct
 from doublet.common.console import Console
-from doublet.corrections import segmentation_paint
 from page_posts import post
 
 pytest.importorskip("selenium.webdriver")
@@ -21,7 +20,8 @@ from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 from test_edit_template import browser, press, stroke, wait_for_status  # noqa: E402, F401
 
-SEGMENT = next(s for s in reconstruct.STAGES if s.name == "segment")
+PAINTED, FOUND = "segmentation_paint.npz", "segmentation_found.npz"
+AS_FOUND, SKIN, BORDER = -1, 0, 2
 AROUND, ROWS, HEIGHT, RADIUS = 24, 25, 1.2, 0.15
 
 
@@ -61,11 +61,14 @@ def out(tmp_path_factory):
 
 @pytest.fixture
 def job(out, tmp_path):
-    (out / segmentation_paint.PAINTED).unlink(missing_ok=True)
+    (out / PAINTED).unlink(missing_ok=True)
     by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
     job = reconstruct.Job(tmp_path, out, {"segment": by_motion_alone}, console=Console(quiet=True))
-    job.session = type("Session", (), {"folder": tmp_path})
-    reconstruct.run_stage(job, SEGMENT)
+    session = d.Session()
+    session.folder, session.scan = tmp_path, tmp_path / "scan.ply"
+    session.joints = [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]
+    job.session = session
+    job.run(["segment"])
     return job
 
 
@@ -112,19 +115,19 @@ def test_a_border_all_around_parts_two_regions(out, job, served, browser):  # no
     assert process.returncode == 0 and errors == "" and "uses it" in shown
 
     found = job.results.segmentation()
-    assert reconstruct.run_stage(job, SEGMENT) and not reconstruct.run_stage(job, SEGMENT)
+    assert job.run(["segment"]) and not job.run(["segment"])
     corrected, height = job.results.segmentation(), tube(np.full(ROWS, RADIUS))[:, 1]
     assert corrected.region_count == 2 and (corrected.clothness == found.clothness).all()
-    border = height[segmentation_paint.read(out, len(height)) == segmentation_paint.BORDER]
+    border = height[d.read_segmentation_paint(out, len(height)) == BORDER]
     assert len(border) > AROUND and (np.abs(border - HEIGHT / 2) < 0.1).all()
     parts = [corrected.region[(height > low) & (height < high)] for low, high in ((0.25, 0.45), (0.75, 0.85))]
     assert len(set(parts[0])) == len(set(parts[1])) == 1 and parts[0][0] != parts[1][0]
     assert job.record.data["stages"]["segment"]["summary"]["corrections"] == "painted"
     assert len(corrected.fullness) == len(height)
 
-    (out / segmentation_paint.PAINTED).unlink()
-    assert reconstruct.run_stage(job, SEGMENT)
-    assert job.results.segmentation().region_count == 1 and not (out / segmentation_paint.FOUND).exists()
+    (out / PAINTED).unlink()
+    assert job.run(["segment"])
+    assert job.results.segmentation().region_count == 1 and not (out / FOUND).exists()
 
 
 def test_skin_and_cloth_are_painted_in_any_frame(out, job, served, browser):  # noqa: F811
@@ -136,10 +139,10 @@ def test_skin_and_cloth_are_painted_in_any_frame(out, job, served, browser):  # 
     stroke(browser, (0, -20))
     press(browser, "save")
     wait_for_status(browser, "Saved")
-    found, painted = job.results.segmentation().clothness, segmentation_paint.read(out, ROWS * AROUND)
-    skin = painted == segmentation_paint.SKIN
+    found, painted = job.results.segmentation().clothness, d.read_segmentation_paint(out, ROWS * AROUND)
+    skin = painted == SKIN
     assert skin.any() and (found[skin] == 1).all() and (tube(np.full(ROWS, RADIUS))[skin, 2] > 0).all()
-    assert reconstruct.run_stage(job, SEGMENT)
+    assert job.run(["segment"])
     corrected = job.results.segmentation().clothness
     assert (corrected[skin] == 0).all() and (corrected[~skin] == found[~skin]).all()
     # The page goes on from what was painted, and "as found" is what was found, not what came of it.
@@ -156,9 +159,9 @@ def test_what_is_no_paint_is_refused(out, served):
     assert post(url, "paint", b"{") == 400
     assert post(url, "paint", b'{"painted": [0, 1]}') == 400
     assert post(url, "paint", good.replace(b"-1", b"7", 1)) == 400
-    assert not (out / segmentation_paint.PAINTED).exists()
+    assert not (out / PAINTED).exists()
     assert post(url, "paint", good) == 200
-    assert (segmentation_paint.read(out, ROWS * AROUND) == segmentation_paint.NONE).all()
+    assert (d.read_segmentation_paint(out, ROWS * AROUND) == AS_FOUND).all()
 
 
 @pytest.mark.parametrize(
@@ -171,10 +174,10 @@ def test_what_is_no_paint_is_refused(out, served):
     ],
 )
 def test_a_file_that_does_not_fit_stops_the_stage(out, job, arrays, said):
-    np.savez(out / segmentation_paint.PAINTED, **arrays)
+    np.savez(out / PAINTED, **arrays)
     with pytest.raises(RuntimeError, match=said) as caught:
-        reconstruct.run_stage(job, SEGMENT)
-    assert segmentation_paint.PAINTED in str(caught.value)
+        job.run(["segment"])
+    assert PAINTED in str(caught.value)
 
 
 def test_without_a_segmentation(tmp_path):

@@ -12,7 +12,6 @@ import doublet as d
 import numpy as np
 import pytest
 from conftest import doublet
-from doublet.corrections import template_mask
 from page_posts import post
 
 webdriver = pytest.importorskip("selenium.webdriver")
@@ -20,6 +19,7 @@ from selenium.webdriver.common.action_chains import ActionChains  # noqa: E402
 from selenium.webdriver.common.by import By  # noqa: E402
 from selenium.webdriver.support.ui import WebDriverWait  # noqa: E402
 
+EDITED = "template_mask.npz"
 SMALL = ["--template-poisson-depth", 6, "--template-triangles", 1500, "--template-high-triangles", 3000]
 
 
@@ -34,7 +34,7 @@ def made(shipped, tmp_path_factory):
 @pytest.fixture
 def served(made):
     """(address, process) of the page for an OUT without a mask."""
-    (made / template_mask.EDITED).unlink(missing_ok=True)
+    (made / EDITED).unlink(missing_ok=True)
     command = [sys.executable, "-m", "doublet", "edit-template", str(made), "--no-browser"]
     listen = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listen)
@@ -77,12 +77,12 @@ def test_paint_and_save(made, served, browser):
     url, process = served
     browser.get(url)
     wait_for_status(browser, "Ready")
-    suggested = template_mask.read_suggestion(made)
+    suggested = d.read_suggested_mask(made)
     press(browser, "paint")
     stroke(browser, (0, -20), (0, -20))
     press(browser, "save")
     wait_for_status(browser, "Saved")
-    mask, mesh = template_mask.read(made), d.read_mesh(made / "template.ply")
+    mask, mesh = d.read_template_mask(made), d.read_mesh(made / "template.ply")
     painted = mesh.vertices[mesh.faces[suggested & ~mask]].mean(axis=1)
     assert len(painted) > 0 and not (mask & ~suggested).any()
     # The middle of the view shows the middle of the box of the surface, from the front; the stroke goes up from there.
@@ -96,7 +96,7 @@ def test_paint_and_save(made, served, browser):
 
     press(browser, "undo")
     press(browser, "save")
-    WebDriverWait(browser, 30).until(lambda b: (template_mask.read(made) == suggested).all())
+    WebDriverWait(browser, 30).until(lambda b: (d.read_template_mask(made) == suggested).all())
 
     press(browser, "erase")
     browser.find_element(By.CSS_SELECTOR, "[data-turn='0 -1.2']").click()
@@ -119,16 +119,16 @@ def test_the_next_stage_uses_the_mask_and_ctrl_c_ends_the_page(made, served, shi
     shown, errors = process.communicate(timeout=30)
     assert process.returncode == 0 and errors == "" and "uses it" in shown
     done = doublet("template", shipped, "-o", made, *SMALL)
-    assert "template: up to date" in done.stderr and f"rig: running ({template_mask.EDITED} changed)" in done.stderr
-    mask = template_mask.read(made)
-    assert (mask != template_mask.read_suggestion(made)).any()
+    assert "template: up to date" in done.stderr and f"rig: running ({EDITED} changed)" in done.stderr
+    mask = d.read_template_mask(made)
+    assert (mask != d.read_suggested_mask(made)).any()
     assert (np.asarray(d.read_actor(made / "actor.npz").face_valid, bool) == mask).all()
     assert json.loads((made / "run.json").read_text())["stages"]["rig"]["summary"]["mask"] == "edited"
 
 
 def test_what_is_no_mask_is_refused(made, served):
     url, _ = served
-    good = json.dumps({"face_valid": template_mask.read_suggestion(made).astype(int).tolist()}).encode()
+    good = json.dumps({"face_valid": d.read_suggested_mask(made).astype(int).tolist()}).encode()
     assert post(url, "mask", good, Content_Type="text/plain") == 400  # any page may send this
     assert post(url, "mask", good, Host="elsewhere.example") == 403
     for token in ("", "guessed", "ü"):  # a page from elsewhere knows none
@@ -139,9 +139,9 @@ def test_what_is_no_mask_is_refused(made, served):
     assert post(url, "mask", b'{"face_valid": [1, 0]}') == 400
     assert post(url, "mask", b'{"face_valid": "1"}') == 400
     assert post(url, "mask", b" " * 100000) == 400
-    assert not (made / template_mask.EDITED).exists()
+    assert not (made / EDITED).exists()
     assert post(url, "mask", good) == 200
-    assert (template_mask.read(made) == template_mask.read_suggestion(made)).all()
+    assert (d.read_template_mask(made) == d.read_suggested_mask(made)).all()
 
 
 def test_without_a_template(tmp_path):

@@ -11,7 +11,6 @@ import doublet as d
 import numpy as np
 from calibrations import write_all
 from doublet.common.images import read_image
-from doublet.corrections import segmentation_paint, template_mask
 from doublet.evaluation.metrics import Truth
 from doublet.export import bone_map
 from doublet.export.clips import read_clip, read_motion
@@ -349,9 +348,9 @@ def read_in_python(folder: Path, world: World) -> dict:
     folder.mkdir()
     count, faces = len(world.mesh.vertices), len(world.mesh.faces)
     d.write_mesh(folder / "template.ply", world.mesh)
-    segmentation_paint.write(folder, np.resize([-1, 0, 1, 2], count), count)
+    d.write_segmentation_paint(folder, np.resize([-1, 0, 1, 2], count), count)
     np.savez(folder / "template_suggestion.npz", face_valid=np.ones(faces, bool))
-    template_mask.write(folder, np.arange(faces) > 3)
+    d.write_template_mask(folder, np.arange(faces) > 3)
     (folder / "keypoints.json").write_text(json.dumps(np.ones((2, 17, 3)).tolist()))
     (folder / "options.toml").write_text("seed = 2\n[segment]\ndiffusion = 0.05\n[space.fixed]\nd_n = 9\n")
     (folder / "walk.bvh").write_text(BVH)
@@ -368,8 +367,8 @@ def read_in_python(folder: Path, world: World) -> dict:
     }
     masks = [folder / "template_mask.npz", folder / "template_suggestion.npz"]
     return {
-        "paint": ([folder / "segmentation_paint.npz"], lambda path: segmentation_paint.read(path.parent, count)),
-        "mask": (masks, lambda path: template_mask.read(path.parent)),
+        "paint": ([folder / "segmentation_paint.npz"], lambda path: d.read_segmentation_paint(path.parent, count)),
+        "mask": (masks, lambda path: d.read_template_mask(path.parent)),
         "keypoints": ([folder / "keypoints.json"], lambda path: keypoints.read_frame(path, 1)),
         "options": ([folder / "options.toml"], config.read),
         "bone_map": ([folder / "map.toml"], lambda path: bone_map.read(path, clip)),

@@ -31,8 +31,12 @@ def fit():
     """Starts `doublet fit` without the checks of a whole session."""
     program = (
         "import sys; from pathlib import Path; from doublet.cli import program as cli; from doublet import reconstruct\n"
-        "reconstruct.running.d.require_scanned = lambda session: None\n"
-        "reconstruct.Job.session = type('S', (), {'fps': 40.0, 'folder': Path('session'), 'name': 'bell'})()\n"
+        "import doublet as d; session = d.Session()\n"
+        "session.fps, session.folder, session.name, session.scan = 40.0, Path('session'), 'bell', Path('scan.ply')\n"
+        "session.joints = [d.JointAnnotation('pelvis', '', [0, 0.5, 0], 6)]\n"
+        "make = reconstruct.Job.__init__\n"
+        "def made(job, *given, **named): make(job, *given, **named); job.session = session\n"
+        "reconstruct.Job.__init__ = made\n"
         "sys.exit(cli.main(sys.argv[1:]))"
     )
     started = []

@@ -111,15 +111,15 @@ def test_widths_are_offered_worn_and_read_back(skirt, tmp_path):
     body.body = d.Mesh(np.array(actor.mesh.vertices) * [0.6, 1, 0.6], actor.mesh.faces)
     d.write_body(tmp_path / "body.npz", body)
     job = reconstruct.Job(tmp_path, tmp_path, {"garment": d.GarmentOptions(vertices=300, length_exceedances=[0.1, 0.5, 0.9])})
-    areas = reconstruct.stages.run_garment(job)["areas_m2"]
+    areas = next(s for s in reconstruct.STAGES if s.name == "garment").run(job)["areas_m2"]
     assert len(areas) == 3 and areas[0] > 1.02 * areas[1] > 1.02 * 1.02 * areas[2]
     assert area_of(job.results.garment) == pytest.approx(areas[1], rel=1e-4)  # until the video has chosen, the middle one
     assert [area_of(g) for g in d.width_variants(job.results.offered_garment)] == pytest.approx(areas, rel=1e-4)
     (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 0}]}))
-    job.results.forget_garment()
+    job.results.forget()
     assert area_of(job.results.garment) == pytest.approx(areas[0], rel=1e-4) and not job.results.garment.widths
     (tmp_path / "material.json").write_text(json.dumps({"regions": [{"width": 3}]}))  # of a garment with more widths
-    job.results.forget_garment()
+    job.results.forget()
     assert len(job.results.dressed_performance().surface.frames) == 4  # what the next search needs
     with pytest.raises(ValueError, match="expected a width between 0 and 2, found 3"):
         d.choose_widths(job.results.offered_garment, [3])

@@ -13,7 +13,6 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.evaluation import metrics
-from doublet.reconstruct.run_record import RunRecord
 from PIL import Image
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
@@ -233,7 +232,7 @@ ENTRY |= {"seconds": 1.0, "peak_memory_mb": 5.0}
 )
 def test_entries_of_a_damaged_record_are_none(tmp_path, damage):
     (tmp_path / "run.json").write_text(json.dumps({"format": 1, "stages": {"segment": {**ENTRY, **damage}, "body": ENTRY}}))
-    record = RunRecord(tmp_path)
+    record = d.RunRecord(tmp_path)
     assert record.reason_to_run("body", {}, {}, []) == ""
     assert record.reason_to_run("segment", {}, {}, []) in ("first run", "")
     assert record.foreign_outputs("segment", ["a"]) == []
@@ -242,7 +241,7 @@ def test_entries_of_a_damaged_record_are_none(tmp_path, damage):
 def test_a_damaged_session_in_a_record_is_named(tmp_path):
     (tmp_path / "run.json").write_text(json.dumps({"session": 5, "stages": {}}))
     with pytest.raises(RuntimeError, match=r"run\.json: expected 'session' to be a folder"):
-        RunRecord(tmp_path)
+        d.RunRecord(tmp_path)
 
 
 def test_areas_of_nothing_are_missing_not_a_division():

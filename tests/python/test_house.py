@@ -20,6 +20,19 @@ MAY_USE = {
     "simulate": {"options", "core", "pbd"},
     "animate": {"options", "core", "rays", "files", "pbd", "simulate"},
     "fit": {"options", "core", "rays", "files", "pbd", "simulate"},
+    "reconstruct": {
+        "options",
+        "core",
+        "rays",
+        "files",
+        "capture",
+        "segment",
+        "bodymodel",
+        "pbd",
+        "simulate",
+        "animate",
+        "fit",
+    },
 }
 SOURCES = {name: sorted(p for p in (ROOT / f"lib{name}").rglob("*") if p.suffix in {".h", ".cpp"}) for name in MAY_USE}
 

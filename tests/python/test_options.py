@@ -119,9 +119,9 @@ def test_groups_inside_groups_take_the_groups_options(tmp_path):
     job.options["annealing"] = d.ParticleAnnealingOptions(particles=7)
     job.options["opposite"] = d.OppositeOptions(rays=1)
     job.options["space"] = d.ParameterSpace(names=["d_n"])
-    assert job.group("capture").limbs.annealing.particles == 7
-    assert job.group("segment").opposite.rays == 1
-    assert job.group("fit").space.names == ["d_n"]
+    assert job.options["capture"].limbs.annealing.particles == 7
+    assert job.options["segment"].opposite.rays == 1
+    assert job.options["fit"].space.names == ["d_n"]
 
 
 @pytest.fixture(scope="module")

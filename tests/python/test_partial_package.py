@@ -24,7 +24,8 @@ for name in [name for name in sys.modules if name.startswith("doublet") and name
     del sys.modules[name]
 import doublet
 
-whole = ("doublet.cli", "doublet.scan", "doublet.__main__")  # the command line, and scans from cameras, are of the whole package
+# The command line, scans from cameras and reconstructions are of the whole package.
+whole = ("doublet.cli", "doublet.scan", "doublet.__main__", "doublet.reconstruct.job", "doublet.reconstruct.stages")
 for module in pkgutil.walk_packages(doublet.__path__, "doublet.", onerror=lambda name: None):
     if not module.name.startswith(whole):
         importlib.import_module(module.name)
@@ -35,7 +36,7 @@ assert "cloth_solver_violations" in testing.__all__ and not hasattr(testing, "fe
 """
 
 
-@pytest.mark.parametrize("rooms", [["capture"], ["capture", "segment", "bodymodel"]], ids="-".join)
+@pytest.mark.parametrize("rooms", [["capture", "reconstruct"], ["capture", "segment", "bodymodel", "reconstruct"]], ids="-".join)
 def test_what_needs_no_capture_imports_without_it(rooms):
     done = subprocess.run([sys.executable, "-c", WITHOUT, ROOT, *rooms], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -1,6 +1,4 @@
-"""A stage of one's own in the place of one of ours."""
-
-from dataclasses import replace
+"""A stage of one's own in the place of one of ours, and the record of what ran."""
 
 import doublet as d
 import numpy as np
@@ -8,18 +6,16 @@ import pytest
 from doublet import reconstruct
 from doublet.common.console import Console
 
-SEGMENT = next(s for s in reconstruct.STAGES if s.name == "segment")
-
 
 def everything_is_cloth(job):
     count = len(job.results.actor.mesh.vertices)
     all_cloth = d.Segmentation(np.full(count, 0.02), np.ones(count), np.zeros(count, np.int32))
     d.write_segmentation(job.path("segmentation.npz"), all_cloth)
-    return {"regions": 1}
+    return {"regions": np.int64(1), "areas": np.array([0.5, 1.0])}
 
 
 @pytest.fixture
-def job(tmp_path, shapes):
+def make_job(tmp_path, shapes):
     """OUT as after the capture of a tube that does not move."""
     vertices, faces = shapes["tube"](0.1, 0.0, 1.0)
     skeleton = d.Skeleton([d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)])
@@ -30,29 +26,77 @@ def job(tmp_path, shapes):
     performance.joints = [skeleton.joint_positions(pose) for pose in dofs]
     d.write_actor(tmp_path / "actor.npz", actor)
     d.write_performance(tmp_path / "performance.npz", performance)
-    by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
-    job = reconstruct.Job(tmp_path, tmp_path, {"segment": by_motion_alone}, console=Console(quiet=True))
-    job.session = type("Session", (), {"folder": tmp_path})
-    return job
+
+    def make():
+        by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
+        job = reconstruct.Job(tmp_path, tmp_path, {"segment": by_motion_alone}, console=Console(quiet=True))
+        session = d.Session()
+        session.folder, session.fps, session.scan = tmp_path, 40.0, tmp_path / "scan.ply"
+        session.joints = [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]
+        job.session = session
+        return job
+
+    return make
 
 
-def run_segment(job):
-    return reconstruct.run_stage(job, next(s for s in job.stages if s.name == "segment"))
-
-
-def test_a_stage_takes_the_place_of_ours(job):
-    assert run_segment(job) and not run_segment(job)
+def test_a_stage_takes_the_place_of_ours(make_job):
+    job = make_job()
+    assert job.run(["segment"]) and not job.run(["segment"])
     assert job.results.segmentation().region_count == 0  # what does not move is no cloth
-    job.stages = reconstruct.with_stage(job.stages, replace(SEGMENT, run=everything_is_cloth))
-    assert run_segment(job), "the results of our stage stand for those of another"
-    assert not run_segment(job)
+    job.replace("segment", everything_is_cloth)
+    assert job.run(["segment"]), "the results of our stage stand for those of another"
+    assert not job.run(["segment"])
     assert job.results.segmentation().region_count == 1
-    job.stages = reconstruct.STAGES
-    assert run_segment(job) and job.results.segmentation().region_count == 0
+    assert job.record.summary("segment") == {"regions": 1, "areas": [0.5, 1.0]}
+    assert job.record.data["stages"]["segment"]["options"]["run"] == f"{__name__}.everything_is_cloth"
+    assert make_job().run(["segment"]) and job.results.segmentation().region_count == 0
 
 
-def test_a_stage_that_does_not_fit_is_refused():
+def test_what_a_stage_raises_comes_back_and_the_stage_runs_again(make_job):
+    def broken(job):
+        raise ZeroDivisionError("mine")
+
+    job = make_job()
+    job.replace("segment", broken)
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        job.run(["segment"])
+    assert job.record.data["stages"]["segment"]["state"] == "running"
+    job.replace("segment", lambda job: {"numbers": object()})
+    with pytest.raises(TypeError, match="expected what JSON can hold"):
+        job.run(["segment"])
+    assert make_job().run(["segment"])
+
+
+def test_a_stage_more(make_job):
+    job = make_job()
+    counted = d.Stage("count", lambda job: {"vertices": len(job.results.actor.mesh.vertices)}, reads=["actor.npz"])
+    job.stages = [*job.stages, counted]
+    job.run(["segment", "count"])
+    assert job.record.summary("count")["vertices"] == len(job.results.actor.mesh.vertices)
+
+
+def test_a_stage_that_is_not_there_is_refused(make_job):
     with pytest.raises(ValueError, match="stage 'cut': expected one of check, template, rig"):
-        reconstruct.with_stage(reconstruct.STAGES, replace(SEGMENT, name="cut"))
-    with pytest.raises(ValueError, match="expected it to write segmentation.npz"):
-        reconstruct.with_stage(reconstruct.STAGES, replace(SEGMENT, writes=("mine.npz",)))
+        make_job().replace("cut", everything_is_cloth)
+    with pytest.raises(ValueError, match="stage 'cut': expected one of check, template, rig"):
+        make_job().run(["cut"])
+
+
+def test_an_impossible_result_stops(make_job):
+    job = make_job()
+    job.replace("segment", lambda job: everything_is_cloth(job) | {"findings": [{"impossible": True, "text": "a head of cloth"}]})
+    with pytest.raises(d.Implausible, match="segment: a head of cloth"):
+        job.run(["segment"])
+    job.options.keep_going = True
+    job.run(["segment"])
+    assert [finding.text for finding in job.findings] == ["a head of cloth"]
+
+
+def test_options_are_set_in_place(make_job):
+    job = make_job()
+    job.options["limbs"].annealing.particles = 7
+    assert job.options["annealing"].particles == job.options["capture"].limbs.annealing.particles == 7
+    with pytest.raises(KeyError, match="option group 'shoes': expected one of template"):
+        job.options["shoes"]
+    with pytest.raises(RuntimeError):
+        job.options["body"] = d.PoseOptions()

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from doublet import reconstruct
 from doublet.common.console import Console
-from doublet.corrections import template_mask
 
-RIG = next(s for s in reconstruct.STAGES if s.name == "rig")
+SUGGESTED, EDITED = "template_suggestion.npz", "template_mask.npz"
 
 
 @pytest.fixture
@@ -24,40 +23,43 @@ def job(tmp_path, shapes):
     d.write_mesh(out / "template.ply", d.Mesh(vertices, faces))
     surface = d.Template()
     surface.face_valid, surface.high_face_valid = [1] * len(faces), [1, 1]
-    d.write_template_suggestion(out / template_mask.SUGGESTED, surface)
+    d.write_template_suggestion(out / SUGGESTED, surface)
     job = reconstruct.Job(session, out, console=Console(quiet=True))
-    marks = {"markers": session / "joints.json", "joints": [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]}
-    job.session = type("Session", (), {"folder": session, **marks})
+    made = d.Session()
+    made.folder, made.scan, made.markers = session, session / "scan.ply", session / "joints.json"
+    made.joints = [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]
+    job.session = made
     return job
 
 
 def half(job):
-    mask = template_mask.read_suggestion(job.out)
-    mask[: len(mask) // 2] = False
+    mask = np.array(d.read_suggested_mask(job.out))
+    mask[: len(mask) // 2] = 0
     return mask
 
 
 def test_without_a_mask_the_suggestion_counts(job):
-    assert template_mask.read(job.out).all()
-    assert reconstruct.stages.run_rig(job)["mask"] == "suggested"
+    assert d.read_template_mask(job.out).all()
+    job.run(["rig"])
+    assert job.record.summary("rig")["mask"] == "suggested"
     assert all(job.results.actor.face_valid)
 
 
 def test_the_mask_goes_before_the_suggestion_and_the_rig_runs_again(job):
-    assert reconstruct.run_stage(job, RIG) and not reconstruct.run_stage(job, RIG)
-    template_mask.write(job.out, half(job))
-    assert reconstruct.run_stage(job, RIG) and not reconstruct.run_stage(job, RIG)
-    assert (np.asarray(job.results.actor.face_valid, bool) == half(job)).all()
+    assert job.run(["rig"]) and not job.run(["rig"])
+    d.write_template_mask(job.out, half(job))
+    assert job.run(["rig"]) and not job.run(["rig"])
+    assert (job.results.actor.face_valid == half(job)).all()
     summary = job.record.data["stages"]["rig"]["summary"]
     assert summary["mask"] == "edited" and summary["invalid_area_m2"] == pytest.approx(np.pi * 0.1, rel=0.02)
-    (job.out / template_mask.EDITED).unlink()
-    assert reconstruct.run_stage(job, RIG)
+    (job.out / EDITED).unlink()
+    assert job.run(["rig"])
     assert all(job.results.actor.face_valid)
 
 
 def test_masks_of_other_programs(job):
-    np.savez(job.out / template_mask.EDITED, face_valid=half(job).astype(np.int32))
-    assert (template_mask.read(job.out) == half(job)).all()
+    np.savez(job.out / EDITED, face_valid=half(job).astype(np.int32))
+    assert (d.read_template_mask(job.out) == half(job)).all()
 
 
 @pytest.mark.parametrize(
@@ -70,30 +72,30 @@ def test_masks_of_other_programs(job):
     ],
 )
 def test_wrong_masks_are_named(job, arrays, complaint):
-    np.savez(job.out / template_mask.EDITED, **arrays)
+    np.savez(job.out / EDITED, **arrays)
     with pytest.raises(RuntimeError, match=complaint) as caught:
-        template_mask.read(job.out)
-    assert template_mask.EDITED in str(caught.value)
+        d.read_template_mask(job.out)
+    assert EDITED in str(caught.value)
 
 
 def test_broken_file(job):
-    (job.out / template_mask.EDITED).write_text("no npz")
-    with pytest.raises(RuntimeError, match=template_mask.EDITED):
-        template_mask.read(job.out)
+    (job.out / EDITED).write_text("no npz")
+    with pytest.raises(RuntimeError, match=EDITED):
+        d.read_template_mask(job.out)
 
 
 def test_a_mask_for_another_template_is_refused(job, shapes):
-    template_mask.write(job.out, half(job))
+    d.write_template_mask(job.out, half(job))
     shutil.copy(job.out / "template.ply", job.out / "before.ply")
     vertices, faces = shapes["tube"](0.2, 0.0, 1.0)
     d.write_mesh(job.out / "template.ply", d.Mesh(vertices, faces))
     with pytest.raises(RuntimeError, match="another template"):
-        template_mask.read(job.out)
+        d.read_template_mask(job.out)
     shutil.copy(job.out / "before.ply", job.out / "template.ply")
-    assert (template_mask.read(job.out) == half(job)).all()
+    assert (d.read_template_mask(job.out) == half(job)).all()
 
 
 def test_only_masks_are_written(job):
     with pytest.raises(ValueError, match="3 values"):
-        template_mask.write(job.out, [1, 0, 1])
-    assert not (job.out / template_mask.EDITED).exists()
+        d.write_template_mask(job.out, [1, 0, 1])
+    assert not (job.out / EDITED).exists()

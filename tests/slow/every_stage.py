@@ -96,7 +96,8 @@ def make_session(folder: Path) -> None:
 
 #: The command line, with the first stages alone.
 PROGRAM = "import sys; from doublet.cli import program as cli; from doublet import reconstruct; "
-PROGRAM += "n = int(sys.argv.pop(1)); reconstruct.job.STAGES = reconstruct.STAGES[:n]; "
+PROGRAM += "names = [stage.name for stage in reconstruct.STAGES[: int(sys.argv.pop(1))]]; "
+PROGRAM += "reconstruct.Job.run_all = lambda job, force: job.run(names, force); "
 PROGRAM += "sys.exit(cli.main(sys.argv[1:]))"
 
 
@@ -133,7 +134,7 @@ def forget_from(out: Path, stage: str) -> None:
     names = list(STAGES)
     for name in names[names.index(stage) :]:
         record["stages"].pop(name, None)
-        for file in (*STAGES[name].writes, *STAGES[name].goes_on_from):
+        for file in (*STAGES[name].writes, *STAGES[name].continues_from):
             (out / file).unlink(missing_ok=True)
     (out / "run.json").write_text(json.dumps(record))
 
@@ -217,7 +218,7 @@ def comparable(path: Path):
         text = re.sub(r"<h2>Time and memory</h2><table>.*?</table>", "", path.read_text(), flags=re.DOTALL)
         text = re.sub(rf"<td>({'|'.join(TIMES)})</td><td[^>]*>[^<]*</td>", "", text)
         return re.sub(r"\b\d+(\.\d+)? (s|MB|min)\b", "", text)
-    if path.name == reconstruct.fit.CHECKPOINT:
+    if path.name == "fit_checkpoint.txt":
         search = without_times(json.loads(path.read_text()))
         return {**search, "log": [row[:-1] for row in search["log"]]}
     return path.read_bytes()
@@ -237,7 +238,7 @@ def differences(undisturbed: Path, out: Path, last: str) -> list[str]:
     """Every file of both, but for the log and what the stages after `last` write."""
     names = list(STAGES)
     done, later = names[: names.index(last) + 1], names[names.index(last) + 1 :]
-    not_yet = {file for name in later for file in (*STAGES[name].writes, *STAGES[name].goes_on_from)} | {"log.txt"}
+    not_yet = {file for name in later for file in (*STAGES[name].writes, *STAGES[name].continues_from)} | {"log.txt"}
     expected, made = ({p.name for p in folder.iterdir()} - not_yet for folder in (undisturbed, out))
     found = [f"{name} is in one of the folders only" for name in sorted(expected ^ made)]
     for name in sorted(expected & made - {"run.json"}):

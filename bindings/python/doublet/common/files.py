@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -178,22 +177,3 @@ def array_of(arrays, path: Path, name: str, kinds: str, shape: tuple) -> np.ndar
     if found.dtype.kind == "f" and not np.isfinite(found).all():
         raise RuntimeError(f"{path}: array '{name}': expected finite numbers, found others")
     return found
-
-
-def sha256(path: Path) -> str:
-    digest = hashlib.sha256()
-    with Path(path).open("rb") as stream:
-        while block := stream.read(1 << 20):
-            digest.update(block)
-    return digest.hexdigest()
-
-
-def hash_files(path: Path) -> str:
-    """Hash of a file, or of every file of a folder (image sequences), names included."""
-    path = Path(path)
-    if not path.is_dir():
-        return sha256(path)
-    digest = hashlib.sha256()
-    for file in sorted(p for p in path.rglob("*") if p.is_file()):
-        digest.update(f"{file.relative_to(path)} {sha256(file)}\n".encode())
-    return digest.hexdigest()

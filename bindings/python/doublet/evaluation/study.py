@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import _doublet as d
-from ..common.files import hash_files, write_text
+from ..common.files import write_text
 from ..reconstruct import OPTION_GROUPS, make_options, recorded_session
 
 #: Of this module in files of results of doublet 0.1, and now: a study goes on with them.
@@ -193,7 +193,7 @@ def plain_job(out: Path, options: dict, fps: float | None, threads: int) -> dict
 
 
 def inputs_hash(out: Path) -> str:
-    return " ".join(hash_files(Path(out) / name)[:16] for name in INPUTS)
+    return " ".join(d.hash_files(Path(out) / name)[:16] for name in INPUTS)
 
 
 def option_groups(job: dict) -> dict:

@@ -11,6 +11,8 @@ def recorded_session(out: Path) -> Path:
     """The session that OUT was made from."""
     path = Path(out) / "run.json"
     record = read_json(path) if path.exists() else {}
-    if not isinstance(record, dict) or not isinstance(record.get("session"), str):
+    if not isinstance(record, dict) or not isinstance(record.get("session", ""), str):
+        raise RuntimeError(f"{path}: expected an object with 'session', a folder, found another; delete it to start afresh")
+    if "session" not in record:
         raise FileNotFoundError(f"{path} does not name a session; give it with --session")
     return Path(record["session"])

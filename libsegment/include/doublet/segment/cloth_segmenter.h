@@ -8,7 +8,9 @@
 #include "doublet/segment/opposite_distance.h"
 
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace doublet {
 
@@ -104,6 +106,10 @@ struct SegmentSummary {
 };
 SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
                                       const Segmentation &segmentation);
+
+/// Joints at the ends of limbs (toes, hands, top of the head) with more cloth than skin on the bone that ends there, in the order
+/// of the skeleton: a glove or a boot, or a mistake.
+std::vector<std::string> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation);
 
 // Deprecated names.
 template <class... A> [[deprecated("use segmentation_pose")]] decltype(auto) segmented_pose(A &&...a) {

@@ -1,4 +1,4 @@
-#include "hash.h"
+#include "doublet/files/hash.h"
 
 #include "doublet/core/error.h"
 
@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <fstream>
 #include <memory>
+#include <vector>
 
-namespace doublet::detail {
+namespace doublet {
 
 namespace {
 
@@ -35,8 +37,6 @@ private:
   std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
 };
 
-} // namespace
-
 std::string hash_file(const Path &path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream)
@@ -51,6 +51,8 @@ std::string hash_file(const Path &path) {
     throw Error(path.string() + ": cannot be read");
   return hash.digits();
 }
+
+} // namespace
 
 std::string hash_files(const Path &path) {
   if (!std::filesystem::is_directory(path))
@@ -68,4 +70,4 @@ std::string hash_files(const Path &path) {
   return hash.digits();
 }
 
-} // namespace doublet::detail
+} // namespace doublet

@@ -1,0 +1,193 @@
+#include "doublet/reconstruct/reconstruction.h"
+
+#include "doublet/core/error.h"
+#include "doublet/reconstruct/quality_checks.h"
+#include "support/error_of.h"
+#include "support/temp_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace doublet {
+
+namespace {
+
+using testing::error_of;
+using testing::TempFolder;
+
+/// A stage that writes `output`, and counts how often it ran.
+Stage writer(const std::string &name, const std::vector<std::string> &reads, const std::string &output, int &count) {
+  return {.name = name, .reads = reads, .writes = {output}, .needs_scan = false, .run = [&count, output](Reconstruction &self) {
+            ++count;
+            write_text(self.path(output), output + std::to_string(self.options.capture.pose.max_iterations));
+            return std::string("{}");
+          }};
+}
+
+/// Two stages of which the second reads what the first writes.
+class TwoStages : public ::testing::Test {
+protected:
+  TempFolder folder;
+  int first = 0, second = 0;
+  std::vector<std::string> said;
+
+  std::unique_ptr<Reconstruction> make(ReconstructionOptions options = {}) {
+    auto made = std::make_unique<Reconstruction>(folder.path() / "session", folder.path() / "out", options);
+    Session session;
+    session.folder = folder.path() / "session";
+    session.fps = 40;
+    made->set_session(session);
+    made->announce = [this](const std::string &line) { said.push_back(line); };
+    made->stages = {writer("one", {}, "a.txt", first), writer("two", {"a.txt"}, "b.txt", second)};
+    made->stages[0].option_groups = {"pose"};
+    return made;
+  }
+};
+
+} // namespace
+
+TEST_F(TwoStages, RunOnceAndAgainWhatAnOptionChanges) {
+  EXPECT_TRUE(make()->run({"one", "two"}));
+  EXPECT_FALSE(make()->run({"one", "two"}));
+  EXPECT_EQ(std::pair(first, second), std::pair(1, 1));
+  EXPECT_EQ(said.back(), "two: up to date");
+  ReconstructionOptions options;
+  options.capture.pose.max_iterations += 1;
+  EXPECT_TRUE(make(options)->run({"one", "two"}));
+  EXPECT_EQ(std::pair(first, second), std::pair(2, 2)) << "its file changed, and with it what the second stage reads";
+  options.capture.limbs.annealing.seed += 1;
+  options.texture.size *= 2;
+  EXPECT_FALSE(make(options)->run({"one", "two"})) << "of other groups";
+}
+
+TEST_F(TwoStages, AFileMadeElsewhereIsKept) {
+  make()->run({"one"});
+  write_text(folder.path() / "out" / "a.txt", "by hand");
+  EXPECT_TRUE(make()->run({"one", "two"}));
+  EXPECT_EQ(std::pair(first, second), std::pair(1, 1));
+  EXPECT_NE(said[said.size() - 3].find("one: kept, a.txt was not written by this program"), std::string::npos);
+  EXPECT_TRUE(make()->run({"one"}, true));
+  EXPECT_EQ(first, 2);
+}
+
+TEST_F(TwoStages, AMissingInputNamesTheStageThatWritesIt) {
+  EXPECT_NE(error_of([&] { make()->run({"two"}); }).find("a.txt is missing; stage 'one' writes it"), std::string::npos);
+  EXPECT_THROW(make()->run({"three"}), std::invalid_argument);
+}
+
+TEST_F(TwoStages, AStageOfOnesOwnIsNotTakenForOurs) {
+  make()->run({"one", "two"});
+  auto other = make();
+  other->replace(
+      "two",
+      [](Reconstruction &self) {
+        write_text(self.path("b.txt"), "mine");
+        return std::string(R"({"number": 5})");
+      },
+      "my_stage");
+  EXPECT_TRUE(other->run({"two"}));
+  EXPECT_FALSE(other->run({"two"}));
+  EXPECT_EQ(other->record().summary("two"), R"({"number":5})");
+  EXPECT_TRUE(make()->run({"two"})) << "the results of theirs are not ours";
+  EXPECT_NE(said[said.size() - 2].find("option run changed from my_stage to none"), std::string::npos);
+  EXPECT_THROW(other->replace("three", {}, ""), std::invalid_argument);
+}
+
+TEST_F(TwoStages, AResultThatCannotBeTrueStops) {
+  const auto impossible = [](Reconstruction &self) {
+    write_text(self.path("a.txt"), "a");
+    return std::string(R"({"findings": [{"impossible": true, "text": "a head of cloth", "kind": "cloth_ends"}]})");
+  };
+  auto strict = make();
+  strict->replace("one", impossible, "");
+  EXPECT_THROW(strict->run({"one", "two"}), Implausible);
+  EXPECT_TRUE(std::filesystem::exists(strict->path("a.txt")));
+  EXPECT_EQ(second, 0);
+  EXPECT_THROW(strict->run({"one"}), Implausible) << "nor when it is up to date";
+  ReconstructionOptions options;
+  options.keep_going = true;
+  auto lenient = make(options);
+  lenient->replace("one", impossible, "");
+  lenient->run({"one", "two"});
+  ASSERT_EQ(lenient->findings().size(), 1u);
+  EXPECT_EQ(lenient->findings()[0].kind, "cloth_ends");
+  EXPECT_EQ(second, 1);
+}
+
+TEST_F(TwoStages, WhatThrowsIsRecordedAsStopped) {
+  auto broken = make();
+  broken->replace(
+      "one", [](Reconstruction &) -> std::string { throw Cancelled(); }, "");
+  EXPECT_THROW(broken->run({"one"}), Cancelled);
+  said.clear();
+  EXPECT_TRUE(make()->run({"one"}));
+  EXPECT_EQ(said[0], "one: running (the last run was stopped here)");
+}
+
+TEST_F(TwoStages, AnotherSessionIsRefused) {
+  std::filesystem::create_directories(folder.path() / "session");
+  write_text(folder.path() / "session" / "session.json", "{}");
+  auto made = make();
+  made->stages[0].session_inputs = {"description"};
+  made->run({"one"});
+  std::filesystem::copy(folder.path() / "session", folder.path() / "moved");
+  auto again = [&](const char *name) {
+    auto other = make();
+    other->stages[0].session_inputs = {"description"};
+    Session session = other->session();
+    session.folder = folder.path() / name;
+    other->set_session(session);
+    return other->run({"one"});
+  };
+  EXPECT_FALSE(again("moved")) << "the same files in another place";
+  write_text(folder.path() / "moved" / "session.json", "{\"name\": 1}");
+  EXPECT_NE(error_of([&] { again("moved"); }).find("choose another folder"), std::string::npos);
+}
+
+TEST_F(TwoStages, WhatIsLoggedIsInAFile) {
+  auto made = make();
+  made->replace(
+      "one",
+      [](Reconstruction &self) {
+        self.context().log_line("one: half way");
+        write_text(self.path("a.txt"), "a");
+        return std::string("{}");
+      },
+      "");
+  made->context().log_line("before the folder is there");
+  made->run({"one"});
+  EXPECT_EQ(read_text(folder.path() / "out" / "log.txt"), "== one\none: half way\n");
+}
+
+TEST(Stages, EachReadsWhatOneBeforeItWrites) {
+  std::set<std::string> written, groups;
+  for_each_group(ReconstructionOptions{}, [&](const char *name, const auto &) { groups.insert(name); });
+  for (const Stage &stage : default_stages()) {
+    for (const std::string &name : stage.reads)
+      EXPECT_TRUE(written.count(name)) << stage.name << " reads " << name;
+    for (const std::string &group : stage.option_groups)
+      EXPECT_TRUE(groups.count(group)) << stage.name << " has options of " << group;
+    written.insert(stage.writes.begin(), stage.writes.end());
+  }
+}
+
+TEST(QualityChecks, NumbersBeyondTheirLimitsAreFound) {
+  for (const Limit &limit : quality_limits()) {
+    const double step = limit.impossible < limit.doubtful ? -1e-3 : 1e-3;
+    EXPECT_FALSE(limit.check(limit.doubtful));
+    EXPECT_NE(limit.passed(limit.doubtful), "");
+    const auto doubtful = limit.check(limit.doubtful + step);
+    ASSERT_TRUE(doubtful) << limit.number;
+    EXPECT_FALSE(doubtful->impossible);
+    EXPECT_EQ(doubtful->kind, limit.number);
+    if (std::isfinite(limit.impossible))
+      EXPECT_TRUE(limit.check(limit.impossible + step)->impossible);
+  }
+  EXPECT_TRUE(quality_findings("body", "{}").empty());
+  EXPECT_EQ(quality_findings("body", R"({"residual_mm": 21})").size(), 1u);
+  EXPECT_TRUE(quality_findings("fit", R"({"residual_mm": 21})").empty());
+  EXPECT_THROW(quality_findings("body", R"({"residual_mm": "far"})"), Error);
+}
+
+} // namespace doublet
