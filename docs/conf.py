@@ -35,9 +35,9 @@ suppress_warnings = ["duplicate_declaration.cpp"]
 
 #: Modules of Python that others build on (stability.md).
 MODULES = (
-    "common.console", "corrections.segmentation_paint", "corrections.template_mask", "evaluation.metrics",
-    "evaluation.motion_metrics", "evaluation.study", "evaluation.synthesize", "export.animate", "export.bone_map", "export.clips",
-    "export.usd", "optimizers", "pages.report", "reconstruct", "scan", "session.new_session", "testing",
+    "common.console", "evaluation.metrics", "evaluation.motion_metrics", "evaluation.study", "evaluation.synthesize",
+    "export.animate", "export.bone_map", "export.clips", "export.usd", "optimizers", "pages.report", "reconstruct", "scan",
+    "session.new_session", "testing",
 )  # fmt: skip
 
 #: Folder of a library -> what its page says.
@@ -52,6 +52,7 @@ ROOMS = {
     "simulate": "Pose in, surface out",
     "animate": "Motion files and retargeting, display, `character.glb`",
     "fit": "Image energy and search, to the material",
+    "reconstruct": "All stages, each when it is out of date",
 }
 
 

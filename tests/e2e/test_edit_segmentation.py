@@ -65,7 +65,7 @@ def job(out, tmp_path):
     by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
     job = reconstruct.Job(tmp_path, out, {"segment": by_motion_alone}, console=Console(quiet=True))
     session = d.Session()
-    session.folder, session.scan = tmp_path, tmp_path / "scan.ply"
+    session.folder, session.scan, session.markers = tmp_path, tmp_path / "scan.ply", tmp_path / "joints.json"
     session.joints = [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]
     job.session = session
     job.run(["segment"])

@@ -15,7 +15,6 @@ from doublet.evaluation.metrics import Truth
 from doublet.export import bone_map
 from doublet.export.clips import read_clip, read_motion
 from doublet.reconstruct import config
-from doublet.reconstruct.run_record import RunRecord
 from doublet.scan import keypoints
 from PIL import Image
 
@@ -292,10 +291,10 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     formats["proxies"] = ([texts / "proxies.json"], lambda path: d.read_proxies(path, world.skeleton))
     write_fit(folder / "fitted")
     formats["material"] = ([folder / "fitted" / "material.json"], d.read_materials)
-    record = RunRecord(texts)
+    record = d.RunRecord(texts)
     record.data["session"] = "session"
     record.save()
-    formats["run"] = ([texts / "run.json"], lambda path: RunRecord(path.parent))
+    formats["run"] = ([texts / "run.json"], lambda path: d.RunRecord(path.parent))
     search(texts / "fit_checkpoint.txt")
     formats["checkpoint"] = ([texts / "fit_checkpoint.txt"], search)
 

@@ -33,6 +33,7 @@ def fit():
         "import sys; from pathlib import Path; from doublet.cli import program as cli; from doublet import reconstruct\n"
         "import doublet as d; session = d.Session()\n"
         "session.fps, session.folder, session.name, session.scan = 40.0, Path('session'), 'bell', Path('scan.ply')\n"
+        "session.markers = Path('joints.json')\n"
         "session.joints = [d.JointAnnotation('pelvis', '', [0, 0.5, 0], 6)]\n"
         "make = reconstruct.Job.__init__\n"
         "def made(job, *given, **named): make(job, *given, **named); job.session = session\n"

@@ -31,7 +31,8 @@ def make_job(tmp_path, shapes):
         by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
         job = reconstruct.Job(tmp_path, tmp_path, {"segment": by_motion_alone}, console=Console(quiet=True))
         session = d.Session()
-        session.folder, session.fps, session.scan = tmp_path, 40.0, tmp_path / "scan.ply"
+        session.folder, session.fps = tmp_path, 40.0
+        session.scan, session.markers = tmp_path / "scan.ply", tmp_path / "joints.json"
         session.joints = [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]
         job.session = session
         return job

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 namespace doublet {
@@ -20,10 +21,12 @@ using testing::TempFolder;
 Stage writer(const std::string &name, const std::vector<std::string> &reads, const std::string &output, int &count) {
   return {.name = name, .reads = reads, .writes = {output}, .needs_scan = false, .run = [&count, output](Reconstruction &self) {
             ++count;
-            write_text(self.path(output), output + std::to_string(self.options.capture.pose.max_iterations));
+            write_text(self.path(output), output + std::to_string(self.options.capture.pose.iterations));
             return std::string("{}");
           }};
 }
+
+} // namespace
 
 /// Two stages of which the second reads what the first writes.
 class TwoStages : public ::testing::Test {
@@ -45,15 +48,13 @@ protected:
   }
 };
 
-} // namespace
-
 TEST_F(TwoStages, RunOnceAndAgainWhatAnOptionChanges) {
   EXPECT_TRUE(make()->run({"one", "two"}));
   EXPECT_FALSE(make()->run({"one", "two"}));
   EXPECT_EQ(std::pair(first, second), std::pair(1, 1));
   EXPECT_EQ(said.back(), "two: up to date");
   ReconstructionOptions options;
-  options.capture.pose.max_iterations += 1;
+  options.capture.pose.iterations += 1;
   EXPECT_TRUE(make(options)->run({"one", "two"}));
   EXPECT_EQ(std::pair(first, second), std::pair(2, 2)) << "its file changed, and with it what the second stage reads";
   options.capture.limbs.annealing.seed += 1;
@@ -141,8 +142,9 @@ TEST_F(TwoStages, AnotherSessionIsRefused) {
     return other->run({"one"});
   };
   EXPECT_FALSE(again("moved")) << "the same files in another place";
-  write_text(folder.path() / "moved" / "session.json", "{\"name\": 1}");
-  EXPECT_NE(error_of([&] { again("moved"); }).find("choose another folder"), std::string::npos);
+  std::filesystem::create_directories(folder.path() / "another");
+  write_text(folder.path() / "another" / "session.json", "{\"name\": 1}");
+  EXPECT_NE(error_of([&] { again("another"); }).find("choose another folder"), std::string::npos);
 }
 
 TEST_F(TwoStages, WhatIsLoggedIsInAFile) {
@@ -162,7 +164,8 @@ TEST_F(TwoStages, WhatIsLoggedIsInAFile) {
 
 TEST(Stages, EachReadsWhatOneBeforeItWrites) {
   std::set<std::string> written, groups;
-  for_each_group(ReconstructionOptions{}, [&](const char *name, const auto &) { groups.insert(name); });
+  const ReconstructionOptions options;
+  for_each_group(options, [&](const char *name, const auto &) { groups.insert(name); });
   for (const Stage &stage : default_stages()) {
     for (const std::string &name : stage.reads)
       EXPECT_TRUE(written.count(name)) << stage.name << " reads " << name;
@@ -181,8 +184,9 @@ TEST(QualityChecks, NumbersBeyondTheirLimitsAreFound) {
     ASSERT_TRUE(doubtful) << limit.number;
     EXPECT_FALSE(doubtful->impossible);
     EXPECT_EQ(doubtful->kind, limit.number);
-    if (std::isfinite(limit.impossible))
+    if (std::isfinite(limit.impossible)) {
       EXPECT_TRUE(limit.check(limit.impossible + step)->impossible);
+    }
   }
   EXPECT_TRUE(quality_findings("body", "{}").empty());
   EXPECT_EQ(quality_findings("body", R"({"residual_mm": 21})").size(), 1u);

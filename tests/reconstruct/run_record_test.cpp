@@ -16,6 +16,8 @@ using testing::TempFolder;
 const StageBasis kBasis{{{"actor.npz", "abc"}}, R"({"segment.diffusion": 0.02})"};
 const std::vector<std::string> kOutputs{"segmentation.npz"};
 
+} // namespace
+
 /// A folder in which the stage `segment` is done.
 class RunRecordOfOneStage : public ::testing::Test {
 protected:
@@ -30,8 +32,6 @@ protected:
     return RunRecord(folder.path()).reason_to_run("segment", basis, kOutputs);
   }
 };
-
-} // namespace
 
 TEST_F(RunRecordOfOneStage, IsUpToDate) {
   EXPECT_EQ(reason(), "");

@@ -172,7 +172,7 @@ def save(job: Job, description: dict) -> None:
 
 def best_frame(job: Job) -> int:
     """The frame, of MOST_TRIED evenly spread over the first nine tenths, whose coarse hull is most like a standing body."""
-    frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.body_model)
+    frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.options.body_model)
     tried = np.unique(np.linspace(0, 0.9 * (job.session.frame_count - 1), MOST_TRIED).astype(int))
     costs = {}
     quiet = d.Context(threads=job.context.threads)
@@ -258,7 +258,7 @@ def marks_of(job: Job, scan: d.Mesh, seen: dict[str, np.ndarray], of_cameras: bo
     options = copy(job.options["body"])
     if of_cameras:
         options.surface_deviation = max(options.surface_deviation, OF_HULL)
-    return d.detect_joints(surface.mesh, surface.face_valid, d.BodyModel.read(job.body_model), options, seen, job.context)
+    return d.detect_joints(surface.mesh, surface.face_valid, d.BodyModel.read(job.options.body_model), options, seen, job.context)
 
 
 def joints_file(marks: d.DetectedJoints) -> dict:

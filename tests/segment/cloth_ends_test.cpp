@@ -1,0 +1,49 @@
+#include "doublet/segment/cloth_segmenter.h"
+
+#include <gtest/gtest.h>
+
+namespace doublet {
+
+namespace {
+
+/// Legs and an arm that are each a triangle a bone: shank, foot, hand; the foot's is the largest.
+RiggedMesh limbs() {
+  RiggedMesh actor;
+  const std::vector<std::pair<const char *, int>> joints{{"pelvis", -1}, {"knee", 0},  {"ankle", 1},
+                                                         {"toe", 2},     {"wrist", 0}, {"hand", 4}};
+  for (const auto &[name, parent] : joints)
+    actor.skeleton.joints.push_back({.name = name, .parent = parent, .rest = Eigen::Vector3d::Zero(), .axes = {}});
+  actor.mesh.vertices.resize(9, 3);
+  actor.mesh.faces.resize(3, 3);
+  actor.weights = MatrixRM::Zero(9, 6);
+  const int bones[] = {1, 2, 4};
+  for (int f = 0; f < 3; ++f) {
+    const double size = f == 1 ? 2 : 1;
+    actor.mesh.vertices.middleRows(3 * f, 3) << 0, 0, f, size, 0, f, 0, size, f;
+    actor.mesh.faces.row(f) << 3 * f, 3 * f + 1, 3 * f + 2;
+    actor.weights.block(3 * f, bones[f], 3, 1).setOnes();
+  }
+  actor.face_valid = {1, 1, 1};
+  return actor;
+}
+
+Segmentation cloth_at(const std::vector<int> &vertices) {
+  Segmentation segmentation;
+  segmentation.clothness = Eigen::VectorXd::Zero(9);
+  for (const int vertex : vertices)
+    segmentation.clothness[vertex] = 1;
+  return segmentation;
+}
+
+using Names = std::vector<std::string>;
+
+} // namespace
+
+TEST(ClothEnds, AFootOrAHandOfClothIsNamed) {
+  EXPECT_EQ(cloth_ends(limbs(), cloth_at({})), Names{});
+  EXPECT_EQ(cloth_ends(limbs(), cloth_at({0, 1, 2, 3})), Names{}) << "a third of the foot";
+  EXPECT_EQ(cloth_ends(limbs(), cloth_at({3, 4})), Names{"toe"});
+  EXPECT_EQ(cloth_ends(limbs(), cloth_at({0, 1, 2, 3, 4, 5, 6, 7, 8})), (Names{"toe", "hand"}));
+}
+
+} // namespace doublet
