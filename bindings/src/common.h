@@ -20,7 +20,21 @@
 #include <utility>
 #include <vector>
 
+namespace doublet::python {
+
+/// Is it, or is in it, a complex number? NumPy would hand over its real part.
+bool has_complex(const pybind11::handle &object);
+
+} // namespace doublet::python
+
 namespace pybind11::detail {
+
+/// Numbers (N), none of them complex.
+template <> struct type_caster<std::vector<double>> : list_caster<std::vector<double>, double> {
+  bool load(handle source, bool convert) {
+    return !doublet::python::has_complex(source) && list_caster<std::vector<double>, double>::load(source, convert);
+  }
+};
 
 /// doublet::Image <-> numpy uint8 (height, width) or (height, width, 3). To Python the pixels move, they are not copied.
 template <> struct type_caster<doublet::Image> {
@@ -123,8 +137,9 @@ std::string described(const py::object &object);
 /// A context that Ctrl-C interrupts: the default of every long call.
 Context interruptible_context();
 
-/// Is it, or is in it, a complex number? NumPy would hand over its real part.
-bool has_complex(const py::handle &object);
+/// From now on no array of complex numbers becomes one of real ones on its way into the module, be it Eigen's or NumPy's: both
+/// pass through two functions of NumPy's, which would hand over the real parts.
+void refuse_complex_arrays();
 
 /// Calls a Python override, on whatever thread: `where` = "Class.method". Throws TypeError naming it if it returns something that
 /// is no `R`, RuntimeError if the class has no such method. What it raises itself comes back as it is.

@@ -408,14 +408,43 @@ void bind_stage_values(py::module_ &m) {
 bool has_complex(const py::handle &object) {
   if (PyComplex_Check(object.ptr()))
     return true;
-  if (py::isinstance<py::array>(object) || py::hasattr(object, "dtype"))
-    return py::dtype::from_args(py::reinterpret_borrow<py::object>(object.attr("dtype"))).kind() == 'c';
+  if (py::hasattr(object, "dtype")) {
+    const py::object type = object.attr("dtype");
+    return py::isinstance<py::dtype>(type) && type.attr("kind").cast<std::string>() == "c";
+  }
   if (!py::isinstance<py::tuple>(object) && !py::isinstance<py::list>(object))
     return false;
   for (const py::handle inner : object)
     if (has_complex(inner))
       return true;
   return false;
+}
+
+void refuse_complex_arrays() {
+  using Api = py::detail::npy_api;
+  static const auto from_any = Api::get().PyArray_FromAny_;
+  static const auto copy_into = Api::get().PyArray_CopyInto_;
+  static const auto refuse = [] { PyErr_SetString(PyExc_TypeError, "expected real numbers, found complex ones"); };
+  Api::get().PyArray_FromAny_ = [](PyObject *given, PyObject *type, int least, int most, int flags, PyObject *context) {
+    if (!type)
+      return from_any(given, type, least, most, flags, context);
+    // As it is first: so a list's type shows, too.
+    const auto array = py::reinterpret_steal<py::object>(from_any(given, nullptr, 0, 0, Api::NPY_ARRAY_ENSUREARRAY_, nullptr));
+    if (!array)
+      PyErr_Clear();
+    if (array && has_complex(array) && !py::str(py::handle(type).attr("kind")).equal(py::str("c"))) {
+      Py_DECREF(type); // NumPy's function would have taken it
+      refuse();
+      return static_cast<PyObject *>(nullptr);
+    }
+    return from_any(array ? array.ptr() : given, type, least, most, flags, context);
+  };
+  Api::get().PyArray_CopyInto_ = [](PyObject *to, PyObject *from) {
+    if (!has_complex(from) || has_complex(to))
+      return copy_into(to, from);
+    refuse();
+    return -1;
+  };
 }
 
 Context interruptible_context() {

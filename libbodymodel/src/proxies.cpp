@@ -29,10 +29,6 @@ constexpr double kTether = 1e-3; ///< m^2, pull of a capsule's ends to where the
 constexpr double kSmallestRadius = 0.01; ///< m
 constexpr double kDeepest = 0.01;        ///< m, cloth further inside the fitted body does not rest on it
 
-bool is_leaf(const Skeleton &skeleton, int joint) {
-  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
-}
-
 /// Covered bones, and the next ones down the chain of wrapped bones where cloth that hangs can swing against them: those that
 /// lead downwards and do not end in nothing (hands, feet).
 void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<std::uint8_t> &under,
@@ -49,7 +45,7 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
   }
   for (Bone &bone : anatomy.bones)
     for (const Bone &above : anatomy.bones)
-      if (above.wrapped && above.end == bone.joint && !is_leaf(skeleton, bone.end) &&
+      if (above.wrapped && above.end == bone.joint && !skeleton.is_leaf(bone.end) &&
           skeleton.joints[bone.end].rest.y() < skeleton.joints[bone.joint].rest.y())
         bone.chosen = true;
 }

@@ -312,6 +312,10 @@ std::vector<JointAnnotation> joint_annotations(const Skeleton &skeleton) {
   return marks;
 }
 
+bool Skeleton::is_leaf(int joint) const {
+  return std::none_of(joints.begin(), joints.end(), [&](const Joint &other) { return other.parent == joint; });
+}
+
 int Skeleton::find(const std::string &name) const {
   std::string known;
   for (int j = 0; j < joint_count(); ++j) {

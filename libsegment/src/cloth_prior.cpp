@@ -32,9 +32,8 @@ int mover_of_end(const RiggedMesh &actor, int leaf) {
 /// (V) in [0, 1]: part of a hand, a foot or the head; rises from the joint to halfway between it and the end.
 Eigen::VectorXd extremities(const RiggedMesh &actor, const Surface &surface) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(surface.size());
-  const std::vector<int> children = child_counts(actor.skeleton);
   for (int leaf = 0; leaf < actor.skeleton.joint_count(); ++leaf) {
-    const int joint = children[leaf] == 0 ? mover_of_end(actor, leaf) : -1;
+    const int joint = actor.skeleton.is_leaf(leaf) ? mover_of_end(actor, leaf) : -1;
     if (joint < 0 || actor.skeleton.joints[joint].parent < 0) // the root carries the trunk
       continue;
     const Eigen::RowVector3d at = actor.skeleton.joints[joint].rest.transpose();

@@ -31,11 +31,6 @@ Eigen::VectorXd to_vertices(const Mesh &mesh, const Eigen::VectorXd &face_values
   return sum;
 }
 
-/// Does a limb, or the neck, end at the joint?
-bool is_leaf(const Skeleton &skeleton, int joint) {
-  return std::none_of(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
-}
-
 /// Where the garment on a joint's bone ends: along the bone to its child; on the trunk, whose garments hang from it, downwards.
 Eigen::Vector3d away_along(const Skeleton &skeleton, int joint) {
   int child = -1, count = 0;
@@ -119,7 +114,7 @@ bool is_bare_end(const RiggedMesh &actor, const Surroundings &at, const std::vec
   for (int f : patch) {
     area += at.areas[f];
     middle += at.areas[f] * at.centres.row(f);
-    end += is_leaf(actor.skeleton, at.joints[f]) ? at.areas[f] : 0.0;
+    end += actor.skeleton.is_leaf(at.joints[f]) ? at.areas[f] : 0.0;
   }
   middle /= std::max(area, 1e-12);
   for (int f : patch)

@@ -55,6 +55,16 @@ TEST(Skeleton, StandardNamesGiveThirtySixDofs) {
   EXPECT_TRUE((s.lower.array() < 0).all() && (s.upper.array() > 0).all()); // the rest pose is allowed
 }
 
+TEST(Skeleton, LeavesAreWhereLimbsEnd) {
+  const Skeleton s = testing::figure_skeleton();
+  std::vector<std::string> leaves;
+  for (int j = 0; j < s.joint_count(); ++j)
+    if (s.is_leaf(j))
+      leaves.push_back(s.joints[j].name);
+  std::sort(leaves.begin(), leaves.end());
+  EXPECT_EQ(leaves, (std::vector<std::string>{"head_top", "l_hand", "l_toe", "r_hand", "r_toe"}));
+}
+
 TEST(Skeleton, SortsParentsFirstWhateverTheOrder) {
   std::vector<JointAnnotation> marks = testing::stick_figure();
   std::reverse(marks.begin(), marks.end());

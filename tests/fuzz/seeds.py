@@ -291,9 +291,7 @@ def make_seeds(folder: Path) -> tuple[dict, World]:
     formats["proxies"] = ([texts / "proxies.json"], lambda path: d.read_proxies(path, world.skeleton))
     write_fit(folder / "fitted")
     formats["material"] = ([folder / "fitted" / "material.json"], d.read_materials)
-    record = d.RunRecord(texts)
-    record.data["session"] = "session"
-    record.save()
+    (texts / "run.json").write_text(json.dumps({"session": "session", "stages": {}}))
     formats["run"] = ([texts / "run.json"], lambda path: d.RunRecord(path.parent))
     search(texts / "fit_checkpoint.txt")
     formats["checkpoint"] = ([texts / "fit_checkpoint.txt"], search)

@@ -9,6 +9,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import doublet as d
+import numpy as np
 import pytest
 from argument_cases import ELSEWHERE, calls, spoilt
 from doublet import _doublet
@@ -106,6 +108,24 @@ def test_wrong_arguments_raise(world, tmp_path, name):
     assert last[2] == "accepted", last
     for argument, what, kind, text in rows:
         assert kind == "raised" or (kind == "accepted" and may_be(name, argument, what)), (argument, what, kind, text)
+
+
+def test_complex_numbers_raise(world, tmp_path):
+    """NumPy hands over their real part, with a warning at most."""
+    accepted = []
+    for name, (function, good) in calls(world, tmp_path).items():
+        arrays = {k: v for k, v in good.items() if isinstance(v, np.ndarray) and v.size and v.dtype.kind in "fi"}
+        for argument, value in arrays.items():
+            few = [(value + 0.5j).tolist()] if value.size < 100 else []  # the refusal has the whole list
+            for wrong in (value + 0.5j, (value + 0.5j).astype(np.complex64), *few):
+                try:
+                    function(**{**good, argument: wrong})
+                    accepted.append((name, argument))
+                except (TypeError, ValueError):
+                    pass
+    assert accepted == []
+    with pytest.raises(TypeError):
+        d.choose_widths(d.Garment(), [np.complex64(1)])
 
 
 def test_every_function_is_tried():

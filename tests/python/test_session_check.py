@@ -86,7 +86,7 @@ def test_picture_shows_every_camera(session):
     assert checked.findings == [] and checked.frame == 0 and checked.start is None
     assert np.allclose(np.diag(checked.overlaps), 1)
     image = draw(checked, frames)
-    assert image.shape == (SIZE, CAMERAS * SIZE, 3)
+    assert image.shape == (SIZE, CAMERAS * 500, 3)
     assert count_of(image, SCAN) > 100  # over the silhouette's, which is the same
     assert count_of(image, JOINT) > 20 * CAMERAS
 

@@ -51,6 +51,27 @@ def test_rows_come_in_the_order_of_the_jobs(executor, tmp_path):
     assert [json.loads(line) for line in (tmp_path / "rows.jsonl").read_text().splitlines()] == rows
 
 
+def test_jobs_are_run_together(executor, tmp_path):
+    rows = study.run(study_jobs.cube, squares(tmp_path, 8), executor, tmp_path / "rows.jsonl", batch=3)
+    assert results_of(rows) == [x**3 for x in range(8)]
+    assert sorted((tmp_path / "calls").read_text().split()) == ["2", "3", "3"]
+    assert study.run(study_jobs.cube, squares(tmp_path, 8), executor, tmp_path / "rows.jsonl") == rows  # one by one or together
+
+
+def test_one_that_fails_in_a_batch_fails_alone(tmp_path):
+    rows = study.run(study_jobs.cube, squares(tmp_path, 5, fails=3), study.local_workers(1))
+    assert results_of(rows) == [0, 1, 8, None, 64]
+    assert rows[3]["error"] == "ValueError: no square of 3"
+
+
+def test_one_that_kills_its_worker_in_a_batch_is_given_up_alone(tmp_path):
+    jobs = squares(tmp_path, 5)
+    jobs[2]["deaths"] = 99
+    rows = study.run(study_jobs.cube, jobs, study.local_workers(1), attempts=2)
+    assert results_of(rows) == [0, 1, None, 27, 64]
+    assert "worker was lost 2 times" in rows[2]["error"]
+
+
 def test_a_killed_worker_costs_time_only(tmp_path):
     jobs = squares(tmp_path, 6)
     jobs[2]["deaths"] = 2

@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import product
+from itertools import groupby, product
 from pathlib import Path
 
 import numpy as np
@@ -43,6 +43,7 @@ def run(
     results: Path | None = None,
     attempts: int = 3,
     on_row: Callable[[dict, int, int], None] | None = None,
+    batch: int = 16,
 ) -> list[dict]:
     """One row a job, in the order of the jobs: {"function", "job", "result" or "error", "seconds"}.
 
@@ -51,6 +52,8 @@ def run(
     raises is its row's "error"; it is tried again by the next study. A worker that dies costs time only: its jobs are sent again,
     and when a round brings nothing one at a time; a job that is lost `attempts` times when alone gets an "error", too.
     on_row(row, done, all): after every new row.
+    batch: how many jobs a worker gets at once, if the function has an attribute `together`, jobs -> their results, which is
+    quicker than one by one.
     """
     jobs = list(jobs)
     name = f"{function.__module__}.{function.__qualname__}"
@@ -61,23 +64,29 @@ def run(
     while waiting:
         lost = []
         with opened(executor) as pool:
-            for (key, job), reply in replies(pool, function, waiting[:1] if alone else waiting):
-                if isinstance(reply, BaseException):
-                    lost.append(reply)
+            size = batch if hasattr(function, "together") and not alone else 1
+            for entries, answers in replies(pool, function, batches(waiting[:1] if alone else waiting, size)):
+                if isinstance(answers, BaseException):
+                    lost.append(answers)
                     if alone < attempts:
                         continue
-                    text = f"its worker was lost {alone} times, at last with {type(reply).__name__}: {reply}"
-                    reply = {"error": text, "seconds": 0.0}
-                rows[key] = {"function": name, "job": job, **reply}
-                append_row(results, rows[key])
-                if on_row:
-                    on_row(rows[key], sum(k in rows for k in keys), len(keys))
+                    text = f"its worker was lost {alone} times, at last with {type(answers).__name__}: {answers}"
+                    answers = [{"error": text, "seconds": 0.0}]
+                for (key, job), answer in zip(entries, answers):
+                    rows[key] = {"function": name, "job": job, **answer}
+                    append_row(results, rows[key])
+                    if on_row:
+                        on_row(rows[key], sum(k in rows for k in keys), len(keys))
         before, waiting = len(waiting), [(k, job) for k, job in waiting if k not in rows]
         alone = 0 if len(waiting) < before else alone + 1
     if results:
         ordered = {k: rows[k] for k in keys}
         write_text(results, "".join(json.dumps(row) + "\n" for row in {**ordered, **rows}.values()))
     return [rows[k] for k in keys]
+
+
+def batches(entries: list, size: int) -> list[list]:
+    return [entries[i : i + size] for i in range(0, len(entries), size)]
 
 
 def key_of(function: str, job: dict) -> str:
@@ -126,13 +135,13 @@ def opened(executor):
     pool.shutdown()
 
 
-def replies(pool, function, jobs):
-    """(entry, reply) as they come: what `attempt` returns, or the exception of a lost worker."""
+def replies(pool, function, groups):
+    """(entries, answers) as they come: what `attempt` returns, or the exception of a lost worker."""
     sent = {}
     try:
-        for entry in jobs:
+        for entries in groups:
             try:
-                sent[pool.submit(attempt, function, entry[1])] = entry
+                sent[pool.submit(attempt, function, [job for _, job in entries])] = entries
             except concurrent.futures.BrokenExecutor:
                 break  # what is not sent stays waiting
         if not sent:
@@ -145,8 +154,20 @@ def replies(pool, function, jobs):
             future.cancel()
 
 
-def attempt(function, job: dict) -> dict:
-    """In the worker. Errors of the job come back as values, so that every other exception means a lost worker."""
+def attempt(function, jobs: list[dict]) -> list[dict]:
+    """In the worker. Errors of a job come back as values, so that every other exception means a lost worker."""
+    start = time.monotonic()
+    if len(jobs) > 1:
+        try:
+            found = function.together(jobs)
+            seconds = round((time.monotonic() - start) / len(jobs), 3)
+            return [{"result": result, "seconds": seconds} for result in found]
+        except Exception:
+            pass  # of one of them: alone, each has its own
+    return [attempt_one(function, job) for job in jobs]
+
+
+def attempt_one(function, job: dict) -> dict:
     start = time.monotonic()
     try:
         reply = {"result": function(job)}
@@ -317,10 +338,20 @@ def plain_fit(result: d.FitResult) -> dict:
 
 def energy(job: dict) -> list[float]:
     """E_fit of one material a region, pixels^2."""
-    base = {k: v for k, v in job.items() if k != "materials"}
-    _, objective = opened_objective(json.dumps(base, sort_keys=True))
-    sample = [d.Material(**material) for material in job["materials"]]
-    return objective.energies([sample], d.Context(threads=job["threads"]))[0].tolist()
+    return energies([job])[0]
+
+
+def energies(jobs: list[dict]) -> list[list[float]]:
+    """The same of many jobs: samples for the same images are simulated side by side, in a fraction of the time."""
+    found = []
+    for base, same in groupby(jobs, lambda job: json.dumps({k: v for k, v in job.items() if k != "materials"}, sort_keys=True)):
+        _, objective = opened_objective(base)
+        samples = [[d.Material(**material) for material in job["materials"]] for job in same]
+        found += objective.energies(samples, d.Context(threads=json.loads(base)["threads"])).tolist()
+    return found
+
+
+energy.together = energies
 
 
 @lru_cache(maxsize=1)

@@ -11,8 +11,7 @@ from .. import _doublet as d
 from ..common import drawing
 from ..common.files import written_atomically
 
-NARROWEST = 160  #: px, of a tile, for its text
-COLUMNS = 4
+COLUMNS, WIDTH = 4, 500  #: tiles in a row, px of a tile: at least what a checked image has
 
 
 def check_and_draw(
@@ -33,9 +32,9 @@ def draw(checked: d.SessionCheck, frames: d.FrameSource) -> np.ndarray:
     """(H, W, 3) RGB: the frame that was looked at, of every camera, with the outlines of scan (magenta) and silhouette (green),
     the joints (yellow), and the camera's name and overlap; without a scan, silhouettes alone."""
     tiles = [tile(checked, c, frames.image(c, checked.frame)) for c in range(len(checked.rig))]
-    height, width = np.max([(NARROWEST, NARROWEST), *(tile.shape[:2] for tile in tiles)], axis=0)
+    height = max(tile.shape[0] for tile in tiles)
     columns = min(COLUMNS, len(tiles))
-    tiles = [np.pad(tile, ((0, height - tile.shape[0]), (0, width - tile.shape[1]), (0, 0))) for tile in tiles]
+    tiles = [np.pad(tile, ((0, height - tile.shape[0]), (0, WIDTH - tile.shape[1]), (0, 0))) for tile in tiles]
     tiles += [np.zeros_like(tiles[0])] * (-len(tiles) % columns)
     return np.vstack([np.hstack(tiles[r : r + columns]) for r in range(0, len(tiles), columns)])
 

@@ -47,6 +47,8 @@ struct Skeleton {
   int dof_count() const { return static_cast<int>(dof_names.size()); }
   /// Index of a joint; throws Error naming it and the joints there are if unknown.
   int find(const std::string &name) const;
+  /// Does a limb, or the neck, end at the joint: is it no joint's parent?
+  bool is_leaf(int joint) const;
 };
 
 /// Builds the skeleton: sorts parents first (stable), chooses hinge axes from the rest geometry (knee, ankle, elbow flexion about
