@@ -20,10 +20,13 @@ constexpr double kBeyondHem = 0.30;                      // m along the skin
 constexpr double kSlope = 1;                             // m out for each beyond a free edge
 constexpr double kAtEdge = 1e-9;                         // a barycentric coordinate
 constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;     // m along the skin from the body; from the garment in the scan pose
-constexpr double kFold = 0.9;                            // cosine between the normals of the garment above the ends of an edge
-constexpr double kFoldReach = 0.03;                      // m, of what an edge moves its ends by
-constexpr double kFacing =
-    0.2; // cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out
+// Cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out.
+constexpr double kFacing = 0.2;
+constexpr int kLooks = 4;         // on the way in
+constexpr double kOblique = 0.5;  // of out for each in, at least
+constexpr double kDeepest = 0.09; // m
+constexpr double kWall = 0.5;     // m in for each along the skin, of skin beside what goes in
+constexpr int kGoAlong = 3;         // of neighbours that go along
 
 /// What of the person's skin may come to lie under the garment.
 std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) {
@@ -118,6 +121,8 @@ void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
     b.own += across;
     c.own += across;
   }
+  for (Tucked &tucked : vertices)
+    tucked.own.normalize(); // none stays none
 }
 
 void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body) {
@@ -127,71 +132,67 @@ void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vert
     tuck(drawn.cloth_normals, body_, body);
 }
 
-double SkinPenetrationFix::outside(const Eigen::Vector3d &point, const Vertices &normals, int &last,
-                                   Eigen::Vector3d &normal) const {
+SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Eigen::Vector3d &point, const Vertices &normals, int &last) const {
   const std::optional<MovingSurface::Point> at = garment_.closest(point, kReachOut, last);
   last = at ? at->face : -1;
-  normal.setZero();
+  Beside found;
   if (!at)
-    return 0;
+    return found;
   double deep = 0;
-  bool beyond = false;
+  found.covered = true;
   for (int k = 0; k < 3; ++k) {
     const int v = faces_(at->face, k);
-    normal += at->barycentric[k] * normals.row(v).transpose();
+    found.normal += at->barycentric[k] * normals.row(v).transpose();
     deep += at->barycentric[k] * depths_[v];
     if (edges_[at->face][k] != Edge::Inner && at->barycentric[k] < kAtEdge) {
+      found.covered = false;
       if (edges_[at->face][k] == Edge::Seam)
-        return 0; // above the garment
-      beyond = true;
+        return found; // above the garment
     }
   }
-  normal.normalize();
-  const double out = (point - at->point).dot(normal);
-  const double most = -deep + (beyond ? kSlope * std::sqrt(std::max(0.0, at->distance * at->distance - out * out)) : 0.0);
-  return std::max(0.0, out - most);
+  found.normal.normalize();
+  const double out = (point - at->point).dot(found.normal);
+  const double way = found.covered ? 0.0 : kSlope * std::sqrt(std::max(0.0, at->distance * at->distance - out * out));
+  found.out = std::max(0.0, out + deep - way);
+  return found;
 }
 
-/// By how much what stands out so much is moved.
-double SkinPenetrationFix::share(double out, const Tucked &tucked) {
-  const double facing = tucked.own.dot(tucked.normal);
-  return facing > 0 ? out * std::min(1.0, facing / (kFacing * tucked.own.norm())) : 0;
+/// Straight inwards: along the garment's normal what lies under one side of a fold would come out of the other.
+void SkinPenetrationFix::find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const {
+  tucked.in = 0;
+  int last = tucked.last;
+  for (int look = 0; look < kLooks && tucked.in < kDeepest; ++look) {
+    const Beside at = beside(positions.row(tucked.vertex).transpose() - tucked.in * tucked.own, normals, last);
+    if (look == 0) {
+      tucked.last = last;
+      tucked.covered = at.covered;
+    }
+    const double facing = tucked.own.dot(at.normal);
+    if (!(at.out > 1e-4) || facing <= 0)
+      break;
+    tucked.in += std::min(1.0, facing / kFacing) * at.out / std::max(facing, kOblique);
+  }
+  tucked.in = std::min(tucked.in, kDeepest);
+}
+
+void SkinPenetrationFix::take_neighbours_along(Part &part, const Vertices &positions) {
+  for (int ring = 0; ring < kGoAlong; ++ring)
+    for (const Eigen::Vector2i &edge : part.edges) {
+      Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]];
+      Tucked &less = a.in < b.in ? a : b;
+      const double most = std::max(a.in, b.in);
+      if (less.covered && most > less.in)
+        less.in = std::max(less.in, most - kWall * (positions.row(a.vertex) - positions.row(b.vertex)).norm());
+    }
 }
 
 void SkinPenetrationFix::tuck(const Vertices &normals, Part &part, Vertices &positions) const {
   part.find_normals(positions);
   for (Tucked &tucked : part.vertices)
-    tuck(normals, tucked, positions);
-  tuck_across_folds(normals, part, positions);
-}
-
-void SkinPenetrationFix::tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const {
-  if (const double out = outside(positions.row(tucked.vertex), normals, tucked.last, tucked.normal); out > 0)
-    positions.row(tucked.vertex) -= share(out, tucked) * tucked.normal.transpose();
-}
-
-/// An edge whose ends lie under two sides of a fold may have its middle before it: they go further under the garment, each as far
-/// as that one of its edges asks that asks the most.
-void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const {
-  Eigen::Vector3d normal;
-  for (const Eigen::Vector2i &edge : part.edges) {
-    Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]];
-    if (a.last < 0 || b.last < 0 || a.normal.dot(b.normal) > kFold)
-      continue;
-    const Eigen::Vector3d from = positions.row(a.vertex), to = positions.row(b.vertex);
-    if ((to - from).dot(b.normal - a.normal) >= 0)
-      continue; // over a ridge
-    int last = a.last;
-    const double out = std::min(outside((from + to) / 2, normals, last, normal), kFoldReach);
-    a.further = std::max(a.further, out);
-    b.further = std::max(b.further, out);
-  }
-  for (Tucked &tucked : part.vertices)
-    if (tucked.further > 0) {
-      positions.row(tucked.vertex) -= share(tucked.further, tucked) * tucked.normal.transpose();
-      tucked.further = 0;
-      tuck(normals, tucked, positions); // it may have come out elsewhere
-    }
+    find_way_in(normals, positions, tucked);
+  take_neighbours_along(part, positions);
+  for (const Tucked &tucked : part.vertices)
+    positions.row(tucked.vertex) -= tucked.in * tucked.own.transpose();
 }
 
 } // namespace doublet
