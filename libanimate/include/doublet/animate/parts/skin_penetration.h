@@ -25,10 +25,12 @@ private:
   enum class Edge : std::uint8_t { Inner, Free, Seam };
   struct Tucked {
     int vertex;
+    bool at_seam;                                  ///< of the scan's skin, where it ends under the garment that hangs there
     int last = -1;                                 ///< the face of the garment that was closest before; -1 = none
     bool covered = false;                          ///< it has garment before it, not merely beside it
     double in = 0;                                 ///< m, how far it goes inwards
     Eigen::Vector3d own = Eigen::Vector3d::Zero(); ///< its own normal
+    Eigen::Vector3d way = Eigen::Vector3d::Zero(); ///< out, of length 1
   };
   struct Part {
     std::vector<Tucked> vertices;
