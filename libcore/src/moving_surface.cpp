@@ -139,20 +139,35 @@ std::optional<MovingSurface::Point> MovingSurface::closest(const Vector3d &point
     try_face(hint, point, best);
   const Eigen::Array3f p = point.array().cast<float>();
   const double slack = kRounding * (1 + farthest + largest_);
-  std::array<int, 3 * kDeepest + 1> open; // nodes to look into
+  struct Open {
+    int node;
+    float distance; ///< squared, of its box
+  };
+  std::array<Open, 3 * kDeepest + 1> open; // nodes to look into, the nearest of each four last
   int count = 0;
-  open[count++] = 0;
+  open[count++] = {0, 0};
   while (count > 0) {
-    const Node &node = nodes_[open[--count]];
-    const Eigen::Array4f distances = squared_distances(p, node.low, node.high);
-    for (int k = 0; k < 4; ++k) {
+    const auto [at, box] = open[--count];
+    const auto is_near = [&](float distance) {
       const double reach = best.distance + slack;
-      if (!(distances[k] < reach * reach))
+      return distance < reach * reach;
+    };
+    if (!is_near(box))
+      continue;
+    const Node &node = nodes_[at];
+    const Eigen::Array4f distances = squared_distances(p, node.low, node.high);
+    const int first = count;
+    for (int k = 0; k < 4; ++k) {
+      if (!is_near(distances[k]))
         continue;
-      if (node.child[k] < 0)
+      if (node.child[k] < 0) {
         try_face(~node.child[k], point, best);
-      else
-        open[count++] = node.child[k];
+        continue;
+      }
+      int place = count++;
+      for (; place > first && open[place - 1].distance < distances[k]; --place)
+        open[place] = open[place - 1];
+      open[place] = {node.child[k], distances[k]};
     }
   }
   return best.face < 0 ? std::nullopt : std::optional<Point>(best);

@@ -112,13 +112,13 @@ private:
   /// The edges of one patch and the faces of another, which lie within `around`.
   template <class M> void find_near(const LaneModel &m, const Patch &edges, const Patch &faces, const Box<T> &around, M may) {
     const int first = faces.first_face, last = first + faces.face_count;
-    edge_boxes_.for_each_overlap(edges.first_edge, edges.first_edge + edges.edge_count, around, may, [&](int i, auto) {
+    edge_boxes_.for_each_overlap(edges.first_edge, edges.first_edge + edges.edge_count, around, may, [&](int i, auto near) {
       if constexpr (kSingle)
         face_boxes_.for_each_row(first, last, edge_boxes_[i], [&](int n, int overlaps) {
           add_pairs(i, n, overlaps & ~equal_bits(m.patch_corners, n, {m.edges[i].a, m.edges[i].b}), near_pairs_);
         });
       else
-        face_boxes_.for_each_overlap(first, last, edge_boxes_[i], may, [&](int n, auto lanes) {
+        face_boxes_.for_each_overlap(first, last, edge_boxes_[i], near, [&](int n, auto lanes) {
           const int f = m.patch_faces[n];
           if (!has_corner_of(m, f, i))
             near_.push_back({i, f, select(lanes, T(1), T(0))});

@@ -174,16 +174,16 @@ private:
     const T reach(2 * s.m.self_thickness);
     patches_.for_each_pair([&](int i, int j, auto may) {
       const Patch &one = s.m.patches[i], &other = s.m.patches[j];
-      edge_boxes_.for_each_overlap(one.first_edge, one.first_edge + one.edge_count, patches_.box(j), may, [&](int e, auto) {
+      edge_boxes_.for_each_overlap(one.first_edge, one.first_edge + one.edge_count, patches_.box(j), may, [&](int e, auto near) {
         const int first = i == j ? e + 1 : other.first_edge;
-        bring_edges(s, e, first, other.first_edge + other.edge_count, grown(edge_boxes_[e], reach), may);
+        bring_edges(s, e, first, other.first_edge + other.edge_count, grown(edge_boxes_[e], reach), near);
       });
     });
   }
   /// Those of one patch to the faces of another, which lie within `around`.
   template <class M> void bring_vertices(const Search &s, const Patch &one, const Patch &other, const Box<T> &around, M may) {
-    vertex_boxes_.for_each_overlap(one.first_vertex, one.first_vertex + one.vertex_count, around, may, [&](int k, auto) {
-      bring_faces(s, k, other.first_face, other.first_face + other.face_count, may);
+    vertex_boxes_.for_each_overlap(one.first_vertex, one.first_vertex + one.vertex_count, around, may, [&](int k, auto near) {
+      bring_faces(s, k, other.first_face, other.first_face + other.face_count, near);
     });
   }
   /// To vertex k the faces in [first, last), both in the order of the patches.

@@ -444,6 +444,42 @@ TEST(DisplaySurface, SkinOfTheScanGoesUnderAGarmentThatIsNarrowerThanTheLeg) {
   EXPECT_EQ(outside(), 0);
 }
 
+/// The valleys of pleats lie in the leg: its triangles neither bridge them nor come out of a pleat's other side.
+TEST(DisplaySurface, SkinGoesStraightInUnderPleats) {
+  const Character c = with_body(wearer(0, true));
+  ASSERT_FALSE(c.high_body.empty());
+  Vertices pleated = c.actor.mesh.vertices;
+  for (Eigen::Index v = 0; v < pleated.rows(); ++v)
+    if (c.segmentation.clothness[v] > 0) {
+      const double angle = std::atan2(pleated(v, 2), pleated(v, 0)), low = std::min(1.0, (kSeam - pleated(v, 1)) / 0.2);
+      const double factor = 1 - low * (1 - (0.095 + 0.06 * std::cos(9 * angle)) / kRadius);
+      pleated(v, 0) *= factor;
+      pleated(v, 2) *= factor;
+    }
+  DisplayBuffers buffers;
+  Vertices high, none;
+  DisplaySurface(c).apply(pleated, high, buffers);
+  const Eigen::Index cloth_faces = 14 * 36 * 2 * (1 << (2 * c.garment_subdivisions));
+  const Faces skin = c.high.faces.topRows(c.high.faces.rows() - cloth_faces);
+  const RayScene cloth({buffers.cloth, Faces(c.high.faces.bottomRows(cloth_faces).array() -
+                                             static_cast<int>(c.high.vertices.rows() - buffers.cloth.rows()))});
+  const auto outside = [&] { // of the faces' middles and the edges'
+    int count = 0;
+    for (Eigen::Index f = 0; f < skin.rows(); ++f)
+      for (int k = 0; k < 4; ++k) {
+        const Eigen::Vector3d a = high.row(skin(f, k % 3)), b = high.row(skin(f, (k + 1) % 3)),
+                              d = high.row(skin(f, (k + 2) % 3)),
+                              p = k < 3 ? Eigen::Vector3d((a + b) / 2) : Eigen::Vector3d((a + b + d) / 3);
+        const Eigen::Vector3d in = -Eigen::Vector3d(p.x(), 0, p.z()).normalized();
+        count += p.y() > kHem + 0.05 && p.y() < 0.75 && cloth.cast(p, in, 1e-6, 0.06).has_value();
+      }
+    return count;
+  };
+  EXPECT_GT(outside(), 1000);
+  SkinPenetrationFix(c).apply(buffers, high, none);
+  EXPECT_EQ(outside(), 0);
+}
+
 TEST(DisplaySurface, SkinIsNotPulledOutUnderAGarmentThatLiesInsideOut) {
   const Character c = with_body(wearer(0, true));
   DisplayBuffers buffers;

@@ -237,30 +237,48 @@ TEST(Player, GoesBackToASavedState) {
   EXPECT_EQ(player.step(dofs.row(2)).surface, first);
 }
 
-TEST(Player, ManyTogetherMoveAsEachAlone) {
+/// Copies of a player far from each other, each in another pose, some of them in a wind.
+void expect_together_as_alone(const Player &first, const std::vector<int> &counts) {
+  constexpr int kSteps = 5;
+  const int most = *std::max_element(counts.begin(), counts.end());
   const MatrixRM dofs = march();
+  const auto pose = [&](int k, int t) { return elsewhere(dofs.row(t + 2 * k), 0.1 * k, {2.0 * k, 0, 0}); };
+  const auto copies = [&](int count) {
+    std::vector<Player> players(count, first);
+    for (int k = 2; k < count; k += 3)
+      players[k].set_wind({0, 0, 3});
+    return players;
+  };
+  std::vector<Player> alone = copies(most);
+  for (int t = 1; t < kSteps; ++t)
+    for (int k = 0; k < most; ++k)
+      alone[k].step(pose(k, t), 1.0 / 30);
+  for (const int count : counts) {
+    std::vector<Player> together = copies(count);
+    std::vector<Player *> all;
+    for (Player &player : together)
+      all.push_back(&player);
+    for (int t = 1; t < kSteps; ++t) {
+      std::vector<Eigen::VectorXd> poses;
+      for (int k = 0; k < count; ++k)
+        poses.push_back(pose(k, t));
+      step_players(all, poses, 1.0 / 30, 2);
+    }
+    for (int k = 0; k < count; ++k) {
+      EXPECT_EQ(alone[k].frame().surface, together[k].frame().surface) << k << " of " << count;
+      EXPECT_EQ(alone[k].frame().high, together[k].frame().high) << k << " of " << count;
+      EXPECT_EQ(alone[k].frame().body, together[k].frame().body) << k << " of " << count;
+    }
+  }
+}
+TEST(Player, ManyTogetherMoveAsEachAlone) {
   AnimateOptions all_of_it;
   all_of_it.settle_seconds = 0.2;
-  const Player first = ready(all_of_it);
-  std::vector<Player> alone(5, first), together(5, first);
-  std::vector<Player *> all;
-  for (Player &player : together)
-    all.push_back(&player);
-  together[2].set_wind({0, 0, 3});
-  alone[2].set_wind({0, 0, 3});
-  for (int t = 1; t < 8; ++t) {
-    std::vector<Eigen::VectorXd> poses;
-    for (int k = 0; k < 5; ++k) {
-      poses.push_back(elsewhere(dofs.row(t + 2 * k), 0.1 * k, {2.0 * k, 0, 0}));
-      alone[k].step(poses[k], 1.0 / 30);
-    }
-    step_players(all, poses, 1.0 / 30, 2);
-  }
-  for (int k = 0; k < 5; ++k) {
-    EXPECT_EQ(alone[k].frame().surface, together[k].frame().surface) << k;
-    EXPECT_EQ(alone[k].frame().high, together[k].frame().high) << k;
-    EXPECT_EQ(alone[k].frame().body, together[k].frame().body) << k;
-  }
+  expect_together_as_alone(ready(all_of_it), {3, 5});
+}
+/// Lanes that are full and lanes that are not, one group and two.
+TEST(Player, AnyNumberTogetherMovesAsEachAlone) {
+  expect_together_as_alone(ready(), {1, 2, 3, 4, 6, 7, 8, 9});
 }
 
 TEST(Player, OneWhoseClothIsLostDoesNotHoldUpTheOthers) {

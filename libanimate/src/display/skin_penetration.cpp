@@ -20,13 +20,18 @@ constexpr double kBeyondHem = 0.30;                      // m along the skin
 constexpr double kSlope = 1;                             // m out for each beyond a free edge
 constexpr double kAtEdge = 1e-9;                         // a barycentric coordinate
 constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;     // m along the skin from the body; from the garment in the scan pose
-constexpr double kFold = 0.9;                            // cosine between the normals of the garment above the ends of an edge
-constexpr double kFoldReach = 0.03;                      // m, of what an edge moves its ends by
-constexpr double kFacing =
-    0.2; // cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out
+// Cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out.
+constexpr double kFacing = 0.2;
+constexpr double kEnough = 1e-4;               // m
+constexpr int kLooks = 3;                      // on the way in
+constexpr double kFlat = 0.8, kShallow = 0.02; // cosine; m
+constexpr double kOblique = 0.3;               // of out for each in, at least
+constexpr double kDeepest = 0.09;              // m
+constexpr double kWall = 0.3;                  // m in for each along the skin, of skin beside what goes in
+constexpr int kGoAlong = 2;                    // times over all edges
 
-/// What of the person's skin may come to lie under the garment.
-std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) {
+/// What of the person's skin may come to lie under the garment; at_seam: those of the scan that end under it where it hangs.
+std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part, std::vector<std::uint8_t> &at_seam) {
   const Faces skin = c.high.faces.topRows(part.skin_faces);
   const auto neighbours = vertex_neighbours(skin, static_cast<int>(part.skin_vertices));
   const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
@@ -40,6 +45,7 @@ std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) 
       ends.push_back(static_cast<int>(v));
   const Eigen::VectorXd along = edge_distances(c.high.vertices, neighbours, ends, kBeyondHem);
   std::vector<int> near = std::move(ends);
+  at_seam.assign(static_cast<std::size_t>(part.skin_vertices), 0);
   const RayScene cloth({c.high.vertices, c.high.faces.bottomRows(part.fine.faces.rows())});
   for (Eigen::Index v = 0; v < scan; ++v) {
     if (!(along[v] > 0 && along[v] < kBeyondHem))
@@ -48,7 +54,10 @@ std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) 
     const bool worn = along[v] < kUnderSeam && at.distance < kAsWorn && at.barycentric.minCoeff() > kAtEdge;
     if (std::isfinite(beyond[v]) || worn)
       near.push_back(static_cast<int>(v));
+    at_seam[v] = !std::isfinite(beyond[v]) && worn;
   }
+  for (int v : detail::weld_vertices(skin, scan)) // goes in with the body
+    at_seam[v] = 0;
   return near;
 }
 
@@ -57,8 +66,9 @@ std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part) 
 SkinPenetrationFix::SkinPenetrationFix(const Character &c)
     : faces_(detail::garment_part(c).fine.faces), garment_({c.high.vertices.bottomRows(faces_.maxCoeff() + 1), faces_}) {
   const detail::GarmentPart part = detail::garment_part(c);
-  for (int v : skin_near(c, part))
-    skin_.vertices.push_back({v});
+  std::vector<std::uint8_t> at_seam;
+  for (int v : skin_near(c, part, at_seam))
+    skin_.vertices.push_back({v, at_seam[v] != 0});
   skin_.bound(c.high.faces.topRows(part.skin_faces), part.skin_vertices);
   const Faces shown = valid_faces(c.body.faces, c.body_shown);
   std::vector<std::uint8_t> drawn(c.body.vertices.rows(), 0);
@@ -66,7 +76,7 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c)
     drawn[v] = 1;
   for (std::size_t v = 0; v < drawn.size(); ++v)
     if (drawn[v])
-      body_.vertices.push_back({static_cast<int>(v)});
+      body_.vertices.push_back({static_cast<int>(v), false});
   body_.bound(shown, c.body.vertices.rows());
 
   Eigen::VectorXd coarse(part.garment.vertices.size());
@@ -107,17 +117,21 @@ void SkinPenetrationFix::Part::bound(const Faces &all, Eigen::Index mesh_vertice
   edges = edge_topology(faces).edges;
 }
 
+/// What is bound to the cloth at the seam crumples with it, and has no say in the normals of what lies beside it.
 void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
   for (Tucked &tucked : vertices)
     tucked.own.setZero();
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    Tucked &a = vertices[faces(f, 0)], &b = vertices[faces(f, 1)], &c = vertices[faces(f, 2)];
-    const Eigen::Vector3d p = positions.row(a.vertex),
-                          across = (positions.row(b.vertex).transpose() - p).cross(positions.row(c.vertex).transpose() - p);
-    a.own += across;
-    b.own += across;
-    c.own += across;
+    Tucked *const corners[] = {&vertices[faces(f, 0)], &vertices[faces(f, 1)], &vertices[faces(f, 2)]};
+    const Eigen::Vector3d a = positions.row(corners[0]->vertex), b = positions.row(corners[1]->vertex),
+                          c = positions.row(corners[2]->vertex), across = (b - a).cross(c - a);
+    const bool crumpled = corners[0]->at_seam || corners[1]->at_seam || corners[2]->at_seam;
+    for (Tucked *corner : corners)
+      if (!crumpled || corner->at_seam)
+        corner->own += across;
   }
+  for (Tucked &tucked : vertices)
+    tucked.own.normalize(); // none stays none
 }
 
 void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body) {
@@ -127,71 +141,72 @@ void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vert
     tuck(drawn.cloth_normals, body_, body);
 }
 
-double SkinPenetrationFix::outside(const Eigen::Vector3d &point, const Vertices &normals, int &last,
-                                   Eigen::Vector3d &normal) const {
+SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Eigen::Vector3d &point, const Vertices &normals, int &last) const {
   const std::optional<MovingSurface::Point> at = garment_.closest(point, kReachOut, last);
   last = at ? at->face : -1;
-  normal.setZero();
+  Beside found;
   if (!at)
-    return 0;
+    return found;
   double deep = 0;
-  bool beyond = false;
+  found.covered = true;
   for (int k = 0; k < 3; ++k) {
     const int v = faces_(at->face, k);
-    normal += at->barycentric[k] * normals.row(v).transpose();
+    found.normal += at->barycentric[k] * normals.row(v).transpose();
     deep += at->barycentric[k] * depths_[v];
     if (edges_[at->face][k] != Edge::Inner && at->barycentric[k] < kAtEdge) {
+      found.covered = false;
       if (edges_[at->face][k] == Edge::Seam)
-        return 0; // above the garment
-      beyond = true;
+        return found; // above the garment
     }
   }
-  normal.normalize();
-  const double out = (point - at->point).dot(normal);
-  const double most = -deep + (beyond ? kSlope * std::sqrt(std::max(0.0, at->distance * at->distance - out * out)) : 0.0);
-  return std::max(0.0, out - most);
+  found.normal.normalize();
+  const double out = (point - at->point).dot(found.normal);
+  const double way = found.covered ? 0.0 : kSlope * std::sqrt(std::max(0.0, at->distance * at->distance - out * out));
+  found.out = std::max(0.0, out + deep - way);
+  return found;
 }
 
-/// By how much what stands out so much is moved.
-double SkinPenetrationFix::share(double out, const Tucked &tucked) {
-  const double facing = tucked.own.dot(tucked.normal);
-  return facing > 0 ? out * std::min(1.0, facing / (kFacing * tucked.own.norm())) : 0;
+/// Straight inwards: along the garment's normal what lies under one side of a fold would come out of the other. At the seam,
+/// where nothing is far out, along that normal.
+void SkinPenetrationFix::find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const {
+  tucked.in = 0;
+  tucked.way = tucked.own;
+  int last = tucked.last;
+  for (int look = 0; look < (tucked.at_seam ? 1 : kLooks) && tucked.in < kDeepest; ++look) {
+    const Beside at = beside(positions.row(tucked.vertex).transpose() - tucked.in * tucked.way, normals, last);
+    const double facing = tucked.own.dot(at.normal);
+    if (look == 0) {
+      tucked.last = last;
+      tucked.covered = at.covered;
+      if (tucked.at_seam)
+        tucked.way = at.normal;
+    }
+    if (!(at.out > kEnough) || facing <= 0)
+      break;
+    tucked.in += std::min(1.0, facing / kFacing) * at.out / (tucked.at_seam ? 1 : std::max(facing, kOblique));
+    if (facing > kFlat && tucked.in < kShallow)
+      break; // no other fold lies there
+  }
+  tucked.in = std::min(tucked.in, kDeepest);
+}
+
+void SkinPenetrationFix::take_neighbours_along(Part &part, const Vertices &positions) {
+  for (int ring = 0; ring < kGoAlong; ++ring)
+    for (const Eigen::Vector2i &edge : part.edges) {
+      Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]], &less = a.in < b.in ? a : b;
+      const double most = std::max(a.in, b.in);
+      if (less.covered && !less.at_seam && most > less.in)
+        less.in = std::max(less.in, most - kWall * (positions.row(a.vertex) - positions.row(b.vertex)).norm());
+    }
 }
 
 void SkinPenetrationFix::tuck(const Vertices &normals, Part &part, Vertices &positions) const {
   part.find_normals(positions);
   for (Tucked &tucked : part.vertices)
-    tuck(normals, tucked, positions);
-  tuck_across_folds(normals, part, positions);
-}
-
-void SkinPenetrationFix::tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const {
-  if (const double out = outside(positions.row(tucked.vertex), normals, tucked.last, tucked.normal); out > 0)
-    positions.row(tucked.vertex) -= share(out, tucked) * tucked.normal.transpose();
-}
-
-/// An edge whose ends lie under two sides of a fold may have its middle before it: they go further under the garment, each as far
-/// as that one of its edges asks that asks the most.
-void SkinPenetrationFix::tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const {
-  Eigen::Vector3d normal;
-  for (const Eigen::Vector2i &edge : part.edges) {
-    Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]];
-    if (a.last < 0 || b.last < 0 || a.normal.dot(b.normal) > kFold)
-      continue;
-    const Eigen::Vector3d from = positions.row(a.vertex), to = positions.row(b.vertex);
-    if ((to - from).dot(b.normal - a.normal) >= 0)
-      continue; // over a ridge
-    int last = a.last;
-    const double out = std::min(outside((from + to) / 2, normals, last, normal), kFoldReach);
-    a.further = std::max(a.further, out);
-    b.further = std::max(b.further, out);
-  }
-  for (Tucked &tucked : part.vertices)
-    if (tucked.further > 0) {
-      positions.row(tucked.vertex) -= share(tucked.further, tucked) * tucked.normal.transpose();
-      tucked.further = 0;
-      tuck(normals, tucked, positions); // it may have come out elsewhere
-    }
+    find_way_in(normals, positions, tucked);
+  take_neighbours_along(part, positions);
+  for (const Tucked &tucked : part.vertices)
+    positions.row(tucked.vertex) -= tucked.in * tucked.way.transpose();
 }
 
 } // namespace doublet

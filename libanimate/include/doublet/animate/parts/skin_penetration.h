@@ -11,8 +11,9 @@ namespace doublet {
 /// Brings what is drawn of the person near a garment under it, where it stands out by up to 6 cm: the hidden body, and the scan's
 /// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 20 mm deep, less at the
 /// garment's edges. Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the
-/// edge. Edges that bridge a fold of the garment go under it with their ends. Skin on which the garment lies inside out stays.
-/// Capsules, which keep the simulated cloth off, are simpler than legs. A matter of display only.
+/// edge. It goes straight inwards, and what lies beside it under the garment goes along, so that no triangle bridges a fold. Skin
+/// on which the garment lies inside out stays. Capsules, which keep the simulated cloth off, are simpler than legs. A matter of
+/// display only.
 class SkinPenetrationFix {
 public:
   /// The character must have M_high with a garment, else Error.
@@ -24,10 +25,12 @@ private:
   enum class Edge : std::uint8_t { Inner, Free, Seam };
   struct Tucked {
     int vertex;
-    int last = -1;                                    ///< the face of the garment that was closest before; -1 = none
-    double further = 0;                               ///< m, for edges across folds
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero(); ///< of the garment there; 0 = none
-    Eigen::Vector3d own = Eigen::Vector3d::Zero();    ///< its own, of any length
+    bool at_seam;                                  ///< of the scan's skin, where it ends under the garment that hangs there
+    int last = -1;                                 ///< the face of the garment that was closest before; -1 = none
+    bool covered = false;                          ///< it has garment before it, not merely beside it
+    double in = 0;                                 ///< m, how far it goes inwards
+    Eigen::Vector3d own = Eigen::Vector3d::Zero(); ///< its own normal
+    Eigen::Vector3d way = Eigen::Vector3d::Zero(); ///< out, of length 1
   };
   struct Part {
     std::vector<Tucked> vertices;
@@ -36,12 +39,16 @@ private:
     void bound(const Faces &all, Eigen::Index mesh_vertices);
     void find_normals(const Vertices &positions);
   };
-  /// By how much a point is to move, along `normal`, the garment's there.
-  double outside(const Eigen::Vector3d &point, const Vertices &normals, int &last, Eigen::Vector3d &normal) const;
-  static double share(double out, const Tucked &tucked);
+  /// A point beside the garment.
+  struct Beside {
+    double out = 0;                  ///< m, by how much it stands out, along the normal
+    bool covered = false;            ///< the garment's closest point is not of an edge
+    Eigen::Vector3d normal{0, 0, 0}; ///< the garment's there; 0 = none is near
+  };
+  Beside beside(const Eigen::Vector3d &point, const Vertices &normals, int &last) const;
+  void find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const;
+  static void take_neighbours_along(Part &part, const Vertices &positions);
   void tuck(const Vertices &normals, Part &part, Vertices &positions) const;
-  void tuck(const Vertices &normals, Tucked &tucked, Vertices &positions) const;
-  void tuck_across_folds(const Vertices &normals, Part &part, Vertices &positions) const;
 
   Part skin_, body_;                       ///< of M_high, of the body
   Faces faces_;                            ///< of the garment as it is drawn
