@@ -114,11 +114,19 @@ def name_meshes(scene):
             thing.name = name
 
 
+def curves_of(action):
+    """Blender 5 has them in the channel bags of layers; up to 4.x an action has them itself."""
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+    return [curve for bag in bags for curve in bag.fcurves]
+
+
 def put_keys_on_frames(scene, rate):
     """The importer knows whole frame rates only: at 29.97 its keys lie between the frames."""
     scene.render.fps_base = scene.render.fps / rate
     for action in bpy.data.actions:
-        for curve in action.fcurves:
+        for curve in curves_of(action):
             for key in curve.keyframe_points:
                 key.co.x = round(key.co.x / scene.render.fps_base)
             curve.update()
