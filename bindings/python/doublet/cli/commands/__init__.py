@@ -3,6 +3,7 @@
 from . import (
     animate,
     edit,
+    edit_character,
     evaluate,
     export_cloth,
     import_calibration,
@@ -24,6 +25,7 @@ COMMANDS = (
     import_calibration,
     scan,
     edit,
+    edit_character,
     animate,
     view,
     export_cloth,
