@@ -1,6 +1,7 @@
 """Characters and baked animations of doublet in Blender, and characters out of it again. Runs in Blender, needs nothing else:
 
 blender --background --python examples/blender_character.py -- import CHARACTER_OR_ANIMATION.glb SCENE.blend
+blender --background --python examples/blender_character.py -- import ANIMATION.usdc SCENE.blend
 blender SCENE.blend --background --python examples/blender_character.py -- export CHARACTER.glb
 
 `import` reads as File, Import, glTF 2.0 does, sets the scene's frame rate to the animation's, so that every shape falls on a
@@ -24,7 +25,7 @@ ARRAYS = {
     "mesh": ("vertices", "faces", "faceValid", "weights"),
     "clothness": ("sigma", "clothness", "region", "fullness", "rest"),
     "body": ("vertices", "faces", "weights", "shown"),
-    "high": ("vertices", "faces", "faceValid", "texcoords"),
+    "high": ("vertices", "faces", "faceValid", "texcoords", "bodyVertices"),
 }
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
@@ -133,7 +134,28 @@ def put_keys_on_frames(scene, rate):
     scene.frame_start, scene.frame_end = 0, max(round(action.frame_range[1]) for action in bpy.data.actions)
 
 
+def import_usd(path, scene_path):
+    """Blender puts a frame on each time code, as it should, but leaves the scene at its own rate, 24 a second."""
+    try:
+        if hasattr(bpy.utils, "expose_bundled_modules"):  # of the module bpy, from PyPI
+            bpy.utils.expose_bundled_modules()
+        from pxr import Usd
+    except ImportError:
+        raise SystemExit("expected a Blender with USD's Python module (4.0 or later), found none; set the frame rate by hand")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(Path(path).absolute()))
+    set_rate(bpy.context.scene, Usd.Stage.Open(str(path)).GetTimeCodesPerSecond())
+    bpy.ops.wm.save_as_mainfile(filepath=str(Path(scene_path).absolute()), compress=True)
+
+
+def set_rate(scene, rate):
+    scene.render.fps = max(1, round(rate))
+    scene.render.fps_base = scene.render.fps / rate
+
+
 def import_file(path, scene_path):
+    if Path(path).suffix.startswith(".usd"):
+        return import_usd(path, scene_path)
     gltf, binary = read_glb(path)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene, rate = bpy.context.scene, animation_rate(gltf, binary)
@@ -167,5 +189,5 @@ if __name__ == "__main__":
     elif arguments[:1] == ["export"] and len(arguments) == 2:
         export_file(arguments[1])
     else:
-        raise SystemExit("expected -- import FILE.glb SCENE.blend, or -- export CHARACTER.glb")
+        raise SystemExit("expected -- import FILE.glb SCENE.blend, or FILE.usdc, or -- export CHARACTER.glb")
     print(arguments[-1])

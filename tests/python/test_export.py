@@ -113,6 +113,21 @@ def test_no_bvh_of_what_is_no_motion(character, tmp_path, fps, dofs):
     assert not (tmp_path / "own.bvh").exists()
 
 
+# --- arrays
+
+
+def test_arrays_have_the_joints_rotations(character, motion, tmp_path):
+    """(T, J, 4) w x y z in the world; the root turns by more than a whole turn, and no quaternion changes its side."""
+    d.write_baked_npz(tmp_path / "own.npz", character, d.animate(character, motion))
+    with np.load(tmp_path / "own.npz") as arrays:
+        w, x, y, z = np.moveaxis(arrays["joint_rotations"].astype(float), -1, 0)
+        assert np.sum(arrays["joint_rotations"][1:] * arrays["joint_rotations"][:-1], axis=-1).min() > 0
+    columns = [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]
+    for t in range(FRAMES):
+        world = np.asarray(character.actor.skeleton.forward_kinematics(motion.dofs[t]))
+        np.testing.assert_allclose(np.array(columns)[:, t].T, world[:, :3, 0], atol=1e-5)
+
+
 # --- USD
 
 
