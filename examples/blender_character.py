@@ -141,7 +141,9 @@ def import_usd(path, scene_path):
             bpy.utils.expose_bundled_modules()
         from pxr import Usd
     except ImportError:
-        raise SystemExit("expected a Blender with USD's Python module (4.0 or later), found none; set the frame rate by hand")
+        raise SystemExit(
+            "expected a Blender with USD's Python module (4.0 or later), found none; set the frame rate by hand"
+        ) from None
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.usd_import(filepath=str(Path(path).absolute()))
     set_rate(bpy.context.scene, Usd.Stage.Open(str(path)).GetTimeCodesPerSecond())
@@ -154,8 +156,6 @@ def set_rate(scene, rate):
 
 
 def import_file(path, scene_path):
-    if Path(path).suffix.startswith(".usd"):
-        return import_usd(path, scene_path)
     gltf, binary = read_glb(path)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene, rate = bpy.context.scene, animation_rate(gltf, binary)
@@ -185,7 +185,7 @@ def export_file(path):
 if __name__ == "__main__":
     arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     if arguments[:1] == ["import"] and len(arguments) == 3:
-        import_file(*arguments[1:])
+        (import_usd if Path(arguments[1]).suffix.startswith(".usd") else import_file)(*arguments[1:])
     elif arguments[:1] == ["export"] and len(arguments) == 2:
         export_file(arguments[1])
     else:
