@@ -121,7 +121,21 @@ def test_underwear_reaches_to_the_thighs(world, monkeypatch):
     marks = [d.JointAnnotation("l_hip", "", [0, 1.2, 0], 6), d.JointAnnotation("l_knee", "l_hip", [0, 0.79, 0], 3)]
     character.actor = d.RiggedMesh(world.mesh, [1] * len(world.mesh.faces), world.weights, d.Skeleton(marks))
     set_underwear(character, (0, 0, 200))
-    assert [character.at(k)[2] for k in range(8)] == [200] * 6 + [90] * 2
+    assert [character.at(k)[2] for k in range(8)] == [200] * 4 + [200, 200, 90, 90]
+
+
+def test_underwear_ends_along_a_line(world, monkeypatch):
+    """A triangle whose first corner is above the line and whose others are as far below: a quarter of it is painted."""
+    character = Worn(world, monkeypatch, [1] + [0] * 7)
+    vertices = np.array(character.high.vertices)
+    vertices[:3, 1] = [1.2, 0.8, 0.8]
+    character.high = d.Mesh(vertices, character.high.faces)
+    character_edit.paint(character, np.array([True] + [False] * 7), (0, 0, 200), above=1.0)
+    cell = picture(character)[:16, :16, 2] == 200
+    assert cell[3, 3] and not cell[3, 10] and not cell[10, 3]
+    character_edit.paint(character, np.array([True] + [False] * 7), (0, 0, 200))
+    whole = picture(character)[:16, :16, 2] == 200
+    assert cell.sum() < 0.55 * whole.sum()  # with the border round either
 
 
 @pytest.mark.parametrize(

@@ -113,6 +113,24 @@ def test_no_bvh_of_what_is_no_motion(character, tmp_path, fps, dofs):
     assert not (tmp_path / "own.bvh").exists()
 
 
+def test_a_centred_motion_begins_over_the_origin(character, motion, tmp_path):
+    far = np.array(motion.dofs)
+    far[:, :3] += [0.7, 0, -0.4]
+    np.savez(tmp_path / "far.npz", dofs=far)
+    character.write(tmp_path / "c.glb")
+    paths = {}
+    for name, flags in (("as_it_is", []), ("centred", ["--centre"])):
+        out = tmp_path / f"{name}.npz"
+        assert (
+            cli.main(["animate", *map(str, (tmp_path / "c.glb", tmp_path / "far.npz")), "-o", str(out), "--quiet", *flags]) == 0
+        )
+        with np.load(out) as arrays:
+            paths[name] = arrays["joints"][:, 0]
+    np.testing.assert_allclose(paths["centred"][0, [0, 2]], 0, atol=1e-6)
+    assert np.linalg.norm(paths["as_it_is"][0, [0, 2]]) > 0.3
+    np.testing.assert_allclose(np.ptp(paths["centred"] - paths["as_it_is"], axis=0), 0, atol=1e-5)
+
+
 # --- arrays
 
 

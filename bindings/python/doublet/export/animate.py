@@ -13,7 +13,7 @@ import numpy as np
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.video import VideoWriter
-from .clips import read_motion
+from .clips import centred, read_motion
 from .usd import usd_modules, write_usdc
 from .video_camera import Shot, cameras_along
 
@@ -29,6 +29,7 @@ class Output:
     bone_map: Path | None = None
     clip: str = ""  # of a .glb with several animations: name, or number from 1
     shot: Shot | None = None  # of a video
+    centre: bool = False  # the motion begins over the world's origin, not where the scan stood
 
 
 def animate(
@@ -49,6 +50,8 @@ def animate(
     context, output = console.context(), output or Output()
     character = d.Character.read(character_file)
     motion = read_motion(motion_file, character, retargeting, context, output.bone_map, output.clip)
+    if output.centre:
+        motion = centred(motion, character.actor.skeleton)
     if out.suffix == ".mp4":
         return write_video(character, motion, out, context, output.shot, output.animation)
     if out.suffix == ".usdc":

@@ -72,8 +72,7 @@ def set_underwear(character: d.Character, rgb: Sequence[int]) -> None:
     if not hidden.any():
         character.body_colour = linear(rgb)
         return
-    centres = character.high.vertices[character.high.faces].mean(axis=1)
-    paint(character, hidden & (centres[:, 1] > height_of_legs(character)), rgb)
+    paint(character, hidden, rgb, height_of_legs(character))
 
 
 def height_of_legs(character: d.Character) -> float:
@@ -89,21 +88,38 @@ def height_of_legs(character: d.Character) -> float:
     return (1 - THIGH) * hip + THIGH * knee
 
 
-def paint(character: d.Character, faces: np.ndarray, rgb: Sequence[int]) -> None:
-    """Triangles of the atlas, where the character has a texture."""
+def paint(character: d.Character, faces: np.ndarray, rgb: Sequence[int], above: float = -np.inf) -> None:
+    """Triangles of the atlas, where the character has a texture: what of them is higher than `above` m in the scan's pose."""
     picture = character_picture(character)
     if picture is None or not faces.any():
         return
     corners = character.texcoords.reshape(-1, 3, 2)[faces] * picture.size - 0.5
+    heights = character.high.vertices[character.high.faces[faces], 1]
     draw, colour = ImageDraw.Draw(picture), tuple(map(int, rgb))
-    for corner in corners:
-        points = [tuple(point) for point in corner]
-        draw.polygon(points, fill=colour)
-        draw.line([*points, points[0]], fill=colour, width=BORDER)
+    for corner, height in zip(corners, heights):
+        points = part_above(corner, height, above)
+        if len(points) > 2:
+            draw.polygon(points, fill=colour)
+            draw.line([*points, points[0]], fill=colour, width=BORDER)
     kept = io.BytesIO()
     png = bytes(character.texture).startswith(PNG)
     picture.save(kept, **({"format": "PNG"} if png else {"format": "JPEG", "quality": QUALITY, "subsampling": 0}))
     character.texture = kept.getvalue()
+
+
+def part_above(corners: np.ndarray, heights: np.ndarray, above: float) -> list[tuple[float, float]]:
+    """A triangle, cut at a height (Sutherland, Hodgman 1974)."""
+    if not np.isfinite(above):
+        return [tuple(corner) for corner in corners]
+    kept = []
+    for k in range(3):
+        here, there = heights[k] - above, heights[(k + 1) % 3] - above
+        if here >= 0:
+            kept.append(tuple(corners[k]))
+        if here * there < 0:
+            share = here / (here - there)
+            kept.append(tuple((1 - share) * corners[k] + share * corners[(k + 1) % 3]))
+    return kept
 
 
 def texture_suffix(character: d.Character) -> str:

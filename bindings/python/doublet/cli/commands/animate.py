@@ -29,6 +29,8 @@ def register(commands) -> None:
     command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
     text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
     command.add_argument("--animation", default="", metavar="NAME", help=text)
+    text = "begin over the world's origin (default: where the actor stood in the scan)"
+    command.add_argument("--centre", action="store_true", help=text)
     text = "of an .mp4, px (default: 720x720)"
     command.add_argument("--size", metavar="WIDTHxHEIGHT", help=text)
     text = "of an .mp4: stands still, goes along, goes along and round; auto stands still if it all fits (default: auto)"
@@ -56,7 +58,10 @@ def run(arguments) -> None:
     if not arguments.out:
         arguments.usage_error("the following arguments are required: -o/--out")
     console = make_console(arguments)
-    output = Output(options["animate"], options["glb"], arguments.bone_map, arguments.animation, shot_of(arguments))
+    shot = shot_of(arguments)
+    output = Output(
+        options["animate"], options["glb"], arguments.bone_map, arguments.animation, shot=shot, centre=arguments.centre
+    )
     frames = animate(arguments.character, arguments.motion, arguments.out, console, options["retarget"], output)
     console.finish()
     print(f"{arguments.out}: {frames} frames")
