@@ -1,6 +1,7 @@
 """Characters and baked animations of doublet in Blender, and characters out of it again. Runs in Blender, needs nothing else:
 
 blender --background --python examples/blender_character.py -- import CHARACTER_OR_ANIMATION.glb SCENE.blend
+blender --background --python examples/blender_character.py -- import ANIMATION.usdc SCENE.blend
 blender SCENE.blend --background --python examples/blender_character.py -- export CHARACTER.glb
 
 `import` reads as File, Import, glTF 2.0 does, sets the scene's frame rate to the animation's, so that every shape falls on a
@@ -24,7 +25,7 @@ ARRAYS = {
     "mesh": ("vertices", "faces", "faceValid", "weights"),
     "clothness": ("sigma", "clothness", "region", "fullness", "rest"),
     "body": ("vertices", "faces", "weights", "shown"),
-    "high": ("vertices", "faces", "faceValid", "texcoords"),
+    "high": ("vertices", "faces", "faceValid", "texcoords", "bodyVertices"),
 }
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
@@ -114,15 +115,44 @@ def name_meshes(scene):
             thing.name = name
 
 
+def curves_of(action):
+    """Blender 5 has them in the channel bags of layers; up to 4.x an action has them itself."""
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+    return [curve for bag in bags for curve in bag.fcurves]
+
+
 def put_keys_on_frames(scene, rate):
     """The importer knows whole frame rates only: at 29.97 its keys lie between the frames."""
     scene.render.fps_base = scene.render.fps / rate
     for action in bpy.data.actions:
-        for curve in action.fcurves:
+        for curve in curves_of(action):
             for key in curve.keyframe_points:
                 key.co.x = round(key.co.x / scene.render.fps_base)
             curve.update()
     scene.frame_start, scene.frame_end = 0, max(round(action.frame_range[1]) for action in bpy.data.actions)
+
+
+def import_usd(path, scene_path):
+    """Blender puts a frame on each time code, as it should, but leaves the scene at its own rate, 24 a second."""
+    try:
+        if hasattr(bpy.utils, "expose_bundled_modules"):  # of the module bpy, from PyPI
+            bpy.utils.expose_bundled_modules()
+        from pxr import Usd
+    except ImportError:
+        raise SystemExit(
+            "expected a Blender with USD's Python module (4.0 or later), found none; set the frame rate by hand"
+        ) from None
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(Path(path).absolute()))
+    set_rate(bpy.context.scene, Usd.Stage.Open(str(path)).GetTimeCodesPerSecond())
+    bpy.ops.wm.save_as_mainfile(filepath=str(Path(scene_path).absolute()), compress=True)
+
+
+def set_rate(scene, rate):
+    scene.render.fps = max(1, round(rate))
+    scene.render.fps_base = scene.render.fps / rate
 
 
 def import_file(path, scene_path):
@@ -155,9 +185,9 @@ def export_file(path):
 if __name__ == "__main__":
     arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     if arguments[:1] == ["import"] and len(arguments) == 3:
-        import_file(*arguments[1:])
+        (import_usd if Path(arguments[1]).suffix.startswith(".usd") else import_file)(*arguments[1:])
     elif arguments[:1] == ["export"] and len(arguments) == 2:
         export_file(arguments[1])
     else:
-        raise SystemExit("expected -- import FILE.glb SCENE.blend, or -- export CHARACTER.glb")
+        raise SystemExit("expected -- import FILE.glb SCENE.blend, or FILE.usdc, or -- export CHARACTER.glb")
     print(arguments[-1])

@@ -6,6 +6,11 @@ cd "$(dirname "$0")/.."
 
 scripts/apt-install.sh scripts/apt-packages.txt
 [ -x .venv/bin/python ] || /usr/bin/python3 -m venv .venv
+if command -v em++ >/dev/null && command -v npm >/dev/null; then # the page of `doublet view`, which the installation takes along
+  mkdir -p build && scripts/build-viewer.sh >build/viewer.log 2>&1 || { cat build/viewer.log >&2 && exit 1; }
+else
+  echo "Without the page of 'doublet view': scripts/apt-install.sh scripts/apt-packages-viewer.txt, and npm, before this adds it"
+fi
 echo "Building doublet (some minutes) ..."
 .venv/bin/pip install -q --disable-pip-version-check .
 

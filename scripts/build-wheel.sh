@@ -9,10 +9,10 @@ work=$PWD/build/portable
 venv=$work/venv
 
 scripts/apt-install.sh scripts/apt-packages.txt
-if command -v em++ >/dev/null; then
+if command -v em++ >/dev/null && command -v npm >/dev/null; then
   scripts/build-viewer.sh >build/viewer.log 2>&1 || { cat build/viewer.log >&2 && exit 1; }
 elif [ ! -f build/viewer/page.html ]; then
-  echo "build-wheel.sh: without Emscripten the wheel lacks the page of 'doublet view' (scripts/apt-packages-viewer.txt)" >&2
+  echo "build-wheel.sh: without Emscripten and npm the wheel lacks the page of 'doublet view' (scripts/apt-packages-viewer.txt)" >&2
 fi
 
 [ -x "$venv/bin/python" ] || "${PYTHON:-/usr/bin/python3}" -m venv "$venv"

@@ -93,10 +93,14 @@ void bind_character(py::module_ &m) {
       .def_readwrite("high_valid", &Character::high_valid, "(FH) 0 = a face of M_high that is not drawn")
       .def_readwrite("garment_subdivisions", &Character::garment_subdivisions, "of the garment in `high`; -1 = none is")
       .def_readwrite("texcoords", &Character::texcoords, "(3 FH, 2) per corner of `high`")
-      .def_property_readonly(
+      .def_property(
           "texture",
           [](const Character &character) {
             return py::bytes(reinterpret_cast<const char *>(character.texture.data()), character.texture.size());
+          },
+          [](Character &character, const py::bytes &file) {
+            const std::string_view content = file;
+            character.texture.assign(content.begin(), content.end());
           },
           "a PNG or JPEG file as bytes; empty = none");
   m.def("make_character", &make_character, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("proxies"),
@@ -324,6 +328,8 @@ void bind_pictures(py::module_ &m) {
       .def_readwrite("faces", &RenderMesh::faces, "(F, 3)")
       .def_readwrite("colour", &RenderMesh::colour, "(3) B G R in [0, 1]");
   OptionsClass<RenderOptions>(m, "Options of render.");
+  m.def("hidden_faces", &hidden_faces, py::arg("character"), Release(),
+        "(FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.");
   m.def("render", &render, py::arg("meshes"), py::arg("camera"), py::arg("options") = RenderOptions{}, Release(),
         "(H, W, 3) uint8, BGR");
   m.def("orbit_camera", &orbit_camera, py::arg("target"), py::arg("radius"), py::arg("azimuth"), py::arg("elevation"),

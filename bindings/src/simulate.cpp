@@ -18,6 +18,11 @@ void bind_simulate(py::module_ &m) {
       .def_readwrite("regions", &CharacterState::regions, "ClothState of each cloth region")
       .def(
           "copy", [](const CharacterState &state) { return state; }, "A state of its own.");
+  Class<ClothRegion>(m, "ClothRegion", "One piece of cloth: the faces with a vertex of the region, and the ring they hang from.")
+      .def_readonly("vertex_from_cloth", &ClothRegion::vertex_from_cloth, "(N) index into the actor's vertices")
+      .def_property_readonly(
+          "model", [](const ClothRegion &region) { return std::const_pointer_cast<pbd::ClothModel>(region.model); },
+          "ClothModel");
   Class<CharacterSimulator>(m, "CharacterSimulator", "The forward model: pose in, surface out.")
       .def(py::init([](const RiggedMesh &actor, const Segmentation &segmentation, const std::vector<TaperedCapsule> &proxies,
                        const pbd::ClothOptions &options, const SolverMaker &make_solver) {
@@ -30,6 +35,7 @@ void bind_simulate(py::module_ &m) {
            "make_solver(ClothModel) -> ClothSolver, of each cloth region; None = the built-in one.")
       .def_property_readonly(
           "region_count", [](const CharacterSimulator &s) { return s.regions().size(); }, "cloth regions")
+      .def_property_readonly("regions", &CharacterSimulator::regions, "ClothRegion of each")
       .def_property_readonly("actor", &CharacterSimulator::actor, "RiggedMesh that is simulated")
       .def("pose", py::overload_cast<const Eigen::VectorXd &>(&CharacterSimulator::pose, py::const_), py::arg("dofs"), Release(),
            "The PosedFrame of a pose (D).")

@@ -3,6 +3,7 @@
 import base64
 import io
 import subprocess
+import sys
 from pathlib import Path
 
 import doublet as d
@@ -175,6 +176,112 @@ def test_what_is_wrong_gets_its_sentence(character, files, tmp_path, monkeypatch
     with pytest.raises(ValueError, match=r"other.glb: expected a character of the same time step as .*, found 0.025 and 0.01"):
         view.write_view(tmp_path / "page", [files / "c.glb", tmp_path / "other.glb"], [], d.RetargetOptions())
     monkeypatch.setenv("DOUBLET_VIEWER_DIR", str(tmp_path))
-    with pytest.raises(RuntimeError, match="expected the viewer's bundle, found no page.html; scripts/build-viewer.sh makes it"):
+    with pytest.raises(
+        RuntimeError,
+        match="expected the viewer's page, found no page.html: this doublet was installed without it; in its sources",
+    ):
         view.write_view(tmp_path / "page", [files / "c.glb"], [], d.RetargetOptions())
     assert not (tmp_path / "page").exists()
+
+
+# --- files that are dropped, keys, time
+
+DROP = """
+  const [name, text] = arguments, bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), dataTransfer = new DataTransfer();
+  dataTransfer.items.add(new File([bytes], name));
+  const event = (kind) => new DragEvent(kind, { dataTransfer, bubbles: true, cancelable: true });
+  document.body.dispatchEvent(event("dragover"));
+  document.body.dispatchEvent(event("drop"));
+"""
+
+
+def drop(page, name, content):
+    page.execute_script(DROP, name, base64.b64encode(content).decode())
+
+
+def until(page, expression):
+    WebDriverWait(page, 60).until(lambda _: page.execute_script(f"return {expression}"))
+
+
+@pytest.fixture(scope="module")
+def person():
+    """Somebody with arms and legs, whom a clip can be retargeted to; the cloth is a band round the hips."""
+    sys.path.append(str(HERE.parent / "python"))
+    from test_motions import actor_skeleton
+
+    vertices, faces = tube(0.2, 0.4, 1.6, 28, 20)
+    skeleton = actor_skeleton()
+    weights = np.zeros((len(vertices), len(skeleton.joint_names)))
+    weights[:, 0] = 1
+    actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, skeleton)
+    cloth = (vertices[:, 1] < 0.9).astype(float)
+    segmentation = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    return d.make_character(actor, segmentation, d.BodyFit(), [], [d.Material(k_bend=0.25)], d.SolverSettings(1 / FPS))
+
+
+@pytest.fixture
+def own_page(bundle, person, browser, tmp_path):  # noqa: F811
+    person.name = "person"
+    person.write(tmp_path / "person.glb")
+    assert doublet("view", tmp_path / "person.glb", "-o", tmp_path / "page").returncode == 0
+    browser.set_window_size(900, 700)
+    browser.get((tmp_path / "page" / "index.html").as_uri())
+    until(browser, "doubletView.state.time > 2")
+    browser.execute_script("doubletView.stage.lighten(), doubletView.stage.lighten()")
+    return browser
+
+
+def test_a_dropped_clip_is_retargeted_as_the_library_does_it(own_page, person, tmp_path):
+    skeleton = person.actor.skeleton
+    dofs = np.zeros((20, len(skeleton.dof_names)))
+    dofs[:, skeleton.dof_names.index("pelvis.tx")] = np.linspace(0, 0.5, 20)
+    dofs[:, skeleton.dof_names.index("l_knee.flex")] = np.linspace(0, 0.8, 20)
+    d.write_bvh(tmp_path / "dance.bvh", skeleton, d.Motion(FPS, dofs))
+    drop(own_page, "dance.bvh", (tmp_path / "dance.bvh").read_bytes())
+    until(own_page, "doubletView.state.clip === 1 && doubletView.state.time > 2")
+    played = own_page.execute_script("return doubletView.state.actors[0].actor.poses.map((pose) => Array.from(pose))")
+    expected = d.retarget(d.SourceMotion.read(tmp_path / "dance.bvh"), skeleton, d.RetargetOptions(fps=FPS)).dofs
+    np.testing.assert_allclose(played, expected, atol=1e-6)
+    assert own_page.execute_script("return document.getElementById('clip').selectedOptions[0].text") == "dance"
+
+
+def test_another_character_takes_the_place_of_the_first(own_page, character, files):
+    drop(own_page, "other.glb", (files / "c.glb").read_bytes())
+    until(own_page, "doubletView.state.actors[0]?.actor.name === 'other' && doubletView.state.time > 1")
+    assert len(positions(own_page)) == len(character.high.vertices)
+    drop(own_page, "no.glb", (files / "c.glb").read_bytes()[:5000])
+    until(own_page, "document.getElementById('status').classList.contains('problem')")
+
+
+def test_what_is_no_file_of_ours_gets_a_sentence(own_page):
+    drop(own_page, "notes.txt", b"nothing")
+    until(own_page, "document.getElementById('status').textContent !== ''")
+    status = own_page.find_element(By.ID, "status")
+    assert status.text == "notes.txt: expected a .bvh, a .glb, a .png or a .jpg" and "problem" in status.get_attribute("class")
+    drop(own_page, "broken.bvh", b"HIERARCHY\nROOT\n")
+    until(own_page, "document.getElementById('status').textContent.startsWith('broken.bvh')")
+
+
+def test_space_pauses_and_the_timeline_leads_anywhere(own_page):
+    body = own_page.find_element(By.TAG_NAME, "body")
+    body.send_keys(Keys.SPACE)
+    assert own_page.find_element(By.ID, "play").text == "Play"
+    body.send_keys(Keys.SPACE)
+    assert own_page.find_element(By.ID, "play").text == "Pause"
+    lead = "const line = document.getElementById('timeline'); line.value = 90; line.dispatchEvent(new Event('change'));"
+    own_page.execute_script(lead)
+    until(own_page, "doubletView.state.schedule[0] === 90 && doubletView.state.time > 1")
+
+
+def test_a_dropped_picture_and_a_saved_material(own_page):
+    keep = "URL.createObjectURL = (blob) => (blob.text().then((text) => (window.saved = JSON.parse(text))), 'blob:none');"
+    own_page.execute_script(keep)
+    own_page.execute_script(
+        "[...document.querySelectorAll('button')].find((b) => b.textContent === 'Save material').onclick(); return 1"
+    )
+    until(own_page, "window.saved")
+    assert own_page.execute_script("return window.saved.regions[0].parameters.k_bend") == 0.25
+    content = io.BytesIO()
+    Image.new("RGB", (32, 16), "navy").save(content, "PNG")
+    drop(own_page, "navy.png", content.getvalue())
+    until(own_page, "doubletView.state.actors[0].figure.meshes[0].material.map?.image.width === 32")

@@ -642,6 +642,8 @@ spoilt_by(
 # --- where it goes, and what was asked
 
 spoilt_by("Character", "view c.glb --compare other.glb -o new", nobody_to_compare_with=lambda folder: None)
+spoilt_by("Character", "export-cloth c.glb -o new --areal-density 0", cloth_that_weighs_nothing=lambda folder: None)
+spoilt_by("Motion", "export-cloth c.glb --motion dance.bvh -o new", a_motion_that_is_not_there=lambda folder: None)
 spoilt_by("Motion", "view c.glb --clip dance.bvh -o new", a_clip_that_is_not_there=lambda folder: None)
 spoilt_by("Output", "animate c.glb walk.bvh -o new.avi", a_format_that_is_not_written=lambda folder: None)
 spoilt_by("Output", RECONSTRUCT, a_file_where_the_folder_should_be=content("new", "here"))

@@ -3,9 +3,13 @@
 import io
 import json
 import os
+import re
+import runpy
 import shutil
 import subprocess
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import doublet as d
 import numpy as np
@@ -232,3 +236,22 @@ def test_a_character_goes_through_blender(turning, tmp_path):
 def test_a_scene_without_a_character_is_refused(tmp_path):
     done = blender("--python", SCRIPT, "--", "export", tmp_path / "no.glb")
     assert done.returncode != 0 and "holds no character" in done.stdout + done.stderr
+
+
+def test_curves_are_found_in_actions_of_either_kind(monkeypatch):
+    """Of Blender up to 4.x, and of 5, whose actions have layers: both with no Blender."""
+    monkeypatch.setitem(sys.modules, "bpy", SimpleNamespace())
+    script = runpy.run_path(str(SCRIPT))
+    curves = ["a", "b", "c"]
+    bags = [SimpleNamespace(fcurves=curves[:1]), SimpleNamespace(fcurves=curves[1:])]
+    layered = SimpleNamespace(layers=[SimpleNamespace(strips=[SimpleNamespace(channelbags=bags)])])
+    assert script["curves_of"](SimpleNamespace(fcurves=curves)) == script["curves_of"](layered) == curves
+
+
+def test_the_script_copies_every_array_of_a_character(monkeypatch):
+    """Members of the extension that are indices: those that libanimate writes."""
+    monkeypatch.setitem(sys.modules, "bpy", SimpleNamespace())
+    known = {(group, name) for group, names in runpy.run_path(str(SCRIPT))["ARRAYS"].items() for name in names}
+    written = (ROOT / "libanimate" / "src" / "display" / "character_file.cpp").read_text(encoding="utf-8")
+    found = set(re.findall(r'out\["(\w+)"\]\["(\w+)"\] = writer\.', written))
+    assert len(found) > 3 and found <= known | {("high", "texture")}

@@ -8,6 +8,7 @@ import pytest
 NEEDS_MORE = {
     "numpy_solver.py",  # a reconstruction: runs in tests/e2e
     "blender_cameras.py",  # Blender: test_import_calibration.py
+    "newton_cloth.py",  # Newton, from PyPI, and minutes: docs/export-cloth.md has what it says
     "blender_character.py",  # Blender: test_baked.py
     "mediapipe_masks.py",  # MediaPipe, which brings its own OpenCV; what it writes is read in test_scan.py
 }

@@ -113,6 +113,39 @@ def test_no_bvh_of_what_is_no_motion(character, tmp_path, fps, dofs):
     assert not (tmp_path / "own.bvh").exists()
 
 
+def test_a_centred_motion_begins_over_the_origin(character, motion, tmp_path):
+    far = np.array(motion.dofs)
+    far[:, :3] += [0.7, 0, -0.4]
+    np.savez(tmp_path / "far.npz", dofs=far)
+    character.write(tmp_path / "c.glb")
+    paths = {}
+    for name, flags in (("as_it_is", []), ("centred", ["--centre"])):
+        out = tmp_path / f"{name}.npz"
+        assert (
+            cli.main(["animate", *map(str, (tmp_path / "c.glb", tmp_path / "far.npz")), "-o", str(out), "--quiet", *flags]) == 0
+        )
+        with np.load(out) as arrays:
+            paths[name] = arrays["joints"][:, 0]
+    np.testing.assert_allclose(paths["centred"][0, [0, 2]], 0, atol=1e-6)
+    assert np.linalg.norm(paths["as_it_is"][0, [0, 2]]) > 0.3
+    np.testing.assert_allclose(np.ptp(paths["centred"] - paths["as_it_is"], axis=0), 0, atol=1e-5)
+
+
+# --- arrays
+
+
+def test_arrays_have_the_joints_rotations(character, motion, tmp_path):
+    """(T, J, 4) w x y z in the world; the root turns by more than a whole turn, and no quaternion changes its side."""
+    d.write_baked_npz(tmp_path / "own.npz", character, d.animate(character, motion))
+    with np.load(tmp_path / "own.npz") as arrays:
+        w, x, y, z = np.moveaxis(arrays["joint_rotations"].astype(float), -1, 0)
+        assert np.sum(arrays["joint_rotations"][1:] * arrays["joint_rotations"][:-1], axis=-1).min() > 0
+    columns = [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)]
+    for t in range(FRAMES):
+        world = np.asarray(character.actor.skeleton.forward_kinematics(motion.dofs[t]))
+        np.testing.assert_allclose(np.array(columns)[:, t].T, world[:, :3, 0], atol=1e-5)
+
+
 # --- USD
 
 
@@ -176,7 +209,7 @@ def test_usd_finds_its_texture(character, usd):
 
 def test_without_usd_core_there_is_a_sentence(character, motion, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pxr", None)
-    with pytest.raises(RuntimeError, match=r"needs the package usd-core.*pip install 'doublet\[usd\]'"):
+    with pytest.raises(RuntimeError, match=r"needs the package usd-core.*pip install usd-core"):
         write_usdc(tmp_path / "new.usdc", character, motion)
     assert list(tmp_path.iterdir()) == []
 

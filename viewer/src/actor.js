@@ -11,6 +11,7 @@ export class Actor {
     this.name = character.name;
     this.clips = clips; // of this character's skeleton
     this.times = []; // ms of the last steps
+    this.asking = new Map(); // ticket -> what waits for a clip
     this.frames = new Map(); // number -> {drawn}
     this.run = 0; // frames of an earlier run are not wanted any more
     this.onProblem = onProblem;
@@ -28,6 +29,12 @@ export class Actor {
     this.materials = message.materials;
     this.estimated = message.materials.map((material) => [...material]);
     this.onOpened(message);
+  }
+  on_clip({ ticket, poses, text }) {
+    const { resolve, reject } = this.asking.get(ticket);
+    this.asking.delete(ticket);
+    if (poses) resolve(poses);
+    else reject(new Error(text));
   }
   on_materials({ materials }) {
     this.materials = materials;
@@ -60,6 +67,12 @@ export class Actor {
     }
   }
 
+  /** Poses of a clip's file, or of turning to and fro if there is none. */
+  posesOf({ fileName, bytes }) {
+    const ticket = (this.tickets = (this.tickets ?? 0) + 1);
+    this.worker.postMessage({ type: "clip", ticket, name: fileName, bytes });
+    return new Promise((resolve, reject) => this.asking.set(ticket, { resolve, reject }));
+  }
   setMaterial(region, parameter, value) {
     this.worker.postMessage({ type: "material", region, parameter, value });
   }

@@ -3,11 +3,20 @@
 import { Actor } from "./actor.js";
 import { bytesOf, posesOf } from "./data.js";
 import { button, byId, choice, drawGraph, heading, linear, oneOf, row, slider, tick } from "./panel.js";
+import { acceptFiles, isCharacter, save } from "./files.js";
 import { Stage } from "./stage.js";
 
 const COLOURS = ["#a5423b", "#33658a"];
 const SETTLING = "The cloth falls into place";
 const SPEEDS = [1, 0.5, 0.25, 0.1];
+const PLAIN_NAMES = {
+  d_n: "air drag",
+  d_t: "drag along",
+  k_bend: "bending",
+  k_stretch: "stretching",
+  k_friction: "friction",
+  k_damping: "damping",
+};
 const STANDARD_GRAVITY = 9.81;
 const LONGEST_PAUSE = 0.1; // s between two pictures that the clock makes up for
 const TOO_SLOW = 45; // ms a picture, mean of ...
@@ -15,6 +24,7 @@ const PATIENCE = 10; // ... so many
 
 const data = window.DOUBLET_VIEW; // written by `doublet view`, see data.js
 const characters = data.characters.map(({ name, glb }) => ({ name, glb: bytesOf(glb) }));
+// poses: of each character; those of a dropped file come when a character is there that wants them
 const clips = data.clips.map(({ name, poses }) => ({ name, poses: poses.map((of, i) => posesOf(of, data.characters[i].dofs)) }));
 
 const stage = new Stage(byId("stage"));
@@ -44,14 +54,18 @@ async function addActor(which) {
   const character = characters[which];
   const actor = new Actor(character, clips.map((clip) => clip.poses[which]), (text) => say(text, true));
   const opened = await actor.opened;
+  for (const clip of clips) clip.poses[which] ??= await actor.posesOf(clip);
+  actor.clips = clips.map((clip) => clip.poses[which]);
+  actor.which = which;
   state.actors.push({ actor, figure: await stage.addFigure(opened) });
   setWorld();
 }
 
-function begin() {
+/** At a pose of the clip, in which the cloth falls into place. */
+function begin(at = 0) {
   say(SETTLING);
   state.time = 0;
-  state.schedule = [0];
+  state.schedule = [at];
   for (const { actor } of state.actors) actor.begin(state.clip, state.schedule);
 }
 
@@ -70,8 +84,9 @@ let lastTime = performance.now();
 let isNew = true;
 
 function advance(seconds) {
+  if (state.actors.length === 0) return false; // between two characters
   const [{ actor: first }] = state.actors;
-  const count = clips[state.clip].poses[0].length;
+  const count = clips[state.clip].poses[first.which].length;
   const here = Math.floor(state.time);
   while (state.schedule.length < here + 8) {
     const last = state.schedule.at(-1);
@@ -125,6 +140,7 @@ function watchTheClock(milliseconds) {
 const mean = (numbers) => numbers.reduce((sum, number) => sum + number, 0) / numbers.length;
 
 function showNumbers() {
+  if (state.actors.length === 0) return;
   const steps = state.actors.map(({ actor }) => actor).filter((actor) => actor.times.length > 0);
   if (steps.length > 0) {
     const each = steps.map((actor) => `${actor.milliseconds.toFixed(1)} ms`).join(" and ");
@@ -138,6 +154,7 @@ function showNumbers() {
     byId("drawn").textContent = `${time.toFixed(1)} ms, ${Math.round(1000 / time)} fps`;
   }
   for (const label of sliders) label.refresh();
+  showTime();
   const labels = byId("labels").children;
   state.actors.forEach(({ figure }, i) => {
     if (!labels[i] || !figure.extent) return;
@@ -158,8 +175,8 @@ function materialSlider({ name, lower, upper, unit, meaning }, parameter) {
   const make = name === "k_stretch" ? (options) => slider({ ...options, ...NEAR_ONE }) : linear;
   const label = make({
     id: name,
-    text: name,
-    title: meaning,
+    text: PLAIN_NAMES[name] ? `${PLAIN_NAMES[name]} ${name}` : name,
+    title: `${name}: ${meaning}`,
     lower,
     upper,
     shown: (x) => `${name === "k_stretch" ? x.toFixed(5) : x.toFixed(3)} ${unit}`,
@@ -195,6 +212,79 @@ function choose(i) {
 function forgetMaterial() {
   const { estimated } = chosenActor();
   estimated[state.region].forEach((value, parameter) => chosenActor().setMaterial(state.region, parameter, value));
+}
+
+/** As material.json: `doublet edit-character --material-file` takes it. */
+function saveMaterial() {
+  const { name, materials } = chosenActor();
+  const regions = materials.map((values) => ({ parameters: Object.fromEntries(data.parameters.map((p, i) => [p.name, values[i]])) }));
+  save(`${name}-material.json`, `${JSON.stringify({ regions }, null, 1)}\n`);
+}
+
+// --- files that are dropped
+
+async function takeFile(fileName, bytes) {
+  if (/\.(png|jpe?g)$/i.test(fileName)) {
+    await state.actors[state.chosen].figure.setTexture(bytes);
+  } else if (isCharacter(bytes)) {
+    await takeCharacter(fileName, bytes);
+  } else if (/\.(bvh|glb)$/i.test(fileName)) {
+    await takeClip(fileName, bytes);
+  } else {
+    throw new Error(`${fileName}: expected a .bvh, a .glb, a .png or a .jpg`);
+  }
+}
+
+async function takeClip(fileName, bytes) {
+  say(`Reading ${fileName}`);
+  const clip = { name: fileName.replace(/\.[^.]*$/, ""), fileName, bytes, poses: [] };
+  for (const { actor } of state.actors) clip.poses[actor.which] ??= await actor.posesOf(clip);
+  clips.push(clip);
+  for (const { actor } of state.actors) actor.clips.push(clip.poses[actor.which]);
+  state.clip = clips.length - 1;
+  fillPanel();
+  begin();
+}
+
+/** In the place of the first, or of the second where two are shown and that is chosen. Clips that were retargeted before the page
+ * was written are of the other skeleton. */
+async function takeCharacter(fileName, glb) {
+  const dropped = { name: fileName.replace(/\.[^.]*$/, ""), glb };
+  const trial = new Actor(dropped, [], (text) => say(text, true));
+  say(`Reading ${fileName}`);
+  await trial.opened;
+  trial.end();
+  for (const { actor, figure } of state.actors.splice(0)) {
+    actor.end();
+    stage.removeFigure(figure);
+  }
+  characters.splice(0, characters.length, dropped);
+  const files = clips.filter(({ bytes }) => bytes).map((clip) => ({ ...clip, poses: [] }));
+  clips.splice(0, clips.length, ...(files.length ? files : [{ name: "to and fro", poses: [] }]));
+  state.clip = 0;
+  choose(0);
+  await addActor(0);
+  fillPanel();
+  isNew = true;
+  begin();
+}
+
+// --- keys, time
+
+function onKey(event) {
+  if (event.code !== "Space" || event.target.matches("select, button, input[type=checkbox]")) return;
+  event.preventDefault();
+  togglePlay();
+}
+
+function showTime() {
+  const slider = byId("timeline");
+  const [{ actor } = {}] = state.actors;
+  if (!actor) return;
+  const at = state.schedule[Math.min(Math.floor(state.time), state.schedule.length - 1)];
+  slider.max = clips[state.clip].poses[actor.which].length - 1;
+  if (!slider.matches(":active")) slider.value = at;
+  slider.nextElementSibling.textContent = `${(at * (actor.dt ?? 0)).toFixed(1)} s`;
 }
 
 async function compare(isTwo) {
@@ -245,7 +335,7 @@ function fillPanel() {
     ...(two ? [oneOf(called(), choose)] : []),
     ...(regions.length > 1 ? [row(choice({ id: "region", title: "Cloth", names: regions, chosen: 0, onChange: chooseRegion }))] : []),
     ...materials,
-    row(button("As estimated", forgetMaterial)),
+    row(button("As estimated", forgetMaterial), button("Save material", saveMaterial)),
     heading("World"),
     ...world,
   );
@@ -280,7 +370,10 @@ async function main() {
   fillPanel();
   if (innerWidth <= 640) byId("panel").classList.add("folded");
   byId("play").onclick = togglePlay;
-  byId("reset").onclick = begin;
+  byId("reset").onclick = () => begin();
+  byId("timeline").onchange = ({ target }) => begin(Number(target.value));
+  addEventListener("keydown", onKey);
+  acceptFiles(document.body, takeFile, (text) => say(text, true));
   byId("home").onclick = () => stage.home();
   byId("fold").onclick = fold;
   stage.resize();

@@ -9,4 +9,11 @@ void parallel_for(const Context &, int count, const std::function<void(int)> &bo
     body(i);
 }
 
+void Context::report_progress(const std::string &, double) const {}
+
+void Context::log_line(const std::string &line) const {
+  if (log)
+    log(line);
+}
+
 } // namespace doublet

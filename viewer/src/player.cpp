@@ -2,6 +2,8 @@
 
 #include "doublet/animate/player.h"
 #include "doublet/animate/character_file.h"
+#include "doublet/animate/motion_file.h"
+#include "doublet/animate/retarget.h"
 
 #include <emscripten/emscripten.h>
 
@@ -89,6 +91,7 @@ struct View {
   bool has_high;
   DrawnSurface surface, body;
   CharacterState begun; ///< the cloth of the last reset
+  Motion clip;          ///< the last that was retargeted
 };
 
 std::optional<View> view;
@@ -138,6 +141,28 @@ EMSCRIPTEN_KEEPALIVE int player_cloth_vertex_count() {
   for (const pbd::ClothState &cloth : view->player.state().regions)
     count += static_cast<int>(cloth.positions.rows());
   return count;
+}
+
+/// A .bvh or .glb, retargeted to the character at its own rate.
+EMSCRIPTEN_KEEPALIVE int clip_open(const char *path) {
+  return attempt([&] {
+    const Character &character = view->player.character();
+    RetargetOptions options;
+    options.fps = 1 / character.solver.dt;
+    view->clip = retarget(read_motion_file(path), character.actor.skeleton, options);
+  });
+}
+EMSCRIPTEN_KEEPALIVE int clip_frame_count() {
+  return static_cast<int>(view->clip.dofs.rows());
+}
+EMSCRIPTEN_KEEPALIVE const double *clip_poses() {
+  return view->clip.dofs.data();
+}
+/// The degree of freedom that turns the root about +Y, -1 = none.
+EMSCRIPTEN_KEEPALIVE int player_turning_dof() {
+  const std::vector<std::string> &names = view->player.character().actor.skeleton.dof_names;
+  const auto found = std::find_if(names.begin(), names.end(), [](const std::string &name) { return name.ends_with(".ry"); });
+  return found == names.end() ? -1 : static_cast<int>(found - names.begin());
 }
 
 EMSCRIPTEN_KEEPALIVE int player_reset(const double *dofs) {

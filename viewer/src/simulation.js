@@ -20,12 +20,7 @@ export class Simulation {
 
   constructor(module, character, settleSeconds) {
     this.module = module;
-    module.FS.writeFile("/character.glb", character);
-    const path = module._malloc(64);
-    module.HEAPU8.set(new TextEncoder().encode("/character.glb\0"), path);
-    this.attempt(module._player_open(path, settleSeconds));
-    module._free(path);
-    module.FS.unlink("/character.glb");
+    this.withFile("character.glb", character, (path) => module._player_open(path, settleSeconds));
     this.dt = module._player_dt();
     this.dofCount = module._player_dof_count();
     this.regionCount = module._player_region_count();
@@ -34,6 +29,37 @@ export class Simulation {
 
   attempt(done) {
     if (!done) throw new Error(this.module.UTF8ToString(this.module._player_problem()));
+  }
+
+  /** Calls with the address of the name of a file of these bytes. */
+  withFile(name, bytes, call) {
+    const { FS } = this.module;
+    FS.writeFile(`/${name}`, bytes);
+    const text = new TextEncoder().encode(`/${name}\0`);
+    const path = this.module._malloc(text.length);
+    this.module.HEAPU8.set(text, path);
+    const done = call(path);
+    this.module._free(path);
+    FS.unlink(`/${name}`);
+    this.attempt(done);
+  }
+  /** @returns {Float64Array[]} the poses of a clip, .bvh or .glb, retargeted to the character at its own rate */
+  retarget(name, bytes) {
+    const m = this.module;
+    this.withFile(name, bytes, m._clip_open);
+    const count = m._clip_frame_count();
+    const all = this.copied(Float64Array, m._clip_poses(), count * this.dofCount);
+    return Array.from({ length: count }, (_, t) => all.slice(t * this.dofCount, (t + 1) * this.dofCount));
+  }
+  /** Of an actor who turns to and fro on the spot, for so many seconds each way. @returns {Float64Array[]} */
+  turning(seconds, angle) {
+    const count = Math.round((2 * seconds) / this.dt);
+    const dof = this.module._player_turning_dof();
+    return Array.from({ length: count }, (_, t) => {
+      const pose = new Float64Array(this.dofCount);
+      if (dof >= 0) pose[dof] = angle * Math.sin((2 * Math.PI * t) / count) ** 3;
+      return pose;
+    });
   }
 
   /** Calls with the address of a copy of `numbers`. */

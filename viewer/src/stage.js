@@ -194,6 +194,15 @@ async function textureOf(file) {
 
 /** A character as it is drawn: its surface, and the body under it. */
 class Figure {
+  /** Another picture on the first surface. @param {Uint8Array} file */
+  async setTexture(file) {
+    const { material } = this.meshes[0];
+    material.map?.dispose();
+    material.map = await textureOf(file);
+    material.color.set(0xffffff);
+    material.needsUpdate = true;
+  }
+
   constructor({ shapes, bodyColour }, map) {
     this.group = new Group();
     this.centre = new Vector3();

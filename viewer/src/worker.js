@@ -20,6 +20,15 @@ const todo = {
     const lent = drawn.flatMap(({ positions, normals }) => [positions.buffer, normals.buffer]);
     postMessage({ type: "frame", run, how, milliseconds, drawn }, lent);
   },
+  /** A dropped file becomes poses; without a file the character turns to and fro. */
+  clip({ ticket, name, bytes }) {
+    try {
+      const poses = bytes ? simulation.retarget(name, bytes) : simulation.turning(4, 0.9 * Math.PI);
+      postMessage({ type: "clip", ticket, poses });
+    } catch (error) {
+      postMessage({ type: "clip", ticket, text: error.message });
+    }
+  },
   material({ region, parameter, value }) {
     simulation.setMaterial(region, parameter, value);
     postMessage({ type: "materials", materials: simulation.materials });

@@ -311,6 +311,27 @@ void add_morph_channels(glb::Writer &writer, tinygltf::Animation &out, const std
 
 } // namespace
 
+namespace {
+
+/// (T, J, 4) w x y z, in the world from the rest pose; each on the side of its last, so that who blends does not go the long way.
+std::vector<double> joint_rotations(const Skeleton &skeleton, const MatrixRM &dofs) {
+  std::vector<double> values;
+  std::vector<Eigen::Quaterniond> last(skeleton.joints.size(), Eigen::Quaterniond::Identity());
+  for (Eigen::Index t = 0; t < dofs.rows(); ++t) {
+    const Transforms world_from_rest = forward_kinematics(skeleton, dofs.row(t));
+    for (std::size_t j = 0; j < last.size(); ++j) {
+      Eigen::Quaterniond turn(world_from_rest[j].linear());
+      if (turn.dot(last[j]) < 0)
+        turn.coeffs() *= -1;
+      last[j] = turn;
+      values.insert(values.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
+    }
+  }
+  return values;
+}
+
+} // namespace
+
 void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation) {
   require_animation(character, animation);
   const auto frames = static_cast<std::int64_t>(animation.surface.size());
@@ -323,6 +344,7 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
   npz.set_i4("faces", {character.actor.mesh.faces.rows(), 3}, flatten(character.actor.mesh.faces));
   npz.set_b1("face_valid", character.actor.face_valid);
   npz.set_f4("joints", {frames, skeleton.joint_count(), 3}, flatten(animation.joints));
+  npz.set_f4("joint_rotations", {frames, skeleton.joint_count(), 4}, joint_rotations(skeleton, animation.dofs));
   npz.set_text("joint_names", names);
   npz.set_f4("dofs", {frames, animation.dofs.cols()}, {animation.dofs.data(), animation.dofs.data() + animation.dofs.size()});
   npz.set_f8("fps", {}, {animation.fps});

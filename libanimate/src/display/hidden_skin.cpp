@@ -74,21 +74,10 @@ std::vector<double> from_the_seam(const Character &c, const std::vector<double> 
   return distance;
 }
 
-std::vector<std::uint8_t> of_hidden_body(const Character &c) {
-  std::vector<std::uint8_t> hidden(static_cast<std::size_t>(c.high.faces.rows()), 0);
-  if (c.high_body.empty())
-    return hidden;
-  const GarmentPart part = garment_part(c);
-  const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
-  for (Eigen::Index f = 0; f < part.skin_faces; ++f)
-    hidden[f] = c.high.faces.row(f).maxCoeff() >= scan;
-  return hidden;
-}
-
 bool find_hidden_colour(Character &c, const std::vector<double> &away, const BakedTexture &baked) {
   constexpr double kReach = 0.20; // m
   constexpr std::size_t kFewest = 20;
-  const std::vector<std::uint8_t> hidden = of_hidden_body(c);
+  const std::vector<std::uint8_t> hidden = hidden_faces(c);
   std::vector<Vector3d> found; // B G R
   for (int f = 0; f < c.high.faces.rows(); ++f) {
     const double farthest = std::max({away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]});
@@ -112,3 +101,18 @@ bool find_hidden_colour(Character &c, const std::vector<double> &away, const Bak
 }
 
 } // namespace doublet::detail
+
+namespace doublet {
+
+std::vector<std::uint8_t> hidden_faces(const Character &c) {
+  std::vector<std::uint8_t> hidden(static_cast<std::size_t>(c.high.faces.rows()), 0);
+  if (c.high_body.empty())
+    return hidden;
+  const detail::GarmentPart part = detail::garment_part(c);
+  const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
+  for (Eigen::Index f = 0; f < part.skin_faces; ++f)
+    hidden[f] = c.high.faces.row(f).maxCoeff() >= scan;
+  return hidden;
+}
+
+} // namespace doublet

@@ -17,9 +17,6 @@ std::vector<double> beyond_free_edges(const Character &character);
 /// infinite far from those. `away` from beyond_free_edges().
 std::vector<double> from_the_seam(const Character &character, const std::vector<double> &away);
 
-/// (FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.
-std::vector<std::uint8_t> of_hidden_body(const Character &character);
-
 /// Sets the colour that the hidden part of the body has in all likelihood: the median of the brighter half (a shadow only
 /// darkens) of the skin within 20 cm beyond the garment's free edges, of legs below a hem. False, and as it was, where there is
 /// none.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 namespace doublet {
 namespace {
@@ -38,14 +39,15 @@ void require_mesh(const RenderMesh &mesh, std::size_t index) {
 Vector3f sample_texture(const Image &image, double u, double v) {
   const double x = std::clamp(u * image.width - 0.5, 0.0, image.width - 1.0),
                y = std::clamp(v * image.height - 0.5, 0.0, image.height - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y), x1 = std::min(x0 + 1, image.width - 1),
-            y1 = std::min(y0 + 1, image.height - 1);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const auto a = static_cast<float>(x - x0), b = static_cast<float>(y - y0);
-  Vector3f colour;
-  for (int c = 0; c < 3; ++c)
-    colour[2 - c] = (1 - b) * ((1 - a) * image.at(x0, y0, c) + a * image.at(x1, y0, c)) +
-                    b * ((1 - a) * image.at(x0, y1, c) + a * image.at(x1, y1, c));
-  return colour / 255.0f;
+  const std::size_t row = 3 * static_cast<std::size_t>(image.width), right = x0 + 1 < image.width ? 3 : 0,
+                    below = y0 + 1 < image.height ? row : 0;
+  const std::uint8_t *at = image.data.data() + y0 * row + 3 * static_cast<std::size_t>(x0);
+  const auto texel = [](const std::uint8_t *p) { return Vector3f(p[2], p[1], p[0]); };
+  return ((1 - b) * ((1 - a) * texel(at) + a * texel(at + right)) +
+          b * ((1 - a) * texel(at + below) + a * texel(at + below + right))) /
+         255.0f;
 }
 
 /// How much of the sky the meshes hide from each spot of the floor: their footprint, blurred, stronger where they are low.
@@ -115,120 +117,274 @@ private:
 
 /// Distance-dependent smooth step around a line every half metre.
 float grid_line(double value) {
-  const double d = std::abs(value - 0.5 * std::round(value / 0.5));
+  const double d = std::abs(value - 0.5 * std::floor(2 * value + 0.5));
   return d > 0.03 ? 0.0f : static_cast<float>(std::exp(-d * d / (2 * 0.006 * 0.006)));
 }
 
+/// Rays of a camera, whose length along its axis is 1. Of a pinhole camera they are linear in the pixel.
+class Rays {
+public:
+  explicit Rays(const Camera &camera) : camera_(camera), distorted_(camera.distorted()) {
+    const Vector3d corner = pinhole(0, 0);
+    origin_ = corner.cast<float>();
+    dx_ = (pinhole(1, 0) - corner).cast<float>();
+    dy_ = (pinhole(0, 1) - corner).cast<float>();
+  }
+  Vector3f at(float x, float y) const {
+    if (!distorted_)
+      return origin_ + x * dx_ + y * dy_;
+    const Vector3d direction = camera_.ray_direction({x, y});
+    return (direction / camera_.R.row(2).dot(direction)).cast<float>();
+  }
+
+private:
+  Vector3d pinhole(double x, double y) const {
+    const double v = (y - camera_.K(1, 2)) / camera_.K(1, 1), u = (x - camera_.K(0, 2) - camera_.K(0, 1) * v) / camera_.K(0, 0);
+    return camera_.R.transpose() * Vector3d(u, v, 1);
+  }
+  const Camera &camera_;
+  bool distorted_;
+  Vector3f origin_, dx_, dy_;
+};
+
+/// The part of the image in which a mesh is: a z-buffer of the whole image is mostly empty.
+struct Window {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+};
+
+Window window_of(const Vertices &vertices, const Camera &camera) {
+  const Window whole{0, 0, camera.width, camera.height};
+  if (vertices.rows() == 0 || camera.distorted())
+    return whole;
+  Eigen::Vector2d low(1e30, 1e30), high = -low;
+  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+    const Vector3d point = vertices.row(v);
+    if (camera.depth(point) < 0.1)
+      return whole;
+    const Eigen::Vector2d pixel = camera.project(point);
+    low = low.cwiseMin(pixel), high = high.cwiseMax(pixel);
+  }
+  const auto bound = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size))); };
+  Window window{bound(low.x() - 1, camera.width), bound(low.y() - 1, camera.height), 0, 0};
+  window.width = std::max(1, bound(high.x() + 2, camera.width) - window.x0);
+  window.height = std::max(1, bound(high.y() + 2, camera.height) - window.y0);
+  if (window.x0 == camera.width || window.y0 == camera.height)
+    return {0, 0, 1, 1};
+  return window;
+}
+
+Camera cropped(Camera camera, const Window &window) {
+  camera.K(0, 2) -= window.x0, camera.K(1, 2) -= window.y0;
+  camera.width = window.width, camera.height = window.height;
+  return camera;
+}
+
 struct Layer {
+  Window window;
   FaceBuffer buffer;
-  Vertices normals;
+  std::vector<Vector3f> corners; ///< from the eye
+  std::vector<Vector3f> normals;
+
+  int face_at(int x, int y) const { return inside(x, y) ? buffer.face_at(x - window.x0, y - window.y0) : -1; }
+  float depth_at(int x, int y) const { return buffer.depth_at(x - window.x0, y - window.y0); }
+  /// Or beside it by a pixel of the image.
+  bool near(int x, int y) const {
+    return x + 2 >= window.x0 && y + 2 >= window.y0 && x <= window.x0 + window.width && y <= window.y0 + window.height;
+  }
+  bool inside(int x, int y) const {
+    return x >= window.x0 && y >= window.y0 && x < window.x0 + window.width && y < window.y0 + window.height;
+  }
+};
+
+/// What samples of a pixel see: a face of a mesh, or nothing (mesh -1).
+struct Seen {
+  int mesh = -1, face = -1;
+  bool operator==(const Seen &) const = default;
 };
 
 class Painter {
 public:
   Painter(const std::vector<RenderMesh> &meshes, const Camera &camera, const RenderOptions &options)
-      : meshes_(meshes), camera_(camera), options_(options), light_(options.light_direction.normalized().cast<float>()),
+      : meshes_(meshes), rays_(camera), eye_(camera.centre()), options_(options), sky_(options.background.cast<float>()),
+        light_(options.light_direction.normalized().cast<float>()),
         shadow_(options.floor ? meshes : std::vector<RenderMesh>{}, options.floor_height) {
-    for (const RenderMesh &mesh : meshes)
-      layers_.push_back({rasterize(mesh.vertices, mesh.faces, camera, mesh.face_valid),
-                         vertex_normals(mesh.vertices, valid_faces(mesh.faces, mesh.face_valid))});
+    for (const RenderMesh &mesh : meshes) {
+      const Window window = window_of(mesh.vertices, camera);
+      Layer layer{window, rasterize(mesh.vertices, mesh.faces, cropped(camera, window), mesh.face_valid), {}, {}};
+      const Vertices normals = vertex_normals(mesh.vertices, valid_faces(mesh.faces, mesh.face_valid));
+      for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+        layer.corners.push_back((mesh.vertices.row(v).transpose() - eye_).cast<float>());
+        layer.normals.push_back(normals.row(v).cast<float>());
+      }
+      layers_.push_back(std::move(layer));
+    }
   }
 
-  /// Mean of samples x samples of the fine image; the ground, which is smooth, is worked out once for all samples that see it.
-  Vector3f pixel(int x, int y, int samples) const {
-    Vector3f sum = Vector3f::Zero();
-    int empty = 0;
-    for (int s = 0; s < samples * samples; ++s) {
-      const int fx = samples * x + s % samples, fy = samples * y + s / samples;
-      const int mesh = nearest(fx, fy);
-      if (mesh < 0)
-        ++empty;
-      else
-        sum += surface(mesh, fx, fy);
-    }
-    if (empty > 0)
-      sum += static_cast<float>(empty) * behind(samples * x + 0.5 * (samples - 1), samples * y + 0.5 * (samples - 1));
-    return sum / static_cast<float>(samples * samples);
+  /// Each pixel is the mean of samples x samples of the fine image. Samples that see one face share its colour half way between
+  /// them, and the ground, which is smooth, is worked out once for all that see it. Faces are painted in their order, in which
+  /// their corners and their part of the texture lie in memory.
+  Image picture(int width, int height, int samples) const {
+    Image image(width, height, 3);
+    Painting painting;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        if (!gather(x, y, samples, painting, image))
+          set_pixel(image, y * width + x, middle_behind(x, y, samples));
+    for (const Glimpse &glimpse : in_order_of_faces(painting.glimpses))
+      painting.sums[glimpse.sum] += glimpse.share * surface(glimpse.seen, glimpse.x, glimpse.y);
+    for (std::size_t k = 0; k < painting.sums.size(); ++k)
+      set_pixel(image, painting.pixels[k], painting.sums[k] / static_cast<float>(samples * samples));
+    return image;
   }
 
 private:
-  int nearest(int x, int y) const {
-    int best = -1;
-    float depth = std::numeric_limits<float>::infinity();
-    for (std::size_t m = 0; m < layers_.size(); ++m)
-      if (layers_[m].buffer.face_at(x, y) >= 0 && layers_[m].buffer.depth_at(x, y) < depth) {
-        depth = layers_[m].buffer.depth_at(x, y);
-        best = static_cast<int>(m);
+  /// What some samples of a pixel see, at their middle.
+  struct Glimpse {
+    Seen seen;
+    int sum = 0; ///< of Painting::sums
+    float x = 0, y = 0, share = 0;
+  };
+  struct Painting {
+    std::vector<Glimpse> glimpses;
+    std::vector<Vector3f> sums; ///< of the samples of each pixel that sees a mesh
+    std::vector<int> pixels;    ///< which that is
+  };
+
+  /// False if a pixel sees no mesh.
+  bool gather(int x, int y, int samples, Painting &painting, const Image &image) const {
+    if (std::none_of(layers_.begin(), layers_.end(), [&](const Layer &layer) { return layer.near(samples * x, samples * y); }))
+      return false;
+    const std::size_t first = painting.glimpses.size();
+    const int sum = static_cast<int>(painting.sums.size());
+    int empty = 0;
+    for (int s = 0; s < samples * samples; ++s) {
+      const int fx = samples * x + s % samples, fy = samples * y + s / samples;
+      const Seen here = nearest(fx, fy);
+      if (here.mesh < 0) {
+        ++empty;
+        continue;
       }
+      auto glimpse = painting.glimpses.begin() + static_cast<std::ptrdiff_t>(first);
+      while (glimpse != painting.glimpses.end() && !(glimpse->seen == here))
+        ++glimpse;
+      if (glimpse == painting.glimpses.end())
+        glimpse = painting.glimpses.insert(glimpse, {here, sum, 0, 0, 0});
+      glimpse->x += static_cast<float>(fx), glimpse->y += static_cast<float>(fy), glimpse->share += 1;
+    }
+    if (painting.glimpses.size() == first)
+      return false;
+    for (std::size_t k = first; k < painting.glimpses.size(); ++k)
+      painting.glimpses[k].x /= painting.glimpses[k].share, painting.glimpses[k].y /= painting.glimpses[k].share;
+    painting.sums.push_back(Vector3f::Zero());
+    if (empty > 0)
+      painting.sums.back() = static_cast<float>(empty) * middle_behind(x, y, samples);
+    painting.pixels.push_back(y * image.width + x);
+    return true;
+  }
+
+  std::vector<Glimpse> in_order_of_faces(const std::vector<Glimpse> &glimpses) const {
+    std::vector<std::size_t> bases{0}; // of each mesh's faces
+    for (const RenderMesh &mesh : meshes_)
+      bases.push_back(bases.back() + static_cast<std::size_t>(mesh.faces.rows()));
+    std::vector<std::size_t> next(bases.back() + 1);
+    for (const Glimpse &glimpse : glimpses)
+      ++next[bases[glimpse.seen.mesh] + glimpse.seen.face + 1];
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<Glimpse> ordered(glimpses.size());
+    for (const Glimpse &glimpse : glimpses)
+      ordered[next[bases[glimpse.seen.mesh] + glimpse.seen.face]++] = glimpse;
+    return ordered;
+  }
+
+  static void set_pixel(Image &image, int pixel, const Vector3f &rgb) {
+    std::uint8_t *at = image.data.data() + 3 * static_cast<std::size_t>(pixel);
+    for (int c = 0; c < 3; ++c)
+      at[c] = static_cast<std::uint8_t>(std::clamp(rgb[2 - c] * 255.0f + 0.5f, 0.0f, 255.0f));
+  }
+
+  Seen nearest(int x, int y) const {
+    Seen best;
+    float depth = std::numeric_limits<float>::infinity();
+    for (std::size_t m = 0; m < layers_.size(); ++m) {
+      const int face = layers_[m].face_at(x, y);
+      if (face >= 0 && layers_[m].depth_at(x, y) < depth) {
+        depth = layers_[m].depth_at(x, y);
+        best = {static_cast<int>(m), face};
+      }
+    }
     return best;
   }
 
-  Vector3f behind(double x, double y) const {
-    return options_.floor ? ground(x, y) : Vector3f(options_.background.cast<float>());
+  /// What lies behind all meshes in the middle of a pixel.
+  Vector3f middle_behind(int x, int y, int samples) const {
+    const float middle = 0.5f * static_cast<float>(samples - 1);
+    return options_.floor ? ground(rays_.at(static_cast<float>(samples * x) + middle, static_cast<float>(samples * y) + middle))
+                          : sky_;
   }
 
-  Vector3f surface(int m, int x, int y) const {
-    const RenderMesh &mesh = meshes_[m];
-    const int f = layers_[m].buffer.face_at(x, y);
-    Vector3d b = barycentric_at(mesh.vertices, mesh.faces, f, camera_, {x, y}).cwiseMax(0);
-    b /= std::max(b.sum(), 1e-12);
-    Vector3d normal = Vector3d::Zero(), point = Vector3d::Zero();
-    Vector3f colour = mesh.colour.cast<float>();
-    if (mesh.colours.rows() > 0)
-      colour.setZero();
-    double u = 0, v = 0;
-    for (int k = 0; k < 3; ++k) {
-      const int i = mesh.faces(f, k);
-      normal += b[k] * layers_[m].normals.row(i).transpose();
-      point += b[k] * mesh.vertices.row(i).transpose();
-      if (mesh.colours.rows() > 0)
-        colour += static_cast<float>(b[k]) * mesh.colours.row(i).transpose().cast<float>();
-      if (mesh.texture) {
-        u += b[k] * mesh.texcoords(3 * f + k, 0);
-        v += b[k] * mesh.texcoords(3 * f + k, 1);
-      }
-    }
-    if (mesh.texture)
-      colour = sample_texture(*mesh.texture, u, v);
-    const Vector3d to_eye = camera_.centre() - point;
-    const Vector3d flat = (mesh.vertices.row(mesh.faces(f, 1)) - mesh.vertices.row(mesh.faces(f, 0)))
-                              .cross(mesh.vertices.row(mesh.faces(f, 2)) - mesh.vertices.row(mesh.faces(f, 0)));
-    const bool inside = flat.dot(to_eye) < 0; // the inner side of cloth
-    Vector3f n = (inside ? -normal : normal).normalized().cast<float>();
+  Vector3f surface(const Seen &seen, float x, float y) const {
+    const RenderMesh &mesh = meshes_[seen.mesh];
+    const Layer &layer = layers_[seen.mesh];
+    const int *v = mesh.faces.data() + 3 * static_cast<Eigen::Index>(seen.face);
+    const Vector3f &p0 = layer.corners[v[0]], &p1 = layer.corners[v[1]], &p2 = layer.corners[v[2]];
+    const Vector3f ray = rays_.at(x, y), flat = (p1 - p0).cross(p2 - p0);
+    // Volumes of the tetrahedra that the ray spans with each side: their shares are the coordinates.
+    Vector3f b(ray.dot(p1.cross(p2)), ray.dot(p2.cross(p0)), ray.dot(p0.cross(p1)));
+    b = (std::abs(b.sum()) < 1e-18f ? Vector3f::Constant(1.0f / 3) : Vector3f(b / b.sum())).cwiseMax(0);
+    b /= std::max(b.sum(), 1e-12f);
+    const bool inside = flat.dot(ray) > 0; // the inner side of cloth
+    Vector3f n = b[0] * layer.normals[v[0]] + b[1] * layer.normals[v[1]] + b[2] * layer.normals[v[2]];
+    n = (inside ? -n : n).normalized();
     if (!n.allFinite())
       n = Vector3f::UnitY();
     const auto light = static_cast<float>(options_.light);
     const float sky = 0.65f + 0.35f * n.y(), key = std::max(0.0f, n.dot(light_));
     const float shade = (1 - light) * sky * 1.6f + light * (0.35f + 0.85f * key);
-    return colour * (inside ? 0.6f * shade : shade);
+    return colour_of(mesh, seen.face, b) * (inside ? 0.6f * shade : shade);
   }
 
-  Vector3f ground(double x, double y) const {
-    const Vector3f sky = options_.background.cast<float>();
-    const Vector3d eye = camera_.centre(), ray = camera_.ray_direction({x, y});
-    if (ray.y() > -1e-3)
-      return sky;
-    const double s = (options_.floor_height - eye.y()) / ray.y();
+  static Vector3f mix(const Vertices &values, const int *v, const Vector3f &b) {
+    Vector3f sum = Vector3f::Zero();
+    for (int k = 0; k < 3; ++k)
+      sum += b[k] * values.row(v[k]).transpose().cast<float>();
+    return sum;
+  }
+
+  static Vector3f colour_of(const RenderMesh &mesh, int face, const Vector3f &b) {
+    if (mesh.texture) {
+      double u = 0, v = 0;
+      for (int k = 0; k < 3; ++k) {
+        u += b[k] * mesh.texcoords(3 * face + k, 0);
+        v += b[k] * mesh.texcoords(3 * face + k, 1);
+      }
+      return sample_texture(*mesh.texture, u, v);
+    }
+    return mesh.colours.rows() > 0 ? mix(mesh.colours, mesh.faces.data() + 3 * static_cast<Eigen::Index>(face), b)
+                                   : Vector3f(mesh.colour.cast<float>());
+  }
+
+  Vector3f ground(const Vector3f &ray) const {
+    const float length = ray.norm();
+    if (ray.y() > -1e-3f * length)
+      return sky_;
+    const float s = static_cast<float>(options_.floor_height - eye_.y()) / ray.y();
     if (!(s > 0))
-      return sky;
-    const Vector3d p = eye + s * ray;
-    const auto fade = static_cast<float>(std::exp(-s / 12)); // into the background with distance
-    const float line = std::max(grid_line(p.x()), grid_line(p.z()));
-    const Vector3f floor = sky * (0.86f - 0.10f * line) * (1 - std::min(0.75f, 1.6f * shadow_.at(p.x(), p.z())));
-    return fade * floor + (1 - fade) * sky;
+      return sky_;
+    const double x = eye_.x() + s * ray.x(), z = eye_.z() + s * ray.z();
+    const float fade = std::exp(-s * length / 12); // into the background with distance
+    const float line = std::max(grid_line(x), grid_line(z));
+    const Vector3f floor = sky_ * ((0.86f - 0.10f * line) * (1 - std::min(0.75f, 1.6f * shadow_.at(x, z))));
+    return fade * floor + (1 - fade) * sky_;
   }
 
   const std::vector<RenderMesh> &meshes_;
-  const Camera &camera_;
+  Rays rays_;
+  Vector3d eye_;
   const RenderOptions &options_;
-  Vector3f light_;
+  Vector3f sky_, light_;
   FloorShadow shadow_;
   std::vector<Layer> layers_;
 };
-
-std::uint8_t to_byte(float value) {
-  return static_cast<std::uint8_t>(std::clamp(value * 255.0f + 0.5f, 0.0f, 255.0f));
-}
 
 } // namespace
 
@@ -245,15 +401,7 @@ Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const 
     require_mesh(meshes[m], m);
   const int samples = options.supersample ? 2 : 1;
   const Camera fine = camera.resized(samples * camera.width, samples * camera.height);
-  const Painter painter(meshes, fine, options);
-  Image image(camera.width, camera.height, 3);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x) {
-      const Vector3f sum = painter.pixel(x, y, samples);
-      for (int c = 0; c < 3; ++c)
-        image.at(x, y, c) = to_byte(sum[2 - c]);
-    }
-  return image;
+  return Painter(meshes, fine, options).picture(camera.width, camera.height, samples);
 }
 
 Camera orbit_camera(const Vector3d &target, double radius, double azimuth, double elevation, int width, int height) {

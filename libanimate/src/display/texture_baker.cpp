@@ -433,7 +433,7 @@ void fade_into_hidden(const Character &c, const std::vector<double> &away, Baked
   constexpr double kReach = 0.10, kWhole = 0.02; // m
   const Vector3d skin = 255 * c.body_colour.reverse().array().pow(1 / kGamma).matrix();
   const Atlas atlas(baked.image.width, c.high.faces.rows());
-  const std::vector<std::uint8_t> hidden = detail::of_hidden_body(c);
+  const std::vector<std::uint8_t> hidden = hidden_faces(c);
   for (int f = 0; f < c.high.faces.rows(); ++f) {
     const Vector3d corners(away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]);
     if ((!(corners.maxCoeff() < kReach) && !hidden[f]) || !c.high_valid[f])

@@ -229,8 +229,8 @@ def first_line(said: bytes) -> str:
 class VideoWriter:
     """`with VideoWriter(path, width, height, fps) as video: video.write(bgr)`; the file is complete or absent."""
 
-    def __init__(self, path: Path, width: int, height: int, fps: float, crf: int = 20):
-        self.path, self.shape, self.fps, self.crf = Path(path), (height, width, 3), fps, crf
+    def __init__(self, path: Path, width: int, height: int, fps: float, crf: int = 20, preset: str = "medium"):
+        self.path, self.shape, self.fps, self.crf, self.preset = Path(path), (height, width, 3), fps, crf, preset
 
     def __enter__(self) -> VideoWriter:
         if not shutil.which(ffmpeg()):
@@ -240,7 +240,19 @@ class VideoWriter:
         raw = ["-f", "rawvideo", "-pix_fmt", "bgr24", "-s", f"{width}x{height}", "-r", f"{self.fps:g}", "-i", "-"]
         # Colour of half the resolution needs even sizes.
         pixels = "yuv420p" if width % 2 == height % 2 == 0 else "yuv444p"
-        coded = ["-an", "-c:v", "libx264", "-pix_fmt", pixels, "-crf", str(self.crf), "-movflags", "+faststart"]
+        coded = [
+            "-an",
+            "-c:v",
+            "libx264",
+            "-pix_fmt",
+            pixels,
+            "-crf",
+            str(self.crf),
+            "-preset",
+            self.preset,
+            "-movflags",
+            "+faststart",
+        ]
         # Without -xerror ffmpeg calls a file success whose end did not fit on the disk.
         command = [ffmpeg(), "-loglevel", "error", "-xerror", "-y", *raw, *coded, str(self._file.__enter__())]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)

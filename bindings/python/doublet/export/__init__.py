@@ -1,6 +1,6 @@
-"""Motions in, animations out: clips, retargeting by bone maps, `.glb`, `.usdc`, video."""
+"""Motions in, animations out: clips, retargeting by bone maps, `.glb`, `.usdc`, video, garments for other solvers."""
 
 from .._lazy import lazy_modules
 
-MODULES = ("animate", "bone_map", "clips", "usd")
+MODULES = ("animate", "bone_map", "character_edit", "clips", "cloth", "usd")
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from collections import deque
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,8 +13,9 @@ import numpy as np
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.video import VideoWriter
-from .clips import read_motion
+from .clips import centred, read_motion
 from .usd import usd_modules, write_usdc
+from .video_camera import Shot, cameras_along
 
 FORMATS = (".npz", ".glb", ".usdc", ".bvh", ".mp4")
 
@@ -24,6 +28,8 @@ class Output:
     glb: d.BakedGlbOptions = field(default_factory=d.BakedGlbOptions)
     bone_map: Path | None = None
     clip: str = ""  # of a .glb with several animations: name, or number from 1
+    shot: Shot | None = None  # of a video
+    centre: bool = False  # the motion begins over the world's origin, not where the scan stood
 
 
 def animate(
@@ -37,13 +43,17 @@ def animate(
     """A new animation as .npz, .glb, .usdc, .bvh or .mp4; returns the number of frames."""
     if out.suffix not in FORMATS:
         raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
+    if output and output.shot and out.suffix != ".mp4":
+        raise ValueError(f"{out}: expected an .mp4 for a size, camera or background, found {out.suffix}")
     if out.suffix == ".usdc":
         usd_modules()  # before the work
     context, output = console.context(), output or Output()
     character = d.Character.read(character_file)
     motion = read_motion(motion_file, character, retargeting, context, output.bone_map, output.clip)
+    if output.centre:
+        motion = centred(motion, character.actor.skeleton)
     if out.suffix == ".mp4":
-        return write_video(character, motion, out, context, options=output.animation)
+        return write_video(character, motion, out, context, output.shot, output.animation)
     if out.suffix == ".usdc":
         return write_usdc(out, character, motion, output.animation, context)
     if out.suffix == ".bvh":
@@ -59,42 +69,35 @@ def animate(
     return frames
 
 
-def cameras_along(character: d.Character, motion: d.Motion, count: int, size: int) -> list[d.Camera]:
-    """One camera a frame, from the front and a little above: still if the whole motion fits, else it follows the actor."""
-    joints = np.array([character.actor.skeleton.joint_positions(dofs) for dofs in motion.dofs])
-    low, high = joints.min(axis=(0, 1)) - 0.25, joints.max(axis=(0, 1)) + 0.25
-    radius = max(np.hypot(*(high - low)[[0, 2]]), high[1] - low[1]) / 2
-    if radius < 1.8:
-        return [d.orbit_camera((low + high) / 2, radius, 0.35, 0.15, size, size)] * count
-    middle = joints.mean(axis=1)
-    window = max(1, round(motion.fps))  # one second
-    padded = np.pad(middle, ((window // 2, window - 1 - window // 2), (0, 0)), mode="edge")
-    smooth = np.stack([np.convolve(padded[:, k], np.ones(window) / window, mode="valid") for k in range(3)], axis=1)
-    targets = smooth[np.linspace(0, len(smooth) - 1, count).round().astype(int)]
-    return [d.orbit_camera(target, 1.25, 0.35, 0.15, size, size) for target in targets]
-
-
 def write_video(
     character: d.Character,
     motion: d.Motion,
     out: Path,
     context: d.Context,
-    size: int = 720,
+    shot: Shot | None = None,
     options: d.AnimateOptions | None = None,
 ) -> int:
-    """Headless: the library's own renderer, piped to ffmpeg."""
+    """Headless: the library's own renderer, piped to ffmpeg. Pictures are drawn on other threads while the cloth goes on."""
+    shot = shot or Shot()
+    shot.validate()
     fps = 1 / character.solver.dt
     count = int(len(motion) * fps / motion.fps) + 2  # at least as many as animate() makes of it
-    cameras = cameras_along(character, motion, count, size)
-    floor = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()))
-    renderer = d.CharacterRenderer(character)
-    with VideoWriter(out, size, size, fps) as video:
+    cameras = cameras_along(character, motion, count, shot)
+    look = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()), background=shot.background)
+    renderer, threads = d.CharacterRenderer(character), context.threads or os.cpu_count() or 1
+    drawn: deque[Future] = deque()
+    with VideoWriter(out, shot.width, shot.height, fps, preset="veryfast") as video, ThreadPoolExecutor(threads) as pool:
 
         def draw(frame: d.AnimationFrame) -> None:
-            camera = cameras[min(frame.index, count - 1)]
-            video.write(renderer.render(frame.surface, frame.high, frame.body, camera, floor))
+            shapes = (np.array(frame.surface), np.array(frame.high), np.array(frame.body))
+            drawn.append(pool.submit(renderer.render, *shapes, cameras[min(frame.index, count - 1)], look))
+            while len(drawn) > 2 * threads:
+                video.write(drawn.popleft().result())
 
-        return d.animate_each(character, motion, draw, options or d.AnimateOptions(), context)
+        frames = d.animate_each(character, motion, draw, options or d.AnimateOptions(), context)
+        while drawn:
+            video.write(drawn.popleft().result())
+    return frames
 
 
 def exact_motion(character: d.Character, motion_file: Path, fps: float, context: d.Context) -> d.Motion:

@@ -79,6 +79,15 @@ def read_motion(
     return d.Motion(retargeting.fps or 1 / character.solver.dt, dofs)
 
 
+def centred(motion: d.Motion, skeleton: d.Skeleton) -> d.Motion:
+    """The same motion, begun with the root over the world's origin."""
+    dofs = np.array(motion.dofs)
+    place, root = skeleton.joint_positions(dofs[0])[0], skeleton.joint_names[0]
+    for axis, name in ((0, "tx"), (2, "tz")):
+        dofs[:, skeleton.dof_names.index(f"{root}.{name}")] -= place[axis]
+    return d.Motion(motion.fps, dofs)
+
+
 def own_poses(path: Path) -> np.ndarray | None:
     """The array `dofs` of a performance.npz; None of any other file."""
     if path.suffix != ".npz":

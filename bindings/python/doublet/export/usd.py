@@ -1,5 +1,5 @@
 """A new animation as Universal Scene Description (.usdc): for Houdini, Omniverse, Maya, Blender. Needs usd-core
-(`pip install doublet[usd]`)."""
+(`pip install usd-core`)."""
 
 from __future__ import annotations
 
@@ -24,9 +24,7 @@ def usd_modules():
         import pxr.UsdSkel
         import pxr.Vt
     except ImportError as error:
-        raise RuntimeError(
-            f".usdc needs the package usd-core, which is not installed ({error}): pip install 'doublet[usd]', or usd-core"
-        ) from error
+        raise RuntimeError(f".usdc needs the package usd-core, which is not installed ({error}): pip install usd-core") from error
     return pxr
 
 

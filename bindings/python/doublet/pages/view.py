@@ -27,8 +27,9 @@ def bundle_folder() -> Path:
     missing = [name for name in FILES.values() if not (folder / name).is_file()]
     if missing:
         raise RuntimeError(
-            f"{folder}: expected the viewer's bundle, found no {missing[0]}; scripts/build-viewer.sh makes it (with Emscripten, "
-            "npm), and a doublet that is installed after that, or DOUBLET_VIEWER_DIR=build/viewer, has it"
+            f"{folder}: expected the viewer's page, found no {missing[0]}: this doublet was installed without it; in its sources "
+            "`scripts/apt-install.sh scripts/apt-packages-viewer.txt`, `scripts/build-viewer.sh`, then `pip install .` "
+            "again, or DOUBLET_VIEWER_DIR=build/viewer beside the command"
         )
     return folder
 

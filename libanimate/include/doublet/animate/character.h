@@ -53,6 +53,9 @@ Character make_character(const RiggedMesh &actor, const Segmentation &segmentati
 /// its normal runs into cloth.
 std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
 
+/// (FH) 1 = a face of M_high that is of the hidden body (see Character::high_body), or joins it to the scan.
+std::vector<std::uint8_t> hidden_faces(const Character &character);
+
 /// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of
 /// Baran & Popovic 2007 on the body with the exposed ones as boundary, so that thighs under a skirt hang on the thigh bones, not
 /// on the skirt's weights.

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from ... import _doublet as d
 from ...export import bone_map
 from ...export.animate import Output, animate
+from ...export.character_edit import colour_of
 from ...export.clips import read_clip
+from ...export.video_camera import CAMERAS, Shot
 from ..common_flags import MOTION_HELP, common_flags, make_console
 from ..option_flags import add_option_flags, chosen_options
 
@@ -26,6 +29,15 @@ def register(commands) -> None:
     command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
     text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
     command.add_argument("--animation", default="", metavar="NAME", help=text)
+    text = "begin over the world's origin (default: where the actor stood in the scan)"
+    command.add_argument("--centre", action="store_true", help=text)
+    text = "of an .mp4, px (default: 720x720)"
+    command.add_argument("--size", metavar="WIDTHxHEIGHT", help=text)
+    text = "of an .mp4: stands still, goes along, goes along and round; auto stands still if it all fits (default: auto)"
+    command.add_argument("--camera", choices=CAMERAS, help=text)
+    text = "s, in which --camera orbit goes round once (default: 8)"
+    command.add_argument("--turn-seconds", type=float, metavar="X", help=text)
+    command.add_argument("--background", metavar="COLOUR", help="of an .mp4: '#203040', 'white' (default: a light grey)")
     common_flags(command)
     add_option_flags(command, ANIMATE_GROUPS)
     command.usage = (
@@ -46,7 +58,35 @@ def run(arguments) -> None:
     if not arguments.out:
         arguments.usage_error("the following arguments are required: -o/--out")
     console = make_console(arguments)
-    output = Output(options["animate"], options["glb"], arguments.bone_map, arguments.animation)
+    shot = shot_of(arguments)
+    output = Output(
+        options["animate"], options["glb"], arguments.bone_map, arguments.animation, shot=shot, centre=arguments.centre
+    )
     frames = animate(arguments.character, arguments.motion, arguments.out, console, options["retarget"], output)
     console.finish()
     print(f"{arguments.out}: {frames} frames")
+
+
+def shot_of(arguments) -> Shot | None:
+    """None = nothing was said about it."""
+    chosen = {}
+    if arguments.size:
+        chosen["width"], chosen["height"] = size_of(arguments.size)
+    if arguments.camera:
+        chosen["camera"] = arguments.camera
+    if arguments.turn_seconds is not None:
+        chosen["turn_seconds"] = arguments.turn_seconds
+    if arguments.background:
+        chosen["background"] = tuple(channel / 255 for channel in colour_of(arguments.background, "--background"))
+    if not chosen:
+        return None
+    shot = Shot(**chosen)
+    shot.validate()
+    return shot
+
+
+def size_of(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"([0-9]{1,5})x([0-9]{1,5})", text)
+    if not found:
+        raise ValueError(f"--size: expected WIDTHxHEIGHT such as 1920x1080, found '{text}'")
+    return int(found[1]), int(found[2])

@@ -1,0 +1,110 @@
+"""Where the camera of a video stands: so that the person fills the picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import _doublet as d
+
+CAMERAS = ("auto", "front", "follow", "orbit")
+FILLED, FILLED_ACROSS = 0.85, 0.92  # of the picture's height and width, at most
+AZIMUTH, ELEVATION = 0.35, 0.1  # rad
+STILL = 0.4  # m from the middle, within which a motion is filmed by a camera that stands still
+LOOKED_AT, VIEWS = 24, 8  # poses; sides
+SMALLEST, LARGEST = 16, 8192  # px
+
+
+@dataclass
+class Shot:
+    """How a video is filmed."""
+
+    width: int = 720
+    height: int = 720
+    camera: str = "auto"  # front: stands still; follow: goes along; orbit: goes along, and round; auto: front if it all fits
+    turn_seconds: float = 8.0  # of orbit, once round
+    background: tuple[float, float, float] = (0.93, 0.94, 0.96)  # R G B in [0, 1]
+
+    def validate(self) -> None:
+        if not all(SMALLEST <= size <= LARGEST for size in (self.width, self.height)):
+            expected = f"expected WIDTHxHEIGHT, {SMALLEST} to {LARGEST} px each"
+            raise ValueError(f"size: {expected}, found {self.width}x{self.height}")
+        if self.camera not in CAMERAS:
+            raise ValueError(f"camera: expected one of {', '.join(CAMERAS)}, found '{self.camera}'")
+        if not (np.isfinite(self.turn_seconds) and self.turn_seconds > 0):
+            raise ValueError(f"turn_seconds: expected s above 0, found {self.turn_seconds:g}")
+
+
+def cameras_along(character: d.Character, motion: d.Motion, count: int, shot: Shot) -> list[d.Camera]:
+    """One camera a frame, a little above."""
+    frames = np.linspace(0, len(motion) - 1, count).round().astype(int)
+    path = smooth_path(character, motion)
+    looked_at = np.unique(np.linspace(0, len(motion) - 1, LOOKED_AT).round().astype(int))
+    bodies = [skinned(character, motion.dofs[t]) for t in looked_at]
+    if shot.camera == "front" or (shot.camera == "auto" and reach(path) < STILL):
+        target, radius = framed(np.concatenate(bodies), [AZIMUTH], shot)
+        return [camera_at(target, radius, AZIMUTH, shot)] * count
+    around = np.concatenate([body - path[t] for body, t in zip(bodies, looked_at)])
+    if shot.camera == "orbit":
+        views = np.linspace(0, 2 * np.pi, VIEWS, endpoint=False)
+        offset, radius = framed(around, views, shot, np.zeros(3))
+        azimuths = AZIMUTH + 2 * np.pi * np.arange(count) * character.solver.dt / shot.turn_seconds
+    else:
+        offset, radius = framed(around, [AZIMUTH], shot)
+        azimuths = np.full(count, AZIMUTH)
+    return [camera_at(path[t] + offset, radius, azimuth, shot) for t, azimuth in zip(frames, azimuths)]
+
+
+def reach(path: np.ndarray) -> float:
+    """m from the middle of a path."""
+    return float(np.linalg.norm((path - path.mean(axis=0))[:, [0, 2]], axis=1).max())
+
+
+def camera_at(target: np.ndarray, radius: float, azimuth: float, shot: Shot) -> d.Camera:
+    return d.orbit_camera(target, radius, azimuth, ELEVATION, shot.width, shot.height)
+
+
+def skinned(character: d.Character, dofs: np.ndarray) -> np.ndarray:
+    """(N, 3) m: where the surface is, but for the cloth's own motion."""
+    shown = np.asarray(character.actor.face_valid, bool)
+    return d.pose_surface(character.actor, dofs)[np.unique(character.actor.mesh.faces[shown])]
+
+
+def smooth_path(character: d.Character, motion: d.Motion) -> np.ndarray:
+    """(T, 3) m: the root along the floor, over a second; its height counts as 0."""
+    skeleton = character.actor.skeleton
+    path = np.array([skeleton.joint_positions(dofs)[0] for dofs in motion.dofs])
+    window = max(1, round(motion.fps))
+    padded = np.pad(path, ((window // 2, window - 1 - window // 2), (0, 0)), mode="edge")
+    smooth = np.stack([np.convolve(padded[:, k], np.ones(window) / window, mode="valid") for k in range(3)], axis=1)
+    return smooth * [1, 0, 1]
+
+
+def framed(points: np.ndarray, azimuths, shot: Shot, target: np.ndarray | None = None) -> tuple[np.ndarray, float]:
+    """Target and radius of an orbit camera to which the points (N, 3) fill the picture from all these sides. A given target is
+    moved up and down alone: the camera goes round it."""
+    given = target is not None
+    target = np.array(target if given else (points.min(axis=0) + points.max(axis=0)) / 2, float)
+    target[1] = (points[:, 1].min() + points[:, 1].max()) / 2
+    radius = 1.0
+    for _ in range(8):  # perspective: a step leaves a tenth of what is off
+        cameras = [camera_at(target, radius, azimuth, shot) for azimuth in azimuths]
+        places = np.concatenate([projected(points, camera) for camera in cameras])
+        low, high = places.min(axis=0), places.max(axis=0)
+        half = (high - low) / 2
+        scale = np.linalg.norm(cameras[0].centre - target)
+        target[1] -= scale * (low + high)[1] / 2
+        if given:
+            half[0] = max(-low[0], high[0])
+        else:
+            target += scale * (low + high)[0] / 2 * cameras[0].R[0]
+        half *= cameras[0].K[0, 0]
+        radius *= max(half[1] / (FILLED * shot.height / 2), half[0] / (FILLED_ACROSS * shot.width / 2))
+    return target, radius
+
+
+def projected(points: np.ndarray, camera: d.Camera) -> np.ndarray:
+    """(N, 2) over the focal length, from the middle of the picture."""
+    seen = points @ camera.R.T + camera.t
+    return seen[:, :2] / np.maximum(seen[:, 2:], 0.1)

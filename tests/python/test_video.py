@@ -1,0 +1,113 @@
+"""Videos of an animation: size, camera, background."""
+
+import sys
+from pathlib import Path
+
+import doublet as d
+import numpy as np
+import pytest
+from doublet.cli import program as cli
+from doublet.common.video import read_video
+from doublet.export.video_camera import FILLED, Shot, cameras_along, projected, skinned
+
+sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
+from seeds import World  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def character():
+    return World().character
+
+
+def walk(character, metres):
+    dofs = np.zeros((80, len(character.actor.skeleton.dof_names)))
+    dofs[:, character.actor.skeleton.dof_names.index("pelvis.tx")] = np.linspace(0, metres, 80)
+    return d.Motion(40, dofs)
+
+
+def heights(character, motion, cameras, shot):
+    """(T) of the picture's height that the person takes, and (T, 2) the middle, of half the picture."""
+    found = []
+    for dofs, camera in zip(motion.dofs, cameras):
+        places = projected(skinned(character, dofs), camera) * camera.K[0, 0]
+        low, high = places.min(axis=0), places.max(axis=0)
+        found.append([(high - low)[1] / shot.height, *((low + high) / [shot.width, shot.height])])
+    return np.array(found)
+
+
+@pytest.mark.parametrize("size", [(720, 720), (1920, 1080)])
+@pytest.mark.parametrize("camera", ["front", "follow", "orbit"])
+def test_a_person_fills_the_picture(character, size, camera):
+    shot, motion = Shot(*size, camera=camera), walk(character, 0.0)
+    found = heights(character, motion, cameras_along(character, motion, 80, shot), shot)
+    assert found[:, 0].max() == pytest.approx(FILLED, abs=0.01) and found[:, 0].min() > FILLED - 0.03
+    assert np.abs(found[:, 1:]).max() < 0.05
+
+
+def test_who_walks_away_is_followed(character):
+    motion, shot = walk(character, 6.0), Shot(camera="follow")
+    found = heights(character, motion, cameras_along(character, motion, 80, shot), shot)
+    assert found[:, 0].min() > FILLED - 0.1 and np.abs(found[20:60, 1]).max() < 0.1
+    still = Shot(camera="front")
+    across = heights(character, motion, cameras_along(character, motion, 80, still), still)
+    assert across[:, 0].max() < 0.4 and np.abs(across[[0, -1], 1]).min() > 0.5
+    automatic = cameras_along(character, motion, 80, Shot())
+    assert not np.allclose(automatic[0].centre, automatic[-1].centre)
+
+
+def test_an_orbit_goes_round_once(character):
+    motion = walk(character, 0.0)
+    cameras = cameras_along(character, motion, 80, Shot(camera="orbit", turn_seconds=2.0))
+    angles = np.unwrap([np.arctan2(c.centre[0], c.centre[2]) for c in cameras])
+    assert angles[-1] - angles[0] == pytest.approx(2 * np.pi * 79 / 80, abs=0.02)
+
+
+@pytest.fixture
+def files(character, tmp_path):
+    character.write(tmp_path / "c.glb")
+    np.savez(tmp_path / "walk.npz", dofs=walk(character, 0.5).dofs[:20])
+    return [str(tmp_path / "c.glb"), str(tmp_path / "walk.npz")]
+
+
+def test_the_command_films_as_it_is_told(files, tmp_path):
+    out = tmp_path / "out.mp4"
+    flags = ["--size", "320x180", "--camera", "orbit", "--background", "#204060", "--quiet"]
+    assert cli.main(["animate", *files, "-o", str(out), *flags]) == 0
+    video = read_video(out)
+    assert video.size == (320, 180)
+    corner = next(video.frames())[2, 2].astype(int)
+    np.testing.assert_allclose(corner, [0x60, 0x40, 0x20], atol=4)  # B G R, above the horizon
+
+
+def test_pictures_are_in_their_order(character, tmp_path):
+    """They are drawn on several threads: the person goes from left to right."""
+    from doublet.export.animate import write_video
+
+    motion = walk(character, 2.0)
+    options = d.AnimateOptions(settle_seconds=0)
+    write_video(character, motion, tmp_path / "a.mp4", d.Context(), Shot(160, 120, "front"), options)
+    columns = []
+    for picture in list(read_video(tmp_path / "a.mp4").frames())[::8]:
+        upper = picture[: picture.shape[0] // 2].astype(int)
+        contrast = np.abs(upper - upper[:, :1]).sum(axis=(0, 2))
+        columns.append(np.argmax(contrast > 0.3 * contrast.max()))  # the person's left edge
+    assert np.all(np.diff(columns) > 0)
+
+
+@pytest.mark.parametrize(
+    ("flags", "said"),
+    [
+        (["--size", "1920"], "--size: expected WIDTHxHEIGHT such as 1920x1080, found '1920'"),
+        (["--size", "9x9"], "size: expected WIDTHxHEIGHT, 16 to 8192 px each, found 9x9"),
+        (["--turn-seconds", "0"], "turn_seconds: expected s above 0, found 0"),
+        (["--background", "mauvve"], "--background: expected a colour"),
+    ],
+)
+def test_what_is_refused(files, tmp_path, capsys, flags, said):
+    assert cli.main(["animate", *files, "-o", str(tmp_path / "out.mp4"), *flags]) == 1
+    assert said in capsys.readouterr().err and not (tmp_path / "out.mp4").exists()
+
+
+def test_an_array_has_no_camera(files, tmp_path, capsys):
+    assert cli.main(["animate", *files, "-o", str(tmp_path / "out.npz"), "--camera", "orbit"]) == 1
+    assert "expected an .mp4 for a size, camera or background, found .npz" in capsys.readouterr().err
