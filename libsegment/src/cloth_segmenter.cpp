@@ -239,19 +239,15 @@ SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::u
 
 std::vector<std::string> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation) {
   const Eigen::ArrayXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces).array();
-  const std::vector<Joint> &joints = actor.skeleton.joints;
-  std::vector<bool> has_child(joints.size(), false);
-  for (const Joint &joint : joints)
-    if (joint.parent >= 0)
-      has_child[joint.parent] = true;
   std::vector<std::string> ends;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    if (has_child[j] || joints[j].parent < 0)
+  for (int j = 0; j < actor.skeleton.joint_count(); ++j) {
+    const Joint &joint = actor.skeleton.joints[j];
+    if (!actor.skeleton.is_leaf(j) || joint.parent < 0)
       continue;
-    const Eigen::ArrayXd area = areas * actor.weights.col(joints[j].parent).array();
+    const Eigen::ArrayXd area = areas * actor.weights.col(joint.parent).array();
     const double cloth = (segmentation.clothness.array() > 0.5).select(area, 0.0).sum();
     if (area.sum() > 0 && cloth > 0.5 * area.sum())
-      ends.push_back(joints[j].name);
+      ends.push_back(joint.name);
   }
   return ends;
 }

@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothRegion', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'RetargetOptions', 'RiggedMesh', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'frame_source_violations', 'garment_mesher_violations', 'heat_weights', 'hidden_faces', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_simulated', 'read_view', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_simulated', 'write_template_suggestion']
+__all__: list[str] = ['AlignedScan', 'AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothRegion', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'Finding', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FrameViews', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Implausible', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'Limit', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'Reconstruction', 'ReconstructionOptions', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'Results', 'RetargetOptions', 'RiggedMesh', 'RunRecord', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SessionCheck', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'Stage', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'align_scan', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'check_session', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'default_stages', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fit_together', 'frame_source_violations', 'garment_mesher_violations', 'hash_files', 'heat_weights', 'hidden_faces', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'quality_findings', 'quality_limits', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_found_segmentation', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_segmentation_paint', 'read_simulated', 'read_suggested_mask', 'read_template_mask', 'read_view', 'read_views', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'triangulate', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_segmentation_paint', 'write_simulated', 'write_template_mask', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -37,6 +37,34 @@ class Context:
     @threads.setter
     def threads(self, value: int) -> None:
         ...
+class Finding:
+    """
+    What is wrong with a session or a result: impossible stops a run, doubtful is only said.
+    """
+    def __init__(self, impossible: bool, text: str, kind: str = '') -> None:
+        ...
+    def __repr__(self) -> str:
+        ...
+    @property
+    def impossible(self) -> bool:
+        """
+        nothing should be built on it
+        """
+    @property
+    def kind(self) -> str:
+        """
+        a word for programs; may be empty
+        """
+    @property
+    def level(self) -> str:
+        """
+        'impossible' or 'doubtful'
+        """
+    @property
+    def text(self) -> str:
+        """
+        one sentence that names expectation and finding
+        """
 class MeshReport:
     """
     What is wrong, or right, with a mesh.
@@ -816,6 +844,10 @@ class CalibratedCamera:
         """
         Pixel of a world point in the image as it was filmed.
         """
+    def project_jacobian(self, point: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[2, 3]"]:
+        """
+        (2, 3) pixels per metre.
+        """
     @property
     def camera(self) -> Camera:
         """
@@ -903,6 +935,12 @@ class Session:
     """
     A capture session on disk, checked as a whole.
     """
+    @typing.overload
+    def __init__(self) -> None:
+        """
+        Empty, to be filled by hand: one that is nowhere on disk.
+        """
+    @typing.overload
     def __init__(self, folder: os.PathLike | str | bytes) -> None:
         ...
     def recalibrated(self, calibration: os.PathLike | str | bytes) -> Session:
@@ -914,66 +952,105 @@ class Session:
         """
         absolute
         """
+    @calibration.setter
+    def calibration(self, value: os.PathLike | str | bytes) -> None:
+        ...
     @property
     def cameras(self) -> list[SessionCamera]:
         """
         SessionCameras
         """
+    @cameras.setter
+    def cameras(self, value: collections.abc.Sequence[SessionCamera]) -> None:
+        ...
     @property
     def folder(self) -> pathlib.Path:
         """
         absolute
         """
+    @folder.setter
+    def folder(self, value: os.PathLike | str | bytes) -> None:
+        ...
     @property
     def fps(self) -> float:
         """
         frames a second
         """
+    @fps.setter
+    def fps(self, value: float) -> None:
+        ...
     @property
     def frame_count(self) -> int:
         """
         of every camera
         """
+    @frame_count.setter
+    def frame_count(self, value: int) -> None:
+        ...
     @property
     def joints(self) -> list[JointAnnotation]:
         """
         JointMarks of joints.json
         """
+    @joints.setter
+    def joints(self, value: collections.abc.Sequence[JointAnnotation]) -> None:
+        ...
     @property
     def landmarks(self) -> dict[str, typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]]:
         """
         name -> (3) m, clicked on the body's surface
         """
+    @landmarks.setter
+    def landmarks(self, value: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]]) -> None:
+        ...
     @property
     def lenses(self) -> list[Lens]:
         """
         undone when images are read; one for each camera
         """
+    @lenses.setter
+    def lenses(self, value: collections.abc.Sequence[Lens]) -> None:
+        ...
     @property
     def markers(self) -> pathlib.Path:
         """
         joints.json, absolute; empty if there is none
         """
+    @markers.setter
+    def markers(self, value: os.PathLike | str | bytes) -> None:
+        ...
     @property
     def name(self) -> str:
         """
         of the session
         """
+    @name.setter
+    def name(self, value: str) -> None:
+        ...
     @property
     def new_motion(self) -> pathlib.Path:
         """
         absolute; empty if there is none
         """
+    @new_motion.setter
+    def new_motion(self, value: os.PathLike | str | bytes) -> None:
+        ...
     @property
     def rig(self) -> list[Camera]:
         """
         a Camera for each of `cameras`
         """
+    @rig.setter
+    def rig(self, value: collections.abc.Sequence[Camera]) -> None:
+        ...
     @property
     def scan(self) -> pathlib.Path:
         """
         absolute; empty if there is none
         """
+    @scan.setter
+    def scan(self, value: os.PathLike | str | bytes) -> None:
+        ...
 class FrameSource:
     """
     Swap point: where the images and masks come from.
@@ -1227,6 +1304,20 @@ class CameraView:
         """
         (H, W) uint8, 255 = actor; (0, 0) = none
         """
+class FrameViews:
+    """
+    What all cameras of a session show at a frame.
+    """
+    @property
+    def images(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
+        """
+        (H, W, 3) uint8, BGR, or empty; one a camera
+        """
+    @property
+    def masks(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
+        """
+        (H, W) uint8, 255 = actor, or empty; one a camera
+        """
 class StartFrame:
     """
     Where a take is most like the scan.
@@ -1347,6 +1438,35 @@ class ViewScanOptions:
     @smoothness.setter
     def smoothness(self, value: float) -> None:
         ...
+class AlignedScan:
+    """
+    A scan in the world of the cameras, and what was found out about it.
+    """
+    @property
+    def distance(self) -> float:
+        """
+        m to the hull, mean over the nearest four fifths
+        """
+    @property
+    def floor(self) -> bool:
+        """
+        the person stood on one
+        """
+    @property
+    def mesh(self) -> Mesh:
+        """
+        m, +Y up; without floor, specks and surroundings
+        """
+    @property
+    def unit(self) -> str:
+        """
+        of the scan: 'm', 'cm', 'mm' or 'inches'
+        """
+    @property
+    def up(self) -> str:
+        """
+        its axis that points up: '+x' ... '-z'
+        """
 class RestPoseOptions:
     """
     Options of refine_rest_pose.
@@ -1409,6 +1529,55 @@ class RestPoseOptions:
     @smoothing.setter
     def smoothing(self, value: float) -> None:
         ...
+class SessionCheck:
+    """
+    What is wrong with a session, and the frame of C cameras that it was looked at in.
+    """
+    @property
+    def findings(self) -> list[Finding]:
+        """
+        Findings, in the order of the checks
+        """
+    @property
+    def frame(self) -> int:
+        """
+        that was looked at
+        """
+    @property
+    def joints(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
+        """
+        (J, 3) m, placed as the scan is
+        """
+    @property
+    def overlaps(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
+        """
+        (C, C) IoU of the silhouette of camera i with the shadow in camera j, or NaN; (0, 0) without a scan
+        """
+    @property
+    def rig(self) -> list[Camera]:
+        """
+        (C) the cameras made small
+        """
+    @property
+    def shadows(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
+        """
+        (C) the same of the scan; empty without one
+        """
+    @property
+    def silhouettes(self) -> list[numpy.typing.NDArray[numpy.uint8]]:
+        """
+        (C) masks (h, w), 255 = actor; (0, 0) = none
+        """
+    @property
+    def start(self) -> StartFrame | None:
+        """
+        StartFrame, if the scan does not fit frame 0 as it stands; or None
+        """
+    @property
+    def start_text(self) -> str:
+        """
+        the same in words; may be empty
+        """
 class TemplateOptions:
     """
     Options of build_template.
@@ -6723,6 +6892,371 @@ class FitResult:
         """
         SolverSettings, without which the materials mean nothing
         """
+class Results:
+    """
+    What the stages have written into a folder, read when it is asked for.
+    """
+    def __init__(self, out: os.PathLike | str | bytes) -> None:
+        ...
+    def body(self) -> BodyFit:
+        """
+        BodyFit under the clothes.
+        """
+    def dressed_performance(self) -> ReferencePerformance:
+        """
+        ReferencePerformance of the dressed actor, whatever the width.
+        """
+    def forget(self) -> None:
+        """
+        After files were written: what was read before is read again.
+        """
+    def observations(self) -> Observations:
+        """
+        Observations of the film.
+        """
+    def path(self, file: str) -> pathlib.Path:
+        """
+        of a file of the folder
+        """
+    def performance(self) -> ReferencePerformance:
+        """
+        ReferencePerformance of the actor.
+        """
+    def proxies(self) -> list[TaperedCapsule]:
+        """
+        TaperedCapsules of the body.
+        """
+    def segmentation(self) -> Segmentation:
+        """
+        Segmentation of the actor.
+        """
+    def set_widths(self, positions: collections.abc.Sequence[float]) -> None:
+        """
+        The garment at these positions among its widths, until forget(), whatever material.json says.
+        """
+    def simulator(self, cloth: ClothOptions = ...) -> CharacterSimulator:
+        """
+        CharacterSimulator of `dressed`.
+        """
+    def take(self, solver: SolverSettings, garments: collections.abc.Sequence[Garment] = []) -> Take:
+        """
+        The Take that the material is estimated from, in each of these widths; none = in all that the garment offers.
+        """
+    @property
+    def actor(self) -> RiggedMesh:
+        """
+        RiggedMesh
+        """
+    @property
+    def dressed(self) -> DressedActor:
+        """
+        DressedActor, which is simulated: the actor in `garment`
+        """
+    @property
+    def garment(self) -> Garment:
+        """
+        Garment in the width that was estimated with the material, or else in the middle one
+        """
+    @property
+    def offered_garment(self) -> Garment:
+        """
+        Garment as the mesher made it, in several widths to choose from
+        """
+class Implausible(Error):
+    pass
+class Limit:
+    """
+    Of a number in a stage's summary; too low if `impossible` is below `doubtful`, otherwise too high.
+    """
+    def check(self, value: float) -> Finding | None:
+        """
+        The Finding; None if the number is as it should be.
+        """
+    def passed(self, value: float) -> str:
+        """
+        That the number is as it should be, in words; empty if it is not.
+        """
+    @property
+    def doubtful(self) -> float:
+        """
+        beyond it the number is doubtful
+        """
+    @property
+    def impossible(self) -> float:
+        """
+        beyond it nothing should be built on it
+        """
+    @property
+    def number(self) -> str:
+        """
+        name in the summary
+        """
+    @property
+    def stage(self) -> str:
+        """
+        whose summary
+        """
+class RunRecord:
+    """
+    run.json: what was run, on what, with which options, how long it took.
+    """
+    def __init__(self, out: os.PathLike | str | bytes) -> None:
+        ...
+    def begin(self, stage: str, inputs: collections.abc.Mapping[str, str], options: dict) -> None:
+        """
+        The stage runs from here.
+        """
+    def end(self, stage: str, summary: dict, outputs: collections.abc.Sequence[str]) -> None:
+        """
+        It is done.
+        """
+    def foreign_outputs(self, stage: str, outputs: collections.abc.Sequence[str]) -> list[str]:
+        """
+        Outputs that exist but are not what this program last wrote.
+        """
+    def hash(self, path: os.PathLike | str | bytes) -> str:
+        """
+        SHA-256 of a file, or of all that is in a folder.
+        """
+    def is_done(self, stage: str) -> bool:
+        """
+        Did it run to its end?
+        """
+    def reason_to_run(self, stage: str, inputs: collections.abc.Mapping[str, str], options: dict, outputs: collections.abc.Sequence[str]) -> str:
+        """
+        Why the stage must run, in words; empty if it is up to date.
+        """
+    def summary(self, stage: str) -> typing.Any:
+        """
+        The numbers of a stage; empty if it did not run.
+        """
+    @property
+    def data(self) -> typing.Any:
+        """
+        all of it, as plain values
+        """
+    @property
+    def path(self) -> pathlib.Path:
+        """
+        of run.json
+        """
+class ReconstructionOptions:
+    """
+    Every option of a reconstruction: options[group], and a few of all.
+    """
+    groups: typing.ClassVar[list] = ['template', 'silhouette', 'key', 'background', 'capture', 'features', 'pose', 'limbs', 'annealing', 'surface', 'calibration', 'segment', 'opposite', 'fullness', 'body', 'proxy', 'garment', 'cloth', 'fit', 'energy', 'space', 'texture']
+    def __getitem__(self, group: str) -> typing.Any:
+        """
+        The options object itself: what is set in it counts.
+        """
+    def __init__(self) -> None:
+        ...
+    def __setitem__(self, group: str, options: typing.Any) -> None:
+        """
+        With the groups that are part of it.
+        """
+    @property
+    def body_model(self) -> pathlib.Path:
+        """
+        file of the statistical body
+        """
+    @body_model.setter
+    def body_model(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def configuration(self) -> pathlib.Path:
+        """
+        the file that the options are from; empty = none
+        """
+    @configuration.setter
+    def configuration(self, arg0: os.PathLike | str | bytes) -> None:
+        ...
+    @property
+    def fps(self) -> float:
+        """
+        of the videos; 0 = as the session says
+        """
+    @fps.setter
+    def fps(self, arg0: float) -> None:
+        ...
+    @property
+    def keep_going(self) -> bool:
+        """
+        past results that cannot be true
+        """
+    @keep_going.setter
+    def keep_going(self, arg0: bool) -> None:
+        ...
+    @property
+    def seed(self) -> int:
+        """
+        of every random choice
+        """
+    @seed.setter
+    def seed(self, arg0: int) -> None:
+        ...
+class Reconstruction:
+    """
+    From a capture session to an animatable character, in stages.
+    """
+    def __init__(self, session: os.PathLike | str | bytes, out: os.PathLike | str | bytes, options: ReconstructionOptions = ..., context: Context = ...) -> None:
+        ...
+    def fit_options(self) -> FitOptions:
+        """
+        FitOptions with seed and frame rate.
+        """
+    def path(self, file: str) -> pathlib.Path:
+        """
+        of a file of `out`
+        """
+    def replace(self, stage: str, run: collections.abc.Callable, runner: str | None = None) -> None:
+        """
+        Puts run(reconstruction), which returns numbers for run.json, in the place of a stage's work; it must write the same files. runner: its name, for the record.
+        """
+    def reread_session(self) -> None:
+        """
+        After its files were changed.
+        """
+    def run(self, names: collections.abc.Sequence[str], force: bool = False) -> bool:
+        """
+        Stages by name, each unless it is up to date. Returns whether any ran.
+        """
+    def run_all(self, force: bool = False) -> bool:
+        """
+        All stages, each unless it is up to date.
+        """
+    def solver_settings(self) -> SolverSettings:
+        """
+        SolverSettings, without which materials mean nothing.
+        """
+    @property
+    def announce(self) -> collections.abc.Callable[[str], None]:
+        """
+        called with one line about each stage
+        """
+    @announce.setter
+    def announce(self, value: collections.abc.Callable[[str], None]) -> None:
+        ...
+    @property
+    def context(self) -> Context:
+        """
+        Context, whose log is also in log.txt
+        """
+    @property
+    def filmed(self) -> Session:
+        """
+        the session with the refined cameras, if there are any
+        """
+    @property
+    def findings(self) -> list[Finding]:
+        """
+        what the stages that were asked for found doubtful
+        """
+    @property
+    def options(self) -> ReconstructionOptions:
+        """
+        ReconstructionOptions
+        """
+    @options.setter
+    def options(self, value: ReconstructionOptions) -> None:
+        ...
+    @property
+    def out(self) -> pathlib.Path:
+        """
+        folder of the results
+        """
+    @property
+    def record(self) -> RunRecord:
+        """
+        RunRecord
+        """
+    @property
+    def results(self) -> Results:
+        """
+        Results of the stages
+        """
+    @property
+    def session(self) -> Session:
+        """
+        Session, read when it is asked for
+        """
+    @session.setter
+    def session(self, value: Session) -> None:
+        ...
+    @property
+    def session_folder(self) -> pathlib.Path:
+        """
+        as it was given
+        """
+    @property
+    def silhouettes(self) -> SilhouetteExtractor:
+        """
+        trained SilhouetteExtractor; None if all cameras have ready masks
+        """
+    @property
+    def stages(self) -> list[Stage]:
+        """
+        Stages in their order; a list of its own, to be set as a whole
+        """
+    @stages.setter
+    def stages(self, value: collections.abc.Sequence[Stage]) -> None:
+        ...
+class Stage:
+    """
+    What reads and writes files of a reconstruction's folder.
+    """
+    def __init__(self, name: str, run: collections.abc.Callable, *, reads: collections.abc.Sequence[str] = [], writes: collections.abc.Sequence[str] = [], may_read: collections.abc.Sequence[str] = [], option_groups: collections.abc.Sequence[str] = [], session_inputs: collections.abc.Sequence[str] = [], needs_scan: bool = True) -> None:
+        """
+        run(reconstruction) does the work and returns the numbers worth recording.
+        """
+    def run(self, reconstruction: Reconstruction) -> typing.Any:
+        """
+        Does the work, whatever is up to date -> the numbers worth recording.
+        """
+    @property
+    def continues_from(self) -> list[str]:
+        """
+        files of it that a stage that was stopped goes on from
+        """
+    @property
+    def may_read(self) -> list[str]:
+        """
+        files of the folder that count as inputs if they are there
+        """
+    @property
+    def name(self) -> str:
+        """
+        of the stage
+        """
+    @property
+    def option_groups(self) -> list[str]:
+        """
+        that its results depend on
+        """
+    @property
+    def reads(self) -> list[str]:
+        """
+        files of the folder
+        """
+    @property
+    def runner(self) -> str:
+        """
+        whose work it is; empty = doublet's
+        """
+    @property
+    def session_inputs(self) -> list[str]:
+        """
+        description, scan, calibration, joints, images
+        """
+    @property
+    def writes(self) -> list[str]:
+        """
+        files of the folder
+        """
+def align_scan(scan: Mesh, hull: Mesh, context: Context = ...) -> AlignedScan:
+    """
+    A scan in any unit, upright along any axis, brought to the hull that the cameras see (scan_from_views) -> AlignedScan.
+    """
 def animate(character: Character, motion: Motion, options: AnimateOptions = ..., context: Context = ..., make_solver: collections.abc.Callable[[ClothModel], ClothSolver] | None = None) -> AnimationResult:
     """
     The whole animation in memory. The motion is resampled to the character's own rate. Raises Error naming the frame if the simulation leaves the finite numbers. make_solver: as of CharacterSimulator.
@@ -6763,6 +7297,10 @@ def capsule_mesh(p0: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3
     """
     Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.
     """
+def check_session(session: Session, frames: FrameSource, extractor: SilhouetteExtractor | None = None, context: Context = ...) -> SessionCheck:
+    """
+    Whether a session can be true: scan, joints, calibration, frame rates and silhouettes against each other -> SessionCheck.
+    """
 def choose_widths(garment: Garment, chosen: collections.abc.Sequence[float] = []) -> Garment:
     """
     The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, in its `rest`.
@@ -6794,6 +7332,10 @@ def create_cma_es(dimension: int, options: CmaEsOptions = ...) -> Optimizer:
 def create_simulated_annealing(dimension: int, options: AnnealingOptions = ...) -> Optimizer:
     """
     Independent Metropolis chains under one geometric cooling schedule, over [0, 1]^dimension.
+    """
+def default_stages() -> list[Stage]:
+    """
+    The stages of a reconstruction, in their order.
     """
 def detect_joints(surface: Mesh, face_valid: numpy.typing.ArrayLike, model: BodyModel, options: BodyFitOptions = ..., seen: collections.abc.Mapping[str, typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]] = {}, context: Context = ...) -> DetectedJoints:
     """
@@ -6867,6 +7409,10 @@ def fit_proxies(fit: BodyFit, actor: RiggedMesh, segmentation: Segmentation, opt
     """
     Tapered capsules along the bones, inside the body: what cloth collides with.
     """
+def fit_together(reconstructions: collections.abc.Sequence[Reconstruction]) -> None:
+    """
+    One material, and one width, for several takes of one garment, with the options and the seed of the first.
+    """
 def frame_source_violations(frames: FrameSource) -> list[str]:
     """
     One sentence for each rule that a FrameSource breaks: channels, masks, sizes, the same frame again.
@@ -6874,6 +7420,10 @@ def frame_source_violations(frames: FrameSource) -> list[str]:
 def garment_mesher_violations(mesher: GarmentMesher, actor: RiggedMesh, segmentation: Segmentation) -> list[str]:
     """
     One sentence for each rule that a GarmentMesher breaks on an actor of yours: it fits, the same bits twice, refusals.
+    """
+def hash_files(path: os.PathLike | str | bytes) -> str:
+    """
+    SHA-256 of a file in hexadecimal digits; of a folder that of the names and contents of all files in it.
     """
 def heat_weights(mesh: Mesh, face_valid: numpy.typing.ArrayLike, skeleton: Skeleton, options: HeatWeightOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]:
     """
@@ -6943,6 +7493,14 @@ def proxy_statistics(capsules: collections.abc.Sequence[TaperedCapsule], fit: Bo
     """
     How far capsules and body are apart under the cloth.
     """
+def quality_findings(stage: str, summary: dict) -> list[Finding]:
+    """
+    What is implausible in the summary of a stage that is done.
+    """
+def quality_limits() -> list[Limit]:
+    """
+    Limits of the numbers of all stages.
+    """
 def rasterize(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], camera: Camera, face_valid: numpy.typing.ArrayLike = []) -> tuple[numpy.typing.NDArray[numpy.int32], numpy.typing.NDArray[numpy.float32]]:
     """
     (face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).
@@ -6958,6 +7516,10 @@ def read_body(path: os.PathLike | str | bytes) -> BodyFit:
 def read_calibration(path: os.PathLike | str | bytes, options: CalibrationOptions = ..., context: Context = ...) -> list[CalibratedCamera]:
     """
     Cameras of OpenCV, COLMAP, EasyMocap, Pose2Sim, Caliscope, anipose, Qualisys, Panoptic Studio or Metashape, or of a calibration.yml, in metres and with +Y up. The context's log says which were left out.
+    """
+def read_found_segmentation(out: os.PathLike | str | bytes) -> Segmentation:
+    """
+    The segmentation as it was before anything was painted.
     """
 def read_garment(path: os.PathLike | str | bytes, actor: RiggedMesh) -> Garment:
     """
@@ -6987,13 +7549,29 @@ def read_segmentation(path: os.PathLike | str | bytes) -> Segmentation:
     """
     segmentation.npz. Raises FileNotFoundError, or Error naming file and array.
     """
+def read_segmentation_paint(out: os.PathLike | str | bytes, vertices: int) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 1]"] | None:
+    """
+    (V) int32 in -1 to 2, None if nothing was painted.
+    """
 def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.float64]:
     """
     simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.
     """
+def read_suggested_mask(out: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    (F) uint8 of the template in OUT, 0: suggested as invalid.
+    """
+def read_template_mask(out: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.uint8]:
+    """
+    (F) uint8: the edited mask if there is one, else the suggestion.
+    """
 def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor | None = None) -> CameraView:
     """
     The image, and the ready mask or, where there is none, the extractor's -> CameraView.
+    """
+def read_views(session: Session, frame: int, extractor: SilhouetteExtractor | None = None) -> FrameViews:
+    """
+    Of every camera, as read_view -> FrameViews.
     """
 def read_widths(path: os.PathLike | str | bytes) -> list[float]:
     """
@@ -7091,6 +7669,10 @@ def train_body_model(population: os.PathLike | str | bytes, out: os.PathLike | s
     """
     Registered meshes (POPULATION.npz) -> statistical body model (MODEL.npz).
     """
+def triangulate(cameras: collections.abc.Sequence[CalibratedCamera], seen: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"] | None:
+    """
+    (3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; below 0.3 it does not count.
+    """
 def vertex_areas(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"]) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
     """
     (V) m^2, a third of the faces around each vertex.
@@ -7159,9 +7741,17 @@ def write_segmentation(path: os.PathLike | str | bytes, segmentation: Segmentati
     """
     segmentation.npz, complete or not at all.
     """
+def write_segmentation_paint(out: os.PathLike | str | bytes, painted: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"], vertices: int) -> None:
+    """
+    Writes what was painted, -1 (as found), 0 (skin), 1 (cloth) or 2 (border) for each vertex.
+    """
 def write_simulated(path: os.PathLike | str | bytes, frames: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], actor_vertices: int) -> None:
     """
     simulated.npz: frames (T, V + G, 3), of which the first actor_vertices (V) are the actor's, the others the garment's.
+    """
+def write_template_mask(out: os.PathLike | str | bytes, mask: numpy.typing.ArrayLike) -> None:
+    """
+    Writes the edited mask (F), 0 or 1 each, for the template in OUT.
     """
 def write_template_suggestion(path: os.PathLike | str | bytes, surface: Template) -> None:
     """
