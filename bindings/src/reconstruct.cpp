@@ -125,8 +125,14 @@ void bind_record(py::module_ &m) {
 }
 
 void bind_options(py::module_ &m) {
-  Class<ReconstructionOptions>(m, "ReconstructionOptions", "Every option of a reconstruction: options[group], and a few of all.")
-      .def(py::init<>())
+  std::vector<std::string> names; // one that is part of another comes behind it
+  const ReconstructionOptions defaults;
+  for_each_group(defaults, [&](const char *group, const auto &) { names.emplace_back(group); });
+  Class<ReconstructionOptions> options(
+      m, "ReconstructionOptions",
+      "Every option of a reconstruction: options[group], of the names in `groups`, and a few of all.");
+  options.attr("groups") = py::tuple(py::cast(names));
+  options.def(py::init<>())
       .def(
           "__getitem__",
           [](const py::object &self, const std::string &group) {
@@ -142,15 +148,6 @@ void bind_options(py::module_ &m) {
             visit_group(options, group, [&](auto &values) { values = chosen.cast<std::remove_cvref_t<decltype(values)>>(); });
           },
           py::arg("group"), py::arg("options"), "With the groups that are part of it.")
-      .def_property_readonly_static(
-          "groups",
-          [](const py::object &) {
-            std::vector<std::string> names;
-            const ReconstructionOptions options;
-            for_each_group(options, [&](const char *group, const auto &) { names.emplace_back(group); });
-            return names;
-          },
-          "Names of all groups; one that is part of another comes behind it.")
       .def_readwrite("body_model", &ReconstructionOptions::body_model, "file of the statistical body")
       .def_readwrite("seed", &ReconstructionOptions::seed, "of every random choice")
       .def_readwrite("fps", &ReconstructionOptions::fps, "of the videos; 0 = as the session says")

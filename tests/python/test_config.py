@@ -29,7 +29,7 @@ def options_of(*words) -> tuple[dict, int]:
     """Of a command line: the option objects, and the seed."""
     arguments = PARSER.parse_args(["reconstruct", "session", "-o", "out", *map(str, words)])
     job = jobs.make_job(arguments, arguments.session)
-    return {group: plain(options) for group, options in job.options.items()}, job.seed
+    return {group: plain(job.options[group]) for group in d.ReconstructionOptions.groups}, job.options.seed
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def test_a_body_model_is_seen_from_the_file(tmp_path):
     path.parent.mkdir()
     path.write_text('body_model = "model.npz"\n')
     arguments = cli.build_parser().parse_args(["body", "out", "--config", str(path)])
-    assert jobs.make_job(arguments, Path("session")).body_model == path.with_name("model.npz")
+    assert jobs.make_job(arguments, Path("session")).options.body_model == path.with_name("model.npz")
 
 
 @pytest.fixture

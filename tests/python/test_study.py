@@ -111,7 +111,7 @@ def test_fits_are_those_of_one_process_even_if_one_is_killed_in_the_middle(bell,
     for job, row in zip(jobs, rows):
         assert row["result"] == study.fit(job)
     assert rows[0]["result"] != rows[1]["result"]
-    assert not list((tmp_path / "checkpoints").glob("*.json"))
+    assert not list((tmp_path / "checkpoints").glob("[!.]*.json"))  # a worker that was killed may leave half a file
 
 
 def test_results_of_a_function_under_its_former_name_count(tmp_path):
