@@ -139,6 +139,11 @@ std::optional<MovingSurface::Point> MovingSurface::closest(const Vector3d &point
     try_face(hint, point, best);
   const Eigen::Array3f p = point.array().cast<float>();
   const double slack = kRounding * (1 + farthest + largest_);
+  const auto reach_of = [slack](double distance) { // squared, rounded up
+    const double reach = distance + slack;
+    return static_cast<float>(reach * reach * (1 + kRounding));
+  };
+  float reach = reach_of(best.distance);
   struct Open {
     int node;
     float distance; ///< squared, of its box
@@ -148,20 +153,19 @@ std::optional<MovingSurface::Point> MovingSurface::closest(const Vector3d &point
   open[count++] = {0, 0};
   while (count > 0) {
     const auto [at, box] = open[--count];
-    const auto is_near = [&](float distance) {
-      const double reach = best.distance + slack;
-      return distance < reach * reach;
-    };
-    if (!is_near(box))
+    if (!(box < reach))
       continue;
     const Node &node = nodes_[at];
     const Eigen::Array4f distances = squared_distances(p, node.low, node.high);
+    if (!(distances < reach).any())
+      continue;
     const int first = count;
     for (int k = 0; k < 4; ++k) {
-      if (!is_near(distances[k]))
+      if (!(distances[k] < reach))
         continue;
       if (node.child[k] < 0) {
         try_face(~node.child[k], point, best);
+        reach = reach_of(best.distance);
         continue;
       }
       int place = count++;
