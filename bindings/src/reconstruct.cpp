@@ -128,11 +128,11 @@ void bind_options(py::module_ &m) {
   std::vector<std::string> names; // one that is part of another comes behind it
   const ReconstructionOptions defaults;
   for_each_group(defaults, [&](const char *group, const auto &) { names.emplace_back(group); });
-  Class<ReconstructionOptions> options(
+  Class<ReconstructionOptions> bound(
       m, "ReconstructionOptions",
       "Every option of a reconstruction: options[group], of the names in `groups`, and a few of all.");
-  options.attr("groups") = py::tuple(py::cast(names));
-  options.def(py::init<>())
+  bound.attr("groups") = py::tuple(py::cast(names));
+  bound.def(py::init<>())
       .def(
           "__getitem__",
           [](const py::object &self, const std::string &group) {

@@ -7042,9 +7042,9 @@ class RunRecord:
         """
 class ReconstructionOptions:
     """
-    Every option of a reconstruction: options[group], and a few of all.
+    Every option of a reconstruction: options[group], of the names in `groups`, and a few of all.
     """
-    groups: typing.ClassVar[list] = ['template', 'silhouette', 'key', 'background', 'capture', 'features', 'pose', 'limbs', 'annealing', 'surface', 'calibration', 'segment', 'opposite', 'fullness', 'body', 'proxy', 'garment', 'cloth', 'fit', 'energy', 'space', 'texture']
+    groups: typing.ClassVar[tuple] = ('template', 'silhouette', 'key', 'background', 'capture', 'features', 'pose', 'limbs', 'annealing', 'surface', 'calibration', 'segment', 'opposite', 'fullness', 'body', 'proxy', 'garment', 'cloth', 'fit', 'energy', 'space', 'texture')
     def __getitem__(self, group: str) -> typing.Any:
         """
         The options object itself: what is set in it counts.
@@ -7061,7 +7061,7 @@ class ReconstructionOptions:
         file of the statistical body
         """
     @body_model.setter
-    def body_model(self, arg0: os.PathLike | str | bytes) -> None:
+    def body_model(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def configuration(self) -> pathlib.Path:
@@ -7069,7 +7069,7 @@ class ReconstructionOptions:
         the file that the options are from; empty = none
         """
     @configuration.setter
-    def configuration(self, arg0: os.PathLike | str | bytes) -> None:
+    def configuration(self, value: os.PathLike | str | bytes) -> None:
         ...
     @property
     def fps(self) -> float:
@@ -7077,7 +7077,7 @@ class ReconstructionOptions:
         of the videos; 0 = as the session says
         """
     @fps.setter
-    def fps(self, arg0: float) -> None:
+    def fps(self, value: float) -> None:
         ...
     @property
     def keep_going(self) -> bool:
@@ -7085,7 +7085,7 @@ class ReconstructionOptions:
         past results that cannot be true
         """
     @keep_going.setter
-    def keep_going(self, arg0: bool) -> None:
+    def keep_going(self, value: bool) -> None:
         ...
     @property
     def seed(self) -> int:
@@ -7093,7 +7093,7 @@ class ReconstructionOptions:
         of every random choice
         """
     @seed.setter
-    def seed(self, arg0: int) -> None:
+    def seed(self, value: int) -> None:
         ...
 class Reconstruction:
     """
