@@ -131,6 +131,35 @@ def test_a_centred_motion_begins_over_the_origin(character, motion, tmp_path):
     np.testing.assert_allclose(np.ptp(paths["centred"] - paths["as_it_is"], axis=0), 0, atol=1e-5)
 
 
+@pytest.mark.parametrize(("scheme", "knee", "root"), [("unreal", "calf_l", "pelvis"), ("humanoid", "leftLowerLeg", "hips")])
+@pytest.mark.parametrize("suffix", [".bvh", ".glb"])
+def test_bones_under_other_names_move_as_they_did(character, motion, tmp_path, suffix, scheme, knee, root):
+    """And are known again by those names: the clip plays on the character as it was."""
+    np.savez(tmp_path / "own.npz", dofs=0.3 * motion.dofs)
+    character.write(tmp_path / "c.glb")
+    clips = []
+    files = [str(tmp_path / name) for name in ("c.glb", "own.npz")]
+    for flags in ([], ["--bone-names", scheme]):
+        out = tmp_path / f"{len(flags)}{suffix}"
+        assert cli.main(["animate", *files, "-o", str(out), "--quiet", *flags]) == 0
+        clips.append(d.SourceMotion.read(out))
+    ours, theirs = (clip.joint_names for clip in clips)
+    assert {knee, root} <= set(theirs) and "l_knee" in ours and "l_knee" not in theirs
+    np.testing.assert_array_equal(clips[0].positions, clips[1].positions)
+    np.testing.assert_array_equal(clips[0].rotations, clips[1].rotations)
+    # A finger is no hand to who guesses by names; all others are known again.
+    played = [{m.part: m.joint for m in d.explain_match(clip) if not m.part.endswith("_hand")} for clip in clips]
+    assert played[0] == played[1]
+
+
+def test_bones_of_a_video_have_no_names(character, tmp_path, capsys):
+    character.write(tmp_path / "c.glb")
+    (tmp_path / "m.bvh").write_text("")
+    files = [str(tmp_path / name) for name in ("c.glb", "m.bvh")]
+    assert cli.main(["animate", *files, "-o", str(tmp_path / "o.mp4"), "--bone-names", "unreal"]) == 1
+    assert "expected a .bvh or .glb for bones of other names, found .mp4" in capsys.readouterr().err
+
+
 # --- arrays
 
 

@@ -105,6 +105,7 @@ bool find_hidden_colour(Character &c, const std::vector<double> &away, const Bak
 namespace doublet {
 
 std::vector<std::uint8_t> hidden_faces(const Character &c) {
+  validate_character(c);
   std::vector<std::uint8_t> hidden(static_cast<std::size_t>(c.high.faces.rows()), 0);
   if (c.high_body.empty())
     return hidden;

@@ -2,5 +2,5 @@
 
 from .._lazy import lazy_modules
 
-MODULES = ("animate", "bone_map", "character_edit", "clips", "cloth", "usd")
+MODULES = ("animate", "bone_map", "bone_names", "character_edit", "clips", "cloth", "usd")
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)

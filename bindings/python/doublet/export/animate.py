@@ -13,6 +13,7 @@ import numpy as np
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.video import VideoWriter
+from . import bone_names
 from .clips import centred, read_motion
 from .usd import usd_modules, write_usdc
 from .video_camera import Shot, cameras_along
@@ -29,6 +30,7 @@ class Output:
     bone_map: Path | None = None
     clip: str = ""  # of a .glb with several animations: name, or number from 1
     shot: Shot | None = None  # of a video
+    bone_names: str = ""  # of bone_names.SCHEMES, in a .bvh or .glb; empty = ours
     centre: bool = False  # the motion begins over the world's origin, not where the scan stood
 
 
@@ -45,6 +47,8 @@ def animate(
         raise ValueError(f"{out} must end in one of {', '.join(FORMATS)}")
     if output and output.shot and out.suffix != ".mp4":
         raise ValueError(f"{out}: expected an .mp4 for a size, camera or background, found {out.suffix}")
+    if output and output.bone_names and out.suffix not in (".bvh", ".glb"):
+        raise ValueError(f"{out}: expected a .bvh or .glb for bones of other names, found {out.suffix}")
     if out.suffix == ".usdc":
         usd_modules()  # before the work
     context, output = console.context(), output or Output()
@@ -59,13 +63,18 @@ def animate(
     if out.suffix == ".bvh":
         motion = d.resample(character.actor.skeleton, motion, 1 / character.solver.dt)
         d.write_bvh(out, character.actor.skeleton, motion)
+        if output.bone_names:
+            bone_names.rename(out, output.bone_names)
         return len(motion)
     animation = d.animate(character, motion, output.animation, context)
     frames = len(animation.dofs)
     if out.suffix == ".npz":
         d.write_baked_npz(out, character, animation)
-    elif (keys := d.write_baked_glb(out, character, animation, output.glb)) < frames:
+        return frames
+    if (keys := d.write_baked_glb(out, character, animation, output.glb)) < frames:
         console.say(f"{out}: {keys} shapes for {frames} frames, between which viewers blend (--glb-max-keys allows more)")
+    if output.bone_names:
+        bone_names.rename(out, output.bone_names)
     return frames
 
 

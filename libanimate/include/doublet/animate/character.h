@@ -53,7 +53,8 @@ Character make_character(const RiggedMesh &actor, const Segmentation &segmentati
 /// its normal runs into cloth.
 std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
 
-/// (FH) 1 = a face of M_high that is of the hidden body (see Character::high_body), or joins it to the scan.
+/// (FH) 1 = a face of M_high that is of the hidden body (see Character::high_body), or joins it to the scan. Throws as
+/// validate_character().
 std::vector<std::uint8_t> hidden_faces(const Character &character);
 
 /// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of

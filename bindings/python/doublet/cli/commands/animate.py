@@ -8,6 +8,7 @@ from pathlib import Path
 from ... import _doublet as d
 from ...export import bone_map
 from ...export.animate import Output, animate
+from ...export.bone_names import SCHEMES
 from ...export.character_edit import colour_of
 from ...export.clips import read_clip
 from ...export.video_camera import CAMERAS, Shot
@@ -29,6 +30,8 @@ def register(commands) -> None:
     command.add_argument("--bone-map", type=Path, metavar="FILE", help=text)
     text = "which of the animations in a MOTION.glb: name, or number from 1 (default: the first that moves the body)"
     command.add_argument("--animation", default="", metavar="NAME", help=text)
+    text = "of the joints in a .bvh or .glb: Unreal's mannequin, Unity's humanoid and VRM (default: the character's own)"
+    command.add_argument("--bone-names", choices=SCHEMES, default="", help=text)
     text = "begin over the world's origin (default: where the actor stood in the scan)"
     command.add_argument("--centre", action="store_true", help=text)
     text = "of an .mp4, px (default: 720x720)"
@@ -60,7 +63,7 @@ def run(arguments) -> None:
     console = make_console(arguments)
     shot = shot_of(arguments)
     output = Output(
-        options["animate"], options["glb"], arguments.bone_map, arguments.animation, shot=shot, centre=arguments.centre
+        options["animate"], options["glb"], arguments.bone_map, arguments.animation, shot, arguments.bone_names, arguments.centre
     )
     frames = animate(arguments.character, arguments.motion, arguments.out, console, options["retarget"], output)
     console.finish()
