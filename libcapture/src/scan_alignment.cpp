@@ -2,6 +2,7 @@
 
 #include "doublet/core/parts/quantile.h"
 #include "doublet/rays/ray_scene.h"
+#include "placed.h"
 #include "sentences.h"
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 namespace doublet {
 namespace {
 
+using detail::placed;
 using detail::printed;
 
 struct ScanUnit {
@@ -141,10 +143,6 @@ struct Placement {
   Eigen::Isometry3d hull_from_person = Eigen::Isometry3d::Identity();
   double distance = 0; ///< m
 };
-
-Vertices placed(const Vertices &points, const Eigen::Isometry3d &place) {
-  return (points * place.linear().transpose()).rowwise() + place.translation().transpose();
-}
 
 /// Samples by their distance to the hull, the nearest kKept of them; `closest` (kSamples, 3).
 std::vector<std::pair<double, int>> nearest_samples(const RayScene &hull, const Vertices &points, Vertices &closest) {

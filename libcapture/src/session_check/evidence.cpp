@@ -4,6 +4,7 @@
 #include "doublet/core/parts/quantile.h"
 #include "doublet/core/rasterizer.h"
 #include "frame_reader.h"
+#include "placed.h"
 
 #include <opencv2/imgproc.hpp>
 
@@ -54,10 +55,7 @@ bool can_be_actor(double share) {
 
 /// (N, 3) points of the scan where it is placed in that frame.
 Vertices in_place(const Evidence &evidence, const Vertices &points) {
-  if (!evidence.found.start)
-    return points;
-  const Eigen::Isometry3d &placed = evidence.found.start->world_from_scan;
-  return (points * placed.linear().transpose()).rowwise() + placed.translation().transpose();
+  return evidence.found.start ? placed(points, evidence.found.start->world_from_scan) : points;
 }
 
 void compare_with_scan(Evidence &evidence, const std::vector<Image> &masks) {
