@@ -61,6 +61,8 @@ std::optional<Eigen::Vector3d> triangulate(const Cameras &cameras, const Keypoin
   if (cameras.size() != seen.size())
     throw std::invalid_argument("triangulate: expected a keypoint of each of " + std::to_string(cameras.size()) +
                                 " cameras, found " + std::to_string(seen.size()));
+  for (std::size_t i = 0; i < cameras.size(); ++i)
+    validate_camera(cameras[i].camera, "triangulate: camera " + std::to_string(i));
   std::vector<int> sure;
   for (int i = 0; i < static_cast<int>(seen.size()); ++i)
     if (seen[i].confidence >= kConfident && seen[i].pixel.allFinite())

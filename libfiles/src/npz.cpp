@@ -256,6 +256,12 @@ Bytes unpack(zip_t *zip, zip_uint64_t index, std::uint64_t &room, const std::str
   zip_stat_t stated;
   zip_stat_init(&stated);
   zip_stat_index(zip, index, 0, &stated);
+  const auto require_filled = [&](std::uint64_t size) {
+    if (size > kAnyway + kUsualExpansion * stated.comp_size)
+      throw Error(where + ": expected numbers that fill the array, found more than " + std::to_string(size >> 20) +
+                  " MiB out of " + std::to_string(stated.comp_size) + " bytes");
+  };
+  require_filled(stated.size); // before any memory is taken
   const auto piece = static_cast<std::size_t>(std::clamp<zip_uint64_t>(stated.size, 1 << 10, (1 << 20) - 1) + 1);
   Bytes data;
   for (;;) {
@@ -268,9 +274,7 @@ Bytes unpack(zip_t *zip, zip_uint64_t index, std::uint64_t &room, const std::str
     if (static_cast<std::uint64_t>(n) > room)
       throw Error(where + ": expected no more than deflate can pack into a file of this size, found more");
     room -= static_cast<std::uint64_t>(n);
-    if (data.size() > kAnyway + kUsualExpansion * stated.comp_size)
-      throw Error(where + ": expected numbers that fill the array, found more than " + std::to_string(data.size() >> 20) +
-                  " MiB out of " + std::to_string(stated.comp_size) + " bytes");
+    require_filled(data.size());
     if (n == 0)
       return data;
   }

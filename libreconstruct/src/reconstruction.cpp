@@ -5,6 +5,8 @@
 #include "doublet/options/json.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
@@ -19,7 +21,7 @@ Context with_log_file(const Context &context, const Path &file, const std::share
   Context result = context;
   result.log = [log = context.log, file, logging](const std::string &line) {
     if (*logging && !(std::ofstream(file, std::ios::app) << line << '\n' << std::flush))
-      throw Error(file.string() + ": cannot be written");
+      throw Error(file.string() + ": cannot be written: " + std::strerror(errno));
     if (log)
       log(line);
   };

@@ -77,12 +77,12 @@ def test_paint_and_save(made, served, browser):
     url, process = served
     browser.get(url)
     wait_for_status(browser, "Ready")
-    suggested = d.read_suggested_mask(made)
+    suggested = d.read_suggested_mask(made).astype(bool)
     press(browser, "paint")
     stroke(browser, (0, -20), (0, -20))
     press(browser, "save")
     wait_for_status(browser, "Saved")
-    mask, mesh = d.read_template_mask(made), d.read_mesh(made / "template.ply")
+    mask, mesh = d.read_template_mask(made).astype(bool), d.read_mesh(made / "template.ply")
     painted = mesh.vertices[mesh.faces[suggested & ~mask]].mean(axis=1)
     assert len(painted) > 0 and not (mask & ~suggested).any()
     # The middle of the view shows the middle of the box of the surface, from the front; the stroke goes up from there.
@@ -96,7 +96,7 @@ def test_paint_and_save(made, served, browser):
 
     press(browser, "undo")
     press(browser, "save")
-    WebDriverWait(browser, 30).until(lambda b: (d.read_template_mask(made) == suggested).all())
+    WebDriverWait(browser, 30).until(lambda b: (d.read_template_mask(made).astype(bool) == suggested).all())
 
     press(browser, "erase")
     browser.find_element(By.CSS_SELECTOR, "[data-turn='0 -1.2']").click()
@@ -120,8 +120,8 @@ def test_the_next_stage_uses_the_mask_and_ctrl_c_ends_the_page(made, served, shi
     assert process.returncode == 0 and errors == "" and "uses it" in shown
     done = doublet("template", shipped, "-o", made, *SMALL)
     assert "template: up to date" in done.stderr and f"rig: running ({EDITED} changed)" in done.stderr
-    mask = d.read_template_mask(made)
-    assert (mask != d.read_suggested_mask(made)).any()
+    mask = d.read_template_mask(made).astype(bool)
+    assert (mask != d.read_suggested_mask(made).astype(bool)).any()
     assert (np.asarray(d.read_actor(made / "actor.npz").face_valid, bool) == mask).all()
     assert json.loads((made / "run.json").read_text())["stages"]["rig"]["summary"]["mask"] == "edited"
 
@@ -141,7 +141,7 @@ def test_what_is_no_mask_is_refused(made, served):
     assert post(url, "mask", b" " * 100000) == 400
     assert not (made / EDITED).exists()
     assert post(url, "mask", good) == 200
-    assert (d.read_template_mask(made) == d.read_suggested_mask(made)).all()
+    assert (d.read_template_mask(made).astype(bool) == d.read_suggested_mask(made).astype(bool)).all()
 
 
 def test_without_a_template(tmp_path):

@@ -108,6 +108,9 @@ def calls(world, folder) -> dict:
         "find_start_frame": (
             lambda scan, rig: d.find_start_frame(scan, rig, Discs()), {"scan": w.mesh, "rig": ring_of_discs()["rig"]},
         ),
+        "write_segmentation_paint": (
+            lambda painted: d.write_segmentation_paint(folder, painted, len(v)), {"painted": np.full(len(v), -1, np.int32)},
+        ),
         "align_scan": (d.align_scan, {"scan": w.mesh, "hull": w.mesh}),
         "triangulate": (d.triangulate, {"cameras": ring_of_discs()["rig"], "seen": np.full((4, 3), 47.5)}),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
@@ -297,6 +300,8 @@ ELSEWHERE = {
     "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
     "measure_observations",
     "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
+    "default_stages", "fit_together", "hash_files", "quality_findings", "quality_limits", "read_found_segmentation",
+    "read_segmentation_paint", "read_suggested_mask", "read_template_mask", "read_views", "write_template_mask",
 }  # fmt: skip
 
 

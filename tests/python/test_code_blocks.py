@@ -210,6 +210,10 @@ VALUES = "doublet/core/garment.h doublet/core/stage_values.h"
 #: Page -> headers beside those that a block includes itself; arguments of the function around it, for each block. Others stand
 #: alone.
 PROLOGUES = {
+    "architecture.md": (
+        "doublet/reconstruct/reconstruction.h",
+        ["const doublet::ReconstructionOptions &options, std::string (*my_segmentation)(doublet::Reconstruction &)"],
+    ),
     "README.md": ("", ["const Vertices &rest, const Faces &faces, const std::vector<Capsule> &legs"]),
     "body-model.md": (
         "doublet/bodymodel/proxies.h",

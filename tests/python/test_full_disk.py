@@ -3,6 +3,7 @@
 import contextlib
 import io
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -13,7 +14,6 @@ import numpy as np
 import pytest
 from doublet.cli import commands
 from doublet.cli import program as cli
-from doublet.common.console import Console
 from doublet.common.files import write_json, written_atomically
 from doublet.common.video import VideoWriter
 from doublet.export.usd import usd_modules, write_usdc
@@ -178,12 +178,16 @@ def test_a_command_says_so(world, tmp_path, capsys):
 
 
 def test_the_log_is_named(tmp_path):
-    console = Console(quiet=True)
-    console.log_file = tmp_path / "log.txt"
-    with small_disk(), pytest.raises(OSError) as refused:
-        for line in range(ROOM):
-            console.log(f"line {line}")
-    assert (refused.value.filename, refused.value.strerror) == (str(console.log_file), "cannot be written: File too large")
+    def chatter(job):
+        with small_disk():
+            for line in range(ROOM):
+                job.context.log_line(f"line {line}")
+
+    job = d.Reconstruction(tmp_path, tmp_path)
+    job.session = d.Session()
+    job.stages = [d.Stage("talk", chatter, needs_scan=False)]
+    with pytest.raises(d.Error, match=re.escape(f"{tmp_path / 'log.txt'}: cannot be written: File too large")):
+        job.run(["talk"])
 
 
 def test_memory_that_a_thread_has_not(monkeypatch, capsys):

@@ -88,7 +88,7 @@ def test_a_filmed_character_is_simulated_again_to_the_same_surface(either, tmp_p
     for how in (films(), Filming(frames=8, noise=2.0)):
         folder, options = filmed(either, None, truth, how, tmp_path)
         job = study.plain_job(folder, options, FPS, 1)
-        made = study.reconstruction(job)
+        made = study.film_of(job)
         again, other = simulate(made, [truth]), simulate(made, [wrong])
         assert len(again) == how.frames
         assert rms_cm(again, again, made) == 0 and rms_cm(other, again, made) > 0.5
@@ -147,7 +147,7 @@ def test_rivals_are_measured_as_evaluate_does(either, tmp_path, monkeypatch, cap
     swing = np.zeros((12, 6))
     swing[:, 0] = 0.02 * np.arange(12) ** 1.5
     monkeypatch.setattr(comparisons, "exact_motion", lambda *_: d.Motion(FPS, swing))  # clips are read for humans only
-    made, novel = study.reconstruction(plain_job(either)), tmp_path / "novel"
+    made, novel = study.film_of(plain_job(either)), tmp_path / "novel"
     faces, cloth = made.results.actor.mesh.faces, made.results.dressed.segmentation.clothness > 0.5
     write_truth(tmp_path, faces, simulate(made, estimate(either)), cloth)
     novel.mkdir()

@@ -22,11 +22,11 @@ constexpr double kAtEdge = 1e-9;                         // a barycentric coordi
 constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;     // m along the skin from the body; from the garment in the scan pose
 // Cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out.
 constexpr double kFacing = 0.2;
-constexpr double kEnough = 1e-4;               // m
+constexpr double kStandsOut = 1e-4;            // m
 constexpr int kLooks = 3;                      // on the way in
 constexpr double kFlat = 0.8, kShallow = 0.02; // cosine; m
 constexpr double kOblique = 0.3;               // of out for each in, at least
-constexpr double kDeepest = 0.09;              // m
+constexpr double kDeepestTuck = 0.09;          // m
 constexpr double kWall = 0.3;                  // m in for each along the skin, of skin beside what goes in
 constexpr int kGoAlong = 2;                    // times over all edges
 
@@ -172,7 +172,7 @@ void SkinPenetrationFix::find_way_in(const Vertices &normals, const Vertices &po
   tucked.in = 0;
   tucked.way = tucked.own;
   int last = tucked.last;
-  for (int look = 0; look < (tucked.at_seam ? 1 : kLooks) && tucked.in < kDeepest; ++look) {
+  for (int look = 0; look < (tucked.at_seam ? 1 : kLooks) && tucked.in < kDeepestTuck; ++look) {
     const Beside at = beside(positions.row(tucked.vertex).transpose() - tucked.in * tucked.way, normals, last);
     const double facing = tucked.own.dot(at.normal);
     if (look == 0) {
@@ -181,13 +181,13 @@ void SkinPenetrationFix::find_way_in(const Vertices &normals, const Vertices &po
       if (tucked.at_seam)
         tucked.way = at.normal;
     }
-    if (!(at.out > kEnough) || facing <= 0)
+    if (!(at.out > kStandsOut) || facing <= 0)
       break;
     tucked.in += std::min(1.0, facing / kFacing) * at.out / (tucked.at_seam ? 1 : std::max(facing, kOblique));
     if (facing > kFlat && tucked.in < kShallow)
       break; // no other fold lies there
   }
-  tucked.in = std::min(tucked.in, kDeepest);
+  tucked.in = std::min(tucked.in, kDeepestTuck);
 }
 
 void SkinPenetrationFix::take_neighbours_along(Part &part, const Vertices &positions) {
