@@ -9,6 +9,7 @@
 #   mutate    DOUBLET_MUTANTS (1000) damaged files of every format, read from Python
 #   stages    `doublet reconstruct`, stopped at every stage in every way
 #   slow      ctest -L slow: cloth in every corner of the material box; templates, first poses and searches beyond those of every run
+#   rooms     what the flaws of a real room cost on the shipped session (benchmarks/rooms.py)
 #   pictures  every picture of docs/, by its script
 #   conda     the conda recipe, rendered
 #   wheel     the wheel of scripts/build-wheel.sh, in a clean environment
@@ -17,7 +18,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.." || exit 1
 logs=$PWD/build/nightly build=$PWD/build/tests venv=$PWD/build/tests-venv
 all=()
-parts="tests sanitize threads fuzz mutate stages slow pictures conda wheel pythons"
+parts="tests sanitize threads fuzz mutate stages slow rooms pictures conda wheel pythons"
 
 installed() {
   [ -x "$venv/bin/doublet" ] || tests/run_tests.sh -k test_the_version_is_one
@@ -36,6 +37,7 @@ run_part() {
     mutate) installed && "$venv/bin/python" tests/fuzz/mutate.py --count "${DOUBLET_MUTANTS:-1000}" ;;
     stages) installed && "$venv/bin/python" tests/slow/every_stage.py --whole ;;
     slow) installed && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow ;;
+    rooms) installed && rm -rf "$logs/rooms" && PATH=$venv/bin:$PATH "$venv/bin/python" benchmarks/rooms.py examples/data/session -o "$logs/rooms" ;;
     pictures) installed && PATH=$venv/bin:$PATH scripts/make-pictures.sh --quick "$logs/pictures" ;;
     conda) installed && "$venv/bin/pip" install -q py-rattler-build && "$venv/bin/python" packaging/conda/check.py ;;
     wheel) installed && scripts/build-wheel.sh && PATH=$venv/bin:$PATH DOUBLET_PORTABLE_WHEEL=$(echo "$PWD"/build/portable-wheel/doublet-*.whl) \
