@@ -8,6 +8,7 @@
 #include "doublet/reconstruct/corrections_file.h"
 #include "stages.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numeric>

@@ -8,6 +8,9 @@
 #include "doublet/core/rasterizer.h"
 #include "stages.h"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <set>
 
 namespace doublet::detail {

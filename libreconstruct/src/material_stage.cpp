@@ -5,6 +5,8 @@
 #include "doublet/core/garment.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <stdexcept>
 
 namespace doublet {
 
@@ -47,7 +49,7 @@ void fit_together(const std::vector<Reconstruction *> &reconstructions) {
     takes.push_back(film.take());
 
   Reconstruction &first = *reconstructions[0];
-  const Stage &stage = *std::find_if(first.stages.begin(), first.stages.end(), [](const Stage &s) { return s.name == "fit"; });
+  const Stage &stage = detail::stage_named(first.stages, "fit");
   detail::Json options = detail::Json::parse(first.basis_of(stage).options);
   options["takes"] = folders;
   FitOptions fit = first.fit_options();

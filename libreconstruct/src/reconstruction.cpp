@@ -32,17 +32,6 @@ bool contains(const std::vector<std::string> &names, const std::string &name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// The stage of that name; throws std::invalid_argument if there is none.
-Stage &stage_named(std::vector<Stage> &stages, const std::string &name) {
-  std::string known;
-  for (Stage &stage : stages) {
-    if (stage.name == name)
-      return stage;
-    known += (known.empty() ? "" : ", ") + stage.name;
-  }
-  throw std::invalid_argument("stage '" + name + "': expected one of " + known);
-}
-
 /// "group.name" -> value of every option in these groups; those of a group inside another are its own.
 Json listed_options(const ReconstructionOptions &options, const std::vector<std::string> &groups) {
   Json listed = Json::object();
@@ -61,6 +50,16 @@ Json listed_options(const ReconstructionOptions &options, const std::vector<std:
 
 } // namespace
 
+Stage &detail::stage_named(std::vector<Stage> &stages, const std::string &name) {
+  std::string known;
+  for (Stage &stage : stages) {
+    if (stage.name == name)
+      return stage;
+    known += (known.empty() ? "" : ", ") + stage.name;
+  }
+  throw std::invalid_argument("stage '" + name + "': expected one of " + known);
+}
+
 Reconstruction::Reconstruction(Path session, Path out, ReconstructionOptions chosen, Context context)
     : options(std::move(chosen)), stages(default_stages()), session_folder_(std::move(session)), out_(std::move(out)),
       logging_(std::make_shared<bool>(false)), context_(with_log_file(context, out_ / "log.txt", logging_)), results_(out_) {
@@ -71,7 +70,7 @@ Reconstruction::Reconstruction(Path session, Path out, ReconstructionOptions cho
 Reconstruction::~Reconstruction() = default;
 
 void Reconstruction::replace(const std::string &stage, Stage::Run run, const std::string &runner) {
-  Stage &replaced = stage_named(stages, stage);
+  Stage &replaced = detail::stage_named(stages, stage);
   replaced.run = std::move(run);
   replaced.runner = runner;
 }
@@ -131,7 +130,7 @@ bool Reconstruction::run_all(bool force) {
 bool Reconstruction::run(const std::vector<std::string> &names, bool force) {
   bool needs_scan = false, ran = false;
   for (const std::string &name : names)
-    needs_scan |= stage_named(stages, name).needs_scan;
+    needs_scan |= detail::stage_named(stages, name).needs_scan;
   begin(needs_scan);
   for (const Stage &stage : stages) {
     if (!contains(names, stage.name))

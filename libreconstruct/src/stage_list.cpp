@@ -3,6 +3,8 @@
 #include "doublet/reconstruct/corrections_file.h"
 #include "stages.h"
 
+#include <stdexcept>
+
 namespace doublet {
 
 namespace {

@@ -5,6 +5,9 @@
 
 #include "doublet/reconstruct/reconstruction.h"
 
+#include <string>
+#include <vector>
+
 namespace doublet::detail {
 
 inline constexpr const char *kCaptureCheckpoint = "capture_checkpoint.bin", *kFitCheckpoint = "fit_checkpoint.txt";
@@ -21,6 +24,9 @@ Json run_character(Reconstruction &reconstruction);
 
 /// Of run_fit and fit_together.
 Json fit_summary(const FitResult &result);
+
+/// The stage of that name; throws std::invalid_argument if there is none.
+Stage &stage_named(std::vector<Stage> &stages, const std::string &name);
 
 /// Files of a session by the names that Stage::session_inputs has.
 std::vector<Path> session_files(const Session &session, const std::string &kind);
