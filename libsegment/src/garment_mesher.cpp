@@ -31,7 +31,23 @@ constexpr double kOffCount = 0.1; // of the wanted number of vertices
 
 constexpr double kHandle = 0.25; // m around: longer than what joins folds, shorter than a sleeve
 
+constexpr double kPinhole = 0.12; // m around: shorter than a child's wrist
+
 constexpr double kEnds = 0.2; // mean cosine along an edge: there the garment ends, whatever is behind it
+
+double length_of(const Vertices &vertices, const std::vector<int> &loop) {
+  double length = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    length += (vertices.row(loop[(i + 1) % loop.size()]) - vertices.row(loop[i])).norm();
+  return length;
+}
+
+/// Loops of the boundary that are no opening: where the scan has joined the cloth to what it touches, the skin in a sleeve.
+std::vector<std::vector<int>> pinholes(const Mesh &mesh) {
+  std::vector<std::vector<int>> loops = boundary_loops(mesh.faces);
+  std::erase_if(loops, [&](const auto &loop) { return length_of(mesh.vertices, loop) > kPinhole; });
+  return loops;
+}
 
 /// A stretch of a loop of one kind.
 struct Run {
@@ -106,6 +122,8 @@ std::vector<char> hanging_vertices(const Piece &piece, const Eigen::VectorXd &sk
                                    const Eigen::VectorXd &limbs, double min_edge_run) {
   std::vector<char> result(piece.mesh.vertices.rows(), 0);
   for (const std::vector<int> &loop : boundary_loops(piece.mesh.faces)) {
+    if (length_of(piece.mesh.vertices, loop) <= kPinhole)
+      continue;
     const std::vector<char> kinds = hanging(piece.mesh.vertices, loop, skin_at_cut, ends, limbs, min_edge_run);
     for (std::size_t i = 0; i < loop.size(); ++i)
       result[loop[i]] = kinds[i];
@@ -300,7 +318,8 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 /// gives a rest shape of every width, and the answer is the middle one, meshed again; the others are carried over to its mesh.
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const WidestFrame &widest,
                     const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
-  const Mesh first = remeshed(detail::without_handles(widest.mesh, kHandle), vertices);
+  const Mesh closed = detail::with_closed_loops(widest.mesh, pinholes(piece.mesh));
+  const Mesh first = remeshed(detail::without_handles(closed, kHandle), vertices);
   const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, widest.mesh.vertices, hangs); };
   Garment garment = placed_garment(actor, piece, first.faces, places_on(widest.mesh, first.vertices));
   std::vector<int> seam = attached(first);

@@ -187,6 +187,14 @@ int genus(const Mesh &mesh) {
   return (2 * pieces - loops - (vertices - edges + static_cast<int>(mesh.faces.rows()))) / 2; // Euler
 }
 
+Mesh with_closed_loops(Mesh mesh, const std::vector<std::vector<int>> &loops) {
+  for (Loop loop : loops) {
+    std::reverse(loop.begin(), loop.end()); // against the faces around it
+    close(mesh, loop);
+  }
+  return mesh;
+}
+
 Mesh without_handles(const Mesh &mesh, double longest) {
   Mesh result = mesh;
   const int handles = genus(mesh);

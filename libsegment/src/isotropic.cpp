@@ -183,6 +183,13 @@ private:
     return n.norm() > 1e-12 ? n / n.norm() : Point(0, 0, 0);
   }
 
+  /// Is the vertex on a boundary of three edges? They would slide into one point.
+  bool ends_at_triangle(HalfEdgeMesh::VertexHandle v) const {
+    const auto h = surface_.halfedge_handle(v); // a boundary vertex has that along the boundary
+    const auto third = surface_.next_halfedge_handle(surface_.next_halfedge_handle(h));
+    return surface_.to_vertex_handle(third) == v;
+  }
+
   /// Every vertex half way to the middle of its neighbours along the surface; boundary vertices along the boundary.
   void relax() {
     std::vector<Point> moved(surface_.n_vertices());
@@ -196,6 +203,10 @@ private:
           sum += surface_.point(h.to());
           ++count;
         }
+      if (boundary && ends_at_triangle(v)) {
+        moved[v.idx()] = p;
+        continue;
+      }
       const Point aim = sum / std::max(1, count);
       if (boundary)
         moved[v.idx()] = boundary_.closest(p + 0.5 * (aim - p));

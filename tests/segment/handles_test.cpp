@@ -135,6 +135,34 @@ TEST(Handles, LoopsKeepOffTheBoundary) {
   expect_manifold(parted);
 }
 
+TEST(Handles, AClosedLoopIsASurfaceLikeThatAroundIt) {
+  Mesh mesh = open_tube();
+  const Faces whole = mesh.faces;
+  mesh.faces = whole.bottomRows(whole.rows() - 2); // two faces at its edge, and one inside, are missing
+  mesh.faces.row(face_at(20, 3)) = mesh.faces.row(mesh.faces.rows() - 1);
+  mesh.faces.conservativeResize(mesh.faces.rows() - 1, 3);
+  std::vector<std::vector<int>> loops = boundary_loops(mesh.faces);
+  ASSERT_EQ(loops.size(), 3u);
+  std::erase_if(loops, [](const auto &loop) { return loop.size() > 3; });
+  const Mesh closed = detail::with_closed_loops(mesh, loops);
+  EXPECT_EQ(boundary_loops(closed.faces).size(), 2u);
+  expect_manifold(closed);
+  EXPECT_EQ(closed.faces.topRows(mesh.faces.rows()), mesh.faces);
+}
+
+/// A leg that touches the skirt from inside, and is one surface with it there: no opening, and it does not hold the skirt.
+TEST(Handles, SkinThatTouchesTheClothIsNoOpeningOfIt) {
+  skirt_person::Person person;
+  join(person.actor.mesh, skirt_person::face(40, 0), skirt_person::face(10, 0));
+  person.actor.face_valid.resize(person.actor.mesh.faces.rows(), 1);
+  MeshSequence captured{person.actor.mesh.faces, std::vector<Vertices>(3, person.actor.mesh.vertices)};
+  GarmentOptions options;
+  options.vertices = 400;
+  const GarmentSummary summary = summarise_garment(mesh_garment(person.actor, person.segmentation, {}, captured, options));
+  EXPECT_EQ(summary.loops, 2);
+  EXPECT_EQ(summary.hanging_loops, 1);
+}
+
 /// Two places of a skirt that the scan has joined: its garment has neither handle nor knot.
 TEST(Handles, AGarmentHasNone) {
   skirt_person::Person person;

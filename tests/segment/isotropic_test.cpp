@@ -100,6 +100,18 @@ TEST(Isotropic, ACylinderKeepsItsEnds) {
   }
 }
 
+TEST(Isotropic, AHoleMuchSmallerThanTheEdgesKeepsItsSize) {
+  Mesh mesh = doublet::testing::tube(
+      {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 50, 64);
+  mesh.faces.row(50 * 64) = mesh.faces.row(mesh.faces.rows() - 1);
+  mesh.faces.conservativeResize(mesh.faces.rows() - 1, 3);
+  const Mesh coarse = detail::remesh_isotropic(mesh, 0.08);
+  expect_manifold(coarse);
+  EXPECT_EQ(euler_characteristic(coarse), -1); // three loops
+  for (const Eigen::Vector2i &edge : edge_topology(coarse.faces).edges)
+    EXPECT_GT((coarse.vertices.row(edge[0]) - coarse.vertices.row(edge[1])).norm(), 1e-3);
+}
+
 TEST(Isotropic, CoarseMeshesGetFiner) {
   const Mesh coarse = doublet::testing::tube(
       {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 2, 12);
