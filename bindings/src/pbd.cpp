@@ -6,7 +6,6 @@
 namespace doublet::python {
 namespace {
 
-using pbd::Capsule;
 using pbd::ClothModel;
 using pbd::ClothOptions;
 using pbd::ClothSolver;
@@ -14,41 +13,23 @@ using pbd::ClothState;
 using pbd::Material;
 using pbd::StepInputs;
 
-/// StepInputs with its arrays: C++ passes pointers, Python values.
+/// StepInputs with its arrays: C++ passes views, Python values.
 struct OwnedInputs {
   Vertices targets, previous_targets;
   std::vector<Capsule> capsules, previous_capsules;
   double dt = 1.0 / 40.0;
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> gravity;
+  int substeps = 0;
 
-  StepInputs view() const {
-    StepInputs inputs;
-    if (targets.rows())
-      inputs.targets = &targets;
-    inputs.previous_targets = previous_targets.rows() ? &previous_targets : inputs.targets;
-    inputs.capsules = &capsules;
-    inputs.previous_capsules = previous_capsules.empty() ? &capsules : &previous_capsules;
-    inputs.dt = dt;
-    inputs.wind = wind;
-    inputs.gravity = gravity;
-    return inputs;
-  }
-
-  static OwnedInputs copy_of(const StepInputs &inputs) {
-    OwnedInputs owned;
-    if (inputs.targets)
-      owned.targets = *inputs.targets;
-    if (inputs.previous_targets)
-      owned.previous_targets = *inputs.previous_targets;
-    if (inputs.capsules)
-      owned.capsules = *inputs.capsules;
-    if (inputs.previous_capsules)
-      owned.previous_capsules = *inputs.previous_capsules;
-    owned.dt = inputs.dt;
-    owned.wind = inputs.wind;
-    owned.gravity = inputs.gravity;
-    return owned;
+  StepInputs view() const { return {targets, previous_targets, capsules, previous_capsules, dt, wind, gravity, substeps}; }
+  /// An override in Python need not know that nothing was given at the start of a frame.
+  static OwnedInputs copy_of(const StepInputs &in) {
+    const VerticesView first = in.previous_targets.empty() ? in.targets : in.previous_targets;
+    const std::span<const Capsule> before = in.previous_capsules.empty() ? in.capsules : in.previous_capsules;
+    return {
+        in.targets.map(), first.map(), {in.capsules.begin(), in.capsules.end()}, {before.begin(), before.end()}, in.dt, in.wind,
+        in.gravity,       in.substeps};
   }
 };
 
@@ -150,25 +131,30 @@ void bind_state(py::module_ &m) {
   Class<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,
                        std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind,
-                       const std::optional<Eigen::Vector3d> &gravity) {
+                       const std::optional<Eigen::Vector3d> &gravity, int substeps) {
              return OwnedInputs{std::move(targets),
                                 std::move(previous_targets),
                                 std::move(capsules),
                                 std::move(previous_capsules),
                                 dt,
                                 wind,
-                                gravity};
+                                gravity,
+                                substeps};
            }),
            py::kw_only(), py::arg("targets") = Vertices(0, 3), py::arg("previous_targets") = Vertices(0, 3),
            py::arg("capsules") = std::vector<Capsule>{}, py::arg("previous_capsules") = std::vector<Capsule>{},
-           py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0), py::arg("gravity") = std::nullopt)
-      .def_readwrite("targets", &OwnedInputs::targets, "(N, 3) m, skinned positions at the end of the frame")
-      .def_readwrite("previous_targets", &OwnedInputs::previous_targets, "(N, 3) m, at its start")
+           py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0), py::arg("gravity") = std::nullopt,
+           py::arg("substeps") = 0)
+      .def_readwrite("targets", &OwnedInputs::targets,
+                     "(N, 3) m, skinned positions at the end of the frame; empty if no vertex follows them")
+      .def_readwrite("previous_targets", &OwnedInputs::previous_targets, "(N, 3) m, at its start; empty = they stand still")
       .def_readwrite("capsules", &OwnedInputs::capsules, "proxies at the end of the frame")
-      .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules, "proxies at its start, in the same order")
+      .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules,
+                     "proxies at its start, in the same order; empty = they stand still")
       .def_readwrite("dt", &OwnedInputs::dt, "s")
       .def_readwrite("wind", &OwnedInputs::wind, "m/s")
-      .def_readwrite("gravity", &OwnedInputs::gravity, "m/s^2; None = the model's");
+      .def_readwrite("gravity", &OwnedInputs::gravity, "m/s^2; None = the model's")
+      .def_readwrite("substeps", &OwnedInputs::substeps, "number of substeps of the frame; 0 = the model's");
 }
 
 } // namespace

@@ -38,14 +38,14 @@ void bind_segment(py::module_ &m) {
         py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
         "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
   Class<SegmentInputs>(m, "SegmentInputs", "What a ClothSegmenter is given; only the surface is needed.")
-      .def(py::init([](MeshSequence surface, std::vector<std::uint8_t> face_valid,
+      .def(py::init([](MeshSequence surface, Mask face_valid,
                        const std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> &canonical,
                        const std::optional<Vertices> &colours, Eigen::VectorXd prior) {
              return SegmentInputs{std::move(surface), std::move(face_valid),
                                   canonical ? unstack(*canonical, "canonical") : std::vector<Vertices>(),
                                   colours.value_or(Vertices(0, 3)), std::move(prior)};
            }),
-           py::arg("surface"), py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"), py::arg("canonical") = std::nullopt,
+           py::arg("surface"), py::arg_v("face_valid", Mask{}, "[]"), py::arg("canonical") = std::nullopt,
            py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd())
       .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is in the scan pose")
       .def_readwrite("face_valid", &SegmentInputs::face_valid, "(F) 0 = invented over a large hole; empty = all valid")
@@ -67,8 +67,7 @@ void bind_segment(py::module_ &m) {
            "Which vertices are loose cloth.");
   m.def(
       "segment_cloth",
-      [](const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid, const SegmentOptions &options,
-         const Context &context) {
+      [](const MeshSequence &sequence, const Mask &face_valid, const SegmentOptions &options, const Context &context) {
         return segment_cloth({sequence, face_valid}, options, context);
       },
       py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},

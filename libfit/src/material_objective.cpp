@@ -113,7 +113,7 @@ std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, 
   print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(options).add(space);
   for (const PosedFrame &pose : poses) {
     print.add(pose.skinned);
-    for (const pbd::Capsule &capsule : pose.capsules)
+    for (const Capsule &capsule : pose.capsules)
       print.add(capsule.p0).add(capsule.p1).add(Eigen::Vector2d(capsule.r0, capsule.r1));
   }
   for (const Vertices &surface : captured.frames)

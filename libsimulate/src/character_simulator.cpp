@@ -78,7 +78,7 @@ pbd::StepInputs region_inputs(const ClothRegion &region, const PosedFrame &previ
                               const StepEnvironment &world, Vertices &previous_targets, Vertices &targets) {
   gather(previous.skinned, region.vertex_from_cloth, previous_targets);
   gather(current.skinned, region.vertex_from_cloth, targets);
-  return {&targets, &previous_targets, &current.capsules, &previous.capsules, world.dt, world.wind, world.gravity};
+  return {targets, previous_targets, current.capsules, previous.capsules, world.dt, world.wind, world.gravity, world.substeps};
 }
 
 } // namespace
@@ -109,11 +109,7 @@ void CharacterSimulator::pose(const Eigen::VectorXd &dofs, PosedFrame &frame) co
   forward_kinematics(actor_.skeleton, dofs, frame.world_from_rest);
   dual_quaternions(actor_.skeleton, frame.world_from_rest, frame.joints);
   skin_.pose(frame.joints, frame.skinned);
-  frame.capsules.clear();
-  for (const TaperedCapsule &capsule : proxies_) {
-    const PosedCapsule c = pose_capsule(capsule, actor_.skeleton, frame.world_from_rest);
-    frame.capsules.push_back({c.p0, c.p1, c.r0, c.r1});
-  }
+  pose_capsules(proxies_, actor_.skeleton, frame.world_from_rest, frame.capsules);
 }
 
 CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices *surface) const {

@@ -181,7 +181,7 @@ private:
         failed.push_back(static_cast<int>(i));
         continue;
       }
-      states[i].positions = *inputs[inputs.size() == 1 ? 0 : i].targets;
+      states[i].positions = inputs[inputs.size() == 1 ? 0 : i].targets.map();
       if (explodes)
         states[i].positions.row(states[i].positions.rows() / 2).setConstant(value_);
     }

@@ -163,7 +163,7 @@ TEST(Cloth, HangingStripHangsStraightAndDoesNotStretch) {
   m.d_n = 16;
   m.d_t = 16;
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   run(*solver, state, in, m, 400);
   EXPECT_LT((state.positions - s.rest).topRows(5).norm(), 1e-6);
   EXPECT_LT(worst_stretch(s, state.positions), 0.35); // 24 rows and 24 sweeps: the row that bears all the others
@@ -205,7 +205,7 @@ TEST(Cloth, SlackStripHangsInACatenary) {
   m.d_n = 4;
   m.d_t = 16;
   StepInputs in;
-  in.targets = &start;
+  in.targets = start;
   run(*solver, state, in, m, 600);
   double lo = 0.05, hi = 5; // a of y = a cosh(x / a): 2 a sinh(span / 2a) = length
   for (int i = 0; i < 100; ++i) {
@@ -238,7 +238,7 @@ TEST(Cloth, StiffStripSwingsLikeAPendulum) {
   const auto solver = make(s, options);
   ClothState state = initial_state(s.rest);
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   std::vector<double> crossings;
   double before = state.positions(s.rest.rows() - 1, 2);
   for (int f = 1; f < 200; ++f) {
@@ -262,7 +262,7 @@ TEST(Cloth, BlendSettlesWhereItsStiffnessSays) {
     const auto solver = make(s);
     ClothState state = initial_state(s.rest);
     StepInputs in;
-    in.targets = &s.rest;
+    in.targets = s.rest;
     run(*solver, state, in, inert(), 400);
     const double sag = -state.positions.col(1).mean();
     EXPECT_NEAR(sag, kG * kH * kH * delta / (1 - delta), 1e-4) << delta;
@@ -347,10 +347,10 @@ TEST(Cloth, IsEquivariant) {
           c.p1 = r * c.p1 + t.transpose();
         }
       StepInputs in;
-      in.previous_targets = &a;
-      in.targets = &b;
-      in.previous_capsules = &ca;
-      in.capsules = &cb;
+      in.previous_targets = a;
+      in.targets = b;
+      in.previous_capsules = ca;
+      in.capsules = cb;
       solver->step(state, in, m);
     }
     return Vertices((state.positions.rowwise() - t) * r);

@@ -45,7 +45,7 @@ Vertices settled(const Sheet &s, const ClothOptions &options, const Material &ma
   const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
   ClothState state = initial_state(s.rest);
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   for (int f = 0; f < frames; ++f)
     solver->step(state, in, material);
   return state.positions;
@@ -168,8 +168,8 @@ TEST(Stiffness, RigidBendsComeToRest) {
       const bool dances = f < 80;
       const scenes::DancerFrame frame({3}, s.rest, std::min(f, 80) / 40.0);
       StepInputs in;
-      in.targets = dances ? &frame.after : &frame.before;
-      in.previous_targets = &frame.before;
+      in.targets = dances ? frame.after : frame.before;
+      in.previous_targets = frame.before;
       in.wind = dances ? Eigen::Vector3d(20 * std::sin(f), 20 * std::sin(2 * f + 1), 20 * std::sin(3 * f + 2)) : in.wind;
       solver->step(state, in, material);
     }

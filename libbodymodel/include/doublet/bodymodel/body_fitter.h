@@ -83,7 +83,7 @@ struct BodyRegion {
 std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation);
 
 /// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.
-std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation);
+Mask body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation);
 
 // Deprecated names.
 using DressedScan [[deprecated("use ClothedScan")]] = ClothedScan;

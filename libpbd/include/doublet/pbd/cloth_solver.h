@@ -3,6 +3,7 @@
 
 #include "doublet/options/options.h"
 #include "doublet/pbd/material.h"
+#include "doublet/types/geometry.h"
 
 #include <Eigen/Core>
 #include <functional>
@@ -14,15 +15,10 @@
 
 namespace doublet::pbd {
 
-using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-using Faces = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
-/// Tapered capsule in the world: two spheres and the cone between them, m. (core's PosedCapsule; this library uses nothing of
-/// core's.)
-struct Capsule {
-  Eigen::Vector3d p0, p1;
-  double r0 = 0, r1 = 0;
-};
+using doublet::Capsule;
+using doublet::Faces;
+using doublet::Vertices;
+using doublet::VerticesView;
 
 /// What k_bend and k_stretch of a Material mean.
 enum class Stiffness {
@@ -128,19 +124,27 @@ struct ClothState {
   Vertices velocities; ///< (N, 3) m/s
 };
 
-/// What the world does during one frame. A solver of your own heeds all of it.
+/// What the world does during one frame. A solver of your own heeds all of it but `substeps`, if it has none. What it looks at
+/// belongs to the caller and is looked at during the step alone.
 struct StepInputs {
-  const Vertices *targets = nullptr;                       ///< (N, 3) skinned positions at the end of the frame
-  const Vertices *previous_targets = nullptr;              ///< (N, 3) at its start; pinned vertices move evenly
-  const std::vector<Capsule> *capsules = nullptr;          ///< proxies at the end of the frame
-  const std::vector<Capsule> *previous_capsules = nullptr; ///< at its start, same order
-  double dt = 1.0 / 40.0;                                  ///< s, one video frame
-  Eigen::Vector3d wind{0.0, 0.0, 0.0};                     ///< m/s, drag acts on the velocity relative to it
-  std::optional<Eigen::Vector3d> gravity;                  ///< m/s^2; none = the model's
+  VerticesView targets; ///< (N, 3) skinned positions at the end of the frame; may be empty if no vertex follows them
+  /// (N, 3) at its start, from where pinned vertices move evenly; empty = they stand still in `targets`.
+  VerticesView previous_targets;
+  std::span<const Capsule> capsules; ///< proxies at the end of the frame; empty = there are none
+  /// At its start, in the same order; empty = they stand still as `capsules`.
+  std::span<const Capsule> previous_capsules;
+  double dt = 1.0 / 40.0;                 ///< s, the frame
+  Eigen::Vector3d wind{0.0, 0.0, 0.0};    ///< m/s, drag acts on the velocity relative to it
+  std::optional<Eigen::Vector3d> gravity; ///< m/s^2; none = the model's
+  /// Number of substeps that the frame is cut into, the same in all inputs of a call; 0 = the model's. For frames of another
+  /// length than those a material was estimated in, whose substeps should be about as long. A vertex of clothness between 0 and 1
+  /// follows its target in each of them as in one of the model's; k_friction and k_damping are shares of this frame.
+  int substeps = 0;
 };
 
-/// The swap point: advances simulations of one model by a frame. Derive and define advance(). Implementations are immutable after
-/// construction and safe to call from many threads with different states.
+/// The swap point: advances simulations of one model by a frame. Derive and define advance(). All methods are const and may be
+/// called from any number of threads at once on one solver, with different states: what a solver derives from its model is
+/// immutable after construction, and memory that it uses again is its own to guard.
 class ClothSolver {
 public:
   /// Throws std::invalid_argument if there is no model.

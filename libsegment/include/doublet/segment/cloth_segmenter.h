@@ -53,8 +53,8 @@ struct SegmentOptions {
 
 /// What a segmenter is given. Only the surface is needed.
 struct SegmentInputs {
-  MeshSequence surface;                      ///< as captured; the first frame is in the scan pose
-  std::vector<std::uint8_t> face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
+  MeshSequence surface; ///< as captured; the first frame is in the scan pose
+  Mask face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
   /// T x (V, 3) m, the frames brought back to the scan pose by the skeleton (canonical_frames): what still moves there, skinning
   /// does not explain. Empty = not known.
   std::vector<Vertices> canonical = {};
@@ -92,8 +92,8 @@ Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerform
                                  const FullnessOptions &fullness = {}, const Context &context = {});
 
 /// Segmentation from a deviation (V, m, NaN = unknown) alone: the energy without prior and colours.
-Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
-                                         const Eigen::VectorXd &sigma, const SegmentOptions &options = {});
+Segmentation segmentation_from_deviation(const Mesh &pose, const Mask &face_valid, const Eigen::VectorXd &sigma,
+                                         const SegmentOptions &options = {});
 
 /// What a segmentation found; log it where a number can disappoint.
 struct SegmentSummary {
@@ -104,8 +104,7 @@ struct SegmentSummary {
   double noise = 0;           ///< m, the deviation of the stillest tenth of the surface: how exact the capture is
   double uncertain_area = 0;  ///< of all, the share with a probability of cloth from 0.1 to 0.9; 0 if that is not known
 };
-SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
-                                      const Segmentation &segmentation);
+SegmentSummary summarise_segmentation(const Mesh &pose, const Mask &face_valid, const Segmentation &segmentation);
 
 /// Joints at the ends of limbs (toes, hands, top of the head) with more cloth than skin on the bone that ends there, in the order
 /// of the skeleton: a glove or a boot, or a mistake.

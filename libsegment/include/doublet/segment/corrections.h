@@ -21,7 +21,7 @@ enum class CorrectionLabel {
 /// the regions that follow. Cloth under a border goes with the region nearest along the cloth. The fullness is left empty: it is
 /// to be estimated again. pose: the first frame, as it was segmented. Throws std::invalid_argument if lengths disagree or a value
 /// is no CorrectionLabel, Error on an unusable mesh.
-Segmentation apply_corrections(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Segmentation &found,
+Segmentation apply_corrections(const Mesh &pose, const Mask &face_valid, const Segmentation &found,
                                const Eigen::VectorXi &painted);
 
 // Deprecated names.

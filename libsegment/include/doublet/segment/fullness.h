@@ -36,7 +36,7 @@ struct FullnessOptions {
 /// of edges) against the scan's is fitted by least squares. Its component across gravity (-y) counts, over that along gravity,
 /// where cloth hangs straight and what it seems to stretch is the noise of the tracking. 1 off the cloth and where the surface
 /// lies flat. sequence: the captured surface, posed. Throws std::invalid_argument if sizes disagree or there is no frame.
-Eigen::VectorXd estimate_fullness(const Mesh &scan, const std::vector<std::uint8_t> &face_valid, const Segmentation &segmentation,
+Eigen::VectorXd estimate_fullness(const Mesh &scan, const Mask &face_valid, const Segmentation &segmentation,
                                   const MeshSequence &sequence, const FullnessOptions &options = {}, const Context &context = {});
 
 } // namespace doublet
