@@ -78,7 +78,6 @@ struct Player::Shared {
   AnimateOptions options;
   CharacterSimulator simulator;
   std::optional<DisplaySurface> display;
-  std::optional<SkinPenetrationFix> tuck_skin; ///< that copies begin with
   std::optional<SkinBinding> body;
   std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
 
@@ -88,8 +87,6 @@ struct Player::Shared {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);
-    if (display && character.garment_subdivisions >= 0)
-      tuck_skin.emplace(character);
     if (options.body && character.body.faces.rows() > 0)
       body.emplace(character.body.vertices, character.body_weights);
     for (const ClothRegion &region : simulator.regions()) {
@@ -110,7 +107,8 @@ struct Player::Playing {
       return;
     if (shared.body && std::any_of(character.body_shown.begin(), character.body_shown.end(), [](auto f) { return f != 0; }))
       tuck_body.emplace(character);
-    tuck_skin = shared.tuck_skin;
+    if (shared.display && character.garment_subdivisions >= 0)
+      tuck_skin.emplace(character);
   }
 
   /// Steps of the character's own length; gravity and wind are the player's, length and substeps those of the step at hand.

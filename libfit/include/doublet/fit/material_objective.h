@@ -146,8 +146,9 @@ struct EnergyTimes {
 /// surface.
 class MaterialObjective : public Objective {
 public:
-  /// `simulator`, must outlive the objective. Throws std::invalid_argument if the character has no cloth, Error if performance
-  /// and observations do not belong together (frames, cameras, dofs) or are empty.
+  /// Keeps copies of the simulators, which share models and solvers with those that were given. Throws std::invalid_argument if
+  /// the character has no cloth, Error if performance and observations do not belong together (frames, cameras, dofs) or are
+  /// empty.
   MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                     const Observations &observations, const EnergyOptions &options = {}, const ParameterSpace &space = {},
                     const Context &context = {});
