@@ -625,7 +625,7 @@ TEST(ParameterSpace, MapsTheBoxBothWays) {
 
 FitOptions quick() {
   FitOptions options;
-  options.optimizer = "cma-es";
+  options.optimizer = SearchMethod::CmaEs;
   options.space = ParameterSpace::paper();
   options.space.names = {"d_n", "k_bend"};
   options.space.fixed = cotton();
@@ -725,18 +725,18 @@ TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
 TEST(EstimateMaterial, CanBeDoneByAnnealing) {
   const auto s = make_scene({cotton()}, {12, 2, 160});
   FitOptions options = quick();
-  options.optimizer = "annealing";
+  options.optimizer = SearchMethod::Annealing;
   const RegionFit fit = estimate_material(*s->simulator, s->performance, s->observations, options).regions[0];
   EXPECT_EQ(fit.evaluations, 48);
   EXPECT_NEAR(fit.energy, fit.best_energy, 0.05 * fit.best_energy); // its answer is the best sample
   EXPECT_LT(fit.energy, fit.energy_at_centre);
-  options.optimizer = "hill climbing";
+  options.optimizer = static_cast<SearchMethod>(3);
   EXPECT_THROW(options.validate(), std::invalid_argument);
 }
 
-class EstimateMaterialWith : public ::testing::TestWithParam<const char *> {};
-INSTANTIATE_TEST_SUITE_P(Optimizers, EstimateMaterialWith, ::testing::Values("bayesian", "cma-es"),
-                         [](const auto &test) { return std::string(test.param).substr(0, 3); });
+class EstimateMaterialWith : public ::testing::TestWithParam<SearchMethod> {};
+INSTANTIATE_TEST_SUITE_P(Optimizers, EstimateMaterialWith, ::testing::Values(SearchMethod::Bayesian, SearchMethod::CmaEs),
+                         [](const auto &test) { return test.param == SearchMethod::CmaEs ? "cma" : "bay"; });
 
 TEST_P(EstimateMaterialWith, ResumesToTheSameBitsForAnyNumberOfThreads) {
   const auto s = make_scene({cotton()}, {15, 2, 160});

@@ -71,19 +71,23 @@ public:
   static std::unique_ptr<SilhouetteExtractor> create(const BackgroundOptions &options);
 };
 
+/// Where the silhouettes of a camera come from: clean plates of the session, a screen of one colour, the median of the frames;
+/// Auto = the first of these that the session allows.
+enum class SilhouetteMethod { Auto, Plates, Key, Median };
+inline constexpr std::array kSilhouetteMethodNames{"auto", "plates", "key", "median"}; ///< in the order of SilhouetteMethod
+
 struct SilhouetteOptions {
-  std::string method = "auto";
+  SilhouetteMethod method = SilhouetteMethod::Auto;
   int median_frames = 25;
   int actor_frames = 8;
   ChromaKeyOptions key;
   BackgroundOptions background;
-  static constexpr std::array kMethods{"auto", "plates", "key", "median"};
   static constexpr auto describe() {
     using namespace options;
     using O = SilhouetteOptions;
     return Description{
         "SilhouetteOptions",
-        option(&O::method, "method", kMethods,
+        option(&O::method, "method", kSilhouetteMethodNames,
                "Method: plates, key, median, or auto: the first of these that the session allows, a camera",
                "plates = clean ones of the session, key = a screen of one colour, median = of the frames: the actor must move "
                "about"),
