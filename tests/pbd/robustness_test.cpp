@@ -439,11 +439,12 @@ std::vector<std::filesystem::path> sources_of(const std::string &room) {
   return paths;
 }
 
-/// The room depends on Eigen, itself and the descriptions of options alone, which depend on nothing.
+/// The room depends on Eigen, itself, the descriptions of options and the types that all have in common, which depend on nothing.
 TEST(House, IncludesNothingButItselfOptionsEigenAndTheStandardLibrary) {
   std::vector<std::filesystem::path> paths = sources_of("libpbd");
-  for (const std::filesystem::path &path : sources_of("liboptions"))
-    paths.push_back(path);
+  for (const char *room : {"liboptions", "libtypes"})
+    for (const std::filesystem::path &path : sources_of(room))
+      paths.push_back(path);
   for (const std::filesystem::path &path : paths) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
@@ -453,7 +454,7 @@ TEST(House, IncludesNothingButItselfOptionsEigenAndTheStandardLibrary) {
       const bool compilers = name == "immintrin.h" || name == "wasm_simd128.h"; // of x86, of WebAssembly
       const bool standard = name.find_first_of("/.") == std::string::npos || compilers;
       const bool own = name.rfind("doublet/pbd/", 0) == 0 || name.rfind("doublet/options/", 0) == 0 ||
-                       (line[9] == '"' && name.find('/') == std::string::npos);
+                       name.rfind("doublet/types/", 0) == 0 || (line[9] == '"' && name.find('/') == std::string::npos);
       EXPECT_TRUE(standard || own || name.rfind("Eigen/", 0) == 0) << path << ": " << line;
     }
   }

@@ -56,6 +56,8 @@ struct ClothedScan {
   std::map<std::string, Eigen::Vector3d> landmarks; ///< name -> point on the surface, m
 };
 
+/// The swap point: clothed scan in, body under it out.
+/// Threads: all methods are const and may be called from several at once.
 class BodyFitter {
 public:
   virtual ~BodyFitter() = default;

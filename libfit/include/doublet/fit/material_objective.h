@@ -141,9 +141,9 @@ struct EnergyTimes {
   double surface = 0;  ///< E_surf
 };
 
-/// Immutable after construction, so evaluations from several threads are safe. One part a region. Of the sequence 2D data is
-/// kept, which point of the cloth the captured surface has under each feature, and, unless delta is 0, every fourth captured
-/// surface.
+/// Threads: immutable after construction; any method may be called from several at once. One part a region. Of the sequence 2D
+/// data is kept, which point of the cloth the captured surface has under each feature, and, unless delta is 0, every fourth
+/// captured surface.
 class MaterialObjective : public Objective {
 public:
   /// Keeps copies of the simulators, which share models and solvers with those that were given. Throws std::invalid_argument if

@@ -142,9 +142,9 @@ struct StepInputs {
   int substeps = 0;
 };
 
-/// The swap point: advances simulations of one model by a frame. Derive and define advance(). All methods are const and may be
-/// called from any number of threads at once on one solver, with different states: what a solver derives from its model is
-/// immutable after construction, and memory that it uses again is its own to guard.
+/// The swap point: advances simulations of one model by a frame. Derive and define advance().
+/// Threads: all methods are const and are called from several at once on one solver, with different states: what a solver derives
+/// from its model is immutable, and memory that it uses again is its own to guard.
 class ClothSolver {
 public:
   /// Throws std::invalid_argument if there is no model.

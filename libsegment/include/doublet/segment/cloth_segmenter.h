@@ -64,6 +64,8 @@ struct SegmentInputs {
   Eigen::VectorXd prior = {}; ///< (V) log odds of cloth before anything is seen (cloth_prior), or empty = 0
 };
 
+/// The swap point: captured surface in, what of it is cloth out.
+/// Threads: segment() is const and may be called from several at once.
 class ClothSegmenter {
 public:
   virtual ~ClothSegmenter() = default;

@@ -51,6 +51,8 @@ struct DivergedRegion {
   int character, region;
 };
 
+/// A copy is cheap beside what it does: models and solvers are shared.
+/// Threads: all methods are const and may be called from several at once, with different states and buffers.
 class CharacterSimulator {
 public:
   /// Throws as require_actor. A character without cloth (no region) is legal: skinning alone. make_solver: of each region.
