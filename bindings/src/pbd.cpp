@@ -96,6 +96,12 @@ void bind_material(py::module_ &m) {
             return result;
           },
           "Name -> (lower, upper) of every parameter.");
+  m.def("spring_constant", &pbd::spring_constant, py::arg("k"), py::arg("response"),
+        "What k_stretch (N/m) or k_bend (N m) is under 'compliance': k / ((1 - k) (1/40 s)^2 response); infinite for k = 1. "
+        "response: the sum of |grad C|^2 / mass over the vertices of a constraint C: of an edge 1 / m_a + 1 / m_b, 1/kg; of a "
+        "hinge, whose C is its angle, 1/(kg m^2). The masses of a ClothModel are areas, m^2: times kg/m^2 they are masses.");
+  m.def("stiffness_of_spring", &pbd::stiffness_of_spring, py::arg("constant"), py::arg("response"),
+        "The k that has this spring constant.");
 }
 
 /// Never in another size: NumPy may hold a view of the old values.

@@ -21,8 +21,6 @@
 namespace doublet::pbd {
 namespace {
 
-constexpr double kComplianceStep = 1.0 / 40; ///< s, see Stiffness::Compliance
-
 /// Stiffness of one of n projections that together do what one with stiffness k does: 1 - (1 - k)^(1/n), Mueller et al. 2007,
 /// Sect. 3.3.
 float share_of(double k, int n) {

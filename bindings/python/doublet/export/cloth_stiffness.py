@@ -8,7 +8,6 @@ import numpy as np
 
 from .. import _doublet as d
 
-STEP = 1 / 40  #: s, in which a constraint by itself is brought the share k nearer (docs/cloth.md)
 RIGID = 0.005  #: of its length, by which a garment of rigid edges may stretch under its own weight elsewhere
 UPRIGHT = 0.2  #: sine between normal and axis, below which cloth lies flat and has no width across it
 
@@ -39,9 +38,9 @@ def springs_of(model: d.ClothModel, material: d.Material, areal_density: float) 
         weight = areal_density * np.linalg.norm(model.options.gravity) * float(np.ptp(rest, axis=0).max())
         stretch = np.full(len(edges), young_to_edge(weight / RIGID))
     else:
-        stretch = areal_density * share_to_stiffness(material.k_stretch) / inverse[edges].sum(axis=1)
+        stretch = areal_density * d.spring_constant(material.k_stretch, 1) / inverse[edges].sum(axis=1)
     angles, response = hinge_geometry(rest, hinges, inverse)
-    bend = areal_density * share_to_stiffness(min(material.k_bend, 1 - 1e-6)) / response
+    bend = areal_density * d.spring_constant(min(material.k_bend, 1 - 1e-6), 1) / response
     areas = hinge_areas(rest, hinges)
     squares = np.sum((rest[hinges[:, 1]] - rest[hinges[:, 0]]) ** 2, axis=1)
     return Springs(
@@ -55,11 +54,6 @@ def springs_of(model: d.ClothModel, material: d.Material, areal_density: float) 
         float(np.median(stretch)) * 2 / np.sqrt(3),
         float(np.median(bend * areas / (3 * squares))) if len(hinges) else 0.0,
     )
-
-
-def share_to_stiffness(share: float) -> float:
-    """1/s^2: times the reduced mass of a constraint its stiffness, of which a step of 1/40 s removes `share`."""
-    return share / ((1 - share) * STEP**2)
 
 
 def young_to_edge(young: float) -> float:
