@@ -337,17 +337,15 @@ void bind_stage_values(py::module_ &m) {
       "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
   Class<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
-      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region, Eigen::VectorXd fullness) {
+      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
-             return Segmentation{std::move(sigma),    std::move(clothness), std::move(region), count,
-                                 std::move(fullness), Vertices(0, 3)};
+             return Segmentation{std::move(sigma), std::move(clothness), std::move(region), count};
            }),
-           py::arg("sigma"), py::arg("clothness"), py::arg("region"), py::arg("fullness") = Eigen::VectorXd())
+           py::arg("sigma"), py::arg("clothness"), py::arg("region"))
       .def_readwrite("sigma", &Segmentation::sigma, "(V) m")
       .def_readwrite("clothness", &Segmentation::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
       .def_readwrite("probability", &Segmentation::probability, "(V) in [0, 1], of being cloth; empty = not told")
-      .def_readwrite("fullness", &Segmentation::fullness, "(V) width across gravity over the scan's; empty = 1")
       .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
       .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");
   Class<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")

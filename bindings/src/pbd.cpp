@@ -170,19 +170,14 @@ void bind_pbd(py::module_ &m) {
   bind_state(m);
   OptionsClass<ClothOptions>(m, "Settings of the cloth solver.");
   Class<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "What a piece of cloth is: arrays that cannot be written to.")
-      .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
-                       const Eigen::VectorXd &fullness) {
-             return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options, fullness));
+      .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options) {
+             return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options));
            }),
-           py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{},
-           py::arg("fullness") = Eigen::VectorXd(), Release())
+           py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{}, Release())
       .def_property_readonly("vertex_count", &ClothModel::vertex_count, "N")
       .def_property_readonly("rest", &ClothModel::rest, "(N, 3) m: rest lengths and angles come from here")
       .def_property_readonly("faces", &ClothModel::faces, "(F, 3)")
       .def_property_readonly("clothness", &ClothModel::clothness, "(N) in [0, 1]: 0 = follows its target, 1 = free")
-      .def_property_readonly("fullness", &ClothModel::fullness,
-                             "(N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis")
-      .def_property_readonly("fullness_axis", &ClothModel::fullness_axis, "(3) that of gravity; 0 = no length grows")
       .def_property_readonly(
           "options", [](const ClothModel &model) { return model.options(); }, "A copy.")
       .def_property_readonly("inverse_masses", &ClothModel::inverse_masses, "(N) 1/m^2, 0 = pinned");

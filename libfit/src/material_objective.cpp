@@ -105,7 +105,7 @@ void check_widths(const std::vector<const CharacterSimulator *> &widths) {
   }
 }
 
-/// One frame of all cloth, from rest in the first pose to the last: what its model was made of (rest shape, fullness, blend
+/// One frame of all cloth, from rest in the first pose to the last: what its model was made of (rest shape, blend
 /// weights), and whose solver it is, shows in nothing else.
 std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const PosedFrame &first, const PosedFrame &last,
                                       const pbd::Material &material, double dt) {

@@ -45,15 +45,13 @@ ClothRegion make_region(const RiggedMesh &actor, const Segmentation &segmentatio
     throw Error("CharacterSimulator: cloth region " + std::to_string(region) + " has no valid triangle");
   ClothRegion result;
   const Mesh sub = submesh(actor.mesh, faces, &result.vertex_from_cloth);
-  Eigen::VectorXd delta(sub.vertices.rows()), fullness = Eigen::VectorXd::Ones(sub.vertices.rows());
+  Eigen::VectorXd delta(sub.vertices.rows());
   for (Eigen::Index i = 0; i < delta.size(); ++i) {
     const int v = result.vertex_from_cloth[i];
     delta[i] = segmentation.region[v] == region ? segmentation.clothness[v] : 0.0;
-    if (segmentation.fullness.size() > 0)
-      fullness[i] = segmentation.fullness[v];
   }
   const Vertices rest = segmentation.rest.rows() > 0 ? gather(segmentation.rest, result.vertex_from_cloth) : sub.vertices;
-  result.model = pbd::ClothModel::create(rest, sub.faces, delta, options, fullness);
+  result.model = pbd::ClothModel::create(rest, sub.faces, delta, options);
   result.solver = make_solver ? make_solver(result.model) : pbd::ClothSolver::create(result.model);
   if (!result.solver || &result.solver->model() != result.model.get())
     throw std::invalid_argument("CharacterSimulator: make_solver must return a solver of the model that it is given, found " +

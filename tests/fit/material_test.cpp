@@ -101,10 +101,10 @@ TEST(MaterialObjective, WindowsStartFromTheCapturedSurface) {
   EXPECT_EQ(energy_of(scene(), with_drag(8), whole), energy_of(scene(), with_drag(8)));
 }
 
-/// The scene's simulator with every rest length this many times as long.
+/// The scene's simulator with a rest shape this many times as large.
 CharacterSimulator in_width(const Scene &filmed, double scale) {
   Segmentation segmentation = filmed.segmentation;
-  segmentation.fullness = Eigen::VectorXd::Constant(segmentation.clothness.size(), scale);
+  segmentation.rest = scale * filmed.actor.mesh.vertices;
   return CharacterSimulator(filmed.actor, segmentation, filmed.proxies, filmed.simulator->options());
 }
 
@@ -387,10 +387,6 @@ TEST(MaterialObjective, TheFingerprintSeesWhateverTheEnergyDependsOn) {
   });
   prints.add("blend weight",
              [&](auto &, auto &segmentation, auto &, auto &, auto &, auto &) { segmentation.clothness[cloth_vertex] = 0.9; });
-  prints.add("fullness", [&](auto &, auto &segmentation, auto &, auto &, auto &, auto &) {
-    segmentation.fullness = Eigen::VectorXd::Ones(segmentation.clothness.size());
-    segmentation.fullness[cloth_vertex] = 1.1;
-  });
   prints.add("proxy", [](auto &, auto &, auto &proxies, auto &, auto &, auto &) { proxies[0].r0 += 1e-6; });
   prints.add("captured frame", [](auto &, auto &, auto &, auto &, auto &performance, auto &) {
     performance.surface.frames[9](0, 0) += 1e-9; // the captured cloth decides what is compared

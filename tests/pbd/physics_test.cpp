@@ -57,34 +57,6 @@ TEST(Cloth, MassesAreAThirdOfTheAreas) {
   EXPECT_NEAR(mass, 4 * 3 * 0.01 - faces_at_0 * 0.005 / 3, 1e-12);
 }
 
-TEST(Cloth, FullnessMakesItWiderAcrossGravityAlone) {
-  Sheet s = scenes::skirt(24, 8);
-  s.clothness.setOnes();
-  ClothOptions options = ClothOptions::paper();
-  options.gravity *= 1e-6;
-  options.self_collision = false;
-  const Eigen::VectorXd fullness = Eigen::VectorXd::Constant(s.rest.rows(), 1.25);
-  const auto model = ClothModel::create(s.rest, s.faces, s.clothness, options, fullness);
-  const auto plain = ClothModel::create(s.rest, s.faces, s.clothness, options);
-  EXPECT_NEAR(model->inverse_masses().cwiseInverse().sum(), 1.25 * plain->inverse_masses().cwiseInverse().sum(), 1e-9);
-  ClothState state = initial_state(s.rest);
-  run(*ClothSolver::create(model), state, {}, inert(1, 0), 120);
-  const int hem = 8 * 24, above = 7 * 24;
-  for (int k = 0; k < 24; ++k) {
-    const int next = (k + 1) % 24;
-    const auto ratio = [&](int a, int b) {
-      return (state.positions.row(a) - state.positions.row(b)).norm() / (s.rest.row(a) - s.rest.row(b)).norm();
-    };
-    EXPECT_NEAR(ratio(hem + k, hem + next), 1.25, 0.03) << k;
-    EXPECT_NEAR(ratio(above + k, hem + k), 1.0, 0.02) << k;
-  }
-  const auto refused = [&](const Eigen::VectorXd &bad) {
-    EXPECT_THROW(ClothModel::create(s.rest, s.faces, s.clothness, options, bad), std::invalid_argument);
-  };
-  refused(0.9 * Eigen::VectorXd::Ones(s.rest.rows()));
-  refused(Eigen::VectorXd::Ones(3));
-}
-
 TEST(Cloth, LeavesTheCallersArithmeticAsItWas) {
   const Sheet s = scenes::grid(2, 2, 0.1);
   ClothState state = initial_state(s.rest);

@@ -68,15 +68,13 @@ struct Segmentation {
   Eigen::VectorXd clothness; ///< (V) delta in [0, 1]
   Eigen::VectorXi region;    ///< (V) connected region of delta > 0, numbered by falling area; -1 = rigid
   int region_count = 0;
-  /// (V) >= 1: width across gravity over that of the scan (see estimate_fullness); empty = 1 everywhere.
-  Eigen::VectorXd fullness = {};
   /// (V, 3) m: the shape that lengths and masses of the cloth come from (see Garment::rest); empty = the mesh in the scan pose.
   Vertices rest = Vertices(0, 3);
   Eigen::VectorXd probability = {}; ///< (V) in [0, 1], of being cloth; empty = not told
 };
 
-/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, probability, fullness and rest for all vertices or
-/// none, the last two finite. Throws as require_actor.
+/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, probability and rest for all vertices or
+/// none, the last finite. Throws as require_actor.
 void require_segmentation(const Segmentation &segmentation, Eigen::Index vertices, const std::string &what);
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.

@@ -92,29 +92,24 @@ struct ClothOptions {
 class ClothModel {
 public:
   /// rest (N, 3) m: rest lengths and angles come from here. faces (F, 3). clothness (N) in [0, 1]: 0 = follows its target
-  /// (infinite mass), 1 = free, between = blended with stiffness 1 - clothness. fullness (N) >= 1, empty = 1: see fullness().
+  /// (infinite mass), 1 = free, between = blended with stiffness 1 - clothness.
   /// Throws std::invalid_argument on an empty or non-finite mesh, bad indices, degenerate faces, vertices without a face, wrong
   /// lengths.
   static std::shared_ptr<const ClothModel> create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                                  const ClothOptions &options = {}, const Eigen::VectorXd &fullness = {});
+                                                  const ClothOptions &options = {});
   int vertex_count() const { return static_cast<int>(rest_.rows()); }
   const Vertices &rest() const { return rest_; }                  ///< (N, 3) m
   const Faces &faces() const { return faces_; }                   ///< (F, 3)
   const Eigen::VectorXd &clothness() const { return clothness_; } ///< (N) in [0, 1]
-  /// (N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis() (gathered cloth, whose folds the mesh does
-  /// not show). Lengths and masses grow with it, angles do not.
-  const Eigen::VectorXd &fullness() const { return fullness_; }
-  const Eigen::Vector3d &fullness_axis() const { return options_.gravity; } ///< 0: no length grows
   const ClothOptions &options() const { return options_; }
-  /// (N) 1/m^2, 0 = pinned. A mass is one third of the areas around, each as wide as it is full.
+  /// (N) 1/m^2, 0 = pinned. A mass is one third of the areas around.
   const Eigen::VectorXd &inverse_masses() const { return inverse_masses_; }
 
 private:
-  ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
-             const Eigen::VectorXd &fullness);
+  ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options);
   Vertices rest_;
   Faces faces_;
-  Eigen::VectorXd clothness_, fullness_, inverse_masses_;
+  Eigen::VectorXd clothness_, inverse_masses_;
   ClothOptions options_;
 };
 

@@ -2,9 +2,9 @@
 // Which parts of the surface are loose cloth (Sect. 5, eq. 1).
 
 #include "doublet/core/context.h"
+#include "doublet/core/mesh_sequence.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
-#include "doublet/segment/fullness.h"
 #include "doublet/segment/opposite_distance.h"
 
 #include <memory>
@@ -88,10 +88,10 @@ Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &perf
 
 /// The whole stage for a captured performance: its frames are brought back to the scan pose, too (canonical_frames), after
 /// segmentation_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
-/// captured frame, or empty. `segmenter` is asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
+/// captured frame, or empty. `segmenter` is asked. Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3),
-                                 const FullnessOptions &fullness = {}, const Context &context = {});
+                                 const Context &context = {});
 
 /// Segmentation from a deviation (V, m, NaN = unknown) alone: the energy without prior and colours.
 Segmentation segmentation_from_deviation(const Mesh &pose, const Mask &face_valid, const Eigen::VectorXd &sigma,
