@@ -134,6 +134,16 @@ TEST(MaterialObjective, AWidthIsTheLastParameterAndAsIfItWereAlone) {
                std::invalid_argument);
 }
 
+TEST(MaterialObjective, IsNotMovedByWhatBecomesOfTheSimulator) {
+  CharacterSimulator simulator = *scene().simulator;
+  const MaterialObjective objective(simulator, scene().performance, scene().observations);
+  const MatrixRM expected = objective.energies({{cotton()}}, {});
+  const CharacterSimulator other = in_width(scene(), 1.3);
+  EXPECT_NE(MaterialObjective(other, scene().performance, scene().observations).energies({{cotton()}}, {}), expected);
+  simulator = other;
+  EXPECT_EQ(objective.energies({{cotton()}}, {}), expected);
+}
+
 TEST(MaterialObjective, KeepsLittleOfTheImages) {
   const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
   EXPECT_GT(objective.image_bytes(), 0u);
