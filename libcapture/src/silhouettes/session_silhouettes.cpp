@@ -2,8 +2,8 @@
 
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
-#include "frame_reader.h"
-#include "lens_map.h"
+#include "frames/frame_reader.h"
+#include "frames/lens_map.h"
 
 #include <map>
 #include <set>
