@@ -141,6 +141,8 @@ def calls(world, folder) -> dict:
         "fit_proxies": (d.fit_proxies, dict(fit=w.body, **clothed)),
         "proxy_statistics": (d.proxy_statistics, dict(capsules=w.proxies, fit=w.body, **clothed)),
         "capsule_mesh": (d.capsule_mesh, {"p0": np.zeros(3), "p1": np.ones(3), "r0": 0.1, "r1": 0.2}),
+        "spring_constant": (d.spring_constant, {"k": 0.5, "response": 3.0}),
+        "stiffness_of_spring": (d.stiffness_of_spring, {"constant": 200.0, "response": 3.0}),
         "ClothModel": (d.ClothModel, {"rest": v, "faces": f, "clothness": w.cloth}),
         "ClothSolver.step": (stepped, {"positions": v, "targets": v, "material": w.material, "dt": 0.02}),
         "ClothSolver.step_batch": (stepped_each, {"states": [v, v], "targets": v, "materials": [w.material] * 2}),

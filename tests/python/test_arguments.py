@@ -58,6 +58,7 @@ MAY = (
     # handed on
     ("choose_widths", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|replaced_faces|mesh vertices) .*"),
     ("FitFinding", "value|low|high", "-1"),
+    ("stiffness_of_spring", "constant", "inf"),  # rigid
 )  # fmt: skip
 
 

@@ -1,8 +1,6 @@
 """The garment for other solvers: what its numbers mean, in a solver that knows nothing but them."""
 
 import json
-import sys
-from pathlib import Path
 
 import doublet as d
 import numpy as np
@@ -10,9 +8,6 @@ import pytest
 from doublet.cli import program as cli
 from doublet.export.cloth import export_cloth
 from doublet.export.cloth_stiffness import springs_of
-
-sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
-from seeds import World  # noqa: E402
 
 DENSITY, G = 0.3, 9.81
 FRAMES = 80

@@ -78,6 +78,15 @@ def test_stable_headers_include_no_experimental_ones():
 
 
 @pytest.mark.parametrize("room", MAY_USE)
+def test_public_classes_own_what_they_keep(room):
+    """Members (name_) that are references or pointers to what somebody else owns (docs/architecture.md)."""
+    for path in (p for p in SOURCES[room] if "include" in p.parts and "testing" not in p.parts and "detail" not in p.parts):
+        text = path.read_text(encoding="utf-8")
+        kept = re.findall(r"^ +(?:const )?[\w:<>, ]+ ?[&*] ?(\w+_)(?: = nullptr)?;", text, re.MULTILINE)
+        assert kept == (["data_"] if path.name == "geometry.h" else []), path.relative_to(ROOT)  # a VerticesView is a pointer
+
+
+@pytest.mark.parametrize("room", MAY_USE)
 def test_public_headers_show_no_third_party_types_but_eigens(room):
     for path in SOURCES[room]:
         if "include" not in path.parts:
