@@ -61,10 +61,10 @@ void skirt_frames(benchmark::State &bench, bool narrow) {
     capsules = dancer.capsules(t);
     bench.ResumeTiming();
     StepInputs in;
-    in.targets = &current;
-    in.previous_targets = &previous;
-    in.capsules = &capsules;
-    in.previous_capsules = &previous_capsules;
+    in.targets = current;
+    in.previous_targets = previous;
+    in.capsules = capsules;
+    in.previous_capsules = previous_capsules;
     benchmark::DoNotOptimize(solver->step_batch(states, {&in, 1}, materials));
     previous.swap(current);
     previous_capsules.swap(capsules);

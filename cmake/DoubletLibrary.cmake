@@ -3,13 +3,15 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 # doublet_library(NAME [PUBLIC targets...] [PRIVATE targets...])
-# Target doublet_NAME, alias doublet::NAME, from src/ and include/.
+# Target doublet_NAME, alias doublet::NAME, from src/ and include/: a static library, or a shared one with BUILD_SHARED_LIBS, which
+# shows all its symbols and promises those of the headers (docs/stability.md).
 function(doublet_library name)
   cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
-  add_library(doublet_${name} STATIC ${sources})
+  add_library(doublet_${name} ${sources})
   add_library(doublet::${name} ALIAS doublet_${name})
-  set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name})
+  set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}) # a minor version may break what there is
   target_compile_features(doublet_${name} PUBLIC cxx_std_20)
   target_include_directories(doublet_${name}
     PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
@@ -28,7 +30,8 @@ function(doublet_headers name)
   set_target_properties(doublet_${name} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(doublet_${name} INTERFACE cxx_std_20)
   target_include_directories(doublet_${name}
-    INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+              $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   set_property(GLOBAL APPEND PROPERTY DOUBLET_TARGETS doublet_${name})
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 endfunction()
@@ -59,7 +62,9 @@ endfunction()
 
 function(doublet_install_package)
   get_property(targets GLOBAL PROPERTY DOUBLET_TARGETS)
-  install(TARGETS ${targets} EXPORT doubletTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(TARGETS ${targets} EXPORT doubletTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
   install(FILES ${PROJECT_BINARY_DIR}/include/doublet/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/doublet COMPONENT development)
   install(EXPORT doubletTargets NAMESPACE doublet:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/doublet COMPONENT development)
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/doubletConfig.cmake.in ${PROJECT_BINARY_DIR}/doubletConfig.cmake

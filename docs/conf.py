@@ -93,8 +93,9 @@ def tidy(compound) -> None:
 
 def cpp_page(room: str) -> str:
     lines = [f"# C++: doublet::{room}", "", f"{ROOMS[room]}. `find_package(doublet COMPONENTS {room})`.", ""]
-    for header in sorted((ROOT / f"lib{room}" / "include" / "doublet" / room).glob("*.h")):
-        lines += [f"## doublet/{room}/{header.name}", "", f"```{{doxygenfile}} {header.name}", "```", ""]
+    for part in ("types", room) if room == "core" else (room,):  # headers that come with every library
+        for header in sorted((ROOT / f"lib{part}" / "include" / "doublet" / part).glob("*.h")):
+            lines += [f"## doublet/{part}/{header.name}", "", f"```{{doxygenfile}} {header.name}", "```", ""]
     return "\n".join(lines)
 
 

@@ -23,7 +23,7 @@ EXTENSION = "DOUBLET_character"
 #: Members of the extension that are indices of accessors (docs/animation.md).
 ARRAYS = {
     "mesh": ("vertices", "faces", "faceValid", "weights"),
-    "clothness": ("sigma", "clothness", "region", "fullness", "rest"),
+    "clothness": ("sigma", "clothness", "region", "rest"),
     "body": ("vertices", "faces", "weights", "shown"),
     "high": ("vertices", "faces", "faceValid", "texcoords", "bodyVertices"),
 }

@@ -24,7 +24,7 @@ int main(int argc, char **argv) {
   Material cotton{.d_n = 5.0, .d_t = 0.5, .k_bend = 0.3, .k_stretch = 1.0, .k_friction = 0.9};
   const std::vector<Capsule> post{{{-0.25, 0.3, 0}, {0.25, 0.3, 0}, 0.15, 0.15}};
   StepInputs inputs; // one video frame: 1/40 s
-  inputs.capsules = &post;
+  inputs.capsules = post;
   for (int frame = 0; frame < 30; ++frame)
     solver->step(state, inputs, cotton);
 

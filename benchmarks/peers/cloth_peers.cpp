@@ -114,11 +114,6 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
   std::vector<ClothState> states(materials.size(), initial_state(scene.skirt.rest));
   Vertices previous = scene.targets(0), current = previous;
   std::vector<Capsule> previous_capsules, capsules = scene.dancer.capsules(0);
-  StepInputs in;
-  in.previous_targets = &previous;
-  in.targets = &current;
-  if (everything)
-    in.previous_capsules = &previous_capsules, in.capsules = &capsules;
   measure(
       scene, name,
       [&](int f) {
@@ -128,6 +123,11 @@ void measure_ours(const Scene &scene, const std::string &name, bool everything, 
         capsules = scene.dancer.capsules(f * kH);
       },
       [&] {
+        StepInputs in;
+        in.previous_targets = previous;
+        in.targets = current;
+        if (everything)
+          in.previous_capsules = previous_capsules, in.capsules = capsules;
         solver->step_batch(states, {&in, 1}, materials);
       },
       samples, [&] { return states[0].positions; });
@@ -196,15 +196,15 @@ double curtain_ms(const scenes::Sheet &curtain, int columns, bool everything, in
   const std::vector<Material> materials = generation(everything, lanes);
   std::vector<ClothState> states(materials.size(), initial_state(curtain.rest));
   Vertices previous = curtain.rest, current = previous;
-  StepInputs in;
-  in.previous_targets = &previous;
-  in.targets = &current;
   std::vector<double> times;
   for (int f = 1; f <= kSettle + 20; ++f) {
     previous.swap(current);
     current = curtain.rest;
     for (int c = 0; c <= columns; ++c)
       current(c, 2) += 0.05 * std::sin(6 * f * kH + 20 * curtain.rest(c, 0));
+    StepInputs in;
+    in.previous_targets = previous;
+    in.targets = current;
     const double start = cpu_ms();
     solver->step_batch(states, {&in, 1}, materials);
     if (f > kSettle)

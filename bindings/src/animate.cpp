@@ -23,12 +23,6 @@ py::object stacked_once(const py::object &self, const char *key, const std::vect
   return self.attr(key);
 }
 
-py::array_t<bool> flags(const std::vector<std::uint8_t> &values) {
-  py::array_t<bool> result(static_cast<py::ssize_t>(values.size()));
-  std::copy(values.begin(), values.end(), result.mutable_data());
-  return result;
-}
-
 SourceMotion source_motion(const std::vector<std::string> &names, const std::vector<int> &parents, const Vertices &offsets,
                            const py::array_t<double, py::array::c_style | py::array::forcecast> &positions,
                            const py::array_t<double, py::array::c_style | py::array::forcecast> &rotations, double fps,
@@ -104,8 +98,8 @@ void bind_character(py::module_ &m) {
           },
           "a PNG or JPEG file as bytes; empty = none");
   m.def("make_character", &make_character, py::arg("actor"), py::arg("segmentation"), py::arg("body"), py::arg("proxies"),
-        py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{},
-        py::arg_v("high_valid", std::vector<std::uint8_t>{}, "[]"), py::arg("garment_subdivisions") = -1, Release(),
+        py::arg("materials"), py::arg("solver"), py::arg("high") = Mesh{}, py::arg_v("high_valid", Mask{}, "[]"),
+        py::arg("garment_subdivisions") = -1, Release(),
         "Puts together what a new animation needs; the body takes the actor's weights and is drawn where cloth hides it.");
 }
 
@@ -186,9 +180,9 @@ void bind_motion(py::module_ &m) {
   Class<FootContacts>(m, "FootContacts", "When one foot of a motion stands.")
       .def_readonly("ankle", &FootContacts::ankle, "joint")
       .def_property_readonly(
-          "heel", [](const FootContacts &foot) { return flags(foot.heel); }, "(T,) bool")
+          "heel", [](const FootContacts &foot) { return foot.heel; }, "(T,) bool")
       .def_property_readonly(
-          "ball", [](const FootContacts &foot) { return flags(foot.ball); }, "(T,) bool");
+          "ball", [](const FootContacts &foot) { return foot.ball; }, "(T,) bool");
   m.def("find_contacts", &find_contacts, py::arg("skeleton"), py::arg("motion"), py::arg("options") = PlantOptions{}, Release(),
         "A FootContacts for each foot of the Motion that can be planted: when its heel and ball stand.");
   m.def("plant_feet", &plant_feet, py::arg("skeleton"), py::arg("motion"), py::arg("options") = PlantOptions{}, Release(),
@@ -312,7 +306,7 @@ void bind_player(py::module_ &m) {
 void bind_pictures(py::module_ &m) {
   Class<RenderMesh>(m, "RenderMesh", "One mesh of a picture; colours in [0, 1], RGB.")
       .def(py::init([](Vertices vertices, Faces faces, const Eigen::Vector3d &colour, const std::optional<Vertices> &colours,
-                       std::vector<std::uint8_t> face_valid) {
+                       Mask face_valid) {
              RenderMesh mesh;
              mesh.vertices = std::move(vertices);
              mesh.faces = std::move(faces);
@@ -323,7 +317,7 @@ void bind_pictures(py::module_ &m) {
              return mesh;
            }),
            py::arg("vertices"), py::arg("faces"), py::arg("colour") = Eigen::Vector3d(0.75, 0.75, 0.75),
-           py::arg("colours") = std::nullopt, py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"))
+           py::arg("colours") = std::nullopt, py::arg_v("face_valid", Mask{}, "[]"))
       .def_readwrite("vertices", &RenderMesh::vertices, "(V, 3) m")
       .def_readwrite("faces", &RenderMesh::faces, "(F, 3)")
       .def_readwrite("colour", &RenderMesh::colour, "(3) B G R in [0, 1]");
@@ -365,8 +359,8 @@ void bind_texture(py::module_ &m) {
            "(VH, 3) for the vertices (V, 3) of M")
       .def("sample", &DisplaySurface::sample, py::arg("values"), Release(), "(VH, C) values of M's vertices (V, C)");
   Class<SurfaceTransfer>(m, "SurfaceTransfer", "A fine mesh that follows a coarse one.")
-      .def(py::init<const Mesh &, const std::vector<std::uint8_t> &, const Mesh &, const std::vector<std::uint8_t> &>(),
-           py::arg("coarse"), py::arg("coarse_valid"), py::arg("fine"), py::arg("fine_valid"), Release())
+      .def(py::init<const Mesh &, const Mask &, const Mesh &, const Mask &>(), py::arg("coarse"), py::arg("coarse_valid"),
+           py::arg("fine"), py::arg("fine_valid"), Release())
       .def("apply", py::overload_cast<const Vertices &>(&SurfaceTransfer::apply, py::const_), py::arg("coarse"), Release(),
            "(V', 3) fine vertices for the coarse (V, 3)");
 }

@@ -63,21 +63,21 @@ template <> struct type_caster<doublet::Image> {
   }
 };
 
-/// Masks and labels (N) <-> numpy uint8; any sequence of whole numbers or bools in [0, 255] is taken. A member of a class is a
-/// copy that cannot be written to: what one would write to it would be lost.
-template <> struct type_caster<std::vector<std::uint8_t>> {
+/// Masks (N) <-> numpy bool; any sequence of bools, or of whole numbers in [0, 255], is taken. A member of a class is a copy that
+/// cannot be written to: what one would write to it would be lost.
+template <> struct type_caster<doublet::Mask> {
 #if PYBIND11_VERSION_HEX >= 0x03000000
-  PYBIND11_TYPE_CASTER(std::vector<std::uint8_t>, io_name("numpy.typing.ArrayLike", "numpy.typing.NDArray[numpy.uint8]"));
+  PYBIND11_TYPE_CASTER(doublet::Mask, io_name("numpy.typing.ArrayLike", "numpy.typing.NDArray[numpy.bool_]"));
 #else
-  PYBIND11_TYPE_CASTER(std::vector<std::uint8_t>, const_name("numpy.typing.NDArray[numpy.uint8]"));
+  PYBIND11_TYPE_CASTER(doublet::Mask, const_name("numpy.typing.NDArray[numpy.bool_]"));
 #endif
 
   bool load(handle source, bool convert) {
     if (!isinstance<array>(source)) {
-      list_caster<std::vector<std::uint8_t>, std::uint8_t> list;
+      list_caster<doublet::Mask, std::uint8_t> list;
       if (!list.load(source, convert))
         return false;
-      value = std::move(static_cast<std::vector<std::uint8_t> &>(list));
+      value = std::move(static_cast<doublet::Mask &>(list));
       return true;
     }
     const auto given = reinterpret_borrow<array>(source);
@@ -94,8 +94,9 @@ template <> struct type_caster<std::vector<std::uint8_t>> {
     return true;
   }
 
-  static handle cast(const std::vector<std::uint8_t> &values, return_value_policy policy, handle) {
-    array_t<std::uint8_t> result(static_cast<ssize_t>(values.size()), values.data());
+  static handle cast(const doublet::Mask &values, return_value_policy policy, handle) {
+    array_t<bool> result(static_cast<ssize_t>(values.size()));
+    std::transform(values.begin(), values.end(), result.mutable_data(), [](std::uint8_t value) { return value != 0; });
     if (policy == return_value_policy::reference_internal)
       array_proxy(result.ptr())->flags &= ~npy_api::NPY_ARRAY_WRITEABLE_;
     return result.release();

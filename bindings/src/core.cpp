@@ -188,7 +188,7 @@ void bind_camera(py::module_ &m) {
       .def("resized", &Camera::resized, py::arg("width"), py::arg("height"), "The same camera for images of another size.");
   m.def(
       "rasterize",
-      [](const Vertices &vertices, const Faces &faces, const Camera &camera, const std::vector<std::uint8_t> &face_valid) {
+      [](const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid) {
         FaceBuffer buffer;
         {
           const py::gil_scoped_release release;
@@ -197,7 +197,7 @@ void bind_camera(py::module_ &m) {
         const std::vector<py::ssize_t> shape{buffer.height, buffer.width};
         return py::make_tuple(move_to_array(std::move(buffer.face), shape), move_to_array(std::move(buffer.depth), shape));
       },
-      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"),
+      py::arg("vertices"), py::arg("faces"), py::arg("camera"), py::arg_v("face_valid", Mask{}, "[]"),
       "(face, depth): face index at each pixel (-1 = background) and depth in m (inf = background), both (height, width).");
 }
 
@@ -304,7 +304,7 @@ void bind_observations(py::module_ &m) {
 
 void bind_stage_values(py::module_ &m) {
   Class<RiggedMesh>(m, "RiggedMesh", "Surface in the scan pose, skeleton and skin weights (actor.npz).")
-      .def(py::init([](Mesh mesh, std::vector<std::uint8_t> face_valid, MatrixRM weights, Skeleton skeleton) {
+      .def(py::init([](Mesh mesh, Mask face_valid, MatrixRM weights, Skeleton skeleton) {
              return RiggedMesh{std::move(mesh), std::move(face_valid), std::move(weights), std::move(skeleton)};
            }),
            py::arg("mesh"), py::arg("face_valid"), py::arg("weights"), py::arg("skeleton"))
@@ -337,17 +337,15 @@ void bind_stage_values(py::module_ &m) {
       "(T, V, 3) m: the captured frames, taken back to the scan pose by the skeleton.");
   Class<Segmentation>(m, "Segmentation", "Which vertices are loose cloth (segmentation.npz).")
       .def(py::init<>())
-      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region, Eigen::VectorXd fullness) {
+      .def(py::init([](Eigen::VectorXd sigma, Eigen::VectorXd clothness, Eigen::VectorXi region) {
              const int count = region.size() ? region.maxCoeff() + 1 : 0;
-             return Segmentation{std::move(sigma),    std::move(clothness), std::move(region), count,
-                                 std::move(fullness), Vertices(0, 3)};
+             return Segmentation{std::move(sigma), std::move(clothness), std::move(region), count};
            }),
-           py::arg("sigma"), py::arg("clothness"), py::arg("region"), py::arg("fullness") = Eigen::VectorXd())
+           py::arg("sigma"), py::arg("clothness"), py::arg("region"))
       .def_readwrite("sigma", &Segmentation::sigma, "(V) m")
       .def_readwrite("clothness", &Segmentation::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
       .def_readwrite("probability", &Segmentation::probability, "(V) in [0, 1], of being cloth; empty = not told")
-      .def_readwrite("fullness", &Segmentation::fullness, "(V) width across gravity over the scan's; empty = 1")
       .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
       .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");
   Class<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
@@ -390,7 +388,7 @@ void bind_stage_values(py::module_ &m) {
   m.def(
       "capsule_mesh",
       [](const Eigen::Vector3d &p0, const Eigen::Vector3d &p1, double r0, double r1) {
-        return capsule_mesh({PosedCapsule{p0, p1, r0, r1}});
+        return capsule_mesh({Capsule{p0, p1, r0, r1}});
       },
       py::arg("p0"), py::arg("p1"), py::arg("r0"), py::arg("r1"),
       "Closed triangle mesh of a tapered capsule: spheres at p0 and p1, m, and the cone between them.");

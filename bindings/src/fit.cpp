@@ -209,7 +209,7 @@ void bind_energy(py::module_ &m) {
       .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const EnergyOptions &,
                     const ParameterSpace &, const Context &>(),
            py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
-           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>(), Release())
+           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), Release())
       .def(py::init([](const py::list &widths, const ReferencePerformance &performance, const Observations &observations,
                        const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
              const auto simulators = widths.cast<std::vector<const CharacterSimulator *>>();
@@ -217,7 +217,7 @@ void bind_energy(py::module_ &m) {
              return std::make_unique<MaterialObjective>(simulators, performance, observations, options, space, context);
            }),
            py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
-           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), py::keep_alive<1, 2>())
+           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context())
       .def_property_readonly("width_count", &MaterialObjective::width_count, "widths of the garment to choose from")
       .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
            Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")

@@ -6,7 +6,6 @@
 namespace doublet::python {
 namespace {
 
-using pbd::Capsule;
 using pbd::ClothModel;
 using pbd::ClothOptions;
 using pbd::ClothSolver;
@@ -14,41 +13,23 @@ using pbd::ClothState;
 using pbd::Material;
 using pbd::StepInputs;
 
-/// StepInputs with its arrays: C++ passes pointers, Python values.
+/// StepInputs with its arrays: C++ passes views, Python values.
 struct OwnedInputs {
   Vertices targets, previous_targets;
   std::vector<Capsule> capsules, previous_capsules;
   double dt = 1.0 / 40.0;
   Eigen::Vector3d wind = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> gravity;
+  int substeps = 0;
 
-  StepInputs view() const {
-    StepInputs inputs;
-    if (targets.rows())
-      inputs.targets = &targets;
-    inputs.previous_targets = previous_targets.rows() ? &previous_targets : inputs.targets;
-    inputs.capsules = &capsules;
-    inputs.previous_capsules = previous_capsules.empty() ? &capsules : &previous_capsules;
-    inputs.dt = dt;
-    inputs.wind = wind;
-    inputs.gravity = gravity;
-    return inputs;
-  }
-
-  static OwnedInputs copy_of(const StepInputs &inputs) {
-    OwnedInputs owned;
-    if (inputs.targets)
-      owned.targets = *inputs.targets;
-    if (inputs.previous_targets)
-      owned.previous_targets = *inputs.previous_targets;
-    if (inputs.capsules)
-      owned.capsules = *inputs.capsules;
-    if (inputs.previous_capsules)
-      owned.previous_capsules = *inputs.previous_capsules;
-    owned.dt = inputs.dt;
-    owned.wind = inputs.wind;
-    owned.gravity = inputs.gravity;
-    return owned;
+  StepInputs view() const { return {targets, previous_targets, capsules, previous_capsules, dt, wind, gravity, substeps}; }
+  /// An override in Python need not know that nothing was given at the start of a frame.
+  static OwnedInputs copy_of(const StepInputs &in) {
+    const VerticesView first = in.previous_targets.empty() ? in.targets : in.previous_targets;
+    const std::span<const Capsule> before = in.previous_capsules.empty() ? in.capsules : in.previous_capsules;
+    return {
+        in.targets.map(), first.map(), {in.capsules.begin(), in.capsules.end()}, {before.begin(), before.end()}, in.dt, in.wind,
+        in.gravity,       in.substeps};
   }
 };
 
@@ -115,6 +96,12 @@ void bind_material(py::module_ &m) {
             return result;
           },
           "Name -> (lower, upper) of every parameter.");
+  m.def("spring_constant", &pbd::spring_constant, py::arg("k"), py::arg("response"),
+        "What k_stretch (N/m) or k_bend (N m) is under 'compliance': k / ((1 - k) (1/40 s)^2 response); infinite for k = 1. "
+        "response: the sum of |grad C|^2 / mass over the vertices of a constraint C: of an edge 1 / m_a + 1 / m_b, 1/kg; of a "
+        "hinge, whose C is its angle, 1/(kg m^2). The masses of a ClothModel are areas, m^2: times kg/m^2 they are masses.");
+  m.def("stiffness_of_spring", &pbd::stiffness_of_spring, py::arg("constant"), py::arg("response"),
+        "The k that has this spring constant.");
 }
 
 /// Never in another size: NumPy may hold a view of the old values.
@@ -150,25 +137,30 @@ void bind_state(py::module_ &m) {
   Class<OwnedInputs>(m, "StepInputs", "What the world does during one frame.")
       .def(py::init([](Vertices targets, Vertices previous_targets, std::vector<Capsule> capsules,
                        std::vector<Capsule> previous_capsules, double dt, const Eigen::Vector3d &wind,
-                       const std::optional<Eigen::Vector3d> &gravity) {
+                       const std::optional<Eigen::Vector3d> &gravity, int substeps) {
              return OwnedInputs{std::move(targets),
                                 std::move(previous_targets),
                                 std::move(capsules),
                                 std::move(previous_capsules),
                                 dt,
                                 wind,
-                                gravity};
+                                gravity,
+                                substeps};
            }),
            py::kw_only(), py::arg("targets") = Vertices(0, 3), py::arg("previous_targets") = Vertices(0, 3),
            py::arg("capsules") = std::vector<Capsule>{}, py::arg("previous_capsules") = std::vector<Capsule>{},
-           py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0), py::arg("gravity") = std::nullopt)
-      .def_readwrite("targets", &OwnedInputs::targets, "(N, 3) m, skinned positions at the end of the frame")
-      .def_readwrite("previous_targets", &OwnedInputs::previous_targets, "(N, 3) m, at its start")
+           py::arg("dt") = 1.0 / 40.0, py::arg("wind") = Eigen::Vector3d(0, 0, 0), py::arg("gravity") = std::nullopt,
+           py::arg("substeps") = 0)
+      .def_readwrite("targets", &OwnedInputs::targets,
+                     "(N, 3) m, skinned positions at the end of the frame; empty if no vertex follows them")
+      .def_readwrite("previous_targets", &OwnedInputs::previous_targets, "(N, 3) m, at its start; empty = they stand still")
       .def_readwrite("capsules", &OwnedInputs::capsules, "proxies at the end of the frame")
-      .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules, "proxies at its start, in the same order")
+      .def_readwrite("previous_capsules", &OwnedInputs::previous_capsules,
+                     "proxies at its start, in the same order; empty = they stand still")
       .def_readwrite("dt", &OwnedInputs::dt, "s")
       .def_readwrite("wind", &OwnedInputs::wind, "m/s")
-      .def_readwrite("gravity", &OwnedInputs::gravity, "m/s^2; None = the model's");
+      .def_readwrite("gravity", &OwnedInputs::gravity, "m/s^2; None = the model's")
+      .def_readwrite("substeps", &OwnedInputs::substeps, "number of substeps of the frame; 0 = the model's");
 }
 
 } // namespace
@@ -178,19 +170,14 @@ void bind_pbd(py::module_ &m) {
   bind_state(m);
   OptionsClass<ClothOptions>(m, "Settings of the cloth solver.");
   Class<ClothModel, std::shared_ptr<ClothModel>>(m, "ClothModel", "What a piece of cloth is: arrays that cannot be written to.")
-      .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
-                       const Eigen::VectorXd &fullness) {
-             return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options, fullness));
+      .def(py::init([](const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options) {
+             return std::const_pointer_cast<ClothModel>(ClothModel::create(rest, faces, clothness, options));
            }),
-           py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{},
-           py::arg("fullness") = Eigen::VectorXd(), Release())
+           py::arg("rest"), py::arg("faces"), py::arg("clothness"), py::arg("options") = ClothOptions{}, Release())
       .def_property_readonly("vertex_count", &ClothModel::vertex_count, "N")
       .def_property_readonly("rest", &ClothModel::rest, "(N, 3) m: rest lengths and angles come from here")
       .def_property_readonly("faces", &ClothModel::faces, "(F, 3)")
       .def_property_readonly("clothness", &ClothModel::clothness, "(N) in [0, 1]: 0 = follows its target, 1 = free")
-      .def_property_readonly("fullness", &ClothModel::fullness,
-                             "(N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis")
-      .def_property_readonly("fullness_axis", &ClothModel::fullness_axis, "(3) that of gravity; 0 = no length grows")
       .def_property_readonly(
           "options", [](const ClothModel &model) { return model.options(); }, "A copy.")
       .def_property_readonly("inverse_masses", &ClothModel::inverse_masses, "(N) 1/m^2, 0 = pinned");

@@ -8,8 +8,7 @@ namespace doublet::python {
 
 void bind_rays(py::module_ &m) {
   Class<RayScene>(m, "RayScene", "Rays and closest points against one mesh.")
-      .def(py::init<const Mesh &, const std::vector<std::uint8_t> &>(), py::arg("mesh"),
-           py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"), Release())
+      .def(py::init<const Mesh &, const Mask &>(), py::arg("mesh"), py::arg_v("face_valid", Mask{}, "[]"), Release())
       .def(
           "cast",
           [](const RayScene &scene, const Vertices &origins, const Vertices &directions, double min_distance) {
@@ -44,7 +43,7 @@ void bind_rays(py::module_ &m) {
   m.def("self_intersecting_faces", &self_intersecting_faces, py::arg("mesh"), py::arg("context") = interruptible_context(),
         Release(), "(F) 1 for the faces that pass through another face");
   m.def("distances_to_surface", &distances_to_surface, py::arg("points"), py::arg("surface"),
-        py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"), py::arg("context") = interruptible_context(), Release(),
+        py::arg_v("face_valid", Mask{}, "[]"), py::arg("context") = interruptible_context(), Release(),
         "(N) unsigned distances, m");
   m.def("visible_vertices", &visible_vertices, py::arg("vertices"), py::arg("faces"), py::arg("cameras"), py::arg("tolerance"),
         Release(), "(V) 1 where at least one camera sees the vertex; tolerance in m");

@@ -75,9 +75,9 @@ void bind_checks(py::module_ &m) {
 
 void bind_corrections(py::module_ &m) {
   m.def("read_suggested_mask", &read_suggested_mask, py::arg("out"),
-        "(F) uint8 of the template in OUT, 0: suggested as invalid.");
+        "(F) bool of the template in OUT, False: suggested as invalid.");
   m.def("read_template_mask", &read_template_mask, py::arg("out"),
-        "(F) uint8: the edited mask if there is one, else the suggestion.");
+        "(F) bool: the edited mask if there is one, else the suggestion.");
   m.def("write_template_mask", &write_template_mask, py::arg("out"), py::arg("mask"),
         "Writes the edited mask (F), 0 or 1 each, for the template in OUT.");
   m.def("read_segmentation_paint", &read_segmentation_paint, py::arg("out"), py::arg("vertices"),

@@ -3,7 +3,6 @@
 #include "doublet/segment/cloth_prior.h"
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
-#include "doublet/segment/fullness.h"
 #include "doublet/segment/garment_mesher.h"
 #include "doublet/testing/cloth_segmenter_conformance.h"
 #include "doublet/testing/garment_mesher_conformance.h"
@@ -33,19 +32,15 @@ public:
 void bind_segment(py::module_ &m) {
   OptionsClass<OppositeOptions>(m, "The rays by which ClothSegmenter measures.");
   OptionsClass<SegmentOptions>(m, "Options of ClothSegmenter.");
-  OptionsClass<FullnessOptions>(m, "Options of estimate_fullness.");
-  m.def("estimate_fullness", &estimate_fullness, py::arg("scan"), py::arg("face_valid"), py::arg("segmentation"),
-        py::arg("sequence"), py::arg("options") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "(V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.");
   Class<SegmentInputs>(m, "SegmentInputs", "What a ClothSegmenter is given; only the surface is needed.")
-      .def(py::init([](MeshSequence surface, std::vector<std::uint8_t> face_valid,
+      .def(py::init([](MeshSequence surface, Mask face_valid,
                        const std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> &canonical,
                        const std::optional<Vertices> &colours, Eigen::VectorXd prior) {
              return SegmentInputs{std::move(surface), std::move(face_valid),
                                   canonical ? unstack(*canonical, "canonical") : std::vector<Vertices>(),
                                   colours.value_or(Vertices(0, 3)), std::move(prior)};
            }),
-           py::arg("surface"), py::arg_v("face_valid", std::vector<std::uint8_t>{}, "[]"), py::arg("canonical") = std::nullopt,
+           py::arg("surface"), py::arg_v("face_valid", Mask{}, "[]"), py::arg("canonical") = std::nullopt,
            py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd())
       .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is in the scan pose")
       .def_readwrite("face_valid", &SegmentInputs::face_valid, "(F) 0 = invented over a large hole; empty = all valid")
@@ -67,8 +62,7 @@ void bind_segment(py::module_ &m) {
            "Which vertices are loose cloth.");
   m.def(
       "segment_cloth",
-      [](const MeshSequence &sequence, const std::vector<std::uint8_t> &face_valid, const SegmentOptions &options,
-         const Context &context) {
+      [](const MeshSequence &sequence, const Mask &face_valid, const SegmentOptions &options, const Context &context) {
         return segment_cloth({sequence, face_valid}, options, context);
       },
       py::arg("sequence"), py::arg("face_valid"), py::arg("options") = SegmentOptions{},
@@ -79,13 +73,12 @@ void bind_segment(py::module_ &m) {
   m.def(
       "segment_performance",
       [](const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
-         const std::optional<Vertices> &colours, const FullnessOptions &fullness, const Context &context) {
-        return segment_performance(actor, performance, segmenter, colours.value_or(Vertices(0, 3)), fullness, context);
+         const std::optional<Vertices> &colours, const Context &context) {
+        return segment_performance(actor, performance, segmenter, colours.value_or(Vertices(0, 3)), context);
       },
       py::arg("actor"), py::arg("performance"), py::arg("segmenter"), py::arg("colours") = std::nullopt,
-      py::arg("fullness") = FullnessOptions{}, py::arg("context") = interruptible_context(), Release(),
-      "The whole stage for a captured performance: canonical frames, prior, segmentation, fullness. colours of its first frame, "
-      "as "
+      py::arg("context") = interruptible_context(), Release(),
+      "The whole stage for a captured performance: canonical frames, prior, segmentation. colours of its first frame, as "
       "SegmentInputs has them.");
   Class<SegmentSummary>(m, "SegmentSummary", "What a segmentation found.")
       .def_readonly("regions", &SegmentSummary::regions, "cloth regions")

@@ -15,8 +15,6 @@ void advance(Player &player, int t, const Eigen::VectorXd &dofs) {
       player.reset(dofs);
     else
       player.step(dofs);
-  } catch (const Cancelled &) {
-    throw;
   } catch (const Error &error) {
     throw Error("animate: frame " + std::to_string(t) + ": " + error.what());
   }

@@ -38,39 +38,22 @@ const Character &checked(const Character &character) {
 /// How a step is cut: whole, if it is the character's own; else into steps as near as can be to the substeps for which the
 /// material was estimated, because shorter ones take less energy out of the cloth.
 struct Cut {
-  bool whole;
   int count;
   double seconds; ///< of each
+  int substeps;   ///< of each; 0 = the solver's
 };
 Cut cut_step(const SolverSettings &solver, double seconds) {
   if (!(seconds > 0 && seconds <= kLongestStep))
     throw std::invalid_argument("Player::step: expected seconds in (0, 1], found " + options::to_text(seconds));
   if (seconds == solver.dt)
-    return {true, 1, seconds};
+    return {1, seconds, 0};
   const int count = std::max(1, static_cast<int>(std::lround(seconds / solver.dt * solver.cloth.substeps)));
-  return {false, count, seconds / count};
-}
-
-/// The clothness that blends as strongly in one substep as the solver has it blend in a substep of a whole frame (libpbd).
-Segmentation of_a_substep(Segmentation segmentation, const pbd::ClothOptions &options) {
-  const int n = options.substeps;
-  Eigen::ArrayXd kept = segmentation.clothness.array();
-  if (options.stiffness == pbd::Stiffness::Sweeps)
-    kept = kept.pow(1.0 / n);
-  else
-    kept = n * n * kept / (n * n * kept + 1 - kept);
-  segmentation.clothness = kept.matrix();
-  return segmentation;
+  return {count, seconds / count, 1};
 }
 
 pbd::ClothOptions cloth_options(pbd::ClothOptions cloth, const AnimateOptions &options) {
   cloth.edge_collision |= options.edge_collision;
   return cloth;
-}
-
-pbd::ClothOptions one_substep(pbd::ClothOptions options) {
-  options.substeps = 1;
-  return options;
 }
 
 void require_pose(const Character &character, const Eigen::VectorXd &dofs) {
@@ -93,22 +76,17 @@ void require_vector(const Eigen::Vector3d &value, double most, const char *what,
 struct Player::Shared {
   Character character;
   AnimateOptions options;
-  CharacterSimulator simulator, substeps; ///< a whole frame of the character's at once; one substep
+  CharacterSimulator simulator;
   std::optional<DisplaySurface> display;
-  std::optional<SkinPenetrationFix> tuck_skin; ///< that copies begin with
   std::optional<SkinBinding> body;
   std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
 
   Shared(Character c, const AnimateOptions &o, const pbd::ClothSolverFactory &make_solver)
       : character(std::move(c)), options(o), simulator(checked(character).actor, character.segmentation, character.proxies,
-                                                       cloth_options(character.solver.cloth, o), make_solver),
-        substeps(character.actor, of_a_substep(character.segmentation, character.solver.cloth), character.proxies,
-                 one_substep(cloth_options(character.solver.cloth, o)), make_solver) {
+                                                       cloth_options(character.solver.cloth, o), make_solver) {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);
-    if (display && character.garment_subdivisions >= 0)
-      tuck_skin.emplace(character);
     if (options.body && character.body.faces.rows() > 0)
       body.emplace(character.body.vertices, character.body_weights);
     for (const ClothRegion &region : simulator.regions()) {
@@ -118,64 +96,44 @@ struct Player::Shared {
         watched.back().push_back(edges[i * edges.size() / kWatched]);
     }
   }
-  Shared(const Shared &) = delete; // BodyPenetrationFix keeps the character's address
 };
 
 /// What is a player's own.
 struct Player::Playing {
-  explicit Playing(const Shared &shared) : materials(shared.character.materials), proxies(shared.character.proxies) {
-    world.dt = shared.character.solver.dt;
-    world.gravity = shared.character.solver.cloth.gravity;
+  explicit Playing(const Shared &shared)
+      : materials(shared.character.materials), proxies(shared.character.proxies), gravity(shared.character.solver.cloth.gravity) {
     const Character &character = shared.character;
     if (!shared.options.resolve_body_penetration)
       return;
     if (shared.body && std::any_of(character.body_shown.begin(), character.body_shown.end(), [](auto f) { return f != 0; }))
       tuck_body.emplace(character);
-    tuck_skin = shared.tuck_skin;
-  }
-  Playing(const Playing &other, const Shared &shared) : Playing(shared) {
-    materials = other.materials;
-    proxies = other.proxies;
-    world = other.world;
-    posed = other.posed;
-    held_seconds = other.held_seconds;
-    slow_seconds = other.slow_seconds;
-    looked = other.looked;
-    watched_seconds = other.watched_seconds;
-    knotted = other.knotted;
-    caught = other.caught;
-    caught_seconds = other.caught_seconds;
-    state = other.state;
-    frame = other.frame;
+    if (shared.display && character.garment_subdivisions >= 0)
+      tuck_skin.emplace(character);
   }
 
+  /// Steps of the character's own length; gravity and wind are the player's, length and substeps those of the step at hand.
+  StepEnvironment whole_frames(const Shared &shared) const { return {shared.character.solver.dt, wind, gravity, 0}; }
+  StepEnvironment environment(const Cut &cut) const { return {cut.seconds, wind, gravity, cut.substeps}; }
   void pose(const Shared &shared, const Eigen::VectorXd &dofs, PosedFrame &out) const {
     shared.simulator.pose(dofs, out);
     set_capsules(shared, out);
   }
   void set_capsules(const Shared &shared, PosedFrame &out) const {
-    out.capsules.clear();
-    for (const TaperedCapsule &proxy : proxies) {
-      const PosedCapsule c = pose_capsule(proxy, shared.character.actor.skeleton, out.world_from_rest);
-      out.capsules.push_back({c.p0, c.p1, c.r0, c.r1});
-    }
+    pose_capsules(proxies, shared.character.actor.skeleton, out.world_from_rest, out.capsules);
   }
 
   /// Cloth that is put on in the rest pose and goes along from there to the pose of these dofs, and rests there.
   CharacterState drape_along(const Shared &shared, const Eigen::VectorXd &dofs) const {
-    StepEnvironment meanwhile = world;
-    meanwhile.dt = shared.character.solver.dt;
     std::vector<PosedFrame> way;
-    for (const Eigen::VectorXd &on_the_way : lead_in_poses(shared.character.actor.skeleton, dofs, meanwhile.dt))
+    for (const Eigen::VectorXd &on_the_way : lead_in_poses(shared.character.actor.skeleton, dofs, shared.character.solver.dt))
       pose(shared, on_the_way, way.emplace_back());
-    CharacterState cloth = shared.simulator.drape_along(way, materials, meanwhile);
+    CharacterState cloth = shared.simulator.drape_along(way, materials, whole_frames(shared));
     for (pbd::ClothState &region : cloth.regions)
       region.velocities.setZero();
     return cloth;
   }
   /// Makes ready for piece `index` of a step to `dofs`.
   void aim(const Shared &shared, const Eigen::VectorXd &dofs, const Cut &cut, int index) {
-    world.dt = cut.seconds;
     before.resize(state.regions.size());
     for (std::size_t r = 0; r < before.size(); ++r)
       before[r] = state.regions[r].positions;
@@ -194,17 +152,18 @@ struct Player::Playing {
       for (double *share : {&material.k_friction, &material.k_damping})
         *share = frames == 1 ? *share : 1 - std::pow(1 - *share, frames);
   }
-  void arrive(const Shared &shared) {
-    come_to_rest(shared);
-    carry_caught(shared);
+  /// After a piece of a step of so many seconds.
+  void arrive(const Shared &shared, double seconds) {
+    come_to_rest(shared, seconds);
+    carry_caught(shared, seconds);
     std::swap(posed, next);
     if (shared.options.redrape_when_tangled && !looked && held_seconds >= kCaughtAfter)
       redrape_when_tangled(shared);
     if (shared.options.redrape_when_tangled)
-      watch_for_knots(shared);
+      watch_for_knots(shared, seconds);
   }
-  void watch_for_knots(const Shared &shared) {
-    watched_seconds += world.dt;
+  void watch_for_knots(const Shared &shared, double seconds) {
+    watched_seconds += seconds;
     if (watched_seconds < kWatchEvery)
       return;
     watched_seconds = 0;
@@ -227,27 +186,28 @@ struct Player::Playing {
     return static_cast<double>(count) / std::max(all, 1);
   }
   /// Real cloth rubs itself to rest, whatever its drag and damping are; ours would swing on like a pendulum.
-  void come_to_rest(const Shared &shared) {
-    const bool held = fastest_joint(shared) < kStill && world.wind.isZero();
-    held_seconds = held ? held_seconds + world.dt : 0;
+  void come_to_rest(const Shared &shared, double seconds) {
+    const bool held = farthest_joint(shared) / seconds < kStill && wind.isZero();
+    held_seconds = held ? held_seconds + seconds : 0;
     looked = looked && held;
     const double share = std::clamp((held_seconds - kHeldAfter) / kRestGrows, 0.0, 1.0);
     if (share > 0)
       for (pbd::ClothState &cloth : state.regions)
-        cloth.velocities *= std::exp(-share * shared.options.rest_damping * world.dt);
-    slow_seconds = share == 1 && shared.options.rest_damping > 0 && cloth_speed() < kAlmostStill ? slow_seconds + world.dt : 0;
+        cloth.velocities *= std::exp(-share * shared.options.rest_damping * seconds);
+    const bool almost_still = share == 1 && shared.options.rest_damping > 0 && cloth_way() / seconds < kAlmostStill;
+    slow_seconds = almost_still ? slow_seconds + seconds : 0;
     if (slow_seconds > 0)
       stop(std::max(0.0, 1 - slow_seconds / kStops));
   }
-  /// m/s, root of the mean square over the vertices in the step that ends.
-  double cloth_speed() const {
+  /// m, root of the mean square over the vertices in the step that ends.
+  double cloth_way() const {
     double squares = 0;
     Eigen::Index count = 0;
     for (std::size_t r = 0; r < before.size(); ++r) {
       squares += (state.regions[r].positions - before[r]).squaredNorm();
       count += before[r].rows();
     }
-    return std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(count, 1))) / world.dt;
+    return std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(count, 1)));
   }
   /// Of what the cloth has moved in the step that ends a share is kept: contacts that never agree would push it about for good.
   void stop(double kept) {
@@ -284,15 +244,15 @@ struct Player::Playing {
       const double share = std::accumulate(crossing.begin(), crossing.end(), 0.0) / static_cast<double>(crossing.size());
       faults += share > kFewCrossing ? share : 0;
       faults += static_cast<double>(std::count_if(posed.capsules.begin(), posed.capsules.end(),
-                                                  [&](const pbd::Capsule &c) { return crosses_surface(c.p0, c.p1, mesh); }));
+                                                  [&](const Capsule &c) { return crosses_surface(c.p0, c.p1, mesh); }));
     }
     return faults;
   }
   /// What was caught goes along until it is no longer seen.
-  void carry_caught(const Shared &shared) {
+  void carry_caught(const Shared &shared, double seconds) {
     if (caught_seconds > 0)
       shared.simulator.move_rigidly(caught, posed, next);
-    caught_seconds = std::max(0.0, caught_seconds - world.dt);
+    caught_seconds = std::max(0.0, caught_seconds - seconds);
   }
   void draw_surface(const Shared &shared) {
     shared.simulator.surface(state, posed, frame.surface);
@@ -317,12 +277,12 @@ struct Player::Playing {
     knotted = false;
     caught_seconds = 0;
   }
-  double fastest_joint(const Shared &shared) const { // m/s
+  double farthest_joint(const Shared &shared) const { // m, in the step that ends
     double far = 0;
     const std::vector<Joint> &joints = shared.character.actor.skeleton.joints;
     for (std::size_t j = 0; j < joints.size(); ++j)
       far = std::max(far, (next.world_from_rest[j] * joints[j].rest - posed.world_from_rest[j] * joints[j].rest).norm());
-    return far / world.dt;
+    return far;
   }
 
   /// What is seen of the state.
@@ -347,7 +307,7 @@ struct Player::Playing {
 
   std::vector<pbd::Material> materials, step_materials; ///< as given; of the step at hand
   std::vector<TaperedCapsule> proxies;
-  StepEnvironment world;
+  Eigen::Vector3d wind = Eigen::Vector3d::Zero(), gravity;
   CharacterState state;
   PosedFrame posed, next;     ///< where it stands, and where it goes
   double held_seconds = 0;    ///< since the pose moved last
@@ -376,8 +336,7 @@ Player::Player(Character character, const AnimateOptions &options, const pbd::Cl
   playing_->show(*shared_, rest, 0);
 }
 Player::~Player() = default;
-Player::Player(const Player &other)
-    : shared_(other.shared_), playing_(std::make_unique<Playing>(*other.playing_, *other.shared_)) {}
+Player::Player(const Player &other) : shared_(other.shared_), playing_(std::make_unique<Playing>(*other.playing_)) {}
 Player &Player::operator=(const Player &other) {
   return *this = Player(other);
 }
@@ -389,11 +348,11 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
   Playing &p = *playing_;
   p.pose(*shared_, dofs, p.posed);
   p.start_over();
-  p.world.dt = character().solver.dt;
   p.state = shared_->options.settle_seconds > 0 ? p.drape_along(*shared_, dofs) : shared_->simulator.start(p.posed);
-  const auto frames = std::lround(shared_->options.settle_seconds / p.world.dt);
+  const StepEnvironment world = p.whole_frames(*shared_);
+  const auto frames = std::lround(shared_->options.settle_seconds / world.dt);
   for (long i = 0; i < frames; ++i)
-    shared_->simulator.step(p.state, p.posed, p.posed, p.materials, p.world, p.buffers);
+    shared_->simulator.step(p.state, p.posed, p.posed, p.materials, world, p.buffers);
   for (pbd::ClothState &cloth : p.state.regions)
     cloth.velocities.setZero();
   p.show(*shared_, dofs, 0);
@@ -408,11 +367,10 @@ const AnimationFrame &Player::step(const Eigen::VectorXd &dofs, double seconds) 
   const Cut cut = cut_step(character().solver, seconds);
   require_pose(character(), dofs);
   Playing &p = *playing_;
-  const CharacterSimulator &simulator = cut.whole ? shared_->simulator : shared_->substeps;
   for (int i = 0; i < cut.count; ++i) {
     p.aim(*shared_, dofs, cut, i);
-    simulator.step(p.state, p.posed, p.next, p.step_materials, p.world, p.buffers);
-    p.arrive(*shared_);
+    shared_->simulator.step(p.state, p.posed, p.next, p.step_materials, p.environment(cut), p.buffers);
+    p.arrive(*shared_, cut.seconds);
   }
   p.show(*shared_, dofs, p.frame.index + 1);
   return p.frame;
@@ -450,15 +408,15 @@ void Player::set_materials(const std::vector<pbd::Material> &materials) {
 }
 void Player::set_wind(const Eigen::Vector3d &wind) {
   require_vector(wind, 1000, "a wind", "m/s");
-  if (wind != playing_->world.wind)
+  if (wind != playing_->wind)
     playing_->wake();
-  playing_->world.wind = wind;
+  playing_->wind = wind;
 }
 void Player::set_gravity(const Eigen::Vector3d &gravity) {
   require_vector(gravity, kMostGravity, "a gravity", "m/s^2");
-  if (gravity != playing_->world.gravity)
+  if (gravity != playing_->gravity)
     playing_->wake();
-  playing_->world.gravity = gravity;
+  playing_->gravity = gravity;
 }
 void Player::set_proxies(const std::vector<TaperedCapsule> &proxies) {
   require_proxies(proxies, character().actor.skeleton, "Player");
@@ -470,10 +428,10 @@ const std::vector<pbd::Material> &Player::materials() const {
   return playing_->materials;
 }
 const Eigen::Vector3d &Player::wind() const {
-  return playing_->world.wind;
+  return playing_->wind;
 }
 const Eigen::Vector3d &Player::gravity() const {
-  return *playing_->world.gravity;
+  return playing_->gravity;
 }
 const std::vector<TaperedCapsule> &Player::proxies() const {
   return playing_->proxies;
@@ -510,7 +468,6 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
     require_pose(shared.character, dofs[i]);
   }
   const Cut cut = cut_step(shared.character.solver, seconds);
-  const CharacterSimulator &simulator = cut.whole ? shared.simulator : shared.substeps;
   Context context;
   context.threads = std::max(1, threads);
   std::vector<int> moving(players.size()); // those whose cloth is finite
@@ -530,15 +487,15 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
       before.push_back(&p.posed);
       after.push_back(&p.next);
       materials.push_back(&p.step_materials);
-      worlds.push_back(p.world);
+      worlds.push_back(p.environment(cut));
     }
     std::vector<char> failed(moving.size(), 0);
-    for (const DivergedRegion &one : simulator.step_batch(states, before, after, materials, worlds, context.threads))
+    for (const DivergedRegion &one : shared.simulator.step_batch(states, before, after, materials, worlds, context.threads))
       failed[one.character] = 1;
     std::vector<int> going_on;
     for (std::size_t k = 0; k < moving.size(); ++k)
       if (!failed[k]) {
-        players[moving[k]]->playing_->arrive(shared);
+        players[moving[k]]->playing_->arrive(shared, cut.seconds);
         going_on.push_back(moving[k]);
       }
     moving.swap(going_on);

@@ -51,11 +51,11 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
 }
 
 struct Capsules {
-  std::vector<PosedCapsule> shape;
+  std::vector<Capsule> shape;
   std::vector<int> joint;
 };
 
-double &parameter(PosedCapsule &c, int k) {
+double &parameter(Capsule &c, int k) {
   return k < 3 ? c.p0[k] : k < 6 ? c.p1[k - 3] : k == 6 ? c.r0 : c.r1;
 }
 
@@ -76,7 +76,7 @@ Eigen::Vector3d centroid(const Mesh &body, const std::vector<int> &members) {
 
 /// A limb: capsules end to end, their spheres at the centroids of slices of the body.
 void start_limb(const Mesh &body, const std::vector<int> &members, const Eigen::Vector3d &a, const Eigen::Vector3d &b, int count,
-                std::vector<PosedCapsule> &out) {
+                std::vector<Capsule> &out) {
   const Eigen::Vector3d axis = b - a;
   std::vector<std::vector<int>> slices(count + 1);
   for (int v : members) {
@@ -127,8 +127,7 @@ std::vector<std::vector<int>> clusters(const Mesh &body, const std::vector<int> 
 }
 
 /// Algebraic least-squares sphere: |x|^2 = 2 c.x + (r^2 - |c|^2), about the centroid.
-void start_sphere(const Mesh &body, const std::vector<int> &members, const Eigen::Vector3d &along,
-                  std::vector<PosedCapsule> &out) {
+void start_sphere(const Mesh &body, const std::vector<int> &members, const Eigen::Vector3d &along, std::vector<Capsule> &out) {
   const Eigen::Vector3d middle = centroid(body, members);
   Eigen::Matrix4d matrix = 1e-9 * Eigen::Matrix4d::Identity();
   Eigen::Vector4d right = Eigen::Vector4d::Zero();
@@ -188,7 +187,7 @@ struct Sum {
   }
 };
 
-Eigen::Matrix<double, kParameters, 1> distance_gradient(PosedCapsule capsule, const Eigen::Vector3d &point) {
+Eigen::Matrix<double, kParameters, 1> distance_gradient(Capsule capsule, const Eigen::Vector3d &point) {
   constexpr double h = 1e-6;
   Eigen::Matrix<double, kParameters, 1> gradient;
   for (int k = 0; k < kParameters; ++k) {
@@ -249,7 +248,7 @@ double body_distance(const RayScene &scene, const Mesh &body, const Vertices &no
 
 /// Points on a capsule's surface: rings along the axis and the two poles. visit(point, t in [0, 1], unit direction from the
 /// axis).
-template <typename Visit> void visit_surface(const PosedCapsule &c, Visit visit) {
+template <typename Visit> void visit_surface(const Capsule &c, Visit visit) {
   constexpr int rings = 7, around = 12;
   const Eigen::Vector3d axis = c.p1 - c.p0;
   const Eigen::Vector3d along = axis.norm() > 1e-9 ? Eigen::Vector3d(axis.normalized()) : Eigen::Vector3d::UnitY();
@@ -280,7 +279,7 @@ void add_points(Sum &sum, const Capsules &capsules, const Target &target, double
 /// Capsule surfaces against the body: whatever stands out of it.
 void add_bulges(Sum &sum, const Capsules &capsules, const Target &target) {
   for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
-    const PosedCapsule &capsule = capsules.shape[c];
+    const Capsule &capsule = capsules.shape[c];
     const double patch =
         2 * std::numbers::pi * (capsule.r0 + capsule.r1) / 2 * ((capsule.p1 - capsule.p0).norm() + capsule.r0 + capsule.r1) / 86;
     visit_surface(capsule, [&](const Eigen::Vector3d &point, double t, const Eigen::Vector3d &direction) {
@@ -310,7 +309,7 @@ Sum accumulate(const Capsules &capsules, const Capsules &start, const Target &ta
   }
   for (std::size_t c = 0; c < capsules.shape.size(); ++c)
     for (int k = 0; k < 6; ++k) {
-      PosedCapsule now = capsules.shape[c], then = start.shape[c];
+      Capsule now = capsules.shape[c], then = start.shape[c];
       Eigen::Matrix<double, kParameters, 1> unit = Eigen::Matrix<double, kParameters, 1>::Zero();
       unit[k] = 1;
       sum.add(static_cast<int>(c), unit, parameter(now, k) - parameter(then, k), kTether);
@@ -320,7 +319,7 @@ Sum accumulate(const Capsules &capsules, const Capsules &start, const Target &ta
 
 Capsules moved(Capsules capsules, const Eigen::VectorXd &step) {
   for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
-    PosedCapsule &shape = capsules.shape[c];
+    Capsule &shape = capsules.shape[c];
     for (int k = 0; k < kParameters; ++k)
       parameter(shape, k) += step[c * kParameters + k];
     shape.r0 = std::max(shape.r0, kSmallestRadius);
@@ -349,7 +348,7 @@ void optimise(Capsules &capsules, const Target &target, const ProxyOptions &opti
 
 /// Least squares only discourages: whatever still reaches into the resting cloth is made thinner.
 void keep_out_of_cloth(Capsules &capsules, const Target &target, double margin) {
-  for (PosedCapsule &capsule : capsules.shape) {
+  for (Capsule &capsule : capsules.shape) {
     double least = margin;
     for (const Eigen::Vector3d &point : target.cloth)
       least = std::min(least, signed_distance(capsule, point));
@@ -417,7 +416,7 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
   std::vector<TaperedCapsule> result;
   for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
     const Eigen::Vector3d origin = actor.skeleton.joints[capsules.joint[c]].rest;
-    const PosedCapsule &shape = capsules.shape[c];
+    const Capsule &shape = capsules.shape[c];
     result.push_back({capsules.joint[c], shape.p0 - origin, shape.p1 - origin, shape.r0, shape.r1});
   }
   return result;
@@ -449,7 +448,7 @@ ProxyStatistics proxy_statistics(const std::vector<TaperedCapsule> &capsules, co
   }
   const RayScene scene(fit.body);
   const Vertices normals = vertex_normals(fit.body.vertices, fit.body.faces);
-  for (const PosedCapsule &capsule : posed.shape)
+  for (const Capsule &capsule : posed.shape)
     visit_surface(capsule, [&](const Eigen::Vector3d &point, double, const Eigen::Vector3d &) {
       Eigen::Vector3d outward;
       statistics.largest_bulge = std::max(statistics.largest_bulge, body_distance(scene, fit.body, normals, point, outward));

@@ -63,7 +63,6 @@ void require_segmentation(const Segmentation &segmentation, Eigen::Index vertice
   expect(what + ": segmentation.region", segmentation.region.size(), vertices);
   expect_all(what + ": segmentation.sigma", segmentation.sigma.size(), vertices);
   expect_all(what + ": segmentation.probability", segmentation.probability.size(), vertices);
-  expect_all(what + ": segmentation.fullness", segmentation.fullness.size(), vertices);
   expect_all(what + ": segmentation.rest", segmentation.rest.rows(), vertices);
   if (!(segmentation.clothness.array() >= 0).all() || !(segmentation.clothness.array() <= 1).all())
     throw Error(what + ": segmentation.clothness: expected values in [0, 1], found others");
@@ -73,7 +72,6 @@ void require_segmentation(const Segmentation &segmentation, Eigen::Index vertice
     throw Error(what + ": segmentation.region: expected numbers from -1 to below region_count " +
                 std::to_string(segmentation.region_count) + ", found " + std::to_string(segmentation.region.minCoeff()) + " to " +
                 std::to_string(segmentation.region.maxCoeff()));
-  expect_finite(what + ": segmentation.fullness", segmentation.fullness);
   expect_finite(what + ": segmentation.rest", segmentation.rest);
 }
 
@@ -120,7 +118,7 @@ void require_transforms(const Skeleton &skeleton, const Transforms &world_from_r
 }
 } // namespace
 
-PosedCapsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, const Transforms &world_from_rest) {
+Capsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, const Transforms &world_from_rest) {
   require_transforms(skeleton, world_from_rest);
   if (c.joint < 0 || c.joint >= skeleton.joint_count())
     throw std::invalid_argument("pose_capsules: a capsule names joint " + std::to_string(c.joint) + ", there are " +
@@ -130,24 +128,30 @@ PosedCapsule pose_capsule(const TaperedCapsule &c, const Skeleton &skeleton, con
   return {T * (origin + c.p0), T * (origin + c.p1), c.r0, c.r1};
 }
 
-std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
-                                        const Transforms &world_from_rest) {
-  require_transforms(skeleton, world_from_rest);
-  std::vector<PosedCapsule> out;
-  for (const TaperedCapsule &c : capsules)
-    out.push_back(pose_capsule(c, skeleton, world_from_rest));
-  return out;
+std::vector<Capsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
+                                   const Transforms &world_from_rest) {
+  std::vector<Capsule> posed;
+  pose_capsules(capsules, skeleton, world_from_rest, posed);
+  return posed;
 }
 
-Mesh capsule_mesh(const std::vector<PosedCapsule> &capsules) {
+void pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton, const Transforms &world_from_rest,
+                   std::vector<Capsule> &posed) {
+  require_transforms(skeleton, world_from_rest);
+  posed.clear();
+  for (const TaperedCapsule &c : capsules)
+    posed.push_back(pose_capsule(c, skeleton, world_from_rest));
+}
+
+Mesh capsule_mesh(const std::vector<Capsule> &capsules) {
   constexpr int kSegments = 16, kRings = 10; // from pole to pole; half on each sphere
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> faces;
-  for (const PosedCapsule &capsule : capsules) {
+  for (const Capsule &capsule : capsules) {
     if (!capsule.p0.allFinite() || !capsule.p1.allFinite() || !(capsule.r0 > 0 && capsule.r1 > 0) ||
         !std::isfinite(capsule.r0 + capsule.r1))
       throw std::invalid_argument("capsule_mesh: expected finite ends and positive radii, found others");
-    PosedCapsule c = capsule;
+    Capsule c = capsule;
     const Eigen::Vector3d between = c.p1 - c.p0;
     const double length = between.norm();
     const bool nested = length <= std::fabs(c.r0 - c.r1);
@@ -188,7 +192,7 @@ Mesh capsule_mesh(const std::vector<PosedCapsule> &capsules) {
   return mesh;
 }
 
-double signed_distance(const PosedCapsule &capsule, const Eigen::Vector3d &point) {
+double signed_distance(const Capsule &capsule, const Eigen::Vector3d &point) {
   // The smallest distance to the spheres along the axis: |x - c(t)| - r(t) is convex in t, with its minimum where the radius
   // falls as fast as the distance grows.
   const Eigen::Vector3d axis = capsule.p1 - capsule.p0;

@@ -258,8 +258,6 @@ void write_segmentation(const Path &path, const Segmentation &segmentation) {
   npz.set_f4("sigma", {V}, flat(segmentation.sigma));
   npz.set_f4("clothness", {V}, flat(segmentation.clothness));
   npz.set_i4("region", {V}, {segmentation.region.data(), segmentation.region.data() + V});
-  if (segmentation.fullness.size() > 0)
-    npz.set_f4("fullness", {V}, flat(segmentation.fullness));
   if (segmentation.probability.size() > 0)
     npz.set_f4("probability", {V}, flat(segmentation.probability));
   npz.write(path, kFileFormat);
@@ -283,11 +281,6 @@ Segmentation read_segmentation(const Path &path) {
   if (npz.has("probability"))
     out.probability = read_vector(npz, "probability", out.clothness.size());
   require_in_range("probability", out.probability);
-  if (npz.has("fullness")) {
-    out.fullness = read_vector(npz, "fullness", out.clothness.size());
-    if (!(out.fullness.array() >= 1).all() || !out.fullness.allFinite())
-      throw Error(npz.source + ": array 'fullness': expected finite values of at least 1, found others");
-  }
   return out;
 }
 

@@ -141,12 +141,4 @@ private:
   std::vector<float> feature_x_, feature_y_, nearest_, squared_;
 };
 
-/// The proxies of a frame in core's words, for capsule_mesh(): they stand for the legs that M lacks under the garment.
-inline std::vector<PosedCapsule> posed(const std::vector<pbd::Capsule> &capsules) {
-  std::vector<PosedCapsule> result;
-  for (const pbd::Capsule &c : capsules)
-    result.push_back({c.p0, c.p1, c.r0, c.r1});
-  return result;
-}
-
 } // namespace doublet::fit

@@ -92,9 +92,9 @@ BayesianOptions bayesian_options(const FitOptions &options, const Searched &sear
 OptimizerFactory optimizer_factory(const FitOptions &options, const Searched &searched) {
   if (options.make_optimizer)
     return options.make_optimizer;
-  if (options.optimizer == "annealing")
+  if (options.optimizer == SearchMethod::Annealing)
     return [options](int n, std::uint64_t seed) { return create_simulated_annealing(n, annealing_options(options, seed)); };
-  if (options.optimizer == "cma-es")
+  if (options.optimizer == SearchMethod::CmaEs)
     return [options](int n, std::uint64_t seed) { return create_cma_es(n, cma_options(options, seed)); };
   return [options, searched](int n, std::uint64_t seed) { return create_bayesian(n, bayesian_options(options, searched, seed)); };
 }
@@ -230,7 +230,7 @@ std::string problem_of(const FitOptions &options, const AllTakes &objective) {
     for (const char *other : {"space.", "energy."}) // in the fingerprint
       if (name.rfind(other, 0) == 0)
         return false;
-    return name != "max_evaluations" || options.optimizer == "annealing";
+    return name != "max_evaluations" || options.optimizer == SearchMethod::Annealing;
   };
   std::string problem = objective.fingerprint();
   for (const auto &[name, value] : options::to_pairs(options))

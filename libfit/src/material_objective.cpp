@@ -22,14 +22,27 @@ void EnergyOptions::validate() const {
 struct MaterialObjective::Impl {
   Impl(const std::vector<const CharacterSimulator *> &widths, const ReferencePerformance &performance,
        const Observations &observations, const EnergyOptions &options, const ParameterSpace &parameters, const Context &context)
-      : space(parameters), windows(cut_windows(static_cast<int>(performance.dofs.rows()), options)),
-        observed(widths, performance, observations, options, simulated_from(windows), times, context), energy(observed),
-        rollouts(observed, energy, times) {
+      : simulators(copies_of(widths)), space(parameters),
+        windows(cut_windows(static_cast<int>(performance.dofs.rows()), options)),
+        observed(addresses_of(simulators), performance, observations, options, simulated_from(windows), times, context),
+        energy(observed), rollouts(observed, energy, times) {
     for (Window &window : windows)
       window.states = rollouts.states_at(window.start, performance.surface);
   }
   Impl(const Impl &) = delete;
 
+  static std::vector<CharacterSimulator> copies_of(const std::vector<const CharacterSimulator *> &widths) {
+    std::vector<CharacterSimulator> copies;
+    for (const CharacterSimulator *width : widths)
+      copies.push_back(*width);
+    return copies;
+  }
+  static std::vector<const CharacterSimulator *> addresses_of(const std::vector<CharacterSimulator> &widths) {
+    std::vector<const CharacterSimulator *> addresses;
+    for (const CharacterSimulator &width : widths)
+      addresses.push_back(&width);
+    return addresses;
+  }
   /// The frames that count and before which nothing is simulated.
   static std::vector<int> simulated_from(const std::vector<Window> &windows) {
     std::vector<int> starts;
@@ -40,6 +53,7 @@ struct MaterialObjective::Impl {
   }
   Batch batch() const { return {observed, energy, rollouts, windows}; }
 
+  std::vector<CharacterSimulator> simulators; ///< one a width
   ParameterSpace space;
   std::vector<Window> windows;
   mutable CpuTimes times;
@@ -91,7 +105,7 @@ void check_widths(const std::vector<const CharacterSimulator *> &widths) {
   }
 }
 
-/// One frame of all cloth, from rest in the first pose to the last: what its model was made of (rest shape, fullness, blend
+/// One frame of all cloth, from rest in the first pose to the last: what its model was made of (rest shape, blend
 /// weights), and whose solver it is, shows in nothing else.
 std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const PosedFrame &first, const PosedFrame &last,
                                       const pbd::Material &material, double dt) {
@@ -113,7 +127,7 @@ std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, 
   print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(options).add(space);
   for (const PosedFrame &pose : poses) {
     print.add(pose.skinned);
-    for (const pbd::Capsule &capsule : pose.capsules)
+    for (const Capsule &capsule : pose.capsules)
       print.add(capsule.p0).add(capsule.p1).add(Eigen::Vector2d(capsule.r0, capsule.r1));
   }
   for (const Vertices &surface : captured.frames)

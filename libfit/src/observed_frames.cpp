@@ -32,7 +32,7 @@ CoarseBuffer draw_others(const CharacterSimulator &simulator, const ClothTopolog
     rest[f] = rest[f] && !topology.face_is_cloth[f];
   const Camera coarse = camera.camera.resized(camera.width, camera.height);
   const FaceBuffer body = rasterize(frame.skinned, faces, coarse, rest);
-  const Mesh capsules = capsule_mesh(posed(frame.capsules));
+  const Mesh capsules = capsule_mesh(frame.capsules);
   const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
 
   CoarseBuffer result;

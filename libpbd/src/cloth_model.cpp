@@ -36,8 +36,7 @@ double face_area(const Vertices &rest, const Faces &faces, int f) {
 }
 
 /// (N) 1/m^2
-Eigen::VectorXd inverse_masses_of(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                  const Eigen::VectorXd &fullness) {
+Eigen::VectorXd inverse_masses_of(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(rest.rows());
   for (int f = 0; f < faces.rows(); ++f) {
     const double area = face_area(rest, faces, f);
@@ -45,7 +44,7 @@ Eigen::VectorXd inverse_masses_of(const Vertices &rest, const Faces &faces, cons
       refuse_model("face " + std::to_string(f) + " is degenerate: its area must exceed 1e-12 m^2, found " +
                    options::to_text(area, 4));
     for (int v : faces.row(f))
-      mass[v] += fullness[v] * area / 3;
+      mass[v] += area / 3;
   }
   Eigen::VectorXd inverse = Eigen::VectorXd::Zero(rest.rows());
   for (int i = 0; i < rest.rows(); ++i) {
@@ -60,19 +59,15 @@ Eigen::VectorXd inverse_masses_of(const Vertices &rest, const Faces &faces, cons
 } // namespace
 
 std::shared_ptr<const ClothModel> ClothModel::create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                                     const ClothOptions &options, const Eigen::VectorXd &fullness) {
-  return std::shared_ptr<const ClothModel>(new ClothModel(rest, faces, clothness, options, fullness));
+                                                     const ClothOptions &options) {
+  return std::shared_ptr<const ClothModel>(new ClothModel(rest, faces, clothness, options));
 }
 
-ClothModel::ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
-                       const Eigen::VectorXd &fullness)
-    : rest_(rest), faces_(faces), clothness_(clothness),
-      fullness_(fullness.size() > 0 ? fullness : Eigen::VectorXd::Ones(rest.rows())), options_(options) {
+ClothModel::ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options)
+    : rest_(rest), faces_(faces), clothness_(clothness), options_(options) {
   options.validate();
   check_mesh(rest, faces, clothness);
-  if (fullness_.size() != rest.rows() || !(fullness_.array() >= 1).all() || !fullness_.allFinite())
-    refuse_model("fullness must have one finite value of at least 1 a vertex (" + std::to_string(rest.rows()) + ")");
-  inverse_masses_ = inverse_masses_of(rest, faces, clothness, fullness_);
+  inverse_masses_ = inverse_masses_of(rest, faces, clothness);
 }
 
 } // namespace doublet::pbd

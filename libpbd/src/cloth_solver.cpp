@@ -14,25 +14,25 @@ namespace {
   throw std::invalid_argument("cloth step: " + what);
 }
 
-void check_vertices(const Vertices *m, int n, const char *name) {
-  if (m->rows() != n)
-    refuse_step(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m->rows()));
-  if (!((0 * m->array()).sum() == 0)) // one that is not finite makes it not a number
+void check_vertices(VerticesView m, int n, const char *name) {
+  if (m.rows() != n)
+    refuse_step(std::string(name) + " must have " + std::to_string(n) + " rows, found " + std::to_string(m.rows()));
+  if (!((0 * m.map().array()).sum() == 0)) // one that is not finite makes it not a number
     refuse_step(std::string(name) + " holds a value that is not finite");
 }
 
 void check_state(const ClothModel &model, const ClothState &state) {
-  check_vertices(&state.positions, model.vertex_count(), "state.positions");
-  check_vertices(&state.velocities, model.vertex_count(), "state.velocities");
+  check_vertices(state.positions, model.vertex_count(), "state.positions");
+  check_vertices(state.velocities, model.vertex_count(), "state.velocities");
 }
 
 void check_inputs(const ClothModel &model, const StepInputs &in) {
   const int n = model.vertex_count();
-  if (!in.targets && (model.clothness().array() < 1).any())
+  if (in.targets.empty() && (model.clothness().array() < 1).any())
     refuse_step("targets are missing, and the model has vertices that follow them");
-  if (in.targets)
+  if (!in.targets.empty())
     check_vertices(in.targets, n, "targets");
-  if (in.previous_targets)
+  if (!in.previous_targets.empty())
     check_vertices(in.previous_targets, n, "previous_targets");
   if (!(in.dt > 0 && in.dt <= 1))
     refuse_step("dt must lie in (0, 1] s, found " + options::to_text(in.dt));
@@ -41,21 +41,28 @@ void check_inputs(const ClothModel &model, const StepInputs &in) {
   if (in.gravity && !(in.gravity->cwiseAbs().maxCoeff() <= 1000))
     refuse_step("gravity must lie within 1000 m/s^2, found (" + options::to_text(in.gravity->x()) + ", " +
                 options::to_text(in.gravity->y()) + ", " + options::to_text(in.gravity->z()) + ")");
-  if (in.capsules && in.previous_capsules && in.capsules->size() != in.previous_capsules->size())
-    refuse_step("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules->size()) + " and " +
-                std::to_string(in.previous_capsules->size()));
-  for (const std::vector<Capsule> *list : {in.capsules, in.previous_capsules})
-    if (list)
-      for (size_t i = 0; i < list->size(); ++i) {
-        const Capsule &c = (*list)[i];
-        if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
-          refuse_step("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
-                      options::to_text(c.r0) + " and " + options::to_text(c.r1));
-      }
+  if (!in.previous_capsules.empty() && in.capsules.size() != in.previous_capsules.size())
+    refuse_step("capsules and previous_capsules must be equally many, found " + std::to_string(in.capsules.size()) + " and " +
+                std::to_string(in.previous_capsules.size()));
+  for (const std::span<const Capsule> list : {in.capsules, in.previous_capsules})
+    for (size_t i = 0; i < list.size(); ++i) {
+      const Capsule &c = list[i];
+      if (!c.p0.allFinite() || !c.p1.allFinite() || !(c.r0 >= 0 && c.r0 < 1e3) || !(c.r1 >= 0 && c.r1 < 1e3))
+        refuse_step("capsule " + std::to_string(i) + " must have finite ends and radii in [0, 1000) m, found radii " +
+                    options::to_text(c.r0) + " and " + options::to_text(c.r1));
+    }
+  if (in.substeps < 0 || in.substeps > 1000)
+    refuse_step("substeps must lie in [0, 1000], found " + std::to_string(in.substeps));
 }
 
-int capsule_count(const StepInputs &in) {
-  return in.capsules ? static_cast<int>(in.capsules->size()) : 0;
+/// What the lanes of one register do together.
+void check_together(const StepInputs &in, const StepInputs &first) {
+  if (in.capsules.size() != first.capsules.size())
+    refuse_step("inputs of one call must have equally many capsules, found " + std::to_string(first.capsules.size()) + " and " +
+                std::to_string(in.capsules.size()));
+  if (in.substeps != first.substeps)
+    refuse_step("inputs of one call must have equally many substeps, found " + std::to_string(first.substeps) + " and " +
+                std::to_string(in.substeps));
 }
 
 void check_counts(size_t states, size_t inputs, size_t materials) {
@@ -89,9 +96,7 @@ std::vector<int> ClothSolver::step_batch(std::span<ClothState> states, std::span
   check_counts(states.size(), inputs.size(), materials.size());
   for (const StepInputs &in : inputs) {
     check_inputs(*model_, in);
-    if (capsule_count(in) != capsule_count(inputs[0]))
-      refuse_step("inputs of one call must have equally many capsules, found " + std::to_string(capsule_count(inputs[0])) +
-                  " and " + std::to_string(capsule_count(in)));
+    check_together(in, inputs[0]);
   }
   for (size_t i = 0; i < states.size(); ++i) {
     validate(materials[i]);

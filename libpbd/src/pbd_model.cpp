@@ -19,25 +19,6 @@ namespace {
 constexpr int kPatchFaces = 8;  ///< at most
 constexpr double kMaxSpan = 12; ///< mean edges, see LaneModel::largest_extent
 
-/// (N, 3) the direction in the surface across the axis, a unit vector; 0 where the surface lies (almost) flat, or there is none.
-Vertices directions_across(const Vertices &rest, const std::vector<Triangle> &faces, const Eigen::Vector3d &axis) {
-  constexpr double kUpright = 0.2; // sine between normal and axis
-  Vertices normals = Vertices::Zero(rest.rows(), 3);
-  for (const Triangle &face : faces) {
-    const Eigen::Vector3d a = rest.row(face.v[0]), b = rest.row(face.v[1]), c = rest.row(face.v[2]);
-    for (int v : face.v)
-      normals.row(v) += (b - a).cross(c - a).transpose();
-  }
-  Vertices across = Vertices::Zero(rest.rows(), 3);
-  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-    const Eigen::Vector3d horizontal = axis.cross(Eigen::Vector3d(normals.row(v)));
-    const double size = horizontal.norm();
-    if (size > kUpright * axis.norm() * normals.row(v).norm())
-      across.row(v) = horizontal.transpose() / size;
-  }
-  return across;
-}
-
 /// Undirected edge -> the faces beside it with the vertex opposite, in face order. Ordered map: the same on every platform.
 using EdgeMap = std::map<std::array<int, 2>, std::vector<int>>;
 EdgeMap opposite_vertices(const std::vector<Triangle> &faces) {
@@ -177,7 +158,6 @@ PbdModel::PbdModel(std::shared_ptr<const ClothModel> cloth) : cloth_(std::move(c
 void PbdModel::set_constraints(const Vertices &rest) {
   const EdgeMap edges = opposite_vertices(faces_);
   const Eigen::VectorXd &w = cloth_->inverse_masses();
-  const Vertices across = directions_across(rest, faces_, cloth_->fullness_axis());
   std::vector<StretchConstraint> stretches;
   std::vector<BendConstraint> bends;
   std::vector<int> stretch_vertices, bend_vertices;
@@ -185,9 +165,9 @@ void PbdModel::set_constraints(const Vertices &rest) {
     const auto [a, b] = edge;
     const double sum = w[a] + w[b];
     if (sum > 0) {
-      stretches.push_back({{a, b},
-                           {static_cast<float>(w[a] / sum), static_cast<float>(w[b] / sum)},
-                           static_cast<float>(full_length(rest, across, a, b))});
+      const Eigen::Vector3d along = (rest.row(b) - rest.row(a)).transpose();
+      stretches.push_back(
+          {{a, b}, {static_cast<float>(w[a] / sum), static_cast<float>(w[b] / sum)}, static_cast<float>(along.norm())});
       stretch_vertices.insert(stretch_vertices.end(), {a, b});
     }
     for (size_t k = 0; k + 1 < opposite.size(); ++k) { // a non-manifold edge bends between consecutive faces
@@ -217,14 +197,6 @@ void PbdModel::set_constraints(const Vertices &rest) {
   stretch_blocks_ =
       in_blocks<StretchBlock>(in_spread_order(stretches, stretch_vertices, 2, ring, kStretchGap), idle_stretch(n), n);
   bend_blocks_ = in_blocks<BendBlock>(in_spread_order(bends, bend_vertices, 4, ring, kBendGap), idle_bend(n), n);
-}
-
-/// Of an edge: its part across the axis of fullness is wider than in `rest`.
-double PbdModel::full_length(const Vertices &rest, const Vertices &across, int a, int b) const {
-  const Eigen::Vector3d d = (rest.row(b) - rest.row(a)).transpose();
-  const Eigen::VectorXd &fullness = cloth_->fullness();
-  const auto square = [&](int v) { return std::pow(across.row(v).dot(d), 2) * (fullness[v] * fullness[v] - 1); };
-  return std::sqrt(d.squaredNorm() + 0.5 * (square(a) + square(b)));
 }
 
 void PbdModel::set_followers(const Eigen::VectorXd &clothness) {

@@ -18,7 +18,6 @@ public:
 
 private:
   void set_constraints(const Vertices &rest);
-  double full_length(const Vertices &rest, const Vertices &across, int a, int b) const;
   void set_followers(const Eigen::VectorXd &clothness);
   void set_tree(const Vertices &rest);
   void set_arrays();

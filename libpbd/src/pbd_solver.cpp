@@ -21,8 +21,6 @@
 namespace doublet::pbd {
 namespace {
 
-constexpr double kComplianceStep = 1.0 / 40; ///< s, see Stiffness::Compliance
-
 /// Stiffness of one of n projections that together do what one with stiffness k does: 1 - (1 - k)^(1/n), Mueller et al. 2007,
 /// Sect. 3.3.
 float share_of(double k, int n) {
@@ -88,7 +86,7 @@ public:
   void step(const PbdModel &model, std::span<Lane> lanes) {
     load(model, lanes);
     [[maybe_unused]] const FlushToZero flush;
-    const int n = model.options().substeps;
+    const int n = substeps_of(model.options(), *lanes[0].in);
     group_->find_knots();
     for (int i = 0; i < n; ++i) {
       set_capsules(lanes, static_cast<double>(i) / n, static_cast<double>(i + 1) / n);
@@ -134,7 +132,8 @@ private:
     const LaneModel &m = model.arrays();
     in_blocks(m.follower_count, lanes, [&](int l, int first, int last) {
       const StepInputs &in = *lane(simulations, l).in;
-      const Vertices &after = *in.targets, &before = in.previous_targets ? *in.previous_targets : after;
+      const Eigen::Map<const Vertices> after = in.targets.map();
+      const Eigen::Map<const Vertices> before = in.previous_targets.empty() ? after : in.previous_targets.map();
       float *start = group_->targets_start() + l, *end = group_->targets_end() + l;
       for (int i = first; i < last; ++i)
         for (int k = 0; k < 3; ++k) {
@@ -144,9 +143,13 @@ private:
     });
   }
 
+  static int substeps_of(const ClothOptions &options, const StepInputs &in) {
+    return in.substeps > 0 ? in.substeps : options.substeps;
+  }
   static Substep<float> substep_of(const ClothOptions &options, const Lane &lane) {
     const Material &material = *lane.material;
-    const double h = lane.in->dt / options.substeps;
+    const int substeps = substeps_of(options, *lane.in);
+    const double h = lane.in->dt / substeps;
     const bool compliant = options.stiffness == Stiffness::Compliance;
     const auto stiffness = [&](double k) { return compliant ? compliance_of(k, h) : share_of(k, options.iterations); };
     Substep<float> s{};
@@ -154,8 +157,8 @@ private:
     s.k_bend = compliant ? stiffness(material.k_bend) : std::min(stiffness(material.k_bend), kMostBend);
     s.bend_relaxation = compliant ? bend_relaxation_of(s.k_bend) : 1;
     s.k_stretch = stiffness(material.k_stretch);
-    s.k_friction = share_of(material.k_friction, options.substeps);
-    s.k_damping = share_of(material.k_damping, options.substeps);
+    s.k_friction = share_of(material.k_friction, substeps);
+    s.k_damping = share_of(material.k_damping, substeps);
     s.half_dn_h = static_cast<float>(0.5 * material.d_n * h);
     s.tangential_factor = static_cast<float>(std::exp(-0.5 * material.d_t * h));
     const Eigen::Vector3d gravity = lane.in->gravity.value_or(options.gravity);
@@ -168,8 +171,7 @@ private:
 
   /// Proxies at both ends of the substep.
   void set_capsules(std::span<const Lane> lanes, double begin, double end) {
-    const std::vector<Capsule> *capsules = lanes[0].in->capsules;
-    const int count = capsules ? static_cast<int>(capsules->size()) : 0;
+    const int count = static_cast<int>(lanes[0].in->capsules.size());
     motions_.resize(count);
     float *values = group_->capsules(count);
     for (int l = 0; l < group_->lanes(); ++l) {
@@ -182,7 +184,7 @@ private:
   }
   void set_motions(const StepInputs &in, double begin, double end, const Eigen::Vector3d &origin) {
     for (size_t i = 0; i < motions_.size(); ++i) {
-      const Capsule &last = (*in.capsules)[i], &first = in.previous_capsules ? (*in.previous_capsules)[i] : last;
+      const Capsule &last = in.capsules[i], &first = in.previous_capsules.empty() ? last : in.previous_capsules[i];
       const auto at = [&](double t) {
         Capsule c = last; // keeps its radii
         c.p0 = first.p0 + t * (last.p0 - first.p0);

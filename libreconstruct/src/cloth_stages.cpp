@@ -7,7 +7,6 @@
 #include "doublet/reconstruct/corrections_file.h"
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
-#include "doublet/segment/fullness.h"
 #include "doublet/segment/garment_mesher.h"
 #include "stages.h"
 
@@ -28,17 +27,14 @@ Vertices first_colours(Reconstruction &reconstruction, const ReferencePerformanc
 
 /// As a person painted it, if anybody did; what was found is then kept beside it, for the page that edits it.
 Segmentation corrected(Reconstruction &reconstruction, const Mesh &pose, const Segmentation &found,
-                       const std::optional<Eigen::VectorXi> &painted, const ReferencePerformance &performance) {
+                       const std::optional<Eigen::VectorXi> &painted) {
   if (!painted) {
     std::filesystem::remove(reconstruction.path(kFoundSegmentation));
     return found;
   }
   const RiggedMesh &actor = reconstruction.results().actor();
   write_segmentation(reconstruction.path(kFoundSegmentation), found);
-  Segmentation result = apply_corrections(pose, actor.face_valid, found, *painted);
-  result.fullness = estimate_fullness(actor.mesh, actor.face_valid, result, performance.surface, reconstruction.options.fullness,
-                                      reconstruction.context());
-  return result;
+  return apply_corrections(pose, actor.face_valid, found, *painted);
 }
 
 std::vector<Finding> end_findings(const std::vector<std::string> &ends) {
@@ -59,11 +55,10 @@ Json run_segment(Reconstruction &reconstruction) {
   const ReferencePerformance performance = reconstruction.results().performance();
   const auto segmenter = ClothSegmenter::create(options.segment);
   const Vertices colours = options.segment.colour > 0 ? first_colours(reconstruction, performance) : Vertices(0, 3);
-  const Segmentation found =
-      segment_performance(actor, performance, *segmenter, colours, options.fullness, reconstruction.context());
+  const Segmentation found = segment_performance(actor, performance, *segmenter, colours, reconstruction.context());
   const auto painted = read_segmentation_paint(reconstruction.out(), found.clothness.size());
   const Mesh pose = segmentation_pose(actor, performance);
-  const Segmentation result = corrected(reconstruction, pose, found, painted, performance);
+  const Segmentation result = corrected(reconstruction, pose, found, painted);
   write_segmentation(reconstruction.path("segmentation.npz"), result);
   const SegmentSummary summary = summarise_segmentation(pose, actor.face_valid, result);
   const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces);
@@ -75,8 +70,7 @@ Json run_segment(Reconstruction &reconstruction) {
           {"corrections", painted ? "painted" : "none"},
           {"regions", result.region_count},
           {"doubtful_ends", ends},
-          {"cloth_area_m2", cloth.sum()},
-          {"fullness", cloth.sum() > 0 ? (cloth * result.fullness.array()).sum() / cloth.sum() : 1.0}};
+          {"cloth_area_m2", cloth.sum()}};
 }
 
 Json run_body(Reconstruction &reconstruction) {

@@ -47,7 +47,7 @@ std::vector<Stage> default_stages() {
        .reads = {"actor.npz", "performance.npz"},
        .writes = {"segmentation.npz"},
        .may_read = {kPaint, kRefinedCalibration},
-       .option_groups = {"segment", "opposite", "fullness"},
+       .option_groups = {"segment", "opposite"},
        .run = as_text(run_segment)},
       {.name = "body",
        .reads = {"actor.npz", "segmentation.npz"},

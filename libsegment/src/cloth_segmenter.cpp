@@ -284,8 +284,7 @@ Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &perf
 }
 
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
-                                 const ClothSegmenter &segmenter, const Vertices &colours, const FullnessOptions &fullness,
-                                 const Context &context) {
+                                 const ClothSegmenter &segmenter, const Vertices &colours, const Context &context) {
   require_actor(actor, "segment_performance");
   SegmentInputs inputs{performance.surface, actor.face_valid, canonical_frames(actor, performance, context), colours,
                        cloth_prior(actor, segmentation_pose(actor, performance))};
@@ -295,7 +294,6 @@ Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerform
   }
   Segmentation segmentation = segmenter.segment(inputs, context);
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "segment_performance: the segmenter's answer");
-  segmentation.fullness = estimate_fullness(actor.mesh, actor.face_valid, segmentation, performance.surface, fullness, context);
   return segmentation;
 }
 

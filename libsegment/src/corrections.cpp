@@ -17,7 +17,6 @@ Segmentation apply_corrections(const Mesh &pose, const std::vector<std::uint8_t>
                                 std::to_string(painted.size()));
   const detail::Surface surface = detail::surface_of(pose, face_valid);
   Segmentation result = found;
-  result.fullness.resize(0);
   std::vector<char> parting = detail::borders_of_regions(surface, found);
   for (Eigen::Index i = 0; i < n; ++i)
     switch (static_cast<CorrectionLabel>(painted[i])) {

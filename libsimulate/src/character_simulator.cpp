@@ -45,15 +45,13 @@ ClothRegion make_region(const RiggedMesh &actor, const Segmentation &segmentatio
     throw Error("CharacterSimulator: cloth region " + std::to_string(region) + " has no valid triangle");
   ClothRegion result;
   const Mesh sub = submesh(actor.mesh, faces, &result.vertex_from_cloth);
-  Eigen::VectorXd delta(sub.vertices.rows()), fullness = Eigen::VectorXd::Ones(sub.vertices.rows());
+  Eigen::VectorXd delta(sub.vertices.rows());
   for (Eigen::Index i = 0; i < delta.size(); ++i) {
     const int v = result.vertex_from_cloth[i];
     delta[i] = segmentation.region[v] == region ? segmentation.clothness[v] : 0.0;
-    if (segmentation.fullness.size() > 0)
-      fullness[i] = segmentation.fullness[v];
   }
   const Vertices rest = segmentation.rest.rows() > 0 ? gather(segmentation.rest, result.vertex_from_cloth) : sub.vertices;
-  result.model = pbd::ClothModel::create(rest, sub.faces, delta, options, fullness);
+  result.model = pbd::ClothModel::create(rest, sub.faces, delta, options);
   result.solver = make_solver ? make_solver(result.model) : pbd::ClothSolver::create(result.model);
   if (!result.solver || &result.solver->model() != result.model.get())
     throw std::invalid_argument("CharacterSimulator: make_solver must return a solver of the model that it is given, found " +
@@ -78,7 +76,7 @@ pbd::StepInputs region_inputs(const ClothRegion &region, const PosedFrame &previ
                               const StepEnvironment &world, Vertices &previous_targets, Vertices &targets) {
   gather(previous.skinned, region.vertex_from_cloth, previous_targets);
   gather(current.skinned, region.vertex_from_cloth, targets);
-  return {&targets, &previous_targets, &current.capsules, &previous.capsules, world.dt, world.wind, world.gravity};
+  return {targets, previous_targets, current.capsules, previous.capsules, world.dt, world.wind, world.gravity, world.substeps};
 }
 
 } // namespace
@@ -109,11 +107,7 @@ void CharacterSimulator::pose(const Eigen::VectorXd &dofs, PosedFrame &frame) co
   forward_kinematics(actor_.skeleton, dofs, frame.world_from_rest);
   dual_quaternions(actor_.skeleton, frame.world_from_rest, frame.joints);
   skin_.pose(frame.joints, frame.skinned);
-  frame.capsules.clear();
-  for (const TaperedCapsule &capsule : proxies_) {
-    const PosedCapsule c = pose_capsule(capsule, actor_.skeleton, frame.world_from_rest);
-    frame.capsules.push_back({c.p0, c.p1, c.r0, c.r1});
-  }
+  pose_capsules(proxies_, actor_.skeleton, frame.world_from_rest, frame.capsules);
 }
 
 CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices *surface) const {

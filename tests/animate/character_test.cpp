@@ -59,7 +59,6 @@ void expect_same(const Character &a, const Character &b) {
   }
   ASSERT_EQ(a.materials.size(), b.materials.size());
   EXPECT_EQ(options::to_pairs(a.materials[0]), options::to_pairs(b.materials[0]));
-  EXPECT_EQ(a.segmentation.fullness, b.segmentation.fullness);
   EXPECT_TRUE(as_float(a.segmentation.rest) == b.segmentation.rest);
   EXPECT_EQ(options::to_pairs(a.solver), options::to_pairs(b.solver));
   EXPECT_TRUE(as_float(a.body.vertices) == b.body.vertices);
@@ -78,7 +77,6 @@ void expect_same(const Character &a, const Character &b) {
 TEST(CharacterFile, ComesBackAsItWas) {
   const TempFolder folder;
   Character c = textured_character();
-  c.segmentation.fullness = Eigen::VectorXd::Constant(c.segmentation.clothness.size(), 1.25);
   c.segmentation.rest = 1.1 * c.actor.mesh.vertices;
   c.solver = {1.0 / 30, {6, 4, pbd::Stiffness::Compliance, 1.4, 0.25, {0.5, -9, 1.0 / 3}, 0.1, 0.012, 0.003, false}};
   write_character(folder / "character.glb", c);

@@ -339,7 +339,7 @@ int piercing(const Player &player) {
   const Mesh cloth = cloth_of(player);
   int count = 0;
   for (const TaperedCapsule &proxy : player.proxies()) {
-    const PosedCapsule c = pose_capsule(proxy, player.character().actor.skeleton, player.frame().world_from_rest);
+    const Capsule c = pose_capsule(proxy, player.character().actor.skeleton, player.frame().world_from_rest);
     count += crosses_surface(c.p0, c.p1, cloth);
   }
   return count;

@@ -36,7 +36,7 @@ TEST(CharacterSimulator, ClothHangsAndStaysOutsideTheLegs) {
   ASSERT_TRUE(hung.allFinite());
   const ClothRegion &region = simulator.regions()[0];
   double lowest = 1e9, deepest = 1e9;
-  const std::vector<PosedCapsule> capsules = pose_capsules(c.proxies, c.actor.skeleton, rest.world_from_rest);
+  const std::vector<Capsule> capsules = pose_capsules(c.proxies, c.actor.skeleton, rest.world_from_rest);
   for (int v : region.vertex_from_cloth) {
     if (c.segmentation.clothness[v] == 0) {
       EXPECT_LT((hung.row(v) - rest.skinned.row(v)).norm(), 1e-6); // the solver computes in float
@@ -44,7 +44,7 @@ TEST(CharacterSimulator, ClothHangsAndStaysOutsideTheLegs) {
     }
     lowest = std::min(lowest, hung(v, 1));
     if (c.segmentation.clothness[v] == 1)
-      for (const PosedCapsule &capsule : capsules)
+      for (const Capsule &capsule : capsules)
         deepest = std::min(deepest, signed_distance(capsule, hung.row(v)));
   }
   EXPECT_LT(lowest, 0.5);  // gravity pulls the hem below where it was drawn

@@ -14,7 +14,7 @@ struct Limb {
   RiggedMesh actor;
   Segmentation segmentation;
   BodyFit fit;
-  PosedCapsule truth{{0, 0.9, 0}, {0, 0.5, 0}, 0.10, 0.06};
+  Capsule truth{{0, 0.9, 0}, {0, 0.5, 0}, 0.10, 0.06};
 };
 
 Limb make_limb(double cloth_radius = 0.18) {

@@ -135,7 +135,7 @@ TEST(Background, WrongArgumentsThrow) {
   options.smoothness = -1;
   EXPECT_THROW(SilhouetteExtractor::create(options), std::invalid_argument);
   SilhouetteOptions method;
-  method.method = "magic";
+  method.method = static_cast<SilhouetteMethod>(4);
   EXPECT_THROW(method.validate(), std::invalid_argument);
 }
 
@@ -216,11 +216,11 @@ TEST_F(ThreeCameras, AMethodThatDoesNotFitIsRefused) {
   const Session session = read_session(folder.path());
   const auto frames = FrameSource::open(session);
   SilhouetteOptions options;
-  options.method = "plates";
+  options.method = SilhouetteMethod::Plates;
   EXPECT_THROW(session_silhouettes(session, *frames, options, context), Error); // cam1 has none
-  options.method = "key";
+  options.method = SilhouetteMethod::Key;
   EXPECT_THROW(session_silhouettes(session, *frames, options, context), Error); // cam0 has no screen
-  options.method = "median";
+  options.method = SilhouetteMethod::Median;
   EXPECT_NE(session_silhouettes(session, *frames, options, context), nullptr);
 }
 

@@ -407,14 +407,18 @@ TEST_F(CalibrationFiles, UnitsAreAskedFor) {
 }
 
 TEST_F(CalibrationFiles, TheAxisThatPointsUpIsAskedFor) {
-  for (const auto &[up, row] : std::map<std::string, Eigen::Vector3d>{
-           {"x", {1, 0, 0}}, {"-x", {-1, 0, 0}}, {"-y", {0, -1, 0}}, {"z", {0, 0, 1}}, {"-z", {0, 0, -1}}}) {
+  for (const auto &[axis, row] : std::map<UpAxis, Eigen::Vector3d>{{UpAxis::X, {1, 0, 0}},
+                                                                   {UpAxis::MinusX, {-1, 0, 0}},
+                                                                   {UpAxis::MinusY, {0, -1, 0}},
+                                                                   {UpAxis::Z, {0, 0, 1}},
+                                                                   {UpAxis::MinusZ, {0, 0, -1}}}) {
+    const std::string up = kUpAxisNames[static_cast<std::size_t>(axis)];
     SCOPED_TRACE(up);
     const auto truth = ring({1, Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitY(), row).toRotationMatrix()}, kFive);
     for (const Truth &camera : truth)
       write_text(folder / (camera.name + ".yml"), opencv_yaml(camera));
     expect_refused(folder.path(), {"--up=" + up, "found that the pictures' upper edges point along " + up + ":"});
-    const auto read = read_calibration(folder.path(), {.up = up});
+    const auto read = read_calibration(folder.path(), {.up = axis});
     for (std::size_t c = 0; c < read.size(); ++c) {
       const Eigen::Vector3d centre = truth[c].R.transpose() * -truth[c].t;
       EXPECT_NEAR(read[c].camera.centre().y(), centre.dot(row), 1e-9);
@@ -450,16 +454,16 @@ TEST_F(CalibrationFiles, NothingThere) {
   expect_refused(folder / "notes.txt", {"notes.txt", "--format"});
   write_text(folder / "a.toml", "title = \"no camera\"\n");
   expect_refused(folder / "a.toml", {"a.toml", "matrix"});
-  expect_refused(folder.path(), {"found a folder"}, {.format = "toml"});
+  expect_refused(folder.path(), {"found a folder"}, {.format = CalibrationFormat::Toml});
 }
 
 TEST_F(CalibrationFiles, AnotherFormatThanIsSaid) {
   write_text(folder / "Calib.toml", toml(ring(kZUp, kFive)));
-  for (const char *format : {"doublet", "opencv", "qualisys"})
+  for (const CalibrationFormat format : {CalibrationFormat::Doublet, CalibrationFormat::OpenCv, CalibrationFormat::Qualisys})
     expect_refused(folder / "Calib.toml", {"Calib.toml", "expected"}, {.format = format});
-  for (const char *format : {"colmap", "easymocap"})
+  for (const CalibrationFormat format : {CalibrationFormat::Colmap, CalibrationFormat::EasyMocap})
     expect_refused<FileNotFound>(folder / "Calib.toml", {}, {.format = format});
-  EXPECT_THROW(read_calibration(folder / "Calib.toml", {.format = "vicon"}), std::invalid_argument);
+  EXPECT_THROW(read_calibration(folder / "Calib.toml", {.format = static_cast<CalibrationFormat>(99)}), std::invalid_argument);
   EXPECT_THROW(read_calibration(folder / "Calib.toml", {.units = "feet"}), std::invalid_argument);
   EXPECT_THROW(read_calibration(folder / "Calib.toml", {.units = "-1"}), std::invalid_argument);
   expect_refused(folder / "Calib.toml", {"cam0", "5 x 0", "1088 x 1920"}, {.image_width = 5});
@@ -690,7 +694,7 @@ TEST_F(FilmedThroughALens, CleanPlatesAreSeenThroughTheSameLens) {
   session.cameras[0].masks.clear();
   const auto frames = FrameSource::open(session);
   SilhouetteOptions by_plates;
-  by_plates.method = "plates";
+  by_plates.method = SilhouetteMethod::Plates;
   const auto extractor = session_silhouettes(session, *frames, by_plates, {});
   const Image mask = read_view(*frames, 0, 0, extractor.get()).mask;
   EXPECT_EQ(mask.at(125, 125), 255);

@@ -145,7 +145,7 @@ void paint_by_chance(std::vector<CameraView> &views) {
 }
 
 TEST(ScanFromViews, ALimbStaysWhereItsOutlinesPutIt) {
-  const Mesh limb = capsule_mesh({PosedCapsule{{0, 0.6, 0}, {0.05, 1.2, 0}, 0.05, 0.04}});
+  const Mesh limb = capsule_mesh({Capsule{{0, 0.6, 0}, {0.05, 1.2, 0}, 0.05, 0.04}});
   const CameraRig rig = camera_ring(8, 640);
   std::vector<CameraView> views = views_of(limb, rig);
   paint_by_chance(views);

@@ -70,12 +70,12 @@ private:
       u = drag * u + across * (1 / (1 + 0.5 * material.d_n * h * std::abs(across)) - drag) * normals.row(v) + in.wind.transpose();
       x += h * u;
       if (loose < 1) {
-        const Vertices &after = *in.targets, &before = in.previous_targets ? *in.previous_targets : after;
+        const auto after = in.targets.map(), before = in.previous_targets.empty() ? after : in.previous_targets.map();
         const double keeps = std::pow(loose, 1.0 / kSteps);
         x = keeps * x + (1 - keeps) * (before.row(v) + end * (after.row(v) - before.row(v)));
       }
-      if (loose > 0 && in.capsules)
-        for (std::size_t c = 0; c < in.capsules->size(); ++c)
+      if (loose > 0)
+        for (std::size_t c = 0; c < in.capsules.size(); ++c)
           push_out(x, state.positions.row(v), moved(in, c, end - 1.0 / kSteps), moved(in, c, end), slides);
       state.velocities.row(v) = (x - state.positions.row(v)) / h;
       state.positions.row(v) = x;
@@ -98,7 +98,7 @@ private:
 
   /// Proxy c when the fraction t of the frame is over.
   static Capsule moved(const StepInputs &in, std::size_t c, double t) {
-    const Capsule &after = (*in.capsules)[c], &before = in.previous_capsules ? (*in.previous_capsules)[c] : after;
+    const Capsule &after = in.capsules[c], &before = in.previous_capsules.empty() ? after : in.previous_capsules[c];
     return {before.p0 + t * (after.p0 - before.p0), before.p1 + t * (after.p1 - before.p1), after.r0, after.r1};
   }
 

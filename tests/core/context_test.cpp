@@ -71,4 +71,17 @@ TEST(Context, ReportsProgressAndStops) {
   EXPECT_GE(Context{}.thread_count(), 1);
 }
 
+TEST(Context, WhoGoesOnAfterAnErrorDoesNotGoOnAfterCtrlC) {
+  Context context;
+  context.cancelled = [] { return true; };
+  const auto tolerant = [&] {
+    try {
+      context.throw_if_cancelled();
+    } catch (const std::runtime_error &) { // and so Error
+    }
+  };
+  EXPECT_THROW(tolerant(), Cancelled);
+  EXPECT_STREQ(Cancelled().what(), "cancelled");
+}
+
 } // namespace doublet

@@ -13,7 +13,7 @@ TEST(Capsules, SignedDistanceIsThatOfTheHullOfSpheres) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (const auto &[r0, r1] : {std::pair{0.3, 0.1}, {0.1, 0.3}, {0.2, 0.2}, {0.9, 0.1}, {0.1, 0.9}}) {
-    const PosedCapsule c{{0.1, -0.2, 0}, {0.3, 0.4, 0.2}, r0, r1};
+    const Capsule c{{0.1, -0.2, 0}, {0.3, 0.4, 0.2}, r0, r1};
     for (int i = 0; i < 100; ++i) {
       const Eigen::Vector3d p(uniform(random), uniform(random), uniform(random));
       double best = 1e9; // over 10000 spheres

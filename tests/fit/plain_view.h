@@ -19,7 +19,7 @@ inline fit::CoarseBuffer draw_others(const CharacterSimulator &simulator, const 
     rest[f] = rest[f] && !topology.face_is_cloth[f];
   const Camera coarse = camera.camera.resized(camera.width, camera.height);
   const FaceBuffer body = rasterize(frame.skinned, simulator.actor().mesh.faces, coarse, rest);
-  const Mesh capsules = capsule_mesh(fit::posed(frame.capsules));
+  const Mesh capsules = capsule_mesh(frame.capsules);
   const FaceBuffer legs = rasterize(capsules.vertices, capsules.faces, coarse);
   fit::CoarseBuffer others{0, 0, camera.width, camera.height, {}};
   for (std::size_t i = 0; i < body.depth.size(); ++i)

@@ -1,5 +1,5 @@
 // Where a capture stood: the record of one frame as from_bytes() reads it, and whatever else may stand in such a file.
-#include "capture_checkpoint.h"
+#include "tracking/capture_checkpoint.h"
 #include "harness.h"
 
 namespace {

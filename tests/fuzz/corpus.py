@@ -25,7 +25,7 @@ def put(harness: str, name: str, content: bytes | str) -> None:
 
 
 def frame_bytes() -> bytes:
-    """A tracked frame, as libcapture/src/tracked_frame.cpp writes it."""
+    """A tracked frame, as libcapture/src/tracking/tracked_frame.cpp writes it."""
 
     def counted(values, dtype: str) -> bytes:
         return np.uint64(len(values)).tobytes() + np.array(values, dtype).tobytes()

@@ -65,10 +65,10 @@ TEST(Allocation, AWarmStepAllocatesNothing) {
     frames.push_back({dancer.targets(s.rest, f / 40.0), dancer.capsules(f / 40.0)});
   const auto inputs = [&](int f) {
     StepInputs in;
-    in.previous_targets = &frames[f - 1].targets;
-    in.targets = &frames[f].targets;
-    in.previous_capsules = &frames[f - 1].capsules;
-    in.capsules = &frames[f].capsules;
+    in.previous_targets = frames[f - 1].targets;
+    in.targets = frames[f].targets;
+    in.previous_capsules = frames[f - 1].capsules;
+    in.capsules = frames[f].capsules;
     return in;
   };
   for (Stiffness stiffness : {Stiffness::Sweeps, Stiffness::Compliance}) {

@@ -54,7 +54,7 @@ TEST(Contact, FrictionDampsTheSlideByOneMinusKEachStep) {
   const Sheet s = scenes::grid(6, 2, 0.03);
   const std::vector<Capsule> logs{log_along_x(0)};
   StepInputs in;
-  in.capsules = &logs;
+  in.capsules = logs;
   for (double k : {0.0, 0.1, 0.5, 1.0})
     for (int substeps : {1, 3}) {
       ClothOptions options = ClothOptions::paper();
@@ -77,7 +77,7 @@ TEST(Contact, SlidesDownAnInclineAsTheModelSays) {
   const Sheet s = scenes::grid(6, 2, 0.03);
   const std::vector<Capsule> logs{log_along_x(angle)};
   StepInputs in;
-  in.capsules = &logs;
+  in.capsules = logs;
   for (double k : {0.0, 0.2, 0.7}) {
     const auto solver = make(s);
     ClothState state = resting_on(s, angle, 0.004);
@@ -100,8 +100,8 @@ TEST(Contact, FrictionCarriesClothWithTheMovingSurface) {
     before[0].p0[0] += f * 0.025, before[0].p1[0] += f * 0.025; // 1 m/s along x
     after[0].p0[0] += (f + 1) * 0.025, after[0].p1[0] += (f + 1) * 0.025;
     StepInputs in;
-    in.previous_capsules = &before;
-    in.capsules = &after;
+    in.previous_capsules = before;
+    in.capsules = after;
     solver->step(state, in, slick(1));
   }
   EXPECT_NEAR(state.velocities.col(0).mean(), 1, 1e-3);
@@ -111,7 +111,7 @@ TEST(Contact, RestitutionReflectsTheStatedShare) {
   const Sheet s = scenes::grid(4, 2, 0.02);
   const std::vector<Capsule> logs{log_along_x(0)};
   StepInputs in;
-  in.capsules = &logs;
+  in.capsules = logs;
   for (double e : {0.0, 0.5, 1.0}) {
     ClothOptions options = ClothOptions::paper();
     options.restitution = e;
@@ -141,8 +141,8 @@ TEST(Contact, FastLegCarriesTheClothAndNeverTunnels) {
         const std::vector<Capsule> before = leg(z), after = leg(z + speed * kH);
         z += speed * kH;
         StepInputs in;
-        in.previous_capsules = &before;
-        in.capsules = &after;
+        in.previous_capsules = before;
+        in.capsules = after;
         const Vertices start = state.positions;
         solver->step(state, in, slick(friction));
         EXPECT_GT(clearance(state.positions, after), options.thickness - 2e-4) << speed << " frame " << f;
@@ -180,9 +180,9 @@ TEST(Contact, KickingLegNeverTunnels) {
   for (int f = 0; f < 6; ++f) {
     const std::vector<Capsule> before = leg(-0.3 + 0.3 * f), after = leg(-0.3 + 0.3 * (f + 1)); // 12 rad/s
     StepInputs in;
-    in.targets = &s.rest;
-    in.previous_capsules = &before;
-    in.capsules = &after;
+    in.targets = s.rest;
+    in.previous_capsules = before;
+    in.capsules = after;
     solver->step(state, in, slick(0.3));
     const CapsuleShape shape = capsule_shape(after[0], Eigen::Vector3d::Zero());
     for (int i = 17; i < s.rest.rows(); ++i) {
@@ -203,7 +203,7 @@ TEST(Contact, PenetrationAtTheStartOpensWithoutEnergy) {
   const auto solver = make(s, options);
   const std::vector<Capsule> capsules{{{-0.3, -0.03, 0}, {0.3, -0.03, 0}, 0.08, 0.08}}; // the sheet lies 5 cm inside
   StepInputs in;
-  in.capsules = &capsules;
+  in.capsules = capsules;
   ClothState state = initial_state(s.rest);
   double fastest = 0;
   for (int f = 0; f < 20; ++f) {
@@ -222,7 +222,7 @@ TEST(Contact, DegenerateCapsulesAreSpheres) {
     ClothState state = initial_state(s.rest);
     const std::vector<Capsule> capsules{c};
     StepInputs in;
-    in.capsules = &capsules;
+    in.capsules = capsules;
     for (int f = 0; f < 15; ++f)
       solver->step(state, in, slick(0.5));
     EXPECT_TRUE(state.positions.allFinite());
@@ -242,7 +242,7 @@ TEST(Contact, EveryVertexOfASquareStaysOutside) {
   const std::vector<Capsule> ball{{{0, 0, 0}, {0, 0, 0}, 0.1, 0.1}};
   ClothState state = initial_state(s.rest), expected = state;
   StepInputs in;
-  in.capsules = &ball;
+  in.capsules = ball;
   for (int f = 0; f < 15; ++f) {
     solver->step(state, in, slick(0.5));
     one_by_one->step(expected, in, slick(0.5));
@@ -307,7 +307,7 @@ TEST(SelfCollision, ThrownSheetStaysAbove) {
     ClothState state = initial_state(s.rest);
     state.velocities.bottomRows(m).col(1).setConstant(-speed);
     StepInputs in;
-    in.targets = &s.rest;
+    in.targets = s.rest;
     for (int f = 0; f < 40; ++f) {
       solver->step(state, in, slick(0.5));
       EXPECT_GT(state.positions.bottomRows(m).col(1).minCoeff(), 0.003) << speed << " frame " << f;
@@ -331,7 +331,7 @@ TEST(SelfCollision, SwitchedOffLetsItThrough) {
   const auto solver = make(s, options);
   ClothState state = initial_state(s.rest);
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   for (int f = 0; f < 10; ++f)
     solver->step(state, in, slick());
   EXPECT_LT(state.positions.bottomRows(9).maxCoeff(), 0.1);

@@ -127,7 +127,7 @@ TEST(Knots, SheetsThatHavePassedThroughEachOtherComeApart) {
   const auto solver = ClothSolver::create(scene.model());
   ClothState state = initial_state(scene.tangled);
   StepInputs in;
-  in.targets = &scene.both.rest;
+  in.targets = scene.both.rest;
   Material material;
   material.k_damping = 0.05;
   EXPECT_GT(knotted(state.positions, scene.both.faces).size(), 20u);
@@ -152,7 +152,7 @@ TEST(Knots, EdgesDoNotPassThroughEdges) {
     const auto solver = ClothSolver::create(ClothModel::create(rest, faces, clothness, options));
     ClothState state = initial_state(rest);
     StepInputs in;
-    in.targets = &rest;
+    in.targets = rest;
     double lowest = 1;
     for (int i = 0; i < 8; ++i) {
       solver->step(state, in, material);
@@ -173,7 +173,7 @@ TEST(Knots, CrossingsAreMovedApartWhereEdgesCollide) {
   const auto solver = ClothSolver::create(ClothModel::create(scene.both.rest, scene.both.faces, scene.both.clothness, options));
   ClothState state = initial_state(scene.tangled);
   StepInputs in;
-  in.targets = &scene.both.rest;
+  in.targets = scene.both.rest;
   Material limp;
   limp.k_bend = 0;
   EXPECT_GT(knotted(state.positions, scene.both.faces).size(), 10u);
@@ -213,13 +213,13 @@ TEST(Knots, WhatIsSqueezedIsNotPulledOut) {
   material.k_damping = 0.05;
   std::vector<Capsule> before, now = rods(0);
   StepInputs in;
-  in.targets = &skirt.rest;
-  in.previous_capsules = &before;
-  in.capsules = &now;
+  in.targets = skirt.rest;
   double longest = 0; // once the rods stand still
   for (int i = 1; i <= 70; ++i) {
     before = now;
     now = rods(i);
+    in.previous_capsules = before;
+    in.capsules = now;
     solver->step(state, in, material);
     if (i > 50)
       longest = std::max(longest, longest_edge(skirt, state.positions));
@@ -237,13 +237,13 @@ TEST(Knots, WhatIsDraggedOffIsNotLongerThanTwiceItsLength) {
     ClothState state = initial_state(skirt.rest);
     std::vector<Capsule> before, now{{{0, 0.5, 0}, {0, 0.8, 0}, 0.04, 0.04}};
     StepInputs in;
-    in.targets = &skirt.rest;
-    in.previous_capsules = &before;
-    in.capsules = &now;
+    in.targets = skirt.rest;
     double longest = 0;
     for (int i = 0; i < 30; ++i) {
       before = now;
       now[0].p0[2] = now[0].p1[2] = 0.05 * i;
+      in.previous_capsules = before;
+      in.capsules = now;
       solver->step(state, in, Material{});
       longest = std::max(longest, longest_edge(skirt, state.positions));
     }
@@ -277,7 +277,7 @@ TEST(Knots, WhatIsLongerThanTwiceItsLengthIsBroughtBackFromBothEnds) {
   mass /= mass.sum();
   const Eigen::RowVector3d middle = mass * state.positions;
   StepInputs in;
-  in.targets = &sheet.rest;
+  in.targets = sheet.rest;
   solver->step(state, in, soft);
   EXPECT_LT(longest_edge(sheet, state.positions), 2.1);
   EXPECT_LT((mass * state.positions - middle).norm(), 1e-5);
@@ -302,13 +302,13 @@ struct Covered {
     ClothState state = initial_state(both.rest);
     std::vector<Capsule> before, now{{{0, -0.08, 0}, {0, -0.08, 0}, 0.05, 0.05}};
     StepInputs in;
-    in.targets = &both.rest;
-    in.previous_capsules = &before;
-    in.capsules = &now;
+    in.targets = both.rest;
     const auto rise = [&](double by) {
       before = now;
       now[0].p0[1] += by;
       now[0].p1[1] += by;
+      in.previous_capsules = before;
+      in.capsules = now;
       solver->step(state, in, Material{});
     };
     const int frames = static_cast<int>(std::ceil(height / (speed * in.dt)));

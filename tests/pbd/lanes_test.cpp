@@ -62,10 +62,10 @@ struct Frame {
     for (std::vector<Capsule> *list : {&capsules_before, &capsules_after})
       for (Capsule &c : *list)
         c.p0 += place.transpose(), c.p1 += place.transpose();
-    inputs.previous_targets = &before;
-    inputs.targets = &after;
-    inputs.previous_capsules = &capsules_before;
-    inputs.capsules = &capsules_after;
+    inputs.previous_targets = before;
+    inputs.targets = after;
+    inputs.previous_capsules = capsules_before;
+    inputs.capsules = capsules_after;
     inputs.wind = {0.5, 0.1, -1};
   }
 };

@@ -57,34 +57,6 @@ TEST(Cloth, MassesAreAThirdOfTheAreas) {
   EXPECT_NEAR(mass, 4 * 3 * 0.01 - faces_at_0 * 0.005 / 3, 1e-12);
 }
 
-TEST(Cloth, FullnessMakesItWiderAcrossGravityAlone) {
-  Sheet s = scenes::skirt(24, 8);
-  s.clothness.setOnes();
-  ClothOptions options = ClothOptions::paper();
-  options.gravity *= 1e-6;
-  options.self_collision = false;
-  const Eigen::VectorXd fullness = Eigen::VectorXd::Constant(s.rest.rows(), 1.25);
-  const auto model = ClothModel::create(s.rest, s.faces, s.clothness, options, fullness);
-  const auto plain = ClothModel::create(s.rest, s.faces, s.clothness, options);
-  EXPECT_NEAR(model->inverse_masses().cwiseInverse().sum(), 1.25 * plain->inverse_masses().cwiseInverse().sum(), 1e-9);
-  ClothState state = initial_state(s.rest);
-  run(*ClothSolver::create(model), state, {}, inert(1, 0), 120);
-  const int hem = 8 * 24, above = 7 * 24;
-  for (int k = 0; k < 24; ++k) {
-    const int next = (k + 1) % 24;
-    const auto ratio = [&](int a, int b) {
-      return (state.positions.row(a) - state.positions.row(b)).norm() / (s.rest.row(a) - s.rest.row(b)).norm();
-    };
-    EXPECT_NEAR(ratio(hem + k, hem + next), 1.25, 0.03) << k;
-    EXPECT_NEAR(ratio(above + k, hem + k), 1.0, 0.02) << k;
-  }
-  const auto refused = [&](const Eigen::VectorXd &bad) {
-    EXPECT_THROW(ClothModel::create(s.rest, s.faces, s.clothness, options, bad), std::invalid_argument);
-  };
-  refused(0.9 * Eigen::VectorXd::Ones(s.rest.rows()));
-  refused(Eigen::VectorXd::Ones(3));
-}
-
 TEST(Cloth, LeavesTheCallersArithmeticAsItWas) {
   const Sheet s = scenes::grid(2, 2, 0.1);
   ClothState state = initial_state(s.rest);
@@ -163,7 +135,7 @@ TEST(Cloth, HangingStripHangsStraightAndDoesNotStretch) {
   m.d_n = 16;
   m.d_t = 16;
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   run(*solver, state, in, m, 400);
   EXPECT_LT((state.positions - s.rest).topRows(5).norm(), 1e-6);
   EXPECT_LT(worst_stretch(s, state.positions), 0.35); // 24 rows and 24 sweeps: the row that bears all the others
@@ -205,7 +177,7 @@ TEST(Cloth, SlackStripHangsInACatenary) {
   m.d_n = 4;
   m.d_t = 16;
   StepInputs in;
-  in.targets = &start;
+  in.targets = start;
   run(*solver, state, in, m, 600);
   double lo = 0.05, hi = 5; // a of y = a cosh(x / a): 2 a sinh(span / 2a) = length
   for (int i = 0; i < 100; ++i) {
@@ -238,7 +210,7 @@ TEST(Cloth, StiffStripSwingsLikeAPendulum) {
   const auto solver = make(s, options);
   ClothState state = initial_state(s.rest);
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   std::vector<double> crossings;
   double before = state.positions(s.rest.rows() - 1, 2);
   for (int f = 1; f < 200; ++f) {
@@ -262,7 +234,7 @@ TEST(Cloth, BlendSettlesWhereItsStiffnessSays) {
     const auto solver = make(s);
     ClothState state = initial_state(s.rest);
     StepInputs in;
-    in.targets = &s.rest;
+    in.targets = s.rest;
     run(*solver, state, in, inert(), 400);
     const double sag = -state.positions.col(1).mean();
     EXPECT_NEAR(sag, kG * kH * kH * delta / (1 - delta), 1e-4) << delta;
@@ -347,10 +319,10 @@ TEST(Cloth, IsEquivariant) {
           c.p1 = r * c.p1 + t.transpose();
         }
       StepInputs in;
-      in.previous_targets = &a;
-      in.targets = &b;
-      in.previous_capsules = &ca;
-      in.capsules = &cb;
+      in.previous_targets = a;
+      in.targets = b;
+      in.previous_capsules = ca;
+      in.capsules = cb;
       solver->step(state, in, m);
     }
     return Vertices((state.positions.rowwise() - t) * r);

@@ -91,7 +91,7 @@ TEST(Robustness, RefusesBadInputs) {
   const auto with = [&](auto &&change) {
     ClothState state = start;
     StepInputs in;
-    in.targets = &s.rest;
+    in.targets = s.rest;
     change(state, in);
     return refusal([&] { solver->step(state, in, {}); });
   };
@@ -100,16 +100,22 @@ TEST(Robustness, RefusesBadInputs) {
   std::vector<Capsule> negative = one;
   negative[0].r1 = -1;
   EXPECT_EQ(with([](ClothState &, StepInputs &) {}), "");
-  EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.targets = nullptr; }), "targets are missing"));
-  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.previous_targets = &few; }),
+  EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.targets = {}; }), "targets are missing"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.previous_targets = few; }),
                    "previous_targets must have 16 rows, found 3"));
   EXPECT_TRUE(says(with([](ClothState &state, StepInputs &) { state.positions(3, 1) = std::nan(""); }), "state.positions"));
   EXPECT_TRUE(says(with([](ClothState &state, StepInputs &) { state.velocities.resize(2, 3); }), "state.velocities"));
   EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.dt = 0; }), "dt"));
   EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.wind[1] = INFINITY; }), "wind"));
-  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = &one, in.previous_capsules = &two; }), "equally many"));
-  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = &negative; }), "capsule 0"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = one, in.previous_capsules = two; }), "equally many"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.capsules = negative; }), "capsule 0"));
+  EXPECT_TRUE(says(with([&](ClothState &, StepInputs &in) { in.previous_capsules = one; }), "found 0 and 1"));
+  EXPECT_TRUE(says(with([](ClothState &, StepInputs &in) { in.substeps = -1; }), "substeps must lie in [0, 1000], found -1"));
   std::vector<ClothState> states(2, start);
+  std::vector<StepInputs> unlike(2);
+  unlike[0].targets = unlike[1].targets = s.rest;
+  unlike[1].substeps = 2;
+  EXPECT_TRUE(says(refusal([&] { solver->step_batch(states, unlike, std::vector<Material>(2)); }), "substeps, found 0 and 2"));
   const std::vector<Material> materials(3);
   EXPECT_TRUE(says(refusal([&] { solver->step_batch(states, std::vector<StepInputs>(1), materials); }), "equally many"));
   EXPECT_TRUE(says(refusal([] { ClothSolver::create(nullptr); }), "expected a model, found none"));
@@ -130,7 +136,7 @@ TEST(Robustness, SimulatesUglyMeshes) {
   ClothState state = initial_state(s.rest);
   const std::vector<Capsule> post{{{0, -0.15, 0}, {0, -0.2, 0}, 0.08, 0.05}};
   StepInputs in;
-  in.capsules = &post;
+  in.capsules = post;
   for (int i = 0; i < 100; ++i)
     solver->step(state, in, {});
   EXPECT_TRUE(state.positions.allFinite());
@@ -163,7 +169,7 @@ TEST(Robustness, OneTriangleIsCloth) {
   const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness));
   ClothState state = initial_state(s.rest);
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   for (int i = 0; i < 100; ++i)
     solver->step(state, in, {});
   EXPECT_LT(state.positions(1, 1), -0.05);
@@ -198,10 +204,10 @@ TEST(Robustness, SurvivesTheCornersOfTheBox) {
           c.p0 += slip.transpose(), c.p1 -= slip.transpose();
       }
       StepInputs in;
-      in.targets = &targets;
-      in.previous_targets = &previous;
-      in.capsules = &capsules;
-      in.previous_capsules = &previous_capsules;
+      in.targets = targets;
+      in.previous_targets = previous;
+      in.capsules = capsules;
+      in.previous_capsules = previous_capsules;
       ASSERT_NO_THROW(solver->step(state, in, m)) << "round " << round << " frame " << f;
       ASSERT_LE(state.velocities.rowwise().norm().maxCoeff(), 100.001) << "round " << round << " frame " << f;
       // A rubber skirt (k_stretch near 0) falls as far as its fall lasts; any other stays about the dancer.
@@ -313,11 +319,11 @@ private:
   }
   void spoil(StepInputs &in, std::vector<Capsule> &first, std::vector<Capsule> &first_before) const {
     if (piece_ == Capsules)
-      in.capsules = in.previous_capsules = nullptr;
-    if (piece_ == SecondCapsule && in.capsules && in.capsules->size() > 1) {
-      first = {in.capsules->front()};
-      first_before = {(in.previous_capsules ? in.previous_capsules : in.capsules)->front()};
-      in.capsules = &first, in.previous_capsules = &first_before;
+      in.capsules = in.previous_capsules = {};
+    if (piece_ == SecondCapsule && in.capsules.size() > 1) {
+      first = {in.capsules.front()};
+      first_before = {(in.previous_capsules.empty() ? in.capsules : in.previous_capsules).front()};
+      in.capsules = first, in.previous_capsules = first_before;
     }
     if (piece_ == PreviousCapsules)
       in.previous_capsules = in.capsules;
@@ -349,9 +355,9 @@ private:
       ClothState &state = states[i];
       state.velocities.rowwise() += in.dt * in.gravity.value_or(model().options().gravity).transpose();
       state.positions += in.dt * state.velocities;
-      for (Eigen::Index v = 0; in.targets && v < state.positions.rows(); ++v)
+      for (Eigen::Index v = 0; v < in.targets.rows(); ++v)
         if (model().inverse_masses()[v] == 0)
-          state.positions.row(v) = in.targets->row(v);
+          state.positions.row(v) = in.targets.map().row(v);
     }
     return {};
   }
@@ -433,11 +439,12 @@ std::vector<std::filesystem::path> sources_of(const std::string &room) {
   return paths;
 }
 
-/// The room depends on Eigen, itself and the descriptions of options alone, which depend on nothing.
+/// The room depends on Eigen, itself, the descriptions of options and the types that all have in common, which depend on nothing.
 TEST(House, IncludesNothingButItselfOptionsEigenAndTheStandardLibrary) {
   std::vector<std::filesystem::path> paths = sources_of("libpbd");
-  for (const std::filesystem::path &path : sources_of("liboptions"))
-    paths.push_back(path);
+  for (const char *room : {"liboptions", "libtypes"})
+    for (const std::filesystem::path &path : sources_of(room))
+      paths.push_back(path);
   for (const std::filesystem::path &path : paths) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
@@ -447,7 +454,7 @@ TEST(House, IncludesNothingButItselfOptionsEigenAndTheStandardLibrary) {
       const bool compilers = name == "immintrin.h" || name == "wasm_simd128.h"; // of x86, of WebAssembly
       const bool standard = name.find_first_of("/.") == std::string::npos || compilers;
       const bool own = name.rfind("doublet/pbd/", 0) == 0 || name.rfind("doublet/options/", 0) == 0 ||
-                       (line[9] == '"' && name.find('/') == std::string::npos);
+                       name.rfind("doublet/types/", 0) == 0 || (line[9] == '"' && name.find('/') == std::string::npos);
       EXPECT_TRUE(standard || own || name.rfind("Eigen/", 0) == 0) << path << ": " << line;
     }
   }

@@ -103,10 +103,10 @@ struct DancerFrame {
   DancerFrame(const Dancer &dancer, const Vertices &rest, double t)
       : before(dancer.targets(rest, t)), after(dancer.targets(rest, t + 1.0 / 40)), capsules_before(dancer.capsules(t)),
         capsules_after(dancer.capsules(t + 1.0 / 40)) {
-    inputs.previous_targets = &before;
-    inputs.targets = &after;
-    inputs.previous_capsules = &capsules_before;
-    inputs.capsules = &capsules_after;
+    inputs.previous_targets = before;
+    inputs.targets = after;
+    inputs.previous_capsules = capsules_before;
+    inputs.capsules = capsules_after;
   }
   DancerFrame(const DancerFrame &) = delete; // inputs point into this one
 };

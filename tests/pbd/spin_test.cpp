@@ -98,7 +98,7 @@ Profile simulated(double spin, const ClothOptions &options, const Material &mate
   for (int f = 0; f < 40 * seconds; ++f) {
     const Vertices before = turned(s.rest, spin * f / 40), after = turned(s.rest, spin * (f + 1) / 40);
     StepInputs in;
-    in.previous_targets = &before, in.targets = &after;
+    in.previous_targets = before, in.targets = after;
     solver->step(state, in, material);
     if (f >= 40 * (seconds - 1)) {
       const auto hem = state.positions.bottomRows(kAround);

@@ -40,12 +40,22 @@ std::vector<ClothOptions> over_relaxed_budgets(double over_relaxation) {
   return all;
 }
 
+/// The capsules when the share t of the frame is over.
+std::vector<Capsule> between(const scenes::DancerFrame &frame, double t) {
+  std::vector<Capsule> capsules = frame.capsules_after;
+  for (std::size_t i = 0; i < capsules.size(); ++i) {
+    capsules[i].p0 = frame.capsules_before[i].p0 + t * (capsules[i].p0 - frame.capsules_before[i].p0);
+    capsules[i].p1 = frame.capsules_before[i].p1 + t * (capsules[i].p1 - frame.capsules_before[i].p1);
+  }
+  return capsules;
+}
+
 /// The sheet after `frames` frames from rest; its pinned vertices stay where they are.
 Vertices settled(const Sheet &s, const ClothOptions &options, const Material &material, int frames) {
   const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
   ClothState state = initial_state(s.rest);
   StepInputs in;
-  in.targets = &s.rest;
+  in.targets = s.rest;
   for (int f = 0; f < frames; ++f)
     solver->step(state, in, material);
   return state.positions;
@@ -153,6 +163,30 @@ TEST(Stiffness, TheLargestOverRelaxationHoldsAStrip) {
   }
 }
 
+/// What a vertex on an edge weighs stretches it as a spring of that constant would.
+TEST(Stiffness, AnEdgeIsASpringOfItsConstant) {
+  Sheet s;
+  s.rest.resize(3, 3);
+  s.rest << 0, 0, 0, 0.1, 0, 0, 0.05, -0.1, 0;
+  s.faces.resize(1, 3);
+  s.faces << 0, 1, 2;
+  s.clothness = Eigen::Vector3d(0, 0, 1);
+  const double w = ClothModel::create(s.rest, s.faces, s.clothness)->inverse_masses()[2];
+  ClothOptions options;
+  options.iterations = 100;
+  const double k = 0.6, spring = spring_constant(k, w); // N/m where the vertex weighs 1/w kg
+  const double stretch = -0.1 - settled(s, options, damped(k, 0), 400)(2, 1);
+  const double length = std::hypot(0.05, 0.1 + stretch), pull = 2 * spring * (length - std::hypot(0.05, 0.1));
+  EXPECT_NEAR(pull * (0.1 + stretch) / length, 9.81 / w, 0.02 * 9.81 / w);
+  EXPECT_NEAR(stiffness_of_spring(spring, w), k, 1e-12);
+  EXPECT_EQ(stiffness_of_spring(spring_constant(1, w), w), 1);
+  EXPECT_EQ(spring_constant(0, w), 0);
+  EXPECT_THROW(spring_constant(1.1, w), std::invalid_argument);
+  EXPECT_THROW(spring_constant(0.5, 0), std::invalid_argument);
+  EXPECT_THROW(stiffness_of_spring(-1, w), std::invalid_argument);
+  EXPECT_THROW(stiffness_of_spring(1, std::nan("")), std::invalid_argument);
+}
+
 /// A corner of the material box in a dance with gusts: folds closed at once would pump each other up, and go on for good.
 TEST(Stiffness, RigidBendsComeToRest) {
   const Sheet s = scenes::skirt(26, 10);
@@ -168,12 +202,47 @@ TEST(Stiffness, RigidBendsComeToRest) {
       const bool dances = f < 80;
       const scenes::DancerFrame frame({3}, s.rest, std::min(f, 80) / 40.0);
       StepInputs in;
-      in.targets = dances ? &frame.after : &frame.before;
-      in.previous_targets = &frame.before;
+      in.targets = dances ? frame.after : frame.before;
+      in.previous_targets = frame.before;
       in.wind = dances ? Eigen::Vector3d(20 * std::sin(f), 20 * std::sin(2 * f + 1), 20 * std::sin(3 * f + 2)) : in.wind;
       solver->step(state, in, material);
     }
     EXPECT_LT(state.velocities.rowwise().norm().maxCoeff(), 0.02) << substeps << " substeps"; // m/s: 0.008, 2e-5
+  }
+}
+
+/// A frame in pieces of one substep each: blends, compliances and drag are those of the frame's substeps, friction and damping
+/// shares of what a piece is.
+TEST(Stiffness, AFrameInPiecesIsAFrame) {
+  const Sheet s = scenes::skirt(26, 10); // of which two rows are blended
+  Material material = damped(0.9, 0.5);
+  material.k_friction = 0.5, material.k_damping = 0.2;
+  Material of_a_piece = material;
+  for (double *share : {&of_a_piece.k_friction, &of_a_piece.k_damping})
+    *share = 1 - std::pow(1 - *share, 0.25);
+  for (const Stiffness stiffness : {Stiffness::Compliance, Stiffness::Sweeps}) {
+    ClothOptions options;
+    options.stiffness = stiffness;
+    options.self_collision = false;
+    const auto solver = ClothSolver::create(ClothModel::create(s.rest, s.faces, s.clothness, options));
+    ClothState whole = initial_state(s.rest), pieces = whole;
+    for (int f = 0; f < 20; ++f) {
+      const scenes::DancerFrame frame({}, s.rest, f / 40.0);
+      solver->step(whole, frame.inputs, material);
+      for (int i = 0; i < 4; ++i) {
+        StepInputs in;
+        in.dt = 1.0 / 160;
+        in.substeps = 1;
+        const Vertices way = frame.after - frame.before, first = frame.before + i / 4.0 * way,
+                       last = frame.before + (i + 1) / 4.0 * way;
+        in.previous_targets = first, in.targets = last;
+        const std::vector<Capsule> begin = between(frame, i / 4.0), end = between(frame, (i + 1) / 4.0);
+        in.previous_capsules = begin, in.capsules = end;
+        solver->step(pieces, in, of_a_piece);
+      }
+    }
+    EXPECT_LT((whole.positions - pieces.positions).rowwise().norm().maxCoeff(), 1e-4); // m
+    EXPECT_GT((whole.positions - s.rest).rowwise().norm().maxCoeff(), 0.05);
   }
 }
 

@@ -132,9 +132,6 @@ def calls(world, folder) -> dict:
             d.apply_corrections,
             {"pose": w.mesh, "face_valid": valid, "found": w.segmentation, "painted": np.full(len(v), -1)},
         ),
-        "estimate_fullness": (
-            d.estimate_fullness, {"scan": w.mesh, "face_valid": valid, "segmentation": w.segmentation, "sequence": sequence},
-        ),
         "mesh_garment": (
             lambda **given: d.mesh_garment(**given, options=small), dict(**clothed, body=w.body.body, captured=sequence),
         ),
@@ -144,7 +141,9 @@ def calls(world, folder) -> dict:
         "fit_proxies": (d.fit_proxies, dict(fit=w.body, **clothed)),
         "proxy_statistics": (d.proxy_statistics, dict(capsules=w.proxies, fit=w.body, **clothed)),
         "capsule_mesh": (d.capsule_mesh, {"p0": np.zeros(3), "p1": np.ones(3), "r0": 0.1, "r1": 0.2}),
-        "ClothModel": (d.ClothModel, {"rest": v, "faces": f, "clothness": w.cloth, "fullness": np.ones(len(v))}),
+        "spring_constant": (d.spring_constant, {"k": 0.5, "response": 3.0}),
+        "stiffness_of_spring": (d.stiffness_of_spring, {"constant": 200.0, "response": 3.0}),
+        "ClothModel": (d.ClothModel, {"rest": v, "faces": f, "clothness": w.cloth}),
         "ClothSolver.step": (stepped, {"positions": v, "targets": v, "material": w.material, "dt": 0.02}),
         "ClothSolver.step_batch": (stepped_each, {"states": [v, v], "targets": v, "materials": [w.material] * 2}),
         "CharacterSimulator": (d.CharacterSimulator, dict(**clothed, proxies=w.proxies)),
@@ -419,7 +418,7 @@ def duplicate(value, folder):
     if isinstance(value, d.RiggedMesh):
         return d.RiggedMesh(duplicate(value.mesh, folder), list(value.face_valid), np.array(value.weights), value.skeleton)
     if isinstance(value, d.Segmentation):
-        other = d.Segmentation(*(np.array(getattr(value, n)) for n in ("sigma", "clothness", "region", "fullness")))
+        other = d.Segmentation(*(np.array(getattr(value, n)) for n in ("sigma", "clothness", "region")))
         other.rest, other.region_count = np.array(value.rest), value.region_count
         return other
     if isinstance(value, d.MeshSequence):
@@ -482,7 +481,7 @@ SPOIL = (
     (d.Mesh, spoilt_fields("vertices", "faces")),
     (d.MeshSequence, spoilt_fields("faces", "frames")),
     (d.RiggedMesh, spoilt_fields("mesh", "face_valid", "weights")),
-    (d.Segmentation, spoilt_fields("sigma", "clothness", "region", "fullness", "rest")),
+    (d.Segmentation, spoilt_fields("sigma", "clothness", "region", "rest")),
     (d.ReferencePerformance, spoilt_fields("surface", "dofs", "joints", "frames")),
     (d.Garment, spoilt_fields("mesh", "region", "clothness", "rest", "actor_face", "barycentric", "replaced_faces")),
     (d.BodyFit, spoilt_fields("body", "coefficients", "deviation")),

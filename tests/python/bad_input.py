@@ -522,7 +522,6 @@ spoilt_by(
     "body out --force",
     clothness_of_2=arrays("out/segmentation.npz", clothness=first(2)),
     clothness_of_fewer_vertices=arrays("out/segmentation.npz", clothness=lambda c: c[:-1]),
-    a_fullness_below_1=arrays("out/segmentation.npz", fullness=np.zeros(40, np.float32)),
 )
 spoilt_by(
     "Files between stages",

@@ -29,7 +29,7 @@ MAY = (
     (".*", ".*", r".*1e\+?300"),  # far away, but a number
     (".*", ".*", r"(.*vertices longer|.*faces (shorter|longer))"),  # a vertex more, a face less: still a mesh
     (".*", "vertices|faces|points|mask|image", "shorter|longer|empty|a column less"),  # as many as one likes
-    (".*", "(coarse_|fine_|high_|face_)?valid|colours|masks|offset|fullness|high|body|prior", "empty"),  # may be left out
+    (".*", "(coarse_|fine_|high_|face_)?valid|colours|masks|offset|high|body|prior", "empty"),  # may be left out
     (".*", "proxies|capsules|cameras|meshes|marks|joints|materials|samples|images|contour|matches", "shorter|longer|empty"),
     (".*", "character", "proxies (shorter|longer|empty)"),
     (".*", "frames", "shorter|longer|empty|nan|-?inf"),  # of a MeshSequence: a stage looks at them
@@ -44,7 +44,7 @@ MAY = (
     ("(face|vertex)_(normals|areas)|rasterize|visible_vertices", "vertices", "nan|-?inf"),  # such a face is degenerate, not drawn
     ("pose_surface|canonical_frames", "actor", "mesh (vertices (nan|-?inf)|faces .*)|face_valid .*"),  # weights and places alone
     ("dress performance|simulate_reference", "performance", "surface frames (shorter|longer|empty)|(dofs|joints|frames) .*"),
-    ("body_regions|fit_proxies|proxy_statistics", "actor|segmentation", "(weights|sigma|region|fullness|rest) .*"),  # not used
+    ("body_regions|fit_proxies|proxy_statistics", "actor|segmentation", "(weights|sigma|region|rest) .*"),  # not used
     ("CharacterRenderer.*", "surface", ".*"),  # `high` is drawn
     ("CharacterRenderer.meshes|DisplaySurface.sample|CharacterSimulator.surface", ".*", "nan|-?inf|a column less"),  # pass on
     ("dress.*|summarise_garment|write_garment|width_variants", "garment", ".*"),  # one without faces: the rest does not count
@@ -58,6 +58,7 @@ MAY = (
     # handed on
     ("choose_widths", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|replaced_faces|mesh vertices) .*"),
     ("FitFinding", "value|low|high", "-1"),
+    ("stiffness_of_spring", "constant", "inf"),  # rigid
 )  # fmt: skip
 
 

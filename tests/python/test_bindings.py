@@ -75,14 +75,6 @@ def test_files_round_trip(tmp_path):
     back = d.read_segmentation(tmp_path / "segmentation.npz")
     np.testing.assert_allclose(back.sigma, clothness.sigma, rtol=1e-6)
     assert back.region_count == 1
-    assert back.fullness.size == 0
-    clothness.fullness = np.array([1.0, 1.25])
-    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
-    np.testing.assert_allclose(d.read_segmentation(tmp_path / "segmentation.npz").fullness, [1, 1.25])
-    clothness.fullness = np.array([1.0, 0.5])
-    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
-    with pytest.raises(d.Error, match="fullness"):
-        d.read_segmentation(tmp_path / "segmentation.npz")
 
 
 def test_a_stage_can_be_written_in_python():

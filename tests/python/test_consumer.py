@@ -69,6 +69,18 @@ def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
     assert not any(name in libraries for name in ("opencv", "png", "embree", "zip", "tinygltf"))
 
 
+def test_shared_libraries(tmp_path):
+    """The cloth library as one, installed, is what a program loads."""
+    only = ("-DCMAKE_BUILD_TYPE=Release", "-DDOUBLET_COMPONENTS=pbd", "-DBUILD_SHARED_LIBS=ON")
+    run("cmake", "-S", ROOT, "-B", tmp_path / "library", "-G", "Ninja", *only)
+    run("cmake", "--build", tmp_path / "library")
+    run("cmake", "--install", tmp_path / "library", "--component", "development", "--prefix", tmp_path / "prefix")
+    program = build(CONSUMERS / "pbd", tmp_path / "program", f"-DCMAKE_PREFIX_PATH={tmp_path / 'prefix'}")
+    run(program, tmp_path / "cloth.obj")
+    assert str(tmp_path / "prefix") in run("ldd", program)
+    assert (tmp_path / "cloth.obj").stat().st_size > 0
+
+
 ROOMS = ("core", "rays", "files", "capture", "segment", "bodymodel", "pbd", "simulate", "animate", "fit")
 COMPONENT = """cmake_minimum_required(VERSION 3.25)
 project(alone LANGUAGES CXX)

@@ -99,7 +99,7 @@ class Worn:
         kept = io.BytesIO()
         Image.fromarray(np.full((64, 64, 3), 90, np.uint8)).save(kept, "PNG")
         self.texture = kept.getvalue()
-        monkeypatch.setattr(character_edit.d, "hidden_faces", lambda character: np.array(hidden, np.uint8))
+        monkeypatch.setattr(character_edit.d, "hidden_faces", lambda character: np.array(hidden, bool))
 
     def at(self, face):
         """The colour in the middle of a triangle."""

@@ -10,18 +10,20 @@ import pytest
 ROOT = Path(__file__).parents[2]
 MAY_USE = {
     "options": set(),
-    "core": {"options"},
-    "rays": {"options", "core"},
-    "files": {"options", "core"},
-    "capture": {"options", "core", "rays", "files"},
-    "segment": {"options", "core", "rays"},
-    "bodymodel": {"options", "core", "rays", "files"},
-    "pbd": {"options"},
-    "simulate": {"options", "core", "pbd"},
-    "animate": {"options", "core", "rays", "files", "pbd", "simulate"},
-    "fit": {"options", "core", "rays", "files", "pbd", "simulate"},
+    "types": set(),
+    "core": {"options", "types"},
+    "rays": {"options", "types", "core"},
+    "files": {"options", "types", "core"},
+    "capture": {"options", "types", "core", "rays", "files"},
+    "segment": {"options", "types", "core", "rays"},
+    "bodymodel": {"options", "types", "core", "rays", "files"},
+    "pbd": {"options", "types"},
+    "simulate": {"options", "types", "core", "pbd"},
+    "animate": {"options", "types", "core", "rays", "files", "pbd", "simulate"},
+    "fit": {"options", "types", "core", "rays", "files", "pbd", "simulate"},
     "reconstruct": {
         "options",
+        "types",
         "core",
         "rays",
         "files",
@@ -65,7 +67,7 @@ def test_pbd_needs_no_library_but_eigen():
 def test_the_package_asks_for_what_a_room_links(room):
     text = (ROOT / "cmake" / "doubletRooms.cmake").read_text(encoding="utf-8")
     found = re.findall(rf"set\(doublet_{room}_links ([^)]*)\)", text)
-    assert set(" ".join(found).split()) == MAY_USE[room] - {"options"}  # headers alone, always there
+    assert set(" ".join(found).split()) == MAY_USE[room] - {"options", "types"}  # headers alone, always there
 
 
 def test_stable_headers_include_no_experimental_ones():
@@ -73,6 +75,15 @@ def test_stable_headers_include_no_experimental_ones():
     stable = [p for paths in SOURCES.values() for p in paths if "include" in p.parts and "parts" not in p.parts]
     assert len(stable) > 50
     assert {str(p.relative_to(ROOT)): found for p in stable if (found := [i for i in includes(p) if "/parts/" in i])} == {}
+
+
+@pytest.mark.parametrize("room", MAY_USE)
+def test_public_classes_own_what_they_keep(room):
+    """Members (name_) that are references or pointers to what somebody else owns (docs/architecture.md)."""
+    for path in (p for p in SOURCES[room] if "include" in p.parts and "testing" not in p.parts and "detail" not in p.parts):
+        text = path.read_text(encoding="utf-8")
+        kept = re.findall(r"^ +(?:const )?[\w:<>, ]+ ?[&*] ?(\w+_)(?: = nullptr)?;", text, re.MULTILINE)
+        assert kept == (["data_"] if path.name == "geometry.h" else []), path.relative_to(ROOT)  # a VerticesView is a pointer
 
 
 @pytest.mark.parametrize("room", MAY_USE)

@@ -76,8 +76,7 @@ class Below(d.ClothSegmenter):
 
 
 def segmented(world, segmenter, context=None):
-    options = d.FullnessOptions(estimate=False)
-    return d.segment_performance(world.actor, world.performance, segmenter, fullness=options, context=context or d.Context())
+    return d.segment_performance(world.actor, world.performance, segmenter, context=context or d.Context())
 
 
 def test_one_segmenter_in_several_threads(world):

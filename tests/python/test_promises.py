@@ -76,11 +76,14 @@ def test_every_argument_has_a_name():
 
 def test_masks_and_numbers_are_arrays(world):
     valid = world.actor.face_valid
-    assert valid.dtype == np.uint8 and valid.shape == (len(world.actor.mesh.faces),)
+    assert valid.dtype == bool and valid.shape == (len(world.actor.mesh.faces),)
     with pytest.raises(ValueError, match="read-only"):
         valid[0] = 0  # of a copy
     actor = d.RiggedMesh(world.actor.mesh, valid > 0, world.actor.weights, world.actor.skeleton)
     np.testing.assert_array_equal(actor.face_valid, valid)
+    for given in (valid.tolist(), valid.astype(int).tolist(), valid.astype(np.uint8), np.where(valid, 7, 0)):
+        actor.face_valid = given
+        np.testing.assert_array_equal(actor.face_valid, valid)
     for wrong in (valid.astype(float), valid[None], valid.astype(int) + 256, [-1], "1"):
         with pytest.raises(TypeError):
             actor.face_valid = wrong

@@ -1,5 +1,4 @@
 #include "doublet/segment/cloth_segmenter.h"
-#include "doublet/segment/fullness.h"
 #include "doublet/segment/garment_mesher.h"
 #include "support/option_ranges.h"
 
@@ -8,7 +7,6 @@ namespace {
 
 TEST(Options, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<SegmentOptions>();
-  expect_ranges<FullnessOptions>();
   expect_ranges<GarmentOptions>();
 }
 

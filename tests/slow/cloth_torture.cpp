@@ -87,10 +87,10 @@ public:
         }
         in.wind = 20 * any_way();
       }
-      in.targets = &targets;
-      in.previous_targets = &previous;
-      in.capsules = &capsules;
-      in.previous_capsules = &previous_capsules;
+      in.targets = targets;
+      in.previous_targets = previous;
+      in.capsules = capsules;
+      in.previous_capsules = previous_capsules;
       for (int i : solver_->step_batch(states, {&in, 1}, materials_, 1))
         report(i, f, "not finite");
       for (size_t i = 0; i < corners_.size(); ++i)

@@ -68,10 +68,9 @@ inline std::vector<TaperedCapsule> figure_capsules(const Skeleton &skeleton) {
 
 /// The figure's closed surface in a pose. At 0.025 m about 12000 vertices in well under a second.
 inline Mesh figure_surface(const Skeleton &skeleton, const Eigen::VectorXd &dofs, double cell = 0.025) {
-  const std::vector<PosedCapsule> capsules =
-      pose_capsules(figure_capsules(skeleton), skeleton, forward_kinematics(skeleton, dofs));
+  const std::vector<Capsule> capsules = pose_capsules(figure_capsules(skeleton), skeleton, forward_kinematics(skeleton, dofs));
   Eigen::Vector3d low = capsules[0].p0, high = low;
-  for (const PosedCapsule &c : capsules) {
+  for (const Capsule &c : capsules) {
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(std::max(c.r0, c.r1) + 2 * cell);
     low = low.cwiseMin(c.p0 - margin).cwiseMin(c.p1 - margin);
     high = high.cwiseMax(c.p0 + margin).cwiseMax(c.p1 + margin);
@@ -79,7 +78,7 @@ inline Mesh figure_surface(const Skeleton &skeleton, const Eigen::VectorXd &dofs
   return level_set(
       [&](const Eigen::Vector3d &p) {
         double d = 1e9;
-        for (const PosedCapsule &c : capsules)
+        for (const Capsule &c : capsules)
           d = std::min(d, signed_distance(c, p));
         return d;
       },
@@ -94,7 +93,7 @@ inline Mesh figure_surface(double cell = 0.025) {
 /// Skin weights that fall with the distance to each bone's capsule: smooth and plausible, no more.
 inline MatrixRM figure_weights(const Vertices &vertices, const Skeleton &skeleton) {
   const std::vector<TaperedCapsule> own = figure_capsules(skeleton);
-  const std::vector<PosedCapsule> capsules =
+  const std::vector<Capsule> capsules =
       pose_capsules(own, skeleton, Transforms(skeleton.joint_count(), Eigen::Isometry3d::Identity()));
   MatrixRM weights = MatrixRM::Zero(vertices.rows(), skeleton.joint_count());
   for (int v = 0; v < vertices.rows(); ++v) {

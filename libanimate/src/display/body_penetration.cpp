@@ -20,7 +20,8 @@ void sum_area_vectors(const Vertices &vertices, const Faces &faces, Vertices &su
 } // namespace
 
 BodyPenetrationFix::BodyPenetrationFix(const Character &character)
-    : character_(character), surface_(character.actor.mesh, character.actor.face_valid) {
+    : faces_(character.actor.mesh.faces), clothness_(character.segmentation.clothness),
+      surface_(character.actor.mesh, character.actor.face_valid) {
   std::vector<std::uint8_t> drawn(character.body.vertices.rows(), 0);
   for (Eigen::Index f = 0; f < character.body.faces.rows(); ++f)
     for (int k = 0; k < 3 && character.body_shown[f]; ++k)
@@ -32,10 +33,8 @@ BodyPenetrationFix::BodyPenetrationFix(const Character &character)
 }
 
 void BodyPenetrationFix::apply(const Vertices &surface, Vertices &body) {
-  const Faces &faces = character_.actor.mesh.faces;
-  const Eigen::VectorXd &delta = character_.segmentation.clothness;
   surface_.move_to(surface);
-  sum_area_vectors(surface, faces, normals_);
+  sum_area_vectors(surface, faces_, normals_);
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
     const int v = drawn_[i];
     const Eigen::Vector3d p = body.row(v);
@@ -46,8 +45,8 @@ void BodyPenetrationFix::apply(const Vertices &surface, Vertices &body) {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     double cloth = 0;
     for (int k = 0; k < 3; ++k) {
-      normal += at->barycentric[k] * normals_.row(faces(at->face, k)).normalized().transpose();
-      cloth += at->barycentric[k] * delta[faces(at->face, k)];
+      normal += at->barycentric[k] * normals_.row(faces_(at->face, k)).normalized().transpose();
+      cloth += at->barycentric[k] * clothness_[faces_(at->face, k)];
     }
     const double out = (p - at->point).dot(normal);
     const double deep = kDeepUnderSkin + cloth * (kDeepUnderCloth - kDeepUnderSkin);

@@ -73,19 +73,17 @@ Skeleton json_skeleton(const json &joints) {
 }
 
 json clothness_json(glb::Writer &writer, const Segmentation &segmentation) {
-  std::vector<float> sigma, delta, fullness;
+  std::vector<float> sigma, delta;
   std::vector<std::uint32_t> region;
   for (Eigen::Index v = 0; v < segmentation.clothness.size(); ++v) {
     const double s = v < segmentation.sigma.size() ? segmentation.sigma[v] : std::numeric_limits<double>::quiet_NaN();
     sigma.push_back(std::isfinite(s) ? static_cast<float>(s) : -1.0f); // glTF has no NaN
     delta.push_back(static_cast<float>(segmentation.clothness[v]));
-    fullness.push_back(segmentation.fullness.size() > 0 ? static_cast<float>(segmentation.fullness[v]) : 1.0f);
     region.push_back(static_cast<std::uint32_t>(segmentation.region[v] + 1));
   }
   json out = {{"sigma", writer.floats(sigma, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
               {"clothness", writer.floats(delta, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
               {"region", writer.integers(region, glb::Use::Data)},
-              {"fullness", writer.floats(fullness, TINYGLTF_TYPE_SCALAR, glb::Use::Data)},
               {"regionCount", segmentation.region_count}};
   if (segmentation.rest.rows() > 0)
     out["rest"] = writer.vectors(segmentation.rest, glb::Use::Data);
@@ -108,13 +106,6 @@ Segmentation json_clothness(const glb::Reader &reader, const json &j) {
     if (region[v] > static_cast<std::uint32_t>(std::max(segmentation.region_count, 0)))
       reader.fail("region " + std::to_string(region[v]) + " of " + std::to_string(segmentation.region_count));
     segmentation.region[v] = static_cast<int>(region[v]) - 1;
-  }
-  if (j.contains("fullness")) { // not in characters of 0.1.0
-    const std::vector<float> fullness = reader.floats(j.at("fullness").get<int>());
-    if (fullness.size() != delta.size())
-      reader.fail("expected fullness and segmentation of one length");
-    segmentation.fullness =
-        Eigen::Map<const Eigen::VectorXf>(fullness.data(), static_cast<Eigen::Index>(fullness.size())).cast<double>();
   }
   if (j.contains("rest")) { // of a garment with a mesh of its own
     segmentation.rest = reader.vectors(j.at("rest").get<int>());

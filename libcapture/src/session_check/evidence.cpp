@@ -3,7 +3,7 @@
 #include "doublet/capture/mesh_file.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/core/rasterizer.h"
-#include "frame_reader.h"
+#include "frames/frame_reader.h"
 #include "placed.h"
 
 #include <opencv2/imgproc.hpp>

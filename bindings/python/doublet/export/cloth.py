@@ -156,7 +156,7 @@ def garment_of(character: d.Character, region: d.ClothRegion, material: d.Materi
 
 
 def areas_of(model: d.ClothModel) -> np.ndarray:
-    """(N) m^2 that a vertex stands for, the pinned ones too: a third of the faces around it, as wide as it is full."""
+    """(N) m^2 that a vertex stands for, the pinned ones too: a third of the faces around it."""
     inverse = np.asarray(model.inverse_masses)
     areas = d.vertex_areas(model.rest, model.faces)
     return np.where(inverse > 0, 1 / np.where(inverse > 0, inverse, 1), areas)

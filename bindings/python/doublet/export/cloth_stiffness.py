@@ -8,9 +8,7 @@ import numpy as np
 
 from .. import _doublet as d
 
-STEP = 1 / 40  #: s, in which a constraint by itself is brought the share k nearer (docs/cloth.md)
 RIGID = 0.005  #: of its length, by which a garment of rigid edges may stretch under its own weight elsewhere
-UPRIGHT = 0.2  #: sine between normal and axis, below which cloth lies flat and has no width across it
 
 
 @dataclass(frozen=True)
@@ -39,14 +37,14 @@ def springs_of(model: d.ClothModel, material: d.Material, areal_density: float) 
         weight = areal_density * np.linalg.norm(model.options.gravity) * float(np.ptp(rest, axis=0).max())
         stretch = np.full(len(edges), young_to_edge(weight / RIGID))
     else:
-        stretch = areal_density * share_to_stiffness(material.k_stretch) / inverse[edges].sum(axis=1)
+        stretch = areal_density * d.spring_constant(material.k_stretch, 1) / inverse[edges].sum(axis=1)
     angles, response = hinge_geometry(rest, hinges, inverse)
-    bend = areal_density * share_to_stiffness(min(material.k_bend, 1 - 1e-6)) / response
+    bend = areal_density * d.spring_constant(min(material.k_bend, 1 - 1e-6), 1) / response
     areas = hinge_areas(rest, hinges)
     squares = np.sum((rest[hinges[:, 1]] - rest[hinges[:, 0]]) ** 2, axis=1)
     return Springs(
         edges,
-        full_lengths(model, edges),
+        np.linalg.norm(rest[edges[:, 1]] - rest[edges[:, 0]], axis=1),
         stretch,
         hinges,
         model.options.rest_curvature * angles,
@@ -55,11 +53,6 @@ def springs_of(model: d.ClothModel, material: d.Material, areal_density: float) 
         float(np.median(stretch)) * 2 / np.sqrt(3),
         float(np.median(bend * areas / (3 * squares))) if len(hinges) else 0.0,
     )
-
-
-def share_to_stiffness(share: float) -> float:
-    """1/s^2: times the reduced mass of a constraint its stiffness, of which a step of 1/40 s removes `share`."""
-    return share / ((1 - share) * STEP**2)
 
 
 def young_to_edge(young: float) -> float:
@@ -104,19 +97,3 @@ def hinge_areas(rest: np.ndarray, hinges: np.ndarray) -> np.ndarray:
     """(H) m^2 of the two faces."""
     x0, x1, x2, x3 = (rest[hinges[:, k]] for k in range(4))
     return sum(0.5 * np.linalg.norm(np.cross(x1 - x0, side - x0), axis=1) for side in (x2, x3))
-
-
-def full_lengths(model: d.ClothModel, edges: np.ndarray) -> np.ndarray:
-    """(E) m: what of an edge lies across the axis of fullness is wider than in the rest mesh."""
-    rest, fullness, axis = np.asarray(model.rest), np.asarray(model.fullness), np.asarray(model.fullness_axis)
-    along = rest[edges[:, 1]] - rest[edges[:, 0]]
-    squares = np.sum(along**2, axis=1)
-    if np.any(fullness != 1) and np.any(axis):
-        normals = d.vertex_normals(rest, model.faces)
-        across = np.cross(axis, normals)
-        size = np.linalg.norm(across, axis=1, keepdims=True)
-        across = np.where(size > UPRIGHT * np.linalg.norm(axis), across / np.maximum(size, 1e-12), 0)
-        for k in range(2):
-            part = np.sum(across[edges[:, k]] * along, axis=1)
-            squares = squares + 0.5 * part**2 * (fullness[edges[:, k]] ** 2 - 1)
-    return np.sqrt(squares)

@@ -20,7 +20,6 @@ CLASSES = {
     "calibration": "CalibrationRefinementOptions",
     "segment": "SegmentOptions",
     "opposite": "OppositeOptions",
-    "fullness": "FullnessOptions",
     "body": "BodyFitOptions",
     "proxy": "ProxyOptions",
     "garment": "GarmentOptions",

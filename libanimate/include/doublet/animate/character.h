@@ -24,12 +24,12 @@ struct Character {
   Mesh body;                                     ///< the body under the clothes, scan pose; may be empty
   std::string body_model;                        ///< name and hash of the statistical model
   MatrixRM body_weights;                         ///< (B, J)
-  std::vector<std::uint8_t> body_shown;          ///< (FB) 1 = hidden under cloth in the scan, must be drawn
+  Mask body_shown;                               ///< (FB) 1 = hidden under cloth in the scan, must be drawn
   Eigen::Vector3d body_colour{0.61, 0.35, 0.25}; ///< linear RGB in [0, 1] of the hidden body
 
-  Mesh high;                            ///< M_high for display, scan pose; may be empty: then M is displayed
-  std::vector<std::uint8_t> high_valid; ///< (FH)
-  int garment_subdivisions = -1;        ///< of the garment in M_high; -1 = M_high is one surface (see DisplayMesh)
+  Mesh high;                     ///< M_high for display, scan pose; may be empty: then M is displayed
+  Mask high_valid;               ///< (FH)
+  int garment_subdivisions = -1; ///< of the garment in M_high; -1 = M_high is one surface (see DisplayMesh)
   /// The last of M_high's skin (its vertices before the garment's) that are the body's, which goes on under the garment, welded
   /// to the scan: the vertex of `body` that each is. Then body_shown is 0. Empty = the hidden body is drawn beside M_high.
   std::vector<int> high_body;
@@ -46,16 +46,16 @@ void validate_character(const Character &character);
 /// them.
 Character make_character(const RiggedMesh &actor, const Segmentation &segmentation, const BodyFit &body,
                          const std::vector<TaperedCapsule> &proxies, const std::vector<pbd::Material> &materials,
-                         const SolverSettings &solver, const Mesh &high = {}, const std::vector<std::uint8_t> &high_valid = {},
+                         const SolverSettings &solver, const Mesh &high = {}, const Mask &high_valid = {},
                          int garment_subdivisions = -1);
 
 /// (B) 1 = this body vertex is hidden by cloth in the scan pose: the nearest valid surface is cloth, or the surface is away and
 /// its normal runs into cloth.
-std::vector<std::uint8_t> hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
+Mask hidden_by_cloth(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body);
 
 /// (FH) 1 = a face of M_high that is of the hidden body (see Character::high_body), or joins it to the scan. Throws as
 /// validate_character().
-std::vector<std::uint8_t> hidden_faces(const Character &character);
+Mask hidden_faces(const Character &character);
 
 /// (B, J) skin weights for the body. Exposed vertices take those of the actor's surface; hidden ones solve the heat equation of
 /// Baran & Popovic 2007 on the body with the exposed ones as boundary, so that thighs under a skirt hang on the thigh bones, not

@@ -15,8 +15,8 @@ namespace doublet {
 struct Character;
 
 struct DisplayMesh {
-  Mesh mesh;                       ///< (VH, 3) m in the scan pose, (FH, 3)
-  std::vector<std::uint8_t> valid; ///< (FH) 0 = not drawn
+  Mesh mesh;  ///< (VH, 3) m in the scan pose, (FH, 3)
+  Mask valid; ///< (FH) 0 = not drawn
   /// n: the last 4^n H faces are the H of the garment, subdivided n times; -1 = `mesh` is one surface, as scanned.
   int garment_subdivisions = -1;
 };
@@ -57,8 +57,7 @@ public:
   MatrixRM skin_weights(const MatrixRM &weights) const;
 
 private:
-  void carry(const Character &character, const std::vector<std::uint8_t> &valid, const Mesh &skin,
-             const std::vector<char> &under);
+  void carry(const Character &character, const Mask &valid, const Mesh &skin, const std::vector<char> &under);
   void joints_of(const Vertices &surface, std::vector<DualQuaternion> &joints) const;
 
   std::optional<SurfaceTransfer> skin_;          ///< of the vertices before the garment's; none = no such vertices

@@ -34,7 +34,7 @@ struct PlantOptions {
 /// Heel and ball of one foot, a flag a frame.
 struct FootContacts {
   std::string ankle; ///< joint
-  std::vector<std::uint8_t> heel, ball;
+  Mask heel, ball;
 };
 
 /// When the feet of the motion stand. Feet are those of legs that can be planted: hip (ball), knee (one hinge), ankle and toe by

@@ -12,7 +12,7 @@ namespace doublet {
 struct RenderMesh {
   Vertices vertices;                        ///< (V, 3) m
   Faces faces;                              ///< (F, 3)
-  std::vector<std::uint8_t> face_valid;     ///< (F), 0 = not drawn; empty = draw all
+  Mask face_valid;                          ///< (F), 0 = not drawn; empty = draw all
   Eigen::Vector3d colour{0.75, 0.75, 0.75}; ///< R G B in [0, 1]
   Vertices colours;                         ///< (V, 3) R G B in [0, 1], or empty
   TexCoords texcoords;                      ///< (3 F, 2) per corner, or empty

@@ -22,8 +22,7 @@ class SurfaceTransfer {
 public:
   /// coarse and fine in the same pose. `coarse_valid` (F) and `fine_valid` (F'), empty = all: vertices of valid fine triangles
   /// are bound to valid coarse triangles only. Throws Error on unusable meshes, wrong sizes, or if no coarse triangle is valid.
-  SurfaceTransfer(const Mesh &coarse, const std::vector<std::uint8_t> &coarse_valid, const Mesh &fine,
-                  const std::vector<std::uint8_t> &fine_valid);
+  SurfaceTransfer(const Mesh &coarse, const Mask &coarse_valid, const Mesh &fine, const Mask &fine_valid);
 
   /// (V', 3) fine vertices for the coarse vertices (V, 3), m.
   Vertices apply(const Vertices &coarse) const;

@@ -56,6 +56,8 @@ struct ClothedScan {
   std::map<std::string, Eigen::Vector3d> landmarks; ///< name -> point on the surface, m
 };
 
+/// The swap point: clothed scan in, body under it out.
+/// Threads: all methods are const and may be called from several at once.
 class BodyFitter {
 public:
   virtual ~BodyFitter() = default;
@@ -83,7 +85,7 @@ struct BodyRegion {
 std::vector<BodyRegion> body_regions(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation);
 
 /// (B) 1 where the nearest surface of the actor is cloth (delta > 0): what is hidden in the scan.
-std::vector<std::uint8_t> body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation);
+Mask body_under_cloth(const Mesh &body, const RiggedMesh &actor, const Segmentation &segmentation);
 
 // Deprecated names.
 using DressedScan [[deprecated("use ClothedScan")]] = ClothedScan;

@@ -19,8 +19,8 @@ struct BodyLinearisation {
 };
 
 /// vertices = mean + components * s, s ~ N(0, I), in a linear model; a model that bends its own skeleton is linear in the shape
-/// coefficients alone and overrides linearise(). An interface, so that other models can stand in. Immutable: safe from many
-/// threads.
+/// coefficients alone and overrides linearise(). An interface, so that other models can stand in.
+/// Threads: all methods are const and are called from several at once, on one immutable object.
 class BodyModel {
 public:
   virtual ~BodyModel() = default;

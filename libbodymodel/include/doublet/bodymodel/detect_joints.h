@@ -23,7 +23,7 @@ struct DetectedJoints {
 /// the person may face are tried. Then the body is fitted as if all were skin, and twice again without the surface that stands
 /// off it. Throws Error if the five are not found, fewer than three joints are the model's, the model lacks a joint or landmark
 /// that is needed, or the body stays farther from the surface than a person's can; else as BodyFitter::fit.
-DetectedJoints detect_joints(const Mesh &surface, const std::vector<std::uint8_t> &face_valid, const BodyModel &model,
+DetectedJoints detect_joints(const Mesh &surface, const Mask &face_valid, const BodyModel &model,
                              const BodyFitOptions &options = {}, const std::map<std::string, Eigen::Vector3d> &seen = {},
                              const Context &context = {});
 

@@ -35,22 +35,40 @@ struct CalibratedCamera {
   Eigen::Matrix<double, 2, 3> project_jacobian(const Eigen::Vector3d &point) const;
 };
 
+/// Found = by names and content of the file.
+enum class CalibrationFormat {
+  Found,
+  Doublet,
+  OpenCv,
+  Colmap,
+  EasyMocap,
+  Toml,
+  Qualisys,
+  Anipose,
+  Panoptic,
+  Metashape,
+  OpenCvFisheye
+};
+/// In the order of CalibrationFormat.
+inline constexpr std::array kCalibrationFormatNames{"found",    "doublet", "opencv",   "colmap",    "easymocap",     "toml",
+                                                    "qualisys", "anipose", "panoptic", "metashape", "opencv_fisheye"};
+/// Found = the one that the format usually has.
+enum class UpAxis { Found, X, MinusX, Y, MinusY, Z, MinusZ };
+inline constexpr std::array kUpAxisNames{"found", "x", "-x", "y", "-y", "z", "-z"}; ///< in the order of UpAxis
+
 struct CalibrationOptions {
-  std::string format = "found";
-  std::string units = "found";
-  std::string up = "found";
+  CalibrationFormat format = CalibrationFormat::Found;
+  std::string units = "found"; ///< a text, as it may be a number, too
+  UpAxis up = UpAxis::Found;
   int image_width = 0, image_height = 0;
-  static constexpr std::array kFormats{"found",    "doublet", "opencv",   "colmap",    "easymocap",     "toml",
-                                       "qualisys", "anipose", "panoptic", "metashape", "opencv_fisheye"};
-  static constexpr std::array kUps{"found", "x", "-x", "y", "-y", "z", "-z"};
   static constexpr auto describe() {
     using namespace options;
     using O = CalibrationOptions;
     return Description{
         "CalibrationOptions",
-        option(&O::format, "format", kFormats, "Format of the file or folder; found = by its names and content"),
+        option(&O::format, "format", kCalibrationFormatNames, "Format of the file or folder; found = by its names and content"),
         option(&O::units, "units", "Unit of the file: m, cm, mm, or metres a unit; found = what the format usually has"),
-        option(&O::up, "up", kUps, "Axis of the file that points up; found = the format's, if cameras stand upright"),
+        option(&O::up, "up", kUpAxisNames, "Axis of the file that points up; found = the format's, if cameras stand upright"),
         option(&O::image_width, "image_width", at_least(0), "px",
                "Width of the images, where the format does not have it; 0 = it has"),
         option(&O::image_height, "image_height", at_least(0), "px",

@@ -40,8 +40,8 @@ struct FeatureTrackerOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// The swap point: image and mask in, features out; two successive frames' features in, matches out. Both are called from many
-/// threads.
+/// The swap point: image and mask in, features out; two successive frames' features in, matches out.
+/// Threads: both methods are const and are called from several at once, on one object.
 class FeatureTracker {
 public:
   virtual ~FeatureTracker() = default;

@@ -22,7 +22,7 @@ struct HeatWeightOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 /// (V, J) skin weights by heat equilibrium, nearest visible bone(s); rows sum to one, no entry is negative.
-MatrixRM heat_weights(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid, const Skeleton &skeleton,
-                      const HeatWeightOptions &options = {}, const Context &context = {});
+MatrixRM heat_weights(const Mesh &mesh, const Mask &face_valid, const Skeleton &skeleton, const HeatWeightOptions &options = {},
+                      const Context &context = {});
 
 } // namespace doublet

@@ -74,6 +74,7 @@ double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, c
                       const Context &context);
 
 /// The swap point: a pose with lost limbs in, a better one out; may only change the limbs' degrees of freedom.
+/// Threads: one call at a time, frame after frame.
 class LimbSearch {
 public:
   virtual ~LimbSearch() = default;

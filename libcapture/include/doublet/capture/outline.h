@@ -26,15 +26,15 @@ Outline trace_outline(const Image &mask, int margin = 2);
 /// border. `points` as in Outline::points or ViewObservation::contour.
 Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int height);
 
-/// Uniform grid over outline points; const calls are safe from many threads. Refers to the outline, which must outlive it.
+/// Uniform grid over the points of an outline, of which it has a copy; const calls are safe from many threads.
 class OutlineIndex {
 public:
-  OutlineIndex(const Outline &outline, int width, int height);
+  OutlineIndex(Outline outline, int width, int height);
   /// Index of the closest point within `radius` pixels whose normal has at least `min_cosine` with `normal`; -1 if there is none.
   int nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &normal, float radius, float min_cosine) const;
 
 private:
-  const Outline &outline_;
+  Outline outline_;
   int columns_ = 0, rows_ = 0;
   std::vector<int> first_, entries_; // cell -> range of entries
 };

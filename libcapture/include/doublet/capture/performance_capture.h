@@ -143,6 +143,8 @@ struct CaptureParts {
 };
 
 /// The swap point: (rigged mesh, rig, frames, context) -> reference performance and the 2D observations it used.
+/// Threads: one call at a time, since its parts may keep state. `frames` is read from several threads, each camera from one at a
+/// time; the extractor is asked from several at once.
 class PerformanceCapture {
 public:
   virtual ~PerformanceCapture() = default;

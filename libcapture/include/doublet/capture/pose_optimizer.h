@@ -80,6 +80,7 @@ struct PoseOptions {
 };
 
 /// The swap point: one frame's correspondences in, a pose out.
+/// Threads: one call at a time, frame after frame; it may keep what it likes from one to the next.
 class PoseOptimizer {
 public:
   virtual ~PoseOptimizer() = default;

@@ -38,8 +38,7 @@ struct RestPoseOptions {
 /// faces moved to where the frames, taken back to the rest pose (canonical_frames()), have them. A membrane carries the
 /// correction over what no frame tells of, and out into the rest. Throws std::invalid_argument unless actor, performance and
 /// rigid go together; Error if no frame tells of any vertex.
-Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &performance,
-                          const std::vector<std::uint8_t> &rigid, const RestPoseOptions &options = {},
-                          const Context &context = {});
+Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &performance, const Mask &rigid,
+                          const RestPoseOptions &options = {}, const Context &context = {});
 
 } // namespace doublet

@@ -31,8 +31,7 @@ struct Rims {
 };
 
 /// Renders the surface (its valid faces; face_valid empty = all) at most `raster_size` pixels wide or high and traces it.
-Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<std::uint8_t> &face_valid, const Camera &camera,
-               int raster_size);
+Rims find_rims(const Vertices &vertices, const Faces &faces, const Mask &face_valid, const Camera &camera, int raster_size);
 
 /// One scalar constraint in view `view`: normal . (project(surface point) - target) = 0, pixels.
 struct RimConstraint {

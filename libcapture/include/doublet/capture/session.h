@@ -53,8 +53,8 @@ Session recalibrated(const Session &session, const std::filesystem::path &calibr
 /// Throws Error if the session has no scan or no joints, which all stages but those that make them need.
 void require_scanned(const Session &session);
 
-/// Swap point: where frames come from. Sequential reading is cheap, jumping may not be. Not thread-safe per camera; different
-/// cameras may be read from different threads.
+/// Swap point: where frames come from. Sequential reading is cheap, jumping may not be.
+/// Threads: different cameras are read from several at once, one camera from one at a time. The counts are asked from any.
 class FrameSource {
 public:
   virtual ~FrameSource() = default;

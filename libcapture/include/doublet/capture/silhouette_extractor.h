@@ -54,13 +54,15 @@ struct BackgroundOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// Swap point: an image in, the actor's mask out. Safe to call from many threads once trained.
+/// Swap point: an image in, the actor's mask out.
+/// Threads: extract() is const and is called from several at once, once all cameras are trained; train() and learn_actor() are
+/// called from one, while nobody extracts.
 class SilhouetteExtractor {
 public:
   virtual ~SilhouetteExtractor() = default;
   /// Looks at a few images of one camera: the actor before a screen for the chroma key (key colour, threshold); clean plates, or
-  /// images whose median is one, for subtraction. Called once a camera before extract(), not while another thread
-  /// extracts. The chroma key throws Error if no hue dominates the image border.
+  /// images whose median is one, for subtraction. Called once a camera before extract(). The chroma key throws Error if no hue
+  /// dominates the image border.
   virtual void train(int camera, const std::vector<Image> &images) = 0;
   /// Looks at a few images of the take, after train() and under the same rules: an extractor may learn from them what the actor
   /// looks like. The chroma key needs nothing.
@@ -71,19 +73,23 @@ public:
   static std::unique_ptr<SilhouetteExtractor> create(const BackgroundOptions &options);
 };
 
+/// Where the silhouettes of a camera come from: clean plates of the session, a screen of one colour, the median of the frames;
+/// Auto = the first of these that the session allows.
+enum class SilhouetteMethod { Auto, Plates, Key, Median };
+inline constexpr std::array kSilhouetteMethodNames{"auto", "plates", "key", "median"}; ///< in the order of SilhouetteMethod
+
 struct SilhouetteOptions {
-  std::string method = "auto";
+  SilhouetteMethod method = SilhouetteMethod::Auto;
   int median_frames = 25;
   int actor_frames = 8;
   ChromaKeyOptions key;
   BackgroundOptions background;
-  static constexpr std::array kMethods{"auto", "plates", "key", "median"};
   static constexpr auto describe() {
     using namespace options;
     using O = SilhouetteOptions;
     return Description{
         "SilhouetteOptions",
-        option(&O::method, "method", kMethods,
+        option(&O::method, "method", kSilhouetteMethodNames,
                "Method: plates, key, median, or auto: the first of these that the session allows, a camera",
                "plates = clean ones of the session, key = a screen of one colour, median = of the frames: the actor must move "
                "about"),

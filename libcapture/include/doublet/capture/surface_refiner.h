@@ -72,7 +72,8 @@ struct SurfaceOptions {
 /// place, and what is seen there belongs to something else.
 bool is_overstretched(const Vertices &vertices, const Mesh &rest, int face);
 
-/// The swap point: expected surface and correspondences in, refined surface out. May keep factorisations from call to call.
+/// The swap point: expected surface and correspondences in, refined surface out.
+/// Threads: one call at a time, frame after frame; factorisations may be kept from one to the next.
 class SurfaceRefiner {
 public:
   virtual ~SurfaceRefiner() = default;

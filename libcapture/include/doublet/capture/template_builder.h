@@ -48,8 +48,8 @@ struct TemplateOptions {
 
 /// The closed surface and its decimations.
 struct Template {
-  Mesh mesh, high;                                       ///< M and M_high
-  std::vector<std::uint8_t> face_valid, high_face_valid; ///< 0 = suggested as invented over a large hole
+  Mesh mesh, high;                  ///< M and M_high
+  Mask face_valid, high_face_valid; ///< 0 = suggested as invented over a large hole
 };
 
 Template build_template(const Mesh &scan, const TemplateOptions &options = {}, const Context &context = {});

@@ -1,7 +1,9 @@
 #pragma once
-// Errors: broken files and impossible inputs throw doublet::Error; wrong arguments throw std::invalid_argument.
+// Errors: broken files and impossible inputs throw doublet::Error; wrong arguments throw std::invalid_argument. Who asked to stop
+// gets doublet::Cancelled.
 // The message names the file or argument, what was expected and what was found, in one sentence.
 
+#include <exception>
 #include <stdexcept>
 #include <string>
 
@@ -19,10 +21,11 @@ public:
   using Error::Error;
 };
 
-/// The user asked to stop (Ctrl-C, or Context::cancelled returned true). Nothing that was written is lost.
-class Cancelled : public Error {
+/// The user asked to stop (Ctrl-C, or Context::cancelled returned true). Nothing that was written is lost. No Error: who catches
+/// one, to go on without a file or with the next item, does not go on after Ctrl-C.
+class Cancelled : public std::exception {
 public:
-  Cancelled() : Error("cancelled") {}
+  const char *what() const noexcept override { return "cancelled"; }
 };
 
 } // namespace doublet

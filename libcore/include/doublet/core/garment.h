@@ -16,7 +16,7 @@ struct Garment {
   std::vector<Vertices> widths; ///< [K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone
   Eigen::VectorXi actor_face;   ///< (G) the place of each vertex on the actor: face ...
   Vertices barycentric;         ///< (G, 3) ... and weights of its corners
-  std::vector<std::uint8_t> replaced_faces; ///< (F) faces of the actor that the garment stands for
+  Mask replaced_faces;          ///< (F) faces of the actor that the garment stands for
   int region_count = 0;
 };
 

@@ -67,7 +67,7 @@ struct Triplet {
 std::vector<Triplet> cotangent_laplacian(const Vertices &vertices, const Faces &faces);
 
 /// The faces with face_valid[f] != 0; all of them if the mask is empty.
-Faces valid_faces(const Faces &faces, const std::vector<std::uint8_t> &face_valid);
+Faces valid_faces(const Faces &faces, const Mask &face_valid);
 
 /// The mesh of the chosen faces with unused vertices dropped; `vertex_from_sub[i]` is the old index of new vertex i.
 Mesh submesh(const Mesh &mesh, const std::vector<int> &face_indices, std::vector<int> *vertex_from_sub = nullptr);

@@ -19,8 +19,7 @@ struct FaceBuffer {
 /// Draws both sides of every face (with `face_valid[f]` zero left out; empty = draw all). Vertices are projected with
 /// distortion, edges are straight between them. Faces that reach behind the near plane (0.05 m) are left out. Sampled at pixel
 /// centres. Throws std::invalid_argument for wrong sizes and indices, Error for an invalid camera.
-FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera,
-                     const std::vector<std::uint8_t> &face_valid = {});
+FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid = {});
 
 /// Perspective-correct barycentric coordinates, on face `f`, of the ray through `pixel` (not clamped to the triangle).
 Eigen::Vector3d barycentric_at(const Vertices &vertices, const Faces &faces, int f, const Camera &camera,

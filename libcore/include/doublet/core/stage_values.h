@@ -17,8 +17,8 @@ namespace doublet {
 /// The animatable template of Sect. 4: closed surface M in the scan pose, skeleton and skin weights. File: actor.npz.
 struct RiggedMesh {
   Mesh mesh;
-  std::vector<std::uint8_t> face_valid; ///< (F) 0 = semantically invalid (invented over a large hole)
-  MatrixRM weights;                     ///< (V, J), rows sum to one
+  Mask face_valid;  ///< (F) 0 = semantically invalid (invented over a large hole)
+  MatrixRM weights; ///< (V, J), rows sum to one
   Skeleton skeleton;
 };
 
@@ -68,15 +68,13 @@ struct Segmentation {
   Eigen::VectorXd clothness; ///< (V) delta in [0, 1]
   Eigen::VectorXi region;    ///< (V) connected region of delta > 0, numbered by falling area; -1 = rigid
   int region_count = 0;
-  /// (V) >= 1: width across gravity over that of the scan (see estimate_fullness); empty = 1 everywhere.
-  Eigen::VectorXd fullness = {};
   /// (V, 3) m: the shape that lengths and masses of the cloth come from (see Garment::rest); empty = the mesh in the scan pose.
   Vertices rest = Vertices(0, 3);
   Eigen::VectorXd probability = {}; ///< (V) in [0, 1], of being cloth; empty = not told
 };
 
-/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, probability, fullness and rest for all vertices or
-/// none, the last two finite. Throws as require_actor.
+/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, probability and rest for all vertices or
+/// none, the last finite. Throws as require_actor.
 void require_segmentation(const Segmentation &segmentation, Eigen::Index vertices, const std::string &what);
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.
@@ -89,18 +87,17 @@ struct TaperedCapsule {
 /// Joints of the skeleton, finite ends, positive radii; throws as require_actor.
 void require_proxies(const std::vector<TaperedCapsule> &proxies, const Skeleton &skeleton, const std::string &what);
 
-/// A capsule in the world for a pose.
-struct PosedCapsule {
-  Eigen::Vector3d p0, p1;
-  double r0 = 0, r1 = 0;
-};
-PosedCapsule pose_capsule(const TaperedCapsule &capsule, const Skeleton &skeleton, const Transforms &world_from_rest);
-std::vector<PosedCapsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
-                                        const Transforms &world_from_rest);
+/// The capsule in the world for a pose.
+Capsule pose_capsule(const TaperedCapsule &capsule, const Skeleton &skeleton, const Transforms &world_from_rest);
+std::vector<Capsule> pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton,
+                                   const Transforms &world_from_rest);
+/// The same into a list whose memory is used again.
+void pose_capsules(const std::vector<TaperedCapsule> &capsules, const Skeleton &skeleton, const Transforms &world_from_rest,
+                   std::vector<Capsule> &posed);
 /// Closed triangle meshes of them, one behind the other. Throws std::invalid_argument unless ends are finite and radii positive.
-Mesh capsule_mesh(const std::vector<PosedCapsule> &capsules);
+Mesh capsule_mesh(const std::vector<Capsule> &capsules);
 /// Signed distance (m, negative inside) of a point to a posed capsule.
-double signed_distance(const PosedCapsule &capsule, const Eigen::Vector3d &point);
+double signed_distance(const Capsule &capsule, const Eigen::Vector3d &point);
 
 /// The body under the clothes, scan pose. File: body.npz.
 struct BodyFit {
@@ -114,6 +111,7 @@ struct BodyFit {
 void require_body(const BodyFit &fit, const std::string &what);
 
 // Deprecated names.
+using PosedCapsule [[deprecated("use Capsule")]] = Capsule;
 template <class... A> [[deprecated("use canonical_frames")]] decltype(auto) unposed_frames(A &&...a) {
   return canonical_frames(std::forward<A>(a)...);
 }

@@ -46,7 +46,7 @@ public:
   void set_f4(const std::string &name, const std::vector<std::int64_t> &shape, const std::vector<double> &values);
   void set_f8(const std::string &name, const std::vector<std::int64_t> &shape, const std::vector<double> &values);
   void set_i4(const std::string &name, const std::vector<std::int64_t> &shape, const std::vector<int> &values);
-  void set_b1(const std::string &name, const std::vector<std::uint8_t> &values);
+  void set_b1(const std::string &name, const Mask &values);
   void set_text(const std::string &name, const std::vector<std::string> &values);
 
   std::map<std::string, NpyArray> arrays;

@@ -13,6 +13,10 @@ namespace doublet {
 
 struct FitResult;
 
+/// How a material is searched for.
+enum class SearchMethod { Bayesian, CmaEs, Annealing };
+inline constexpr std::array kSearchMethodNames{"bayesian", "cma-es", "annealing"}; ///< in the order of SearchMethod
+
 struct FitOptions {
   std::uint64_t seed = 1;
   /// How far the answers of several searches lie apart tells more than any one search can: each ends somewhere and calls it
@@ -28,14 +32,13 @@ struct FitOptions {
   double penalty = 16.0;   ///< see MinimiseOptions
   bool relative_penalty = true;
   /// Annealing: chains = population, 4 if 0; steps from initial_sigma down to min_deviation.
-  std::string optimizer = "bayesian";
+  SearchMethod optimizer = SearchMethod::Bayesian;
   ParameterSpace space;
   EnergyOptions energy;
   OptimizerFactory make_optimizer;
   Path checkpoint;
   Path log;
   std::function<void(const FitResult &)> on_generation;
-  static constexpr std::array kOptimizers{"bayesian", "cma-es", "annealing"};
   static constexpr auto describe() {
     using namespace options;
     using O = FitOptions;
@@ -65,7 +68,7 @@ struct FitOptions {
                "16 is the paper's"),
         option(&O::relative_penalty, "relative_penalty", "The penalty is omega times the median energy of the first generation",
                "Off = omega alone, the paper's"),
-        option(&O::optimizer, "optimizer", kOptimizers,
+        option(&O::optimizer, "optimizer", kSearchMethodNames,
                "Method: bayesian, cma-es (the paper's) or annealing (the paper's comparison)"),
         option(&O::space, "space", "Parameters that are searched"),
         option(&O::energy, "energy", "Options of E_fit"),
@@ -80,7 +83,7 @@ struct FitOptions {
   /// CMA-ES in the box itself until all deviations are below 0.025, on the paper's energy.
   static FitOptions paper() {
     FitOptions options;
-    options.optimizer = "cma-es";
+    options.optimizer = SearchMethod::CmaEs;
     options.relative_penalty = false;
     options.space = ParameterSpace::paper();
     options.energy = EnergyOptions::paper();

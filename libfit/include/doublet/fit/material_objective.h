@@ -141,13 +141,14 @@ struct EnergyTimes {
   double surface = 0;  ///< E_surf
 };
 
-/// Immutable after construction, so evaluations from several threads are safe. One part a region. Of the sequence 2D data is
-/// kept, which point of the cloth the captured surface has under each feature, and, unless delta is 0, every fourth captured
-/// surface.
+/// Threads: immutable after construction; any method may be called from several at once. One part a region. Of the sequence 2D
+/// data is kept, which point of the cloth the captured surface has under each feature, and, unless delta is 0, every fourth
+/// captured surface.
 class MaterialObjective : public Objective {
 public:
-  /// `simulator`, must outlive the objective. Throws std::invalid_argument if the character has no cloth, Error if performance
-  /// and observations do not belong together (frames, cameras, dofs) or are empty.
+  /// Keeps copies of the simulators, which share models and solvers with those that were given. Throws std::invalid_argument if
+  /// the character has no cloth, Error if performance and observations do not belong together (frames, cameras, dofs) or are
+  /// empty.
   MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
                     const Observations &observations, const EnergyOptions &options = {}, const ParameterSpace &space = {},
                     const Context &context = {});

@@ -13,6 +13,7 @@ namespace doublet {
 
 /// The swap point: energies of a whole generation in one call. An objective may have several independent parts (cloth regions):
 /// each has its own block of parameters and its own energy, and each is minimised by an optimiser of its own, in the same calls.
+/// Threads: minimise() makes one call at a time, from its own; context.threads is what evaluate() may use.
 class Objective {
 public:
   virtual ~Objective() = default;

@@ -17,10 +17,11 @@ struct OptimizerResult {
   double best_energy = 0;     ///< its energy; meaningless while evaluations == 0
   Eigen::VectorXd deviations; ///< (n) standard deviation of the search along each axis
   int evaluations = 0, generations = 0;
-  std::string stop_reason; ///< empty while running
+  std::string stop_reason; ///< in the optimiser's own words, for people; empty while running
 };
 
 /// The swap point. Samples may leave the box: the caller clamps them and adds the penalty (see minimise()).
+/// Threads: one call at a time, whichever thread makes it.
 class Optimizer {
 public:
   virtual ~Optimizer() = default;

@@ -3,6 +3,7 @@
 
 #include "doublet/options/options.h"
 #include "doublet/pbd/material.h"
+#include "doublet/types/geometry.h"
 
 #include <Eigen/Core>
 #include <functional>
@@ -14,15 +15,10 @@
 
 namespace doublet::pbd {
 
-using Vertices = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-using Faces = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
-/// Tapered capsule in the world: two spheres and the cone between them, m. (core's PosedCapsule; this library uses nothing of
-/// core's.)
-struct Capsule {
-  Eigen::Vector3d p0, p1;
-  double r0 = 0, r1 = 0;
-};
+using doublet::Capsule;
+using doublet::Faces;
+using doublet::Vertices;
+using doublet::VerticesView;
 
 /// What k_bend and k_stretch of a Material mean.
 enum class Stiffness {
@@ -96,29 +92,24 @@ struct ClothOptions {
 class ClothModel {
 public:
   /// rest (N, 3) m: rest lengths and angles come from here. faces (F, 3). clothness (N) in [0, 1]: 0 = follows its target
-  /// (infinite mass), 1 = free, between = blended with stiffness 1 - clothness. fullness (N) >= 1, empty = 1: see fullness().
+  /// (infinite mass), 1 = free, between = blended with stiffness 1 - clothness.
   /// Throws std::invalid_argument on an empty or non-finite mesh, bad indices, degenerate faces, vertices without a face, wrong
   /// lengths.
   static std::shared_ptr<const ClothModel> create(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness,
-                                                  const ClothOptions &options = {}, const Eigen::VectorXd &fullness = {});
+                                                  const ClothOptions &options = {});
   int vertex_count() const { return static_cast<int>(rest_.rows()); }
   const Vertices &rest() const { return rest_; }                  ///< (N, 3) m
   const Faces &faces() const { return faces_; }                   ///< (F, 3)
   const Eigen::VectorXd &clothness() const { return clothness_; } ///< (N) in [0, 1]
-  /// (N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis() (gathered cloth, whose folds the mesh does
-  /// not show). Lengths and masses grow with it, angles do not.
-  const Eigen::VectorXd &fullness() const { return fullness_; }
-  const Eigen::Vector3d &fullness_axis() const { return options_.gravity; } ///< 0: no length grows
   const ClothOptions &options() const { return options_; }
-  /// (N) 1/m^2, 0 = pinned. A mass is one third of the areas around, each as wide as it is full.
+  /// (N) 1/m^2, 0 = pinned. A mass is one third of the areas around.
   const Eigen::VectorXd &inverse_masses() const { return inverse_masses_; }
 
 private:
-  ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options,
-             const Eigen::VectorXd &fullness);
+  ClothModel(const Vertices &rest, const Faces &faces, const Eigen::VectorXd &clothness, const ClothOptions &options);
   Vertices rest_;
   Faces faces_;
-  Eigen::VectorXd clothness_, fullness_, inverse_masses_;
+  Eigen::VectorXd clothness_, inverse_masses_;
   ClothOptions options_;
 };
 
@@ -128,19 +119,27 @@ struct ClothState {
   Vertices velocities; ///< (N, 3) m/s
 };
 
-/// What the world does during one frame. A solver of your own heeds all of it.
+/// What the world does during one frame. A solver of your own heeds all of it but `substeps`, if it has none. What it looks at
+/// belongs to the caller and is looked at during the step alone.
 struct StepInputs {
-  const Vertices *targets = nullptr;                       ///< (N, 3) skinned positions at the end of the frame
-  const Vertices *previous_targets = nullptr;              ///< (N, 3) at its start; pinned vertices move evenly
-  const std::vector<Capsule> *capsules = nullptr;          ///< proxies at the end of the frame
-  const std::vector<Capsule> *previous_capsules = nullptr; ///< at its start, same order
-  double dt = 1.0 / 40.0;                                  ///< s, one video frame
-  Eigen::Vector3d wind{0.0, 0.0, 0.0};                     ///< m/s, drag acts on the velocity relative to it
-  std::optional<Eigen::Vector3d> gravity;                  ///< m/s^2; none = the model's
+  VerticesView targets; ///< (N, 3) skinned positions at the end of the frame; may be empty if no vertex follows them
+  /// (N, 3) at its start, from where pinned vertices move evenly; empty = they stand still in `targets`.
+  VerticesView previous_targets;
+  std::span<const Capsule> capsules; ///< proxies at the end of the frame; empty = there are none
+  /// At its start, in the same order; empty = they stand still as `capsules`.
+  std::span<const Capsule> previous_capsules;
+  double dt = 1.0 / 40.0;                 ///< s, the frame
+  Eigen::Vector3d wind{0.0, 0.0, 0.0};    ///< m/s, drag acts on the velocity relative to it
+  std::optional<Eigen::Vector3d> gravity; ///< m/s^2; none = the model's
+  /// Number of substeps that the frame is cut into, the same in all inputs of a call; 0 = the model's. For frames of another
+  /// length than those a material was estimated in, whose substeps should be about as long. A vertex of clothness between 0 and 1
+  /// follows its target in each of them as in one of the model's; k_friction and k_damping are shares of this frame.
+  int substeps = 0;
 };
 
-/// The swap point: advances simulations of one model by a frame. Derive and define advance(). Implementations are immutable after
-/// construction and safe to call from many threads with different states.
+/// The swap point: advances simulations of one model by a frame. Derive and define advance().
+/// Threads: all methods are const and are called from several at once on one solver, with different states: what a solver derives
+/// from its model is immutable, and memory that it uses again is its own to guard.
 class ClothSolver {
 public:
   /// Throws std::invalid_argument if there is no model.

@@ -24,9 +24,9 @@ struct Material {
         "Material",
         option(&O::d_n, "d_n", Range{0, 32}, "1/m", "Drag along the normal, quadratic in the velocity"),
         option(&O::d_t, "d_t", Range{0, 32}, "1/s", "Drag along the surface, linear in the velocity"),
-        option(&O::k_bend, "k_bend", Range{0, 1}, "", "Bending stiffness"),
-        option(&O::k_stretch, "k_stretch", Range{0, 1, Open::Below}, "", "Stretching stiffness",
-               "Below 0.99 cloth hangs like rubber"),
+        option(&O::k_bend, "k_bend", Range{0, 1}, "", "Bending stiffness, as a share", "In N m: spring_constant()"),
+        option(&O::k_stretch, "k_stretch", Range{0, 1, Open::Below}, "", "Stretching stiffness, as a share",
+               "In N/m: spring_constant(). Below 0.99 cloth hangs like rubber"),
         option(&O::k_friction, "k_friction", Range{0, 1}, "", "Friction against proxies and itself"),
         option(&O::k_damping, "k_damping", Range{0, 1}, "", "Damping of the velocity towards rigid motion"),
     };
@@ -47,5 +47,17 @@ struct MaterialParameter {
 const std::array<MaterialParameter, 6> &material_parameters();
 /// Throws std::invalid_argument naming parameter, box and value if one lies outside its box or is NaN.
 void validate(const Material &material);
+
+/// s, the step that k_bend and k_stretch are shares of under Stiffness::Compliance.
+inline constexpr double kComplianceStep = 1.0 / 40;
+/// What a stiffness k of Stiffness::Compliance is in units: k / ((1 - k) kComplianceStep^2 response), the inverse of XPBD's
+/// compliance. `response`: the sum of |grad C|^2 / mass over the vertices of a constraint C. Of an edge C is its length, so
+/// 1 / m_a + 1 / m_b in 1/kg, and the answer is in N/m; of a hinge it is the angle between its faces, in 1/(kg m^2), and the
+/// answer is in N m. Infinite for k = 1. The masses of a ClothModel are areas: one of areal density r (kg/m^2) has r times as
+/// much. Throws std::invalid_argument unless k is in [0, 1] and the response is above 0.
+double spring_constant(double k, double response);
+/// The k that has this spring constant: 0 for 0, 1 for infinity. Throws std::invalid_argument unless the constant is at least 0
+/// and the response above 0.
+double stiffness_of_spring(double constant, double response);
 
 } // namespace doublet::pbd

@@ -23,8 +23,8 @@ struct BannerFrame {
   pbd::StepInputs inputs;
   BannerFrame(const pbd::Vertices &rest, int frame) : before(rail(rest, frame)), after(rail(rest, frame + 1)) {
     rod_before = rod(frame), rod_after = rod(frame + 1);
-    inputs.previous_targets = &before, inputs.targets = &after;
-    inputs.previous_capsules = &rod_before, inputs.capsules = &rod_after;
+    inputs.previous_targets = before, inputs.targets = after;
+    inputs.previous_capsules = rod_before, inputs.capsules = rod_after;
   }
   BannerFrame(const BannerFrame &) = delete;
 
@@ -87,7 +87,7 @@ private:
     const auto tested = solver(banner_.clothness, weightless);
     pbd::ClothState state = pbd::initial_state(banner_.rest);
     pbd::StepInputs still;
-    still.targets = &banner_.rest;
+    still.targets = banner_.rest;
     for (int f = 0; f < 40; ++f)
       tested->step(state, still, {});
     const double moved = (state.positions - banner_.rest).rowwise().norm().maxCoeff();
@@ -120,7 +120,7 @@ private:
     pbd::ClothState state = pbd::initial_state(banner_.rest);
     const pbd::Vertices moved = banner_.rest.rowwise() + Eigen::RowVector3d(0.02, 0.01, -0.03);
     pbd::StepInputs move;
-    move.previous_targets = &banner_.rest, move.targets = &moved;
+    move.previous_targets = banner_.rest, move.targets = moved;
     solver(banner_.clothness)->step(state, move, {});
     const double off = (state.positions - moved).topRows(9).rowwise().norm().maxCoeff();
     if (!(off < 1e-5))
@@ -209,7 +209,7 @@ private:
     few.positions.conservativeResize(5, 3);
     wild.velocities(7, 1) = std::nan("");
     pbd::StepInputs no_targets = frame.inputs, still_time = frame.inputs;
-    no_targets.targets = no_targets.previous_targets = nullptr;
+    no_targets.targets = no_targets.previous_targets = {};
     still_time.dt = 0;
     pbd::Material negative;
     negative.d_n = -1;

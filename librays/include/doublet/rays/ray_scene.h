@@ -26,7 +26,7 @@ class RayScene {
 public:
   /// Faces with face_valid[f] == 0 are not there (empty = all are). Throws Error if the mesh is not usable(), beyond 1e18 m, or
   /// invalid as a whole.
-  explicit RayScene(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid = {});
+  explicit RayScene(const Mesh &mesh, const Mask &face_valid = {});
   /// First hit of origin + s * direction (unit), s in (min_distance, max_distance).
   std::optional<RayHit> cast(const Eigen::Vector3d &origin, const Eigen::Vector3d &direction, double min_distance = 0,
                              double max_distance = 1e30) const;

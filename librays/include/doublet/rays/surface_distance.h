@@ -13,13 +13,12 @@ namespace doublet {
 /// (N) unsigned distances, m, of `points` (N, 3) to the faces of `surface` with face_valid[f] != 0 (empty = all). In parallel;
 /// the result does not depend on the number of threads. Throws Error if the surface is not usable, std::invalid_argument on a
 /// point that is not finite.
-Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface,
-                                     const std::vector<std::uint8_t> &face_valid = {}, const Context &context = {});
+Eigen::VectorXd distances_to_surface(const Vertices &points, const Mesh &surface, const Mask &face_valid = {},
+                                     const Context &context = {});
 
 /// (V) 1 for vertices that at least one camera sees: inside its image and no more than `tolerance` (m along the optical axis)
 /// behind the surface drawn at the farthest of the four pixels around. So what is hidden less than a pixel behind an outline
 /// counts as seen.
-std::vector<std::uint8_t> visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras,
-                                           double tolerance);
+Mask visible_vertices(const Vertices &vertices, const Faces &faces, const CameraRig &cameras, double tolerance);
 
 } // namespace doublet

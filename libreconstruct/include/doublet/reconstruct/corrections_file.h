@@ -15,11 +15,11 @@ inline constexpr const char *kSuggestedMask = "template_suggestion.npz", *kEdite
 inline constexpr const char *kPaint = "segmentation_paint.npz", *kFoundSegmentation = "segmentation_found.npz";
 
 /// (F) of the template in `out`, 0: suggested as invalid.
-std::vector<std::uint8_t> read_suggested_mask(const Path &out);
+Mask read_suggested_mask(const Path &out);
 /// (F) the edited mask if there is one, else the suggestion. Throws Error naming the file if the mask does not fit the template.
-std::vector<std::uint8_t> read_template_mask(const Path &out);
+Mask read_template_mask(const Path &out);
 /// Writes the edited mask, 0 or 1 each, for the template in `out`. Throws std::invalid_argument if it is none.
-void write_template_mask(const Path &out, const std::vector<std::uint8_t> &mask);
+void write_template_mask(const Path &out, const Mask &mask);
 
 /// (V) CorrectionLabels, -1 to 2; none if nothing was painted. Throws Error naming the file if it is for another template.
 std::optional<Eigen::VectorXi> read_segmentation_paint(const Path &out, Eigen::Index vertices);

@@ -27,7 +27,6 @@ struct ReconstructionOptions {
   SilhouetteOptions silhouette;
   CaptureOptions capture;
   SegmentOptions segment;
-  FullnessOptions fullness;
   BodyFitOptions body;
   ProxyOptions proxy;
   GarmentOptions garment;
@@ -51,7 +50,6 @@ template <class Options, class Visit> void for_each_group(Options &options, Visi
   visit("calibration", options.capture.calibration);
   visit("segment", options.segment);
   visit("opposite", options.segment.opposite);
-  visit("fullness", options.fullness);
   visit("body", options.body);
   visit("proxy", options.proxy);
   visit("garment", options.garment);

@@ -2,9 +2,9 @@
 // Which parts of the surface are loose cloth (Sect. 5, eq. 1).
 
 #include "doublet/core/context.h"
+#include "doublet/core/mesh_sequence.h"
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
-#include "doublet/segment/fullness.h"
 #include "doublet/segment/opposite_distance.h"
 
 #include <memory>
@@ -53,8 +53,8 @@ struct SegmentOptions {
 
 /// What a segmenter is given. Only the surface is needed.
 struct SegmentInputs {
-  MeshSequence surface;                      ///< as captured; the first frame is in the scan pose
-  std::vector<std::uint8_t> face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
+  MeshSequence surface; ///< as captured; the first frame is in the scan pose
+  Mask face_valid = {}; ///< (F), empty = all: invalid faces close the surface but were never seen
   /// T x (V, 3) m, the frames brought back to the scan pose by the skeleton (canonical_frames): what still moves there, skinning
   /// does not explain. Empty = not known.
   std::vector<Vertices> canonical = {};
@@ -64,6 +64,8 @@ struct SegmentInputs {
   Eigen::VectorXd prior = {}; ///< (V) log odds of cloth before anything is seen (cloth_prior), or empty = 0
 };
 
+/// The swap point: captured surface in, what of it is cloth out.
+/// Threads: segment() is const and may be called from several at once.
 class ClothSegmenter {
 public:
   virtual ~ClothSegmenter() = default;
@@ -86,14 +88,14 @@ Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &perf
 
 /// The whole stage for a captured performance: its frames are brought back to the scan pose, too (canonical_frames), after
 /// segmentation_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
-/// captured frame, or empty. `segmenter` is asked, and the cloth gets its fullness (estimate_fullness). Throws as these do.
+/// captured frame, or empty. `segmenter` is asked. Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
                                  const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3),
-                                 const FullnessOptions &fullness = {}, const Context &context = {});
+                                 const Context &context = {});
 
 /// Segmentation from a deviation (V, m, NaN = unknown) alone: the energy without prior and colours.
-Segmentation segmentation_from_deviation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
-                                         const Eigen::VectorXd &sigma, const SegmentOptions &options = {});
+Segmentation segmentation_from_deviation(const Mesh &pose, const Mask &face_valid, const Eigen::VectorXd &sigma,
+                                         const SegmentOptions &options = {});
 
 /// What a segmentation found; log it where a number can disappoint.
 struct SegmentSummary {
@@ -104,8 +106,7 @@ struct SegmentSummary {
   double noise = 0;           ///< m, the deviation of the stillest tenth of the surface: how exact the capture is
   double uncertain_area = 0;  ///< of all, the share with a probability of cloth from 0.1 to 0.9; 0 if that is not known
 };
-SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
-                                      const Segmentation &segmentation);
+SegmentSummary summarise_segmentation(const Mesh &pose, const Mask &face_valid, const Segmentation &segmentation);
 
 /// Joints at the ends of limbs (toes, hands, top of the head) with more cloth than skin on the bone that ends there, in the order
 /// of the skeleton: a glove or a boot, or a mistake.

@@ -18,10 +18,9 @@ enum class CorrectionLabel {
 };
 
 /// `found` with the corrections `painted` (V, a CorrectionLabel each): clothness 0 and 1 where skin and cloth were painted, and
-/// the regions that follow. Cloth under a border goes with the region nearest along the cloth. The fullness is left empty: it is
-/// to be estimated again. pose: the first frame, as it was segmented. Throws std::invalid_argument if lengths disagree or a value
-/// is no CorrectionLabel, Error on an unusable mesh.
-Segmentation apply_corrections(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Segmentation &found,
+/// the regions that follow. Cloth under a border goes with the region nearest along the cloth. pose: the first frame, as it was
+/// segmented. Throws std::invalid_argument if lengths disagree or a value is no CorrectionLabel, Error on an unusable mesh.
+Segmentation apply_corrections(const Mesh &pose, const Mask &face_valid, const Segmentation &found,
                                const Eigen::VectorXi &painted);
 
 // Deprecated names.

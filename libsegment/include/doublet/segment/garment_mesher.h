@@ -48,6 +48,8 @@ struct GarmentOptions {
   void validate() const; ///< throws std::invalid_argument naming option, range and value
 };
 
+/// The swap point: cloth of the template in, a garment's own mesh out.
+/// Threads: mesh() is const and may be called from several at once.
 class GarmentMesher {
 public:
   virtual ~GarmentMesher() = default;

@@ -46,8 +46,8 @@ struct OppositePoints {
 /// Rays from v_i along -n_i, and around it, in the given pose against the whole mesh, invalid faces included (they close it, but
 /// do not count when hit). n_i is the normal over the valid faces. face_valid (F), empty = all valid. Throws Error on an unusable
 /// mesh.
-OppositePoints find_opposite_points(const Mesh &pose, const std::vector<std::uint8_t> &face_valid,
-                                    const OppositeOptions &options = {}, const Context &context = {});
+OppositePoints find_opposite_points(const Mesh &pose, const Mask &face_valid, const OppositeOptions &options = {},
+                                    const Context &context = {});
 
 /// (V) m: trimmed standard deviation over all frames of |v_i - p_i|, median over the usable rays; NaN where fewer than half are
 /// usable. With rays = 1 and trim = 0 this is the sigma(v_i) of eq. 1.

@@ -16,7 +16,7 @@ namespace doublet {
 /// A pose worked out once and shared by every sample: skinned surface, proxies.
 struct PosedFrame {
   Vertices skinned;                   ///< (V, 3) M by dual quaternion skinning
-  std::vector<pbd::Capsule> capsules; ///< proxies in the world
+  std::vector<Capsule> capsules;      ///< proxies in the world
   Transforms world_from_rest;         ///< (J)
   std::vector<DualQuaternion> joints; ///< (J) the same, with signs along the skeleton
 };
@@ -26,6 +26,7 @@ struct StepEnvironment {
   double dt = 1.0 / 40;                   ///< s, from one posed frame to the next
   Eigen::Vector3d wind{0.0, 0.0, 0.0};    ///< m/s
   std::optional<Eigen::Vector3d> gravity; ///< m/s^2; none = that of the cloth's options
+  int substeps = 0;                       ///< of the step, see pbd::StepInputs; 0 = those of the cloth's options
 };
 
 /// Memory of a step; who keeps it from one to the next has nothing allocated.
@@ -50,6 +51,8 @@ struct DivergedRegion {
   int character, region;
 };
 
+/// A copy is cheap beside what it does: models and solvers are shared.
+/// Threads: all methods are const and may be called from several at once, with different states and buffers.
 class CharacterSimulator {
 public:
   /// Throws as require_actor. A character without cloth (no region) is legal: skinning alone. make_solver: of each region.

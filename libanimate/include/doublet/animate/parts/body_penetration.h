@@ -11,15 +11,15 @@ namespace doublet {
 /// error. A matter of display only: collision proxies are simpler than a body.
 class BodyPenetrationFix {
 public:
-  /// The character must outlive it.
   explicit BodyPenetrationFix(const Character &character);
   /// surface (V, 3) M in a pose, body (B, 3) in the same; once warm, nothing is allocated.
   void apply(const Vertices &surface, Vertices &body);
 
 private:
-  const Character &character_;
-  std::vector<int> drawn_; ///< vertices of the body ...
-  std::vector<int> last_;  ///< ... and the face that was closest to each in the frame before; -1 = none
+  Faces faces_;               ///< of M
+  Eigen::VectorXd clothness_; ///< (V)
+  std::vector<int> drawn_;    ///< vertices of the body ...
+  std::vector<int> last_;     ///< ... and the face that was closest to each in the frame before; -1 = none
   MovingSurface surface_;
   Vertices normals_; ///< (V, 3) sums of the area vectors around
 };

@@ -11,6 +11,6 @@ namespace doublet {
 /// (F) face_valid, with 0 also for faces that share a corner with a closing surface and have a similar normal, within 53 degrees
 /// of its mean. Where a garment touches a limb, the surface that closes its hem is easily marked too small, and what is left of
 /// it welds the limb to the garment. Empty stays empty (all valid).
-std::vector<std::uint8_t> extend_invalid_faces(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid);
+Mask extend_invalid_faces(const Mesh &mesh, const Mask &face_valid);
 
 } // namespace doublet

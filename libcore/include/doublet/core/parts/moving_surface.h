@@ -20,7 +20,7 @@ public:
   };
 
   /// Faces with face_valid[f] == 0 are not there (empty = all are). Throws Error if the mesh is not usable(), or none is.
-  explicit MovingSurface(const Mesh &mesh, const std::vector<std::uint8_t> &face_valid = {});
+  explicit MovingSurface(const Mesh &mesh, const Mask &face_valid = {});
   /// vertices (V, 3) m; throws std::invalid_argument for another number of them, or one that is not within 1e15 m.
   void move_to(const Vertices &vertices);
   /// The nearest point, of the lowest face if there are several; nothing if it is `within` m or further away. `hint`: a face that
@@ -39,9 +39,9 @@ private:
 
   Vertices vertices_;
   Faces faces_;
-  std::vector<std::uint8_t> valid_; ///< [face]
-  std::vector<Node> nodes_;         ///< the root first, children behind their parents
-  double largest_ = 0;              ///< of all coordinates, m
+  Mask valid_;              ///< [face]
+  std::vector<Node> nodes_; ///< the root first, children behind their parents
+  double largest_ = 0;      ///< of all coordinates, m
 };
 
 } // namespace doublet

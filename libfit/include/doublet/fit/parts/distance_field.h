@@ -10,7 +10,7 @@ namespace doublet {
 /// Exact squared Euclidean distance transform (Felzenszwalb & Huttenlocher 2012): for every node of a width x height grid the
 /// index of the closest seed node. seed: non-zero = seed. Returns node indices (y * width + x), -1 everywhere if there is no
 /// seed.
-std::vector<int> nearest_seed(int width, int height, const std::vector<std::uint8_t> &seed);
+std::vector<int> nearest_seed(int width, int height, const Mask &seed);
 
 /// Distances to a contour inside a box, 16 bits a node.
 class DistanceField {

@@ -86,7 +86,7 @@ public:
   void is_blended() {
     const auto drop = [this](double clothness) {
       pbd::StepInputs in;
-      in.targets = in.previous_targets = &banner_.rest;
+      in.targets = in.previous_targets = banner_.rest;
       return -moved(played(*solver(Eigen::VectorXd::Constant(banner_.clothness.size(), clothness)), 40, in, {})).y();
     };
     const double tight = drop(0.1), loose = drop(0.9);
@@ -102,7 +102,7 @@ public:
       Eigen::VectorXd clothness = Eigen::VectorXd::Ones(banner_.clothness.size());
       clothness.head(Banner::kAcross).setZero();
       pbd::StepInputs in;
-      in.targets = in.previous_targets = &banner_.rest;
+      in.targets = in.previous_targets = banner_.rest;
       pbd::Material material;
       material.k_stretch = k_stretch;
       const pbd::ClothState state = played(*solver(clothness), 60, in, material);
@@ -176,7 +176,7 @@ public:
     for (int f = 0; f < 4; ++f) {
       const pbd::Vertices before = rail(f), after = rail(f + 1);
       pbd::StepInputs in;
-      in.previous_targets = &before, in.targets = &after;
+      in.previous_targets = before, in.targets = after;
       tested->step(state, in, {});
     }
     const double speed = state.velocities.col(0).head(Banner::kAcross).mean();
@@ -218,7 +218,7 @@ private:
   }
   static pbd::StepInputs on_rods(const std::vector<pbd::Capsule> &before, const std::vector<pbd::Capsule> &after) {
     pbd::StepInputs in;
-    in.previous_capsules = &before, in.capsules = &after;
+    in.previous_capsules = before, in.capsules = after;
     in.gravity = Eigen::Vector3d(0, 0, -9.81);
     return in;
   }

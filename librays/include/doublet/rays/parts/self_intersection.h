@@ -12,7 +12,7 @@ namespace doublet {
 /// (F) 1 for the faces that pass through another face of the mesh: an edge of one crosses the inside of the other, and they share
 /// no corner of that edge. Faces that merely touch, or lie in one plane, do not count. In parallel; the result does not depend on
 /// the number of threads. Throws Error if the mesh is not usable.
-std::vector<std::uint8_t> self_intersecting_faces(const Mesh &mesh, const Context &context = {});
+Mask self_intersecting_faces(const Mesh &mesh, const Context &context = {});
 
 /// Does the segment from p to q (m) pass through the inside of a face? Looks at every face.
 bool crosses_surface(const Eigen::Vector3d &p, const Eigen::Vector3d &q, const Mesh &mesh);

@@ -1,7 +1,7 @@
 #include "opencv_storage.h"
 
 #include "doublet/files/files.h"
-#include "frame_reader.h"
+#include "frames/frame_reader.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -111,18 +111,18 @@ cv::Mat bgr_of_cmyk(const cv::Mat &cmyk) {
   return bgr;
 }
 
-class Decoder {
+class JpegDecoder {
 public:
-  explicit Decoder(const std::string &data) {
+  explicit JpegDecoder(const std::string &data) {
     std::memset(&jpeg_, 0, sizeof jpeg_);
     jpeg_.err = jpeg_std_error(&complaints_.calls);
     complaints_.calls.error_exit = fail;
     complaints_.calls.emit_message = note;
     require(read_header(jpeg_, complaints_, data));
   }
-  ~Decoder() { jpeg_destroy_decompress(&jpeg_); }
-  Decoder(const Decoder &) = delete;
-  Decoder &operator=(const Decoder &) = delete;
+  ~JpegDecoder() { jpeg_destroy_decompress(&jpeg_); }
+  JpegDecoder(const JpegDecoder &) = delete;
+  JpegDecoder &operator=(const JpegDecoder &) = delete;
 
   cv::Mat decode() {
     require_bounded(jpeg_.image_width, jpeg_.image_height);
@@ -150,7 +150,7 @@ private:
 } // namespace
 
 cv::Mat decode_jpeg(const std::string &data) {
-  return Decoder(data).decode();
+  return JpegDecoder(data).decode();
 }
 
 } // namespace doublet::detail

@@ -89,8 +89,8 @@ std::string file_format(const fs::path &path) {
 std::string format_of(const fs::path &path, const CalibrationOptions &options) {
   if (!fs::exists(path))
     throw FileNotFound(path.string() + ": the calibration does not exist");
-  if (options.format != "found")
-    return options.format;
+  if (options.format != CalibrationFormat::Found)
+    return kCalibrationFormatNames[static_cast<std::size_t>(options.format)];
   return fs::is_directory(path) ? folder_format(path) : file_format(path);
 }
 
@@ -279,7 +279,7 @@ std::vector<CalibratedCamera> read_calibration(const fs::path &path, const Calib
   if (cameras.empty())
     throw Error(where + ": expected at least one camera, found none");
   const double unit = metres(options.units == "found" ? convention.units : options.units);
-  const std::string up = options.up == "found" ? convention.up : options.up;
+  const std::string up = options.up == UpAxis::Found ? convention.up : kUpAxisNames[static_cast<std::size_t>(options.up)];
   for (CalibratedCamera &camera : cameras) {
     camera.camera.name = key_name(camera.camera.name);
     to_world(camera.camera, unit, up);
@@ -290,7 +290,7 @@ std::vector<CalibratedCamera> read_calibration(const fs::path &path, const Calib
     throw Error(where + ": expected the names of cameras to differ, found '" + name + "' twice");
   if (!convention.declared || options.units != "found")
     require_plausible_distance(cameras, unit, where);
-  if (!convention.declared && options.up == "found")
+  if (!convention.declared && options.up == UpAxis::Found)
     require_upright(cameras, up, where);
   for (const std::string &sentence : left_out)
     context.log_line(where + ": " + sentence + ": left out");

@@ -69,9 +69,9 @@ bool read_rows(png_structp png, png_infop info, png_bytep *rows) {
   return true;
 }
 
-class Decoder {
+class PngDecoder {
 public:
-  explicit Decoder(const std::string &data) : reading_{data} {
+  explicit PngDecoder(const std::string &data) : reading_{data} {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading_, fail, ignore);
     info_ = png_ ? png_create_info_struct(png_) : nullptr;
     if (!info_) {
@@ -80,9 +80,9 @@ public:
     }
     png_set_read_fn(png_, &reading_, read_bytes);
   }
-  ~Decoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
-  Decoder(const Decoder &) = delete;
-  Decoder &operator=(const Decoder &) = delete;
+  ~PngDecoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngDecoder(const PngDecoder &) = delete;
+  PngDecoder &operator=(const PngDecoder &) = delete;
 
   cv::Mat decode() {
     require(read_header(png_, info_));
@@ -110,7 +110,7 @@ private:
 } // namespace
 
 cv::Mat decode_png(const std::string &data) {
-  return Decoder(data).decode();
+  return PngDecoder(data).decode();
 }
 
 } // namespace doublet::detail

@@ -1,7 +1,7 @@
 #include "first_pose.h"
 
+#include "calibration/ray_bundle.h"
 #include "doublet/core/error.h"
-#include "ray_bundle.h"
 #include "small_view.h"
 
 #include <cmath>

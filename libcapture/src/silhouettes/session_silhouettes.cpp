@@ -2,8 +2,8 @@
 
 #include "doublet/capture/silhouette_extractor.h"
 #include "doublet/core/error.h"
-#include "frame_reader.h"
-#include "lens_map.h"
+#include "frames/frame_reader.h"
+#include "frames/lens_map.h"
 
 #include <map>
 #include <set>
@@ -49,9 +49,10 @@ public:
         background_(SilhouetteExtractor::create(options.background)) {}
 
   std::string train(int camera, SessionSilhouettes &all) {
-    const std::string &method = options_.method, name = "camera '" + session_.cameras[camera].name + "'";
-    const bool automatic = method == "auto";
-    if (method == "plates" || (automatic && !session_.cameras[camera].background.empty())) {
+    const SilhouetteMethod method = options_.method;
+    const std::string name = "camera '" + session_.cameras[camera].name + "'";
+    const bool automatic = method == SilhouetteMethod::Auto;
+    if (method == SilhouetteMethod::Plates || (automatic && !session_.cameras[camera].background.empty())) {
       if (session_.cameras[camera].background.empty())
         throw Error(session_.folder.string() + ": " + name +
                     " has no clean plate (\"background\" in session.json), which the "
@@ -62,7 +63,7 @@ public:
       return "difference to its clean plate";
     }
     std::string why;
-    if (method == "key" || automatic)
+    if (method == SilhouetteMethod::Key || automatic)
       try {
         key_->train(camera, require_images(spread_images(frames_, camera, 3), name));
         all.add(camera, key_);

@@ -1,6 +1,6 @@
 #include "lens_map.h"
 
-#include "calibration_formats.h"
+#include "calibration/calibration_formats.h"
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>

@@ -1,6 +1,6 @@
 #include "doublet/capture/session.h"
 
-#include "calibration_formats.h"
+#include "calibration/calibration_formats.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"

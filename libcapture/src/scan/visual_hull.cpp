@@ -1,8 +1,8 @@
 #include "visual_hull.h"
 
 #include "body_bound.h"
+#include "calibration/ray_bundle.h"
 #include "doublet/core/error.h"
-#include "ray_bundle.h"
 
 #include <opencv2/imgproc.hpp>
 

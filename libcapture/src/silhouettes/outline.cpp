@@ -85,21 +85,21 @@ Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int he
   return mask;
 }
 
-OutlineIndex::OutlineIndex(const Outline &outline, int width, int height)
-    : outline_(outline), columns_(width / kCell + 1), rows_(height / kCell + 1), first_(columns_ * rows_ + 1, 0) {
+OutlineIndex::OutlineIndex(Outline outline, int width, int height)
+    : outline_(std::move(outline)), columns_(width / kCell + 1), rows_(height / kCell + 1), first_(columns_ * rows_ + 1, 0) {
   const auto cell = [&](const Eigen::Vector2f &p) {
     const int x = std::clamp(static_cast<int>(p.x()) / kCell, 0, columns_ - 1);
     const int y = std::clamp(static_cast<int>(p.y()) / kCell, 0, rows_ - 1);
     return y * columns_ + x;
   };
-  for (const Eigen::Vector2f &p : outline.points)
+  for (const Eigen::Vector2f &p : outline_.points)
     ++first_[cell(p) + 1];
   for (size_t c = 1; c < first_.size(); ++c)
     first_[c] += first_[c - 1];
-  entries_.resize(outline.points.size());
+  entries_.resize(outline_.points.size());
   std::vector<int> next(first_.begin(), first_.end() - 1);
-  for (size_t i = 0; i < outline.points.size(); ++i)
-    entries_[next[cell(outline.points[i])]++] = static_cast<int>(i);
+  for (size_t i = 0; i < outline_.points.size(); ++i)
+    entries_[next[cell(outline_.points[i])]++] = static_cast<int>(i);
 }
 
 int OutlineIndex::nearest(const Eigen::Vector2f &point, const Eigen::Vector2f &normal, float radius, float min_cosine) const {
