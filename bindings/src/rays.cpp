@@ -1,6 +1,6 @@
 #include "common.h"
 
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "doublet/rays/ray_scene.h"
 #include "doublet/rays/surface_distance.h"
 

@@ -6,7 +6,7 @@
 #include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

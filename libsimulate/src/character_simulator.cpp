@@ -1,6 +1,7 @@
 #include "doublet/simulate/character_simulator.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "doublet/core/skinning.h"
 
 #include <algorithm>
@@ -59,6 +60,19 @@ ClothRegion make_region(const RiggedMesh &actor, const Segmentation &segmentatio
   return result;
 }
 
+/// Does a bone pass through the region's cloth at these positions (V, 3), in the rest pose, but not through the scan's?
+bool bones_leave(const ClothRegion &region, const Vertices &positions, const RiggedMesh &actor) {
+  const Mesh cloth{gather(positions, region.vertex_from_cloth), region.model->faces()},
+      scan{gather(actor.mesh.vertices, region.vertex_from_cloth), region.model->faces()};
+  const std::vector<Joint> &joints = actor.skeleton.joints;
+  return std::any_of(joints.begin(), joints.end(), [&](const Joint &joint) {
+    if (joint.parent < 0)
+      return false;
+    const Eigen::Vector3d &from = joints[joint.parent].rest;
+    return crosses_surface(from, joint.rest, cloth) && !crosses_surface(from, joint.rest, scan);
+  });
+}
+
 const RiggedMesh &checked(const RiggedMesh &actor) {
   require_actor(actor, "CharacterSimulator");
   return actor;
@@ -85,12 +99,16 @@ CharacterSimulator::CharacterSimulator(const RiggedMesh &actor, const Segmentati
                                        const std::vector<TaperedCapsule> &proxies, const pbd::ClothOptions &options,
                                        const pbd::ClothSolverFactory &make_solver)
     : actor_(checked(actor)), proxies_(proxies), options_(options), skin_(actor.mesh.vertices, actor.weights),
-      rest_(segmentation.rest) {
+      start_shape_(segmentation.rest) {
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "CharacterSimulator");
   require_proxies(proxies, actor.skeleton, "CharacterSimulator");
   const Eigen::VectorXd areas = face_areas(actor.mesh.vertices, actor.mesh.faces);
   for (int r = 0; r < segmentation.region_count; ++r)
     regions_.push_back(make_region(actor, segmentation, areas, r, options, make_solver));
+  for (const ClothRegion &region : regions_)
+    if (start_shape_.rows() > 0 && bones_leave(region, start_shape_, actor))
+      for (const int v : region.vertex_from_cloth)
+        start_shape_.row(v) = actor.mesh.vertices.row(v);
 }
 
 PosedFrame CharacterSimulator::pose(const Eigen::VectorXd &dofs) const {
@@ -117,8 +135,9 @@ CharacterState CharacterSimulator::start(const PosedFrame &frame, const Vertices
   if (surface && !surface->allFinite())
     throw std::invalid_argument("CharacterSimulator::start: surface: expected finite positions, found NaN or infinity");
   CharacterState state;
-  const Vertices spread =
-      rest_.rows() > 0 ? dual_quaternion_skinning(rest_, actor_.weights, actor_.skeleton, frame.world_from_rest) : Vertices();
+  const Vertices spread = has_rest_shape()
+                              ? dual_quaternion_skinning(start_shape_, actor_.weights, actor_.skeleton, frame.world_from_rest)
+                              : Vertices();
   const Vertices &from = spread.rows() > 0 && !surface ? spread : surface ? *surface : frame.skinned;
   for (const ClothRegion &region : regions_)
     state.regions.push_back(pbd::initial_state(gather(from, region.vertex_from_cloth)));

@@ -3,7 +3,7 @@
 #include "doublet/animate/animator.h"
 #include "doublet/animate/player.h"
 #include "doublet/core/error.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "figure_character.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 
 #include "doublet/core/error.h"
 #include "doublet/rays/ray_scene.h"

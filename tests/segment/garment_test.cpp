@@ -3,7 +3,7 @@
 #include "../../libsegment/src/rest_shape.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/edge_distances.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "doublet/testing/garment_mesher_conformance.h"
 #include "skirt_person.h"
 

@@ -3,7 +3,7 @@
 #include "../../libsegment/src/surface_piece.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/boundary_loops.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "doublet/segment/garment_mesher.h"
 #include "skirt_person.h"
 #include "support/manifold.h"

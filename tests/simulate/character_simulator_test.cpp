@@ -74,6 +74,31 @@ TEST(CharacterSimulator, ClothThatIsPutOnGoesAlongThroughAllOfTheWay) {
   EXPECT_THROW(simulator.drape_along({}, materials, world), std::invalid_argument);
 }
 
+/// A trouser leg that is twice as wide at rest is where cloth begins; one that the leg has left is not.
+TEST(CharacterSimulator, ClothBeginsAtARestShapeThatTheLimbsAreStillIn) {
+  const RiggedMesh actor = figure_actor(0.05);
+  const Eigen::Index count = actor.mesh.vertices.rows();
+  const Eigen::Array<bool, Eigen::Dynamic, 1> shin = actor.mesh.vertices.col(1).array() < 0.4;
+  Segmentation shins;
+  shins.region_count = 1;
+  shins.clothness = shin.cast<double>();
+  shins.region = shin.select(Eigen::VectorXi::Zero(count), -Eigen::VectorXi::Ones(count));
+  const auto start_at = [&](const Vertices &rest) {
+    shins.rest = rest;
+    const CharacterSimulator simulator(actor, shins, {});
+    const CharacterState state = simulator.start(simulator.pose(Eigen::VectorXd::Zero(actor.skeleton.dof_count())));
+    Vertices all = actor.mesh.vertices;
+    for (std::size_t i = 0; i < simulator.regions()[0].vertex_from_cloth.size(); ++i)
+      all.row(simulator.regions()[0].vertex_from_cloth[i]) = state.regions[0].positions.row(static_cast<Eigen::Index>(i));
+    return all;
+  };
+  Vertices longer = actor.mesh.vertices, aside = longer;
+  longer.col(1) = shin.select(longer.col(1).array() * 1.2 - 0.08, longer.col(1).array());
+  aside.col(2).array() += 0.2 * shin.cast<double>();
+  EXPECT_LT((start_at(longer) - longer).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((start_at(aside) - actor.mesh.vertices).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 TEST(SolverSettings, WhatLiesOutsideARangeIsRefusedByName) {
   expect_ranges<SolverSettings>();
 }

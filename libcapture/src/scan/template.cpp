@@ -6,7 +6,7 @@
 #include "doublet/files/files.h"
 #include "doublet/files/npz.h"
 #include "doublet/options/options.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "face_mask.h"
 #include "holes.h"
 #include "oriented_scan.h"

@@ -1,5 +1,5 @@
 #include "doublet/capture/template_builder.h"
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "doublet/rays/surface_distance.h"
 #include "face_mask.h"
 

@@ -63,12 +63,13 @@ public:
   const RiggedMesh &actor() const { return actor_; }
   const pbd::ClothOptions &options() const { return options_; }
   /// Does cloth begin a motion at its rest shape, rather than at a captured surface?
-  bool has_rest_shape() const { return rest_.rows() > 0; }
+  bool has_rest_shape() const { return start_shape_.rows() > 0; }
   PosedFrame pose(const Eigen::VectorXd &dofs) const;
   /// The same into a frame whose memory is used again.
   void pose(const Eigen::VectorXd &dofs, PosedFrame &frame) const;
   /// Cloth at rest: at `surface` (V, 3), e.g. a captured frame, if given; else spread out, at its skinned rest shape if the
-  /// clothness has one; else at its skinned position.
+  /// clothness has one, and bones pass through it no more than through the scan's cloth (an arm that is not in its sleeve there
+  /// stays out of it); else at its skinned position.
   CharacterState start(const PosedFrame &frame, const Vertices *surface = nullptr) const;
   /// Starts the cloth at poses[0], as start() does, and simulates it through all poses (see lead_in_poses), world.dt s apart.
   /// Throws std::invalid_argument if there is no pose, and as step().
@@ -127,7 +128,7 @@ private:
   pbd::ClothOptions options_;
   std::vector<ClothRegion> regions_;
   SkinBinding skin_;
-  Vertices rest_; ///< (V, 3) of the clothness; may be empty
+  Vertices start_shape_; ///< (V, 3) from which cloth falls into place, in the rest pose; empty = has no rest shape
 };
 
 /// Poses (D) that lead in from the rest pose, with its root where `dofs` has it, to `dofs`, `dt` s apart, in 0.6 s: there the

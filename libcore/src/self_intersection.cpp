@@ -1,4 +1,4 @@
-#include "doublet/rays/parts/self_intersection.h"
+#include "doublet/core/parts/self_intersection.h"
 
 #include <algorithm>
 #include <array>
