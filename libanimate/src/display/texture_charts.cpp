@@ -23,9 +23,10 @@ using Triangle = std::array<Vector2d, 3>;
 
 struct Chart {
   std::vector<int> faces;
-  Vector3d across, up; ///< of the plane it is flattened onto
-  Vector2d low, high;  ///< m, on that plane
-  int x = 0, y = 0;    ///< of its first pixel in the image, border included
+  Vector3d side, across, up;                   ///< that it is seen from; of the plane it is flattened onto
+  std::unordered_set<std::int64_t> taken = {}; ///< pixels of that plane
+  Vector2d low, high;                          ///< m, on that plane
+  int x = 0, y = 0;                            ///< of its first pixel in the image, border included
 };
 
 Vector2d flattened(const Chart &chart, const Mesh &mesh, int vertex) {
@@ -49,12 +50,17 @@ public:
       }
   }
 
+  /// Front and back first: they reach as far around as they can, so that they part at the sides.
   std::vector<Chart> grow() {
     std::vector<Chart> charts;
     const std::vector<Vector3d> sides = main_sides();
-    for (int f = 0; f < mesh_.faces.rows(); ++f)
-      if (open_[f])
-        charts.push_back(grown_from(f, sides[f]));
+    for (const int axis : {2, 0, 1})
+      for (int f = 0; f < mesh_.faces.rows(); ++f)
+        if (open_[f] && sides[f][axis] != 0)
+          charts.push_back(grown_from(f, sides[f]));
+    join_small(charts);
+    for (Chart &chart : charts)
+      find_bounds(chart);
     return charts;
   }
 
@@ -90,10 +96,10 @@ private:
 
   Chart grown_from(int seed, const Vector3d &side) {
     Chart chart;
+    chart.side = side;
     const Vector3d above = std::abs(side.y()) < 0.5 ? Vector3d::UnitY() : Vector3d::UnitZ();
     chart.across = above.cross(side);
     chart.up = -above; // images begin at the top
-    taken_.clear();
     std::queue<int> front;
     const auto take = [&](int f) {
       if (!open_[f] || (f != seed && !(normals_.row(f).dot(side) > kFacing)) || !claims(chart, f))
@@ -105,6 +111,39 @@ private:
     for (take(seed); !front.empty(); front.pop())
       for (int g : beside_[front.front()])
         take(g);
+    return chart;
+  }
+
+  /// Faces of small charts, as of the undersides of folds, go over to large ones beside them where they have room there.
+  void join_small(std::vector<Chart> &charts) {
+    constexpr int kRounds = 20;
+    constexpr std::size_t kSmall = 40; // faces
+    constexpr double kFlat = 0.15;     // cosine
+    std::vector<int> chart_of(mesh_.faces.rows(), -1);
+    std::vector<std::uint8_t> is_small(charts.size());
+    for (std::size_t c = 0; c < charts.size(); ++c) {
+      is_small[c] = charts[c].faces.size() < kSmall;
+      for (int f : charts[c].faces)
+        chart_of[f] = static_cast<int>(c);
+    }
+    const auto joined = [&](int f) {
+      for (int g : beside_[f])
+        if (Chart &other = charts[chart_of[g]];
+            !is_small[chart_of[g]] && normals_.row(f).dot(other.side) > kFlat && claims(other, f)) {
+          chart_of[f] = chart_of[g];
+          other.faces.push_back(f);
+          return true;
+        }
+      return false;
+    };
+    for (int round = 0; round < kRounds; ++round)
+      for (std::size_t c = 0; c < charts.size(); ++c)
+        if (is_small[c])
+          std::erase_if(charts[c].faces, joined);
+    std::erase_if(charts, [](const Chart &chart) { return chart.faces.empty(); });
+  }
+
+  void find_bounds(Chart &chart) const {
     chart.low = Vector2d::Constant(1e30);
     chart.high = -chart.low;
     for (int f : chart.faces)
@@ -113,11 +152,10 @@ private:
         chart.low = chart.low.cwiseMin(p);
         chart.high = chart.high.cwiseMax(p);
       }
-    return chart;
   }
 
   /// Are the pixels under the face free? Then they are its own.
-  bool claims(const Chart &chart, int f) {
+  bool claims(Chart &chart, int f) const {
     Triangle t;
     for (int k = 0; k < 3; ++k)
       t[k] = flattened(chart, mesh_, mesh_.faces(f, k)) / pixel_;
@@ -125,10 +163,10 @@ private:
     bool is_free = true;
     for_pixels(t, [&](int x, int y, const Vector3d &) {
       under.push_back((static_cast<std::int64_t>(x) << 32) + y);
-      is_free &= taken_.count(under.back()) == 0;
+      is_free &= chart.taken.count(under.back()) == 0;
     });
     if (is_free)
-      taken_.insert(under.begin(), under.end());
+      chart.taken.insert(under.begin(), under.end());
     return is_free;
   }
 
@@ -137,7 +175,6 @@ private:
   std::vector<std::vector<int>> beside_;
   const double pixel_;
   std::vector<std::uint8_t> open_;
-  std::unordered_set<std::int64_t> taken_;
 };
 
 /// A raster of which some cells are taken; coarser than the image's pixels.
