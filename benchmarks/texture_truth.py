@@ -2,9 +2,9 @@
 
 python benchmarks/texture_truth.py OUT SESSION [--frames 1 16] [--label-margin 0.05] [--write FOLDER]
 
-Bakes the texture of OUT's character again, as photographed, from at most so many frames each time, and compares it at ten points of
-every drawn face. The true colour is the median of what cameras see of the true surface in frames of the whole take, at the point
-that is nearest in the first frame and of the same kind (body, garment). Columns, for each part:
+Bakes the texture of OUT's character again, as photographed, from at most so many frames each time, and compares it at ten points
+of every drawn face. The true colour is the median of what cameras see of the true surface in frames of the whole take, at the
+point that is nearest in the first frame and of the same kind (body, garment). Columns, for each part:
 
 hands, body, garment: all that is drawn; hidden: the part of it that no camera sees in the first frame
 
@@ -50,14 +50,19 @@ def on_faces(corners: np.ndarray) -> np.ndarray:
 
 
 class Film:
-    """The images of a session, frame after frame."""
+    """The images of a session, frame after frame, kept; and how long it took to read them."""
 
     def __init__(self, job: Job):
         self.source, self.silhouettes, self.rig = d.FrameSource.open(job.filmed), job.silhouettes, job.filmed.rig
+        self.kept, self.seconds = {}, 0.0
 
     def __call__(self, frame: int) -> tuple[list, list]:
-        views = [d.read_view(self.source, camera, frame, self.silhouettes) for camera in range(len(self.rig))]
-        return [view.image for view in views], [view.mask for view in views]
+        if frame not in self.kept:
+            start = time.perf_counter()
+            views = [d.read_view(self.source, camera, frame, self.silhouettes) for camera in range(len(self.rig))]
+            self.kept[frame] = [view.image for view in views], [view.mask for view in views]
+            self.seconds += time.perf_counter() - start
+        return self.kept[frame]
 
 
 class TrueColours:
@@ -122,49 +127,35 @@ def detail(lightness: np.ndarray, faces: np.ndarray, vertex_count: int) -> np.nd
     return lightness - on_faces(around[faces][:, :, None])[:, 0]
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("out", type=Path)
-    parser.add_argument("session", type=Path)
-    parser.add_argument("--frames", type=int, nargs="+", default=[1, d.TextureOptions().frames])
-    parser.add_argument("--label-margin", type=float, default=d.TextureOptions().label_margin, help="m")
-    parser.add_argument("--write", type=Path, help="folder for the characters, with albedo")
-    options = parser.parse_args()
-    job, truth = Job(options.session, options.out), Truth(options.session / "ground_truth")
-    performance, character = job.results.dressed_performance(), d.Character.read(options.out / "character.glb")
-    film = Film(job)
-    shared = sorted(set(performance.frames.tolist()) & set(truth.chunks))
-    chosen = [shared[i] for i in sorted({k * (len(shared) - 1) // (TRUE_FRAMES - 1) for k in range(TRUE_FRAMES)})]
-    true = TrueColours(truth, chosen, film)
-    mesh, parts = character.high, parts_of(character)
-    points = on_faces(d.DisplaySurface(character).apply(performance.surface.frames[0])[mesh.faces])
-    expected = np.zeros((len(points), 3))
-    for name, faces in parts.items():
-        at = np.repeat(faces, len(WEIGHTS))
-        expected[at] = lab(true.at(points[at], name == "garment"))
-    parts |= hidden_at_first(parts, character, performance, Film(job))
-    used = np.logical_or.reduce(list(parts.values()))
-    true_detail = detail(expected[np.repeat(used, len(WEIGHTS)), 0], mesh.faces[used], len(mesh.vertices))
-    for frames in options.frames:
-        film, start = Film(job), time.perf_counter()
-        baking = d.TextureOptions(albedo=False, label_margin=options.label_margin, frames=frames)
-        images = {}
+class Comparison:
+    """A character's texture against the truth."""
 
-        def read(row: int, film=film):
-            began = time.perf_counter()
-            found = images.setdefault(row, film(int(performance.frames[row])))
-            read.seconds += time.perf_counter() - began
-            return found
+    def __init__(self, job: Job, truth: Truth, character: d.Character):
+        self.character, self.mesh = character, character.high
+        self.performance, film = job.results.dressed_performance(), Film(job)
+        shared = sorted(set(self.performance.frames.tolist()) & set(truth.chunks))
+        chosen = [shared[i] for i in sorted({k * (len(shared) - 1) // (TRUE_FRAMES - 1) for k in range(TRUE_FRAMES)})]
+        true = TrueColours(truth, chosen, film)
+        self.parts = parts_of(character)
+        posed = d.DisplaySurface(character).apply(self.performance.surface.frames[0])
+        points = on_faces(posed[self.mesh.faces])
+        self.expected = np.zeros((len(points), 3))
+        for name, faces in self.parts.items():
+            at = np.repeat(faces, len(WEIGHTS))
+            self.expected[at] = lab(true.at(points[at], name == "garment"))
+        self.used = np.logical_or.reduce(list(self.parts.values()))
+        self.parts |= hidden_at_first(self.parts, character, self.performance, Film(job))
 
-        read.seconds = 0
-        d.texture_character_from_take(character, performance.surface.frames, film.rig, read, baking)
-        taken = time.perf_counter() - start
-        print(f"{frames} frames: {taken - read.seconds:.1f} s and {read.seconds:.1f} s for their images")
-        found = lab(textured(character))
-        found_detail = detail(found[np.repeat(used, len(WEIGHTS)), 0], mesh.faces[used], len(mesh.vertices))
-        for name, faces in parts.items():
-            at, among = np.repeat(faces, len(WEIGHTS)), np.repeat(faces[used], len(WEIGHTS))
-            difference = found[at] - expected[at]
+    def detail(self, colours: np.ndarray) -> np.ndarray:
+        chosen = np.repeat(self.used, len(WEIGHTS))
+        return detail(colours[chosen, 0], self.mesh.faces[self.used], len(self.mesh.vertices))
+
+    def print_parts(self) -> None:
+        found = lab(textured(self.character))
+        found_detail, true_detail = self.detail(found), self.detail(self.expected)
+        for name, faces in self.parts.items():
+            at, among = np.repeat(faces, len(WEIGHTS)), np.repeat(faces[self.used], len(WEIGHTS))
+            difference = found[at] - self.expected[at]
             ab = np.linalg.norm(difference[:, 1:], axis=1)
             mine, theirs = found_detail[among], true_detail[among]
             alike = (mine * theirs).mean() / np.sqrt((mine**2).mean() * (theirs**2).mean())
@@ -174,9 +165,29 @@ def main() -> None:
                 f"  sharp {np.sqrt((mine**2).mean() / (theirs**2).mean()):.2f}",
                 flush=True,
             )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("session", type=Path)
+    parser.add_argument("--frames", type=int, nargs="+", default=[1, d.TextureOptions().frames])
+    parser.add_argument("--label-margin", type=float, default=d.TextureOptions().label_margin, help="m")
+    parser.add_argument("--write", type=Path, help="folder for the characters, with albedo")
+    options = parser.parse_args()
+    job, character = Job(options.session, options.out), d.Character.read(options.out / "character.glb")
+    comparison = Comparison(job, Truth(options.session / "ground_truth"), character)
+    surfaces, numbers = comparison.performance.surface.frames, comparison.performance.frames.tolist()
+    for frames in options.frames:
+        film, start = Film(job), time.perf_counter()
+        baking = d.TextureOptions(albedo=False, label_margin=options.label_margin, frames=frames)
+        d.texture_character_from_take(character, surfaces, film.rig, lambda row, film=film: film(numbers[row]), baking)
+        seconds = time.perf_counter() - start - film.seconds
+        print(f"{frames} frames: {seconds:.1f} s and {film.seconds:.1f} s for their images")
+        comparison.print_parts()
         if options.write:
             baking.albedo = True
-            d.texture_character_from_take(character, performance.surface.frames, film.rig, images.__getitem__, baking)
+            d.texture_character_from_take(character, surfaces, film.rig, lambda row, film=film: film(numbers[row]), baking)
             character.write(options.write / f"{options.out.name}-{frames}.glb")
 
 

@@ -12,6 +12,7 @@
 #include "doublet/animate/texture_baker.h"
 
 #include <algorithm>
+#include <pybind11/typing.h>
 
 namespace doublet::python {
 namespace {
@@ -342,9 +343,22 @@ void bind_pictures(py::module_ &m) {
            py::arg("options") = RenderOptions{}, Release(), "(H, W, 3) uint8, BGR");
 }
 
+using Images = std::pair<std::vector<Image>, std::vector<Image>>;
+using ImagesOfFrame = py::typing::Callable<Images(int)>;
+
+FrameImages images_of(const ImagesOfFrame &images, int frame) {
+  const py::gil_scoped_acquire gil;
+  const py::object found = images(frame);
+  try {
+    auto [pictures, masks] = found.cast<Images>();
+    return {std::move(pictures), std::move(masks)};
+  } catch (const py::cast_error &) {
+    throw py::type_error("images must return two lists, pictures (H, W, 3) and masks (H, W) of uint8, found " + described(found));
+  }
+}
+
 void bind_texture(py::module_ &m) {
   OptionsClass<TextureOptions>(m, "Options of texture_character.");
-  using Images = std::pair<std::vector<Image>, std::vector<Image>>;
   m.def("texture_character",
         py::overload_cast<Character &, const Vertices &, const CameraRig &, const std::vector<Image> &,
                           const std::vector<Image> &, const TextureOptions &, const Context &>(&texture_character),
@@ -354,13 +368,10 @@ void bind_texture(py::module_ &m) {
         "colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.");
   m.def(
       "texture_character_from_take",
-      [](Character &character, const std::vector<Vertices> &surfaces, const CameraRig &cameras,
-         const std::function<Images(int)> &images, const TextureOptions &options, const Context &context) {
-        const auto read = [&](int frame) {
-          auto [pictures, masks] = images(frame);
-          return FrameImages{std::move(pictures), std::move(masks)};
-        };
-        const FilmedSurface filmed{static_cast<int>(surfaces.size()), [&](int frame) { return surfaces[frame]; }, read};
+      [](Character &character, const std::vector<Vertices> &surfaces, const CameraRig &cameras, const ImagesOfFrame &images,
+         const TextureOptions &options, const Context &context) {
+        const FilmedSurface filmed{static_cast<int>(surfaces.size()), [&](int frame) { return surfaces[frame]; },
+                                   [&](int frame) { return images_of(images, frame); }};
         return texture_character(character, filmed, cameras, options, context);
       },
       py::arg("character"), py::arg("surfaces"), py::arg("cameras"), py::arg("images"), py::arg("options") = TextureOptions{},
