@@ -1,7 +1,6 @@
 #include "face_views.h"
 
 #include "doublet/animate/parts/irradiance.h"
-#include "doublet/core/parts/labelling.h"
 #include "hidden_skin.h"
 
 #include <algorithm>
@@ -177,7 +176,7 @@ void fill_unknown(FilmedFaces &filmed) {
 }
 
 /// The levels of one frame: how much the faces it shows differ from the agreed colours, smooth along the surface.
-void find_levels_of(FilmedFaces &filmed, const std::vector<std::pair<int, int>> &faces, std::vector<Vector3f> &off,
+void find_levels_of(FilmedFaces &filmed, const std::vector<ShownFace> &faces, std::vector<Vector3f> &off,
                     std::vector<std::uint8_t> &has) {
   constexpr int kRounds = 8; // a few centimetres
   for (const auto &[f, i] : faces) {
@@ -187,9 +186,9 @@ void find_levels_of(FilmedFaces &filmed, const std::vector<std::pair<int, int>> 
   std::vector<Vector3f> next(faces.size());
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t n = 0; n < faces.size(); ++n) {
-      Vector3f sum = off[faces[n].first];
+      Vector3f sum = off[faces[n].face];
       int count = 1;
-      for (int g : filmed.beside[faces[n].first])
+      for (int g : filmed.beside[faces[n].face])
         if (has[g]) {
           sum += off[g];
           ++count;
@@ -197,7 +196,7 @@ void find_levels_of(FilmedFaces &filmed, const std::vector<std::pair<int, int>> 
       next[n] = sum / static_cast<float>(count);
     }
     for (std::size_t n = 0; n < faces.size(); ++n)
-      off[faces[n].first] = next[n];
+      off[faces[n].face] = next[n];
   }
   for (const auto &[f, i] : faces) {
     filmed.views[f][i].level = off[f];
@@ -205,120 +204,15 @@ void find_levels_of(FilmedFaces &filmed, const std::vector<std::pair<int, int>> 
   }
 }
 
-/// Expands one label: the faces that take it lower the energy most (Boykov, Veksler, Zabih 2001; of a Potts model every
-/// expansion is a minimum cut).
-class Expansion {
-public:
-  Expansion(FilmedFaces &filmed) : filmed_(filmed), node_(filmed.views.size(), -1) {
-    const Mesh &mesh = filmed.mesh;
-    areas_ = face_areas(mesh.vertices, mesh.faces);
-    const EdgeTopology topology = edge_topology(mesh.faces);
-    for (std::size_t e = 0; e < topology.edges.size(); ++e)
-      if (const Eigen::Vector2i &pair = topology.edge_faces[e]; pair[1] >= 0) {
-        const double length = (mesh.vertices.row(topology.edges[e][0]) - mesh.vertices.row(topology.edges[e][1])).norm();
-        for (const int side : {0, 1})
-          if (!filmed.views[pair[0]].empty() && !filmed.views[pair[1]].empty())
-            beside_.resize(filmed.views.size()), beside_[pair[side]].push_back({pair[1 - side], kSeam * length});
-      }
-    beside_.resize(filmed.views.size());
-    costs_.resize(filmed.views.size());
-    for (std::size_t f = 0; f < costs_.size(); ++f)
-      for (const FaceView &view : filmed.views[f])
-        costs_[f].push_back(areas_[static_cast<Eigen::Index>(f)] * cost_of(view, filmed.views[f]));
-  }
+} // namespace
 
-  /// The best view of every face for itself.
-  void begin() {
-    for (std::size_t f = 0; f < costs_.size(); ++f)
-      if (!costs_[f].empty())
-        filmed_.label[f] = filmed_.views[f][std::min_element(costs_[f].begin(), costs_[f].end()) - costs_[f].begin()].frame;
-  }
-
-  /// `faces` that have the view, with its index among theirs. True if any changed.
-  bool expand(int label, const std::vector<std::pair<int, int>> &faces) {
-    std::vector<std::pair<int, int>> nodes;
-    for (const auto &[f, i] : faces)
-      if (filmed_.label[f] != label) {
-        node_[f] = static_cast<int>(nodes.size());
-        nodes.emplace_back(f, i);
-      }
-    const LabellingEnergy energy = energy_of(label, nodes);
-    const std::vector<char> taken = lowest_labelling(energy);
-    bool changed = false;
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      node_[nodes[n].first] = -1;
-      if (taken[n])
-        filmed_.label[nodes[n].first] = label;
-      changed |= taken[n] != 0;
-    }
-    return changed;
-  }
-
-private:
-  static constexpr double kSeam = 0.02; // m: what a metre of seam costs in square metres that are not seen
-  struct Beside {
-    int face;
-    double cost;
-  };
-
-  /// 0 = the best view of the face, 1 = one that shows nothing.
-  static double cost_of(const FaceView &view, const std::vector<FaceView> &views) {
-    constexpr float kOff = 30; // of 255: so far off in its surroundings, a view shows something else
-    float best = 0;
-    const auto worth = [](const FaceView &v) { return v.quality * std::exp(-v.level.squaredNorm() / (kOff * kOff)); };
-    for (const FaceView &other : views)
-      best = std::max(best, worth(other));
-    return best > 0 ? 1 - worth(view) / best : 0;
-  }
-
-  double cost_now(int f) const {
-    const auto &views = filmed_.views[f];
-    for (std::size_t i = 0; i < views.size(); ++i)
-      if (views[i].frame == filmed_.label[f])
-        return costs_[f][i];
-    return 0;
-  }
-
-  LabellingEnergy energy_of(int label, const std::vector<std::pair<int, int>> &nodes) const {
-    LabellingEnergy energy;
-    energy.gain.resize(static_cast<Eigen::Index>(nodes.size()));
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      const auto &[f, i] = nodes[n];
-      double gain = cost_now(f) - costs_[f][i];
-      for (const Beside &other : beside_[f]) {
-        const bool same = filmed_.label[f] == filmed_.label[other.face];
-        if (node_[other.face] < 0) // it stays
-          gain += (same ? 0 : other.cost) - (filmed_.label[other.face] == label ? 0 : other.cost);
-        else {
-          gain += same ? 0 : other.cost / 2;
-          if (f < other.face) {
-            energy.edges.emplace_back(static_cast<int>(n), node_[other.face]);
-            energy.cost.push_back(same ? other.cost : other.cost / 2);
-          }
-        }
-      }
-      energy.gain[static_cast<Eigen::Index>(n)] = gain;
-    }
-    return energy;
-  }
-
-  FilmedFaces &filmed_;
-  Eigen::VectorXd areas_;
-  std::vector<std::vector<Beside>> beside_;
-  std::vector<std::vector<double>> costs_; ///< [F] of its views
-  std::vector<int> node_;                  ///< [F] in the graph; -1 = not in it
-};
-
-/// [frames] the faces that each shows, and its index among theirs.
-std::vector<std::vector<std::pair<int, int>>> faces_of_frames(const FilmedFaces &filmed) {
-  std::vector<std::vector<std::pair<int, int>>> faces(filmed.frames.size());
+std::vector<std::vector<ShownFace>> faces_of_frames(const FilmedFaces &filmed) {
+  std::vector<std::vector<ShownFace>> faces(filmed.frames.size());
   for (std::size_t f = 0; f < filmed.views.size(); ++f)
     for (std::size_t i = 0; i < filmed.views[f].size(); ++i)
-      faces[filmed.views[f][i].frame].emplace_back(static_cast<int>(f), static_cast<int>(i));
+      faces[filmed.views[f][i].frame].push_back({static_cast<int>(f), static_cast<int>(i)});
   return faces;
 }
-
-} // namespace
 
 Vector3f FilmedFrame::gain(const Faces &faces, int f, const Vector3d &barycentric) const {
   if (gains.rows() == 0)
@@ -411,21 +305,6 @@ void find_levels(FilmedFaces &filmed, const Context &context) {
     });
   }
   fill_unknown(filmed);
-}
-
-void choose_views(FilmedFaces &filmed) {
-  constexpr int kCycles = 3;
-  filmed.label.assign(filmed.views.size(), -1);
-  Expansion expansion(filmed);
-  expansion.begin();
-  const auto faces = faces_of_frames(filmed);
-  for (int cycle = 0; cycle < kCycles; ++cycle) {
-    bool changed = false;
-    for (std::size_t frame = 0; frame < faces.size(); ++frame)
-      changed |= expansion.expand(static_cast<int>(frame), faces[frame]);
-    if (!changed)
-      break;
-  }
 }
 
 } // namespace doublet::detail

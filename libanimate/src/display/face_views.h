@@ -53,6 +53,13 @@ struct FilmedFaces {
   const FaceView *view(int face, int frame) const;
 };
 
+/// A face in a frame, and its index among the face's views.
+struct ShownFace {
+  int face, view;
+};
+/// [frames]
+std::vector<std::vector<ShownFace>> faces_of_frames(const FilmedFaces &filmed);
+
 /// A colour no brighter than white, in its own hue.
 Eigen::Vector3f within_white(Eigen::Vector3f colour);
 
