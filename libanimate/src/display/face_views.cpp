@@ -44,7 +44,7 @@ ImagePart part_of(const Image &image, const Camera &camera, const Vertices &vert
 
 /// What the cameras of a frame saw of a face; none = nothing.
 std::optional<FaceView> view_of(int f, const SurfaceSights &sights, int frame, double facing_power) {
-  FaceView found{frame, 0, Vector3f::Zero(), Vector3f::Zero(), {}};
+  FaceView found{frame, 0, Vector3f::Zero(), Vector3f::Zero(), 0, {}};
   float sum = 0;
   std::uint16_t bit = 1;
   for (const Vector3d &at : points_of_a_face()) {
@@ -175,18 +175,17 @@ void fill_unknown(FilmedFaces &filmed) {
   }
 }
 
-/// The levels of one frame: how much the faces it shows differ from the agreed colours, smooth along the surface.
-void find_levels_of(FilmedFaces &filmed, const std::vector<ShownFace> &faces, std::vector<Vector3f> &off,
-                    std::vector<std::uint8_t> &has) {
+/// Of the faces that a frame shows, smooth along the surface. `off` (F), of which only those faces' values count; `has` (F) all
+/// 0, and so again.
+template <class T>
+void smooth(const FilmedFaces &filmed, const std::vector<ShownFace> &faces, std::vector<T> &off, std::vector<std::uint8_t> &has) {
   constexpr int kRounds = 8; // a few centimetres
-  for (const auto &[f, i] : faces) {
-    off[f] = filmed.colour[f] - filmed.views[f][i].colour;
+  for (const auto &[f, i] : faces)
     has[f] = 1;
-  }
-  std::vector<Vector3f> next(faces.size());
+  std::vector<T> next(faces.size());
   for (int round = 0; round < kRounds; ++round) {
     for (std::size_t n = 0; n < faces.size(); ++n) {
-      Vector3f sum = off[faces[n].face];
+      T sum = off[faces[n].face];
       int count = 1;
       for (int g : filmed.beside[faces[n].face])
         if (has[g]) {
@@ -198,10 +197,30 @@ void find_levels_of(FilmedFaces &filmed, const std::vector<ShownFace> &faces, st
     for (std::size_t n = 0; n < faces.size(); ++n)
       off[faces[n].face] = next[n];
   }
-  for (const auto &[f, i] : faces) {
-    filmed.views[f][i].level = off[f];
+  for (const auto &[f, i] : faces)
     has[f] = 0;
-  }
+}
+
+/// The levels of one frame: how much the faces it shows differ from the agreed colours.
+void find_levels_of(FilmedFaces &filmed, const std::vector<ShownFace> &faces) {
+  std::vector<Vector3f> off(filmed.views.size());
+  std::vector<std::uint8_t> has(filmed.views.size(), 0);
+  for (const auto &[f, i] : faces)
+    off[f] = filmed.colour[f] - filmed.views[f][i].colour;
+  smooth(filmed, faces, off, has);
+  for (const auto &[f, i] : faces)
+    filmed.views[f][i].level = off[f];
+}
+
+/// How much they still differ from face to face: where the surface has slid, a frame shows the pattern beside its place.
+void find_slips_of(FilmedFaces &filmed, const std::vector<ShownFace> &faces) {
+  std::vector<float> off(filmed.views.size());
+  std::vector<std::uint8_t> has(filmed.views.size(), 0);
+  for (const auto &[f, i] : faces)
+    off[f] = (filmed.views[f][i].colour + filmed.views[f][i].level - filmed.colour[f]).norm();
+  smooth(filmed, faces, off, has);
+  for (const auto &[f, i] : faces)
+    filmed.views[f][i].slip = off[f];
 }
 
 } // namespace
@@ -298,12 +317,9 @@ void find_levels(FilmedFaces &filmed, const Context &context) {
       filmed.colour[f] = agreed_colour(filmed.views[f]);
       filmed.known[f] = 1;
     });
-    parallel_for(context, static_cast<int>(faces.size()), [&](int frame) {
-      std::vector<Vector3f> off(count);
-      std::vector<std::uint8_t> has(count, 0);
-      find_levels_of(filmed, faces[frame], off, has);
-    });
+    parallel_for(context, static_cast<int>(faces.size()), [&](int frame) { find_levels_of(filmed, faces[frame]); });
   }
+  parallel_for(context, static_cast<int>(faces.size()), [&](int frame) { find_slips_of(filmed, faces[frame]); });
   fill_unknown(filmed);
 }
 

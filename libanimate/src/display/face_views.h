@@ -20,6 +20,7 @@ struct FaceView {
   float quality;          ///< resolution and share that was seen
   Eigen::Vector3f colour; ///< B G R, mean of what was seen
   Eigen::Vector3f level;  ///< to be added: what the surface around is brighter in all frames together
+  float slip;             ///< of 255: how unlike the colours of all frames together the faces around are, each for itself
   std::vector<SeenPoints> seen;
 };
 

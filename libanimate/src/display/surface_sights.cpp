@@ -134,6 +134,7 @@ std::shared_ptr<const LabelColours> SurfaceSights::keep_apart(const std::vector<
   for (View &view : views_)
     view.colours = colour_bins(*view.image, context);
   face_labels_ = &face_labels;
+  tracked_ = colours != nullptr;
   if (!colours) {
     std::vector<std::vector<int>> seen(face_labels.size());
     parallel_for(context, static_cast<int>(seen.size()), [&](int f) { seen[f] = certain_colours(f, face_labels); });
@@ -189,6 +190,8 @@ bool SurfaceSights::shows_the_other_label(int f, const Sight &sight) const {
   constexpr double kApart = 0.03; // m: closer, they touch, and a label may end elsewhere
   if (!label_colours_)
     return false;
+  if (tracked_)
+    return other_label_near(sight, *face_labels_, f, options_.label_margin, kApart) >= 0;
   std::optional<int> other;
   const auto is_the_others = [&](std::size_t at) {
     const int bin = sight.view.colours[at];

@@ -50,7 +50,8 @@ public:
   const Vertices &normals() const { return normals_; }
 
   /// From now on cameras do not count where they see the colour of what has the other label beside it. `colours`: what each
-  /// label looks like, from another frame; none = from this one. Returns them; none where labels do not matter.
+  /// label looks like, from another frame; none = from this one. Where the surface has been tracked since, fingers are farther
+  /// off, and cameras do not count beside the other label, whatever its colour. Returns them; none where labels do not matter.
   std::shared_ptr<const LabelColours> keep_apart(const std::vector<SurfaceLabel> &face_labels,
                                                  std::shared_ptr<const LabelColours> colours, const Context &context);
 
@@ -89,6 +90,7 @@ private:
   std::vector<View> views_;
   const std::vector<SurfaceLabel> *face_labels_ = nullptr;
   std::shared_ptr<const LabelColours> label_colours_; ///< none = labels do not matter
+  bool tracked_ = false;                              ///< since the frame that the colours are of
 };
 
 } // namespace doublet::detail
