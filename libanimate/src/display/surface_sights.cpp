@@ -190,6 +190,9 @@ bool SurfaceSights::shows_the_other_label(int f, const Sight &sight) const {
   constexpr double kApart = 0.03; // m: closer, they touch, and a label may end elsewhere
   if (!label_colours_)
     return false;
+  const bool is_body = (*face_labels_)[f] == SurfaceLabel::Body;
+  if (tracked_ && is_body && label_colours_->rare(f, sight.view.colours[sight.nearest_pixel()]))
+    return true;
   if (tracked_)
     return other_label_near(sight, *face_labels_, f, options_.label_margin, kApart) >= 0;
   std::optional<int> other;

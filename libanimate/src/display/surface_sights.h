@@ -51,7 +51,8 @@ public:
 
   /// From now on cameras do not count where they see the colour of what has the other label beside it. `colours`: what each
   /// label looks like, from another frame; none = from this one. Where the surface has been tracked since, fingers are farther
-  /// off, and cameras do not count beside the other label, whatever its colour. Returns them; none where labels do not matter.
+  /// off, and cameras do not count beside the other label, whatever they see, nor where they see of a body what is rare on it.
+  /// Returns them; none where labels do not matter.
   std::shared_ptr<const LabelColours> keep_apart(const std::vector<SurfaceLabel> &face_labels,
                                                  std::shared_ptr<const LabelColours> colours, const Context &context);
 
