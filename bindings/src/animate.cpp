@@ -12,6 +12,7 @@
 #include "doublet/animate/texture_baker.h"
 
 #include <algorithm>
+#include <pybind11/typing.h>
 
 namespace doublet::python {
 namespace {
@@ -336,13 +337,41 @@ void bind_pictures(py::module_ &m) {
            py::arg("options") = RenderOptions{}, Release(), "(H, W, 3) uint8, BGR");
 }
 
+using Images = std::pair<std::vector<Image>, std::vector<Image>>;
+using ImagesOfFrame = py::typing::Callable<Images(int)>;
+
+FrameImages images_of(const ImagesOfFrame &images, int frame) {
+  const py::gil_scoped_acquire gil;
+  const py::object found = images(frame);
+  try {
+    auto [pictures, masks] = found.cast<Images>();
+    return {std::move(pictures), std::move(masks)};
+  } catch (const py::cast_error &) {
+    throw py::type_error("images must return two lists, pictures (H, W, 3) and masks (H, W) of uint8, found " + described(found));
+  }
+}
+
 void bind_texture(py::module_ &m) {
   OptionsClass<TextureOptions>(m, "Options of texture_character.");
-  m.def("texture_character", &texture_character, py::arg("character"), py::arg("surface"), py::arg("cameras"), py::arg("images"),
-        py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
-        py::arg("context") = interruptible_context(), Release(),
+  m.def("texture_character",
+        py::overload_cast<Character &, const Vertices &, const CameraRig &, const std::vector<Image> &,
+                          const std::vector<Image> &, const TextureOptions &, const Context &>(&texture_character),
+        py::arg("character"), py::arg("surface"), py::arg("cameras"), py::arg("images"), py::arg("masks") = std::vector<Image>{},
+        py::arg("options") = TextureOptions{}, py::arg("context") = interruptible_context(), Release(),
         "Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the "
         "colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.");
+  m.def(
+      "texture_character_from_take",
+      [](Character &character, const std::vector<Vertices> &surfaces, const CameraRig &cameras, const ImagesOfFrame &images,
+         const TextureOptions &options, const Context &context) {
+        const FilmedSurface filmed{static_cast<int>(surfaces.size()), [&](int frame) { return surfaces[frame]; },
+                                   [&](int frame) { return images_of(images, frame); }};
+        return texture_character(character, filmed, cameras, options, context);
+      },
+      py::arg("character"), py::arg("surfaces"), py::arg("cameras"), py::arg("images"), py::arg("options") = TextureOptions{},
+      py::arg("context") = interruptible_context(), Release(),
+      "The same from the frames of a take in which M is at `surfaces` (a list of (V, 3)): images(i) gives those of the i-th and "
+      "its masks, two lists with one a camera; it is asked for few of them, in rising order.");
   m.def("sample_colours", &sample_colours, py::arg("mesh"), py::arg("face_valid"), py::arg("cameras"), py::arg("images"),
         py::arg("masks") = std::vector<Image>{}, py::arg("options") = TextureOptions{},
         py::arg("context") = interruptible_context(), Release(),

@@ -29,17 +29,48 @@ std::vector<pbd::Material> checked_materials(Reconstruction &reconstruction) {
   return materials;
 }
 
-/// Texture from the images of the first captured frame. Returns the share of the surface that was seen, 0 without images.
-double bake_first_frame(Reconstruction &reconstruction, Character &character, const ReferencePerformance &performance) {
-  const Session session = reconstruction.filmed();
-  const FrameViews views = read_views(session, performance.frames[0], reconstruction.silhouettes());
-  if (std::all_of(views.images.begin(), views.images.end(), [](const Image &image) { return image.data.empty(); })) {
-    reconstruction.context().log_line("character: no camera has an image of frame " + std::to_string(performance.frames[0]) +
-                                      ": the character has no texture");
+/// The images of a session, which are quickly read only in rising order.
+class Film {
+public:
+  explicit Film(Reconstruction &reconstruction)
+      : session_(reconstruction.filmed()), source_(FrameSource::open(session_)), silhouettes_(reconstruction.silhouettes()) {}
+
+  const CameraRig &rig() const { return session_.rig; }
+  FrameViews views(int frame) {
+    FrameViews found;
+    for (int camera = 0; camera < source_->camera_count(); ++camera) {
+      auto [image, mask] = read_view(*source_, camera, frame, silhouettes_);
+      found.images.push_back(std::move(image));
+      found.masks.push_back(std::move(mask));
+    }
+    return found;
+  }
+
+private:
+  Session session_;
+  std::unique_ptr<FrameSource> source_;
+  const SilhouetteExtractor *silhouettes_;
+};
+
+/// Texture from the images of the take. Returns the share of the surface that was seen, 0 without images.
+double bake_take(Reconstruction &reconstruction, Character &character, const ReferencePerformance &performance) {
+  Film film(reconstruction);
+  bool any = false;
+  const auto images = [&](int row) {
+    auto [pictures, masks] = film.views(performance.frames[row]);
+    any |= std::any_of(pictures.begin(), pictures.end(), [](const Image &image) { return !image.empty(); });
+    return FrameImages{std::move(pictures), std::move(masks)};
+  };
+  const FilmedSurface filmed{static_cast<int>(performance.frames.size()),
+                             [&](int row) { return performance.surface.frames[row]; }, images};
+  Character textured = character;
+  const double seen = texture_character(textured, filmed, film.rig(), reconstruction.options.texture, reconstruction.context());
+  if (!any) {
+    reconstruction.context().log_line("character: no camera has an image of the frames looked at: the character has no texture");
     return 0;
   }
-  return texture_character(character, performance.surface.frames[0], session.rig, views.images, views.masks,
-                           reconstruction.options.texture, reconstruction.context());
+  character = std::move(textured);
+  return seen;
 }
 
 /// IoU of the re-animated surface with the silhouettes, mean over frames of means over the cameras that have one; none if no
@@ -47,20 +78,20 @@ double bake_first_frame(Reconstruction &reconstruction, Character &character, co
 std::optional<double> overlap_with_film(Reconstruction &reconstruction, const ReferencePerformance &performance,
                                         const std::vector<Vertices> &simulated) {
   const RiggedMesh &actor = reconstruction.results().dressed().actor;
-  const Session session = reconstruction.filmed();
+  Film film(reconstruction);
   std::set<std::size_t> rows;
   for (int i = 0; i < kCompared; ++i)
     rows.insert(i * (performance.frames.size() - 1) / (kCompared - 1));
   double sum = 0;
   int frames = 0;
   for (const std::size_t row : rows) {
-    const FrameViews views = read_views(session, performance.frames[row], reconstruction.silhouettes());
+    const FrameViews views = film.views(performance.frames[row]);
     double overlap = 0;
     int cameras = 0;
     for (std::size_t c = 0; c < views.masks.size(); ++c) {
       if (views.masks[c].data.empty())
         continue;
-      const FaceBuffer drawn = rasterize(simulated[row], actor.mesh.faces, session.rig[c], actor.face_valid);
+      const FaceBuffer drawn = rasterize(simulated[row], actor.mesh.faces, film.rig()[c], actor.face_valid);
       overlap += mask_iou(silhouette(drawn), views.masks[c]);
       ++cameras;
     }
@@ -100,7 +131,7 @@ Json run_character(Reconstruction &reconstruction) {
   Character character = make_character(dressed.actor, dressed.segmentation, results.body(), results.proxies(), materials, solver,
                                        display.mesh, display.valid, display.garment_subdivisions);
   character.name = reconstruction.session().name;
-  Json numbers{{"texture_seen", bake_first_frame(reconstruction, character, performance)}};
+  Json numbers{{"texture_seen", bake_take(reconstruction, character, performance)}};
   write_simulated(reconstruction.path("simulated.npz"), simulated, results.actor().mesh.vertices.rows());
   write_character(reconstruction.path("character.glb"), character);
   if (const auto overlap = overlap_with_film(reconstruction, performance, simulated))

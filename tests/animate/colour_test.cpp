@@ -164,7 +164,8 @@ struct HandBeforeSkirt {
     }
     return {of_hand, of_skirt};
   }
-  bool labels_change_nothing() const { return baked(labels()).image.data == baked({}).image.data; }
+  /// In the middle of any face.
+  bool labels_change_nothing() const { return face_colours(baked(labels())) == face_colours(baked({})); }
 };
 
 } // namespace

@@ -284,7 +284,7 @@ TEST(DisplaySurface, LegsDoNotTakeTheColourOfAHemThatHungLower) {
   Character c = character_of(wearer(0, true));
   TextureOptions options;
   options.albedo = false;
-  EXPECT_GT(red_of_legs(c, seen, options, 0.03, 0.05), 0.85 * kLeg[2]);
+  EXPECT_GT(red_of_legs(c, seen, options, 0.03, 0.05), 0.8 * kLeg[2]);
   options.label_margin = 0;
   EXPECT_LT(red_of_legs(c, seen, options, 0.03, 0.05), 0.7 * kLeg[2]);
 }

@@ -232,6 +232,12 @@ def calls(world, folder) -> dict:
             ),
             {"surface": v, "cameras": w.cameras, "images": pictures, "masks": masks},
         ),
+        "texture_character_from_take": (
+            lambda surfaces, cameras: d.texture_character_from_take(
+                copy_of(w.character, folder), surfaces, cameras, lambda frame: (pictures, masks), d.TextureOptions(size=64)
+            ),
+            {"surfaces": [v, v], "cameras": w.cameras},
+        ),
         "sample_colours": (
             d.sample_colours,
             {"mesh": w.mesh, "face_valid": valid, "cameras": w.cameras, "images": pictures, "masks": masks},

@@ -50,6 +50,7 @@ MAY = (
     ("dress.*|summarise_garment|write_garment|width_variants", "garment", ".*"),  # one without faces: the rest does not count
     ("rig_template", "surface", "high.*"),  # is not rigged
     ("texture_character|sample_colours", "images|masks", "first: empty"),  # that camera has none
+    ("texture_character_from_take", "surfaces", "shorter|longer"),  # any number of frames
     ("scan_from_views", "masks", "first: empty"),  # likewise: it takes no part
     ("SilhouetteExtractor.*|Features", ".*", "(first: )?(shorter|longer|empty|a column less)"),  # images of any size
     ("orbit_camera", "azimuth|elevation", "-1"),

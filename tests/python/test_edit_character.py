@@ -147,9 +147,11 @@ def test_underwear_ends_along_a_line(world, monkeypatch):
         (["--body-colour", "skinn"], "--body-colour: expected a colour such as '#336699' or 'teal', found 'skinn'"),
         (["--texture", "{folder}/no.png"], "no.png"),
         (["--texture", "{folder}/character.glb"], "character.glb"),
+        (["--texture", "{folder}/wide.png"], "wide.png: expected the proportions of the character's own picture (64 x 64"),
     ],
 )
 def test_what_is_refused(file, tmp_path, capsys, flags, said):
     flags = [flag.format(folder=tmp_path) for flag in flags]
+    Image.new("RGB", (96, 48)).save(tmp_path / "wide.png")
     assert run(file, *flags, "-o", tmp_path / "out.glb") == 1
     assert said in capsys.readouterr().err and not (tmp_path / "out.glb").exists()

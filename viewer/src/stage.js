@@ -186,7 +186,7 @@ async function textureOf(file) {
   const texture = new Texture(image);
   texture.flipY = false; // glTF's convention
   texture.colorSpace = SRGBColorSpace;
-  texture.generateMipmaps = false; // every triangle has its own place in the image, among strangers
+  texture.generateMipmaps = false; // a picture that somebody has painted may be of any colour between the charts
   texture.minFilter = LinearFilter;
   texture.needsUpdate = true;
   return texture;

@@ -7,7 +7,6 @@
 #include "doublet/files/npz.h"
 #include "doublet/rays/ray_scene.h"
 #include "glb_parts.h"
-#include "texture_charts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -225,7 +224,7 @@ int add_morphing_mesh(glb::Writer &writer, const std::string &name, Shapes mesh,
   return index;
 }
 
-/// M_high in its texture, laid out in charts.
+/// M_high in its texture.
 struct TexturedHigh {
   glb::GlbMesh shown;
   int image = -1;
@@ -234,8 +233,7 @@ struct TexturedHigh {
 TexturedHigh textured_high(glb::Writer &writer, const Character &c) {
   if (c.texture.empty())
     return {glb::display_mesh(c.high, c.high_valid, {}), -1};
-  const detail::ChartedTexture charted = detail::chart_texture(c.high, c.high_valid, c.texcoords, decode_image(c.texture));
-  return {glb::display_mesh(c.high, c.high_valid, charted.texcoords), writer.image(encode_jpeg(charted.image))};
+  return {glb::display_mesh(c.high, c.high_valid, c.texcoords), writer.image(c.texture)};
 }
 
 std::vector<const Vertices *> at_keys(const std::vector<Vertices> &frames, const std::vector<int> &keys) {

@@ -141,7 +141,7 @@ int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d 
   if (texture_image >= 0) {
     tinygltf::Sampler sampler;
     sampler.magFilter = TINYGLTF_TEXTURE_FILTER_LINEAR;
-    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR; // no mipmaps: they would mix neighbouring cells of the atlas
+    sampler.minFilter = TINYGLTF_TEXTURE_FILTER_LINEAR; // no mipmaps: a painted picture may be of any colour between charts
     sampler.wrapS = sampler.wrapT = TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
     writer.model.samplers.push_back(sampler);
     tinygltf::Texture texture;

@@ -74,7 +74,7 @@ std::vector<double> from_the_seam(const Character &c, const std::vector<double> 
   return distance;
 }
 
-bool find_hidden_colour(Character &c, const std::vector<double> &away, const BakedTexture &baked) {
+bool find_hidden_colour(Character &c, const std::vector<double> &away, const TexCoords &texcoords, const Image &image) {
   constexpr double kReach = 0.20; // m
   constexpr std::size_t kFewest = 20;
   const std::vector<std::uint8_t> hidden = hidden_faces(c);
@@ -83,9 +83,9 @@ bool find_hidden_colour(Character &c, const std::vector<double> &away, const Bak
     const double farthest = std::max({away[c.high.faces(f, 0)], away[c.high.faces(f, 1)], away[c.high.faces(f, 2)]});
     if (farthest > kReach || !c.high_valid[f] || hidden[f])
       continue;
-    const Eigen::Vector2d at = baked.texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * baked.image.width;
+    const Eigen::Vector2d at = texcoords.middleRows(3 * f, 3).colwise().mean().transpose() * image.width;
     const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
-    found.emplace_back(baked.image.at(x, y, 0), baked.image.at(x, y, 1), baked.image.at(x, y, 2));
+    found.emplace_back(image.at(x, y, 0), image.at(x, y, 1), image.at(x, y, 2));
   }
   if (found.size() < kFewest)
     return false;

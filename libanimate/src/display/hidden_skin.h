@@ -1,7 +1,7 @@
 #pragma once
 // What is known of the skin under a garment: that it goes on beyond the garment's edge.
 
-#include "doublet/animate/texture_baker.h"
+#include "doublet/animate/character.h"
 
 #include <vector>
 
@@ -20,6 +20,6 @@ std::vector<double> from_the_seam(const Character &character, const std::vector<
 /// Sets the colour that the hidden part of the body has in all likelihood: the median of the brighter half (a shadow only
 /// darkens) of the skin within 20 cm beyond the garment's free edges, of legs below a hem. False, and as it was, where there is
 /// none.
-bool find_hidden_colour(Character &character, const std::vector<double> &away, const BakedTexture &baked);
+bool find_hidden_colour(Character &character, const std::vector<double> &away, const TexCoords &texcoords, const Image &image);
 
 } // namespace doublet::detail

@@ -23,9 +23,10 @@ using Triangle = std::array<Vector2d, 3>;
 
 struct Chart {
   std::vector<int> faces;
-  Vector3d across, up; ///< of the plane it is flattened onto
-  Vector2d low, high;  ///< m, on that plane
-  int x = 0, y = 0;    ///< of its first pixel in the image, border included
+  Vector3d side, across, up;                   ///< that it is seen from; of the plane it is flattened onto
+  std::unordered_set<std::int64_t> taken = {}; ///< pixels of that plane
+  Vector2d low, high;                          ///< m, on that plane
+  int x = 0, y = 0;                            ///< of its first pixel in the image, border included
 };
 
 Vector2d flattened(const Chart &chart, const Mesh &mesh, int vertex) {
@@ -33,28 +34,11 @@ Vector2d flattened(const Chart &chart, const Mesh &mesh, int vertex) {
   return {chart.across.dot(p), chart.up.dot(p)};
 }
 
-/// Calls visit(x, y, barycentric coordinates) for the pixels whose centre is in the triangle.
-template <class Visit> void for_pixels(const Triangle &t, const Visit &visit) {
-  const Vector2d ab = t[1] - t[0], ac = t[2] - t[0];
-  const double area = ab.x() * ac.y() - ab.y() * ac.x();
-  if (!(std::abs(area) > 1e-12))
-    return;
-  const auto [left, right] = std::minmax({t[0].x(), t[1].x(), t[2].x()});
-  const auto [low, high] = std::minmax({t[0].y(), t[1].y(), t[2].y()});
-  for (int y = static_cast<int>(std::floor(low)); y <= static_cast<int>(high); ++y)
-    for (int x = static_cast<int>(std::floor(left)); x <= static_cast<int>(right); ++x) {
-      const Vector2d p = Vector2d(x + 0.5, y + 0.5) - t[0];
-      const double b = (p.x() * ac.y() - p.y() * ac.x()) / area, c = (ab.x() * p.y() - ab.y() * p.x()) / area;
-      if (b >= 0 && c >= 0 && b + c <= 1)
-        visit(x, y, Vector3d(1 - b - c, b, c));
-    }
-}
-
 /// Grows charts from face to face.
-class Grower {
+class ChartGrower {
 public:
   /// `pixel`: m, of the grid on which a chart must not lie over itself.
-  Grower(const Mesh &mesh, const std::vector<std::uint8_t> &shown, double pixel)
+  ChartGrower(const Mesh &mesh, const std::vector<std::uint8_t> &shown, double pixel)
       : mesh_(mesh), normals_(face_normals(mesh.vertices, mesh.faces)), beside_(mesh.faces.rows()), pixel_(pixel),
         open_(mesh.faces.rows(), 1) {
     for (std::size_t f = 0; f < open_.size(); ++f)
@@ -66,12 +50,17 @@ public:
       }
   }
 
+  /// Front and back first: they reach as far around as they can, so that they part at the sides.
   std::vector<Chart> grow() {
     std::vector<Chart> charts;
     const std::vector<Vector3d> sides = main_sides();
-    for (int f = 0; f < mesh_.faces.rows(); ++f)
-      if (open_[f])
-        charts.push_back(grown_from(f, sides[f]));
+    for (const int axis : {2, 0, 1})
+      for (int f = 0; f < mesh_.faces.rows(); ++f)
+        if (open_[f] && sides[f][axis] != 0)
+          charts.push_back(grown_from(f, sides[f]));
+    join_small(charts);
+    for (Chart &chart : charts)
+      find_bounds(chart);
     return charts;
   }
 
@@ -107,10 +96,10 @@ private:
 
   Chart grown_from(int seed, const Vector3d &side) {
     Chart chart;
+    chart.side = side;
     const Vector3d above = std::abs(side.y()) < 0.5 ? Vector3d::UnitY() : Vector3d::UnitZ();
     chart.across = above.cross(side);
     chart.up = -above; // images begin at the top
-    taken_.clear();
     std::queue<int> front;
     const auto take = [&](int f) {
       if (!open_[f] || (f != seed && !(normals_.row(f).dot(side) > kFacing)) || !claims(chart, f))
@@ -122,6 +111,39 @@ private:
     for (take(seed); !front.empty(); front.pop())
       for (int g : beside_[front.front()])
         take(g);
+    return chart;
+  }
+
+  /// Faces of small charts, as of the undersides of folds, go over to large ones beside them where they have room there.
+  void join_small(std::vector<Chart> &charts) {
+    constexpr int kRounds = 20;
+    constexpr std::size_t kSmall = 40; // faces
+    constexpr double kFlat = 0.15;     // cosine
+    std::vector<int> chart_of(mesh_.faces.rows(), -1);
+    std::vector<std::uint8_t> is_small(charts.size());
+    for (std::size_t c = 0; c < charts.size(); ++c) {
+      is_small[c] = charts[c].faces.size() < kSmall;
+      for (int f : charts[c].faces)
+        chart_of[f] = static_cast<int>(c);
+    }
+    const auto joined = [&](int f) {
+      for (int g : beside_[f])
+        if (Chart &other = charts[chart_of[g]];
+            !is_small[chart_of[g]] && normals_.row(f).dot(other.side) > kFlat && claims(other, f)) {
+          chart_of[f] = chart_of[g];
+          other.faces.push_back(f);
+          return true;
+        }
+      return false;
+    };
+    for (int round = 0; round < kRounds; ++round)
+      for (std::size_t c = 0; c < charts.size(); ++c)
+        if (is_small[c])
+          std::erase_if(charts[c].faces, joined);
+    std::erase_if(charts, [](const Chart &chart) { return chart.faces.empty(); });
+  }
+
+  void find_bounds(Chart &chart) const {
     chart.low = Vector2d::Constant(1e30);
     chart.high = -chart.low;
     for (int f : chart.faces)
@@ -130,11 +152,10 @@ private:
         chart.low = chart.low.cwiseMin(p);
         chart.high = chart.high.cwiseMax(p);
       }
-    return chart;
   }
 
   /// Are the pixels under the face free? Then they are its own.
-  bool claims(const Chart &chart, int f) {
+  bool claims(Chart &chart, int f) const {
     Triangle t;
     for (int k = 0; k < 3; ++k)
       t[k] = flattened(chart, mesh_, mesh_.faces(f, k)) / pixel_;
@@ -142,10 +163,10 @@ private:
     bool is_free = true;
     for_pixels(t, [&](int x, int y, const Vector3d &) {
       under.push_back((static_cast<std::int64_t>(x) << 32) + y);
-      is_free &= taken_.count(under.back()) == 0;
+      is_free &= chart.taken.count(under.back()) == 0;
     });
     if (is_free)
-      taken_.insert(under.begin(), under.end());
+      chart.taken.insert(under.begin(), under.end());
     return is_free;
   }
 
@@ -154,44 +175,119 @@ private:
   std::vector<std::vector<int>> beside_;
   const double pixel_;
   std::vector<std::uint8_t> open_;
-  std::unordered_set<std::int64_t> taken_;
 };
 
-Eigen::Vector2i pixels_of(const Chart &chart, double scale) {
-  return ((chart.high - chart.low) * scale).array().ceil().cast<int>() + 1 + 2 * kBorder;
-}
+/// A raster of which some cells are taken; coarser than the image's pixels.
+class CellMask {
+public:
+  CellMask(int columns, int rows) : columns_(columns), words_((columns + 63) / 64), rows_(rows), bits_(words_ * rows, 0) {}
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  void take(int x, int y) { bits_[y * words_ + x / 64] |= std::uint64_t(1) << (x % 64); }
 
-/// Places the charts in shelves, the highest first; false if they do not fit.
-bool pack(std::vector<Chart *> &charts, double scale, int width, int height) {
-  int x = 0, y = 0, shelf = 0;
-  for (Chart *chart : charts) {
-    const Eigen::Vector2i size = pixels_of(*chart, scale);
-    if (x + size.x() > width) {
-      y += shelf;
-      x = shelf = 0;
-    }
-    if (x + size.x() > width || y + size.y() > height)
-      return false;
-    chart->x = x;
-    chart->y = y;
-    x += size.x();
-    shelf = std::max(shelf, size.y());
+  /// Can `other` lie at (x, y) without touching what is taken?
+  bool has_room(const CellMask &other, int x, int y) const {
+    for (int row = 0; row < other.rows_; ++row)
+      for (int word = 0; word <= other.words_; ++word)
+        if (other.shifted(row, word, x % 64) & at(y + row, x / 64 + word))
+          return false;
+    return true;
   }
-  return true;
-}
+  void take(const CellMask &other, int x, int y) {
+    for (int row = 0; row < other.rows_; ++row)
+      for (int word = 0; word <= other.words_; ++word)
+        if (const std::uint64_t bits = other.shifted(row, word, x % 64))
+          bits_[(y + row) * words_ + x / 64 + word] |= bits;
+  }
+
+private:
+  std::uint64_t at(int row, int word) const { return word < words_ ? bits_[row * words_ + word] : 0; }
+  /// A word of a row that has been moved to the right.
+  std::uint64_t shifted(int row, int word, int by) const {
+    const std::uint64_t here = word < words_ ? bits_[row * words_ + word] : 0;
+    return by == 0 ? here : here << by | (word > 0 ? bits_[row * words_ + word - 1] >> (64 - by) : 0);
+  }
+
+  int columns_, words_, rows_;
+  std::vector<std::uint64_t> bits_;
+};
+
+/// Places charts in an image.
+class ChartPacker {
+public:
+  ChartPacker(const Mesh &mesh, std::vector<Chart> &charts, int size)
+      : mesh_(mesh), size_(size), cell_(std::max(2, size / kCells)) {
+    for (Chart &chart : charts)
+      order_.push_back(&chart);
+    std::stable_sort(order_.begin(), order_.end(), [](const Chart *a, const Chart *b) {
+      return (a->high - a->low).maxCoeff() > (b->high - b->low).maxCoeff();
+    });
+  }
+
+  /// The largest first, each as high up and as far left as there is room; false if there is none.
+  bool place(double scale) const {
+    CellMask image(size_ / cell_, size_ / cell_);
+    int first = 0; // what comes later is smaller, and finds no room in full rows either
+    for (Chart *chart : order_) {
+      const CellMask mask = cells_of(*chart, scale);
+      if (!place(image, mask, *chart, chart->faces.size() == 1 ? first : 0))
+        return false;
+      if (chart->faces.size() == 1)
+        first = chart->y / cell_;
+    }
+    return true;
+  }
+
+private:
+  static constexpr int kCells = 512;
+
+  bool place(CellMask &image, const CellMask &mask, Chart &chart, int first) const {
+    for (int y = first; y + mask.rows() <= image.rows(); ++y)
+      for (int x = 0; x + mask.columns() <= image.columns(); ++x)
+        if (image.has_room(mask, x, y)) {
+          image.take(mask, x, y);
+          chart.x = x * cell_;
+          chart.y = y * cell_;
+          return true;
+        }
+    return false;
+  }
+
+  /// Those with a pixel of the chart or of its border.
+  CellMask cells_of(const Chart &chart, double scale) const {
+    const Eigen::Vector2i pixels = ((chart.high - chart.low) * scale).array().ceil().cast<int>() + 1 + 2 * kBorder;
+    CellMask mask((pixels.x() + cell_ - 1) / cell_, (pixels.y() + cell_ - 1) / cell_);
+    const auto take = [&](double x, double y) {
+      const int left = static_cast<int>(x) - kBorder, right = static_cast<int>(x) + kBorder;
+      const int top = static_cast<int>(y) - kBorder, bottom = static_cast<int>(y) + kBorder;
+      for (int j = std::max(top, 0) / cell_; j <= std::min(bottom / cell_, mask.rows() - 1); ++j)
+        for (int i = std::max(left, 0) / cell_; i <= std::min(right / cell_, mask.columns() - 1); ++i)
+          mask.take(i, j);
+    };
+    for (int f : chart.faces) {
+      std::array<Vector2d, 3> t;
+      for (int k = 0; k < 3; ++k) {
+        t[k] = scale * (flattened(chart, mesh_, mesh_.faces(f, k)) - chart.low) + Vector2d::Constant(kBorder + 0.5);
+        take(t[k].x(), t[k].y());
+      }
+      for_pixels(t, [&](int x, int y, const Vector3d &) { take(x, y); });
+    }
+    return mask;
+  }
+
+  const Mesh &mesh_;
+  int size_, cell_;
+  std::vector<Chart *> order_;
+};
 
 /// Pixels a metre with which the charts fit into the image, each at its place.
-double packed(std::vector<Chart> &charts, double scale, const Image &image) {
-  std::vector<Chart *> order;
-  for (Chart &chart : charts)
-    order.push_back(&chart);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const Chart *a, const Chart *b) { return (a->high - a->low).y() > (b->high - b->low).y(); });
+double packed(const Mesh &mesh, std::vector<Chart> &charts, double scale, int size) {
+  const ChartPacker packer(mesh, charts, size);
   const double least = 1e-6 * scale;
-  while (!pack(order, scale, image.width, image.height))
+  while (!packer.place(scale))
     if ((scale *= kShrink) < least)
-      throw std::invalid_argument("chart_texture: expected an image that holds " + std::to_string(charts.size()) +
-                                  " charts, found " + std::to_string(image.width) + " x " + std::to_string(image.height));
+      throw std::invalid_argument("TextureOptions.size must hold " + std::to_string(charts.size()) + " charts, found " +
+                                  std::to_string(size));
   return scale;
 }
 
@@ -199,105 +295,128 @@ Vector2d pixel_place(const Chart &chart, const Mesh &mesh, int vertex, double sc
   return Vector2d(chart.x + kBorder + 0.5, chart.y + kBorder + 0.5) + scale * (flattened(chart, mesh, vertex) - chart.low);
 }
 
-/// B G R at texture coordinates; pixel centres lie at .5.
-Vector3d sampled(const Image &image, const Vector2d &uv) {
-  const Vector2d last(image.width - 1, image.height - 1);
-  const Vector2d at = (uv.cwiseProduct(last + Vector2d::Ones()) - Vector2d::Constant(0.5)).cwiseMax(0).cwiseMin(last);
-  const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
-  const int right = std::min(x + 1, image.width - 1), below = std::min(y + 1, image.height - 1);
-  const double a = at.x() - x, b = at.y() - y;
-  Vector3d colour;
-  for (int c = 0; c < 3; ++c)
-    colour[c] = (1 - b) * ((1 - a) * image.at(x, y, c) + a * image.at(right, y, c)) +
-                b * ((1 - a) * image.at(x, below, c) + a * image.at(right, below, c));
-  return colour;
+/// (size * size) the face that a pixel's centre is in, the last of several; that of a sliver without any where no other is.
+std::vector<int> owners(const ChartLayout &layout) {
+  std::vector<int> owner(static_cast<std::size_t>(layout.size) * layout.size, -1), slivers;
+  const auto at = [&](int x, int y) -> int & { return owner[static_cast<std::size_t>(y) * layout.size + x]; };
+  for (int f = 0; f < static_cast<int>(layout.chart.size()); ++f) {
+    if (layout.chart[f] < 0)
+      continue;
+    bool any = false;
+    for_pixels({layout.corner(f, 0), layout.corner(f, 1), layout.corner(f, 2)}, [&](int x, int y, const Vector3d &) {
+      at(x, y) = f;
+      any = true;
+    });
+    if (!any)
+      slivers.push_back(f);
+  }
+  for (const int f : slivers)
+    for (int k = 0; k < 3; ++k)
+      if (const Vector2d c = layout.corner(f, k); at(static_cast<int>(c.x()), static_cast<int>(c.y())) < 0)
+        at(static_cast<int>(c.x()), static_cast<int>(c.y())) = f;
+  return owner;
 }
 
-/// The new image, and which of its pixels are known.
-class Painter {
-public:
-  Painter(int width, int height) : image(width, height, 3, 128), known_(static_cast<std::size_t>(width) * height, 0) {}
-  Image image;
-
-  void paint(int x, int y, const Vector3d &colour) {
-    for (int c = 0; c < 3; ++c)
-      image.at(x, y, c) = static_cast<std::uint8_t>(std::clamp(std::lround(colour[c]), 0L, 255L));
-    known_[at(x, y)] = 1;
-  }
-
-  /// Pixels beside known ones take their mean.
-  void spread(int first_x, int first_y, const Eigen::Vector2i &size) {
-    std::vector<std::pair<Eigen::Vector2i, Vector3d>> found;
-    for (int y = first_y; y < first_y + size.y(); ++y)
-      for (int x = first_x; x < first_x + size.x(); ++x) {
-        Vector3d sum = Vector3d::Zero();
-        int count = 0;
-        for (int j = std::max(y - 1, first_y); j <= std::min(y + 1, first_y + size.y() - 1) && !known_[at(x, y)]; ++j)
-          for (int i = std::max(x - 1, first_x); i <= std::min(x + 1, first_x + size.x() - 1); ++i)
-            if (known_[at(i, j)]) {
-              sum += Vector3d(image.at(i, j, 0), image.at(i, j, 1), image.at(i, j, 2));
-              ++count;
-            }
-        if (count > 0)
-          found.emplace_back(Eigen::Vector2i(x, y), sum / count);
-      }
-    for (const auto &[place, colour] : found)
-      paint(place.x(), place.y(), colour);
-  }
-
-private:
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * image.width + x; }
-  std::vector<std::uint8_t> known_;
+/// A picture of which only some pixels are known.
+struct PartlyKnown {
+  int size;
+  std::vector<Eigen::Vector3f> colours;
+  std::vector<std::uint8_t> known;
+  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * size + x; }
 };
 
-void paint_chart(Painter &painter, const Chart &chart, double scale, const Mesh &mesh, const TexCoords &texcoords,
-                 const Image &from) {
-  for (int f : chart.faces) {
-    Triangle t;
-    for (int k = 0; k < 3; ++k) {
-      t[k] = pixel_place(chart, mesh, mesh.faces(f, k), scale);
-      // Slivers may be without a pixel's centre.
-      painter.paint(static_cast<int>(t[k].x()), static_cast<int>(t[k].y()), sampled(from, texcoords.row(3 * f + k)));
+/// Pixels beside known ones take their mean.
+void spread(PartlyKnown &picture) {
+  const std::vector<std::uint8_t> before = picture.known;
+  const int last = picture.size - 1;
+  for (int y = 0; y <= last; ++y)
+    for (int x = 0; x <= last; ++x) {
+      if (before[picture.at(x, y)])
+        continue;
+      Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+      int count = 0;
+      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, last); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, last); ++i)
+          if (before[picture.at(i, j)]) {
+            sum += picture.colours[picture.at(i, j)];
+            ++count;
+          }
+      if (count > 0) {
+        picture.colours[picture.at(x, y)] = sum / static_cast<float>(count);
+        picture.known[picture.at(x, y)] = 1;
+      }
     }
-  }
-  for (int f : chart.faces) {
-    Triangle t;
-    for (int k = 0; k < 3; ++k)
-      t[k] = pixel_place(chart, mesh, mesh.faces(f, k), scale);
-    for_pixels(t, [&](int x, int y, const Vector3d &b) {
-      painter.paint(x, y, sampled(from, b.transpose() * texcoords.middleRows(3 * f, 3)));
-    });
-  }
-  for (int round = 0; round < kBorder; ++round)
-    painter.spread(chart.x, chart.y, pixels_of(chart, scale));
+}
+
+/// Half as large: each pixel the mean of what is known of four.
+PartlyKnown halved(const PartlyKnown &picture) {
+  const int size = (picture.size + 1) / 2;
+  PartlyKnown small{size, std::vector<Eigen::Vector3f>(static_cast<std::size_t>(size) * size, Eigen::Vector3f::Zero()),
+                    std::vector<std::uint8_t>(static_cast<std::size_t>(size) * size, 0)};
+  for (int y = 0; y < picture.size; ++y)
+    for (int x = 0; x < picture.size; ++x)
+      if (picture.known[picture.at(x, y)]) {
+        small.colours[small.at(x / 2, y / 2)] += picture.colours[picture.at(x, y)];
+        ++small.known[small.at(x / 2, y / 2)];
+      }
+  for (std::size_t i = 0; i < small.known.size(); ++i)
+    if (small.known[i]) {
+      small.colours[i] /= small.known[i];
+      small.known[i] = 1;
+    }
+  return small;
+}
+
+/// What is not known is taken from pictures half as large, as often halved as it takes (pull-push; Gortler et al. 1996).
+void pull_push(PartlyKnown &picture) {
+  if (picture.size < 2)
+    return;
+  PartlyKnown small = halved(picture);
+  pull_push(small);
+  for (int y = 0; y < picture.size; ++y)
+    for (int x = 0; x < picture.size; ++x)
+      if (const std::size_t i = picture.at(x, y); !picture.known[i])
+        picture.colours[i] = small.colours[small.at(x / 2, y / 2)];
 }
 
 } // namespace
 
-ChartedTexture chart_texture(const Mesh &mesh, const std::vector<std::uint8_t> &shown, const TexCoords &texcoords,
-                             const Image &image) {
+ChartLayout lay_out_charts(const Mesh &mesh, const std::vector<std::uint8_t> &shown, int size) {
   const Eigen::VectorXd areas = face_areas(mesh.vertices, mesh.faces);
   double area = 0;
   for (Eigen::Index f = 0; f < areas.size(); ++f)
     area += shown.empty() || shown[f] ? areas[f] : 0;
-  const double wished = std::sqrt(kFirstFill * image.width * image.height / std::max(area, 1e-12));
-  std::vector<Chart> charts = Grower(mesh, shown, 1 / wished).grow();
-  const double scale = packed(charts, wished, image);
-  ChartedTexture made;
-  made.texcoords = TexCoords::Zero(texcoords.rows(), 2);
-  made.chart.assign(mesh.faces.rows(), -1);
-  Painter painter(image.width, image.height);
-  for (std::size_t c = 0; c < charts.size(); ++c) {
-    paint_chart(painter, charts[c], scale, mesh, texcoords, image);
+  const double wished = size * std::sqrt(kFirstFill / std::max(area, 1e-12));
+  std::vector<Chart> charts = ChartGrower(mesh, shown, 1 / wished).grow();
+  const double scale = packed(mesh, charts, wished, size);
+  ChartLayout layout;
+  layout.size = size;
+  layout.texcoords = TexCoords::Zero(3 * mesh.faces.rows(), 2);
+  layout.chart.assign(mesh.faces.rows(), -1);
+  for (std::size_t c = 0; c < charts.size(); ++c)
     for (int f : charts[c].faces) {
-      made.chart[f] = static_cast<int>(c);
+      layout.chart[f] = static_cast<int>(c);
       for (int k = 0; k < 3; ++k)
-        made.texcoords.row(3 * f + k) =
-            pixel_place(charts[c], mesh, mesh.faces(f, k), scale).cwiseQuotient(Vector2d(image.width, image.height));
+        layout.texcoords.row(3 * f + k) = pixel_place(charts[c], mesh, mesh.faces(f, k), scale) / size;
     }
-  }
-  made.image = std::move(painter.image);
-  return made;
+  layout.owner = owners(layout);
+  return layout;
+}
+
+void fill_between_charts(const ChartLayout &layout, Image &image) {
+  PartlyKnown picture{layout.size, std::vector<Eigen::Vector3f>(layout.owner.size(), Eigen::Vector3f::Constant(128)),
+                      std::vector<std::uint8_t>(layout.owner.size(), 0)};
+  for (std::size_t i = 0; i < layout.owner.size(); ++i)
+    if (layout.owner[i] >= 0) {
+      picture.known[i] = 1;
+      picture.colours[i] = Eigen::Vector3f(image.data[3 * i], image.data[3 * i + 1], image.data[3 * i + 2]);
+    }
+  for (int round = 0; round < kBorder; ++round)
+    spread(picture);
+  pull_push(picture);
+  for (std::size_t i = 0; i < layout.owner.size(); ++i)
+    for (int c = 0; c < 3 && layout.owner[i] < 0; ++c)
+      image.data[3 * i + c] = static_cast<std::uint8_t>(std::clamp(picture.colours[i][c] + 0.5f, 0.0f, 255.0f));
 }
 
 } // namespace doublet::detail

@@ -18,7 +18,7 @@ GAMMA = 2.2  # about that of sRGB, which images are in
 ALIKE = 30  # of 255 in each channel, to which a texel is of the hidden body's colour
 QUALITY = 95  # of a JPEG that is written anew
 THIGH = 0.5  # of the way from hip to knee, to which a garment under the garment reaches
-BORDER = 3  # px of a line round a triangle of the atlas, for what is read between its texels and the next
+BORDER = 3  # px of a line round a triangle, for what is read between its texels and those beside its chart
 
 
 def colour_of(text: str, flag: str) -> tuple[int, int, int]:
@@ -35,7 +35,8 @@ def linear(rgb: Sequence[int]) -> np.ndarray:
 
 def set_texture(character: d.Character, file: Path) -> None:
     """Another picture for M_high, laid out as its own (write_texture() has that): what is drawn of the hidden body apart from it
-    takes the colour that its like has in the new picture. Raises RuntimeError naming the file if it is no PNG or JPEG."""
+    takes the colour that its like has in the new picture. Raises RuntimeError naming the file if it is no PNG or JPEG,
+    or of other proportions."""
     if not len(character.texcoords):
         raise ValueError(f"{character.name}: expected a character with a texture to replace, found none")
     picture, content = read_image(file), Path(file).read_bytes()
@@ -43,8 +44,16 @@ def set_texture(character: d.Character, file: Path) -> None:
         raise RuntimeError(f"{file}: expected a PNG or JPEG, found another kind of image")
     before = character_picture(character)
     if before is not None:
+        require_shape(file, picture.size, before.size)
         follow(character, np.asarray(before), np.asarray(picture.convert("RGB").resize(before.size, Image.BOX)))
     character.texture = content
+
+
+def require_shape(file: Path, size: tuple[int, int], own: tuple[int, int]) -> None:
+    """A picture of other proportions cannot be laid out as the character's own."""
+    if abs(size[0] / size[1] - own[0] / own[1]) > 0.01 * own[0] / own[1]:
+        expected = f"the proportions of the character's own picture ({own[0]} x {own[1]}; --write-texture writes it)"
+        raise RuntimeError(f"{file}: expected {expected}, found {size[0]} x {size[1]}")
 
 
 def follow(character: d.Character, before: np.ndarray, after: np.ndarray) -> None:
@@ -89,7 +98,7 @@ def height_of_legs(character: d.Character) -> float:
 
 
 def paint(character: d.Character, faces: np.ndarray, rgb: Sequence[int], above: float = -np.inf) -> None:
-    """Triangles of the atlas, where the character has a texture: what of them is higher than `above` m in the scan's pose."""
+    """Triangles of the texture, where the character has a texture: what of them is higher than `above` m in the scan's pose."""
     picture = character_picture(character)
     if picture is None or not faces.any():
         return

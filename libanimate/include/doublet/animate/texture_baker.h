@@ -1,17 +1,19 @@
 #pragma once
-// A texture for M_high from the images of one frame. No unwrapping: every triangle has its own cell in the atlas.
+// A texture for M_high from the images of a take: of every place from the frame and camera that see it best.
 
 #include "doublet/animate/character.h"
 #include "doublet/core/camera.h"
 #include "doublet/options/options.h"
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace doublet {
 
 struct TextureOptions {
   int size = 2048;
+  int frames = 16;
   double facing_power = 4;
   double grazing = 0.2;
   double depth_margin = 0.01;
@@ -24,8 +26,10 @@ struct TextureOptions {
     using O = TextureOptions;
     return Description{
         "TextureOptions",
-        option(&O::size, "size", Range{64, 16384}, "px", "Width and height of the atlas",
-               "In 2048, 25k triangles get cells of about 18 pixels"),
+        option(&O::size, "size", Range{64, 16384}, "px", "Width and height of the image",
+               "In 2048, a pixel of a person is about 1.1 mm wide"),
+        option(&O::frames, "frames", Range{1, 64}, "", "Frames of the take that it is made of, at most",
+               "Each costs the time to look at its images once"),
         option(&O::facing_power, "facing_power", Range{0, 64}, "",
                "Cameras count by the cosine between normal and ray to this power"),
         option(&O::grazing, "grazing", Range{0, 1, Open::Above}, "", "Cameras below this cosine do not count",
@@ -56,23 +60,52 @@ struct BakedTexture {
   double seen_fraction = 0; ///< share of the drawn surface's area that at least one camera saw
 };
 
-/// `masks`: one silhouette a camera (255 = actor), or none at all; what lies outside, shows a screen through a gap, or is on
-/// the rim (3 pixels) of either does not count, so that the backdrop does not get onto fingers. `mesh` stands as in the images;
-/// `face_valid` (F) or empty; one image (B G R) a camera, an empty image = camera without one. What no camera sees is filled
-/// from its neighbours on the surface. `face_labels` (F) or empty: what keeps the colours of body and garment apart
-/// (label_margin). Throws Error, std::invalid_argument if sizes do not fit.
-BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras, const std::vector<Image> &images,
-                          const std::vector<Image> &masks = {}, const std::vector<SurfaceLabel> &face_labels = {},
+/// One image (B G R) a camera, empty = camera without one. `masks`: one silhouette a camera (255 = actor), or none at all; what
+/// lies outside, shows a screen through a gap, or is on the rim (3 pixels) of either does not count, so that the backdrop does
+/// not get onto fingers.
+struct FrameImages {
+  std::vector<Image> images, masks;
+};
+
+/// The frames of a take, in which a surface moved.
+struct FilmedSurface {
+  int frame_count = 0;
+  std::function<Vertices(int)> vertices;  ///< (V, 3) as they stand in the images; called from any thread
+  std::function<FrameImages(int)> images; ///< called from the thread that called, once a frame at most, in rising order
+};
+
+/// The frames that together show most of the surface (greedy; Nemhauser, Wolsey, Fisher 1978), rising: the first, and at most
+/// options.frames in all.
+std::vector<int> choose_texture_frames(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
+                                       const FilmedSurface &filmed, const TextureOptions &options = {},
+                                       const Context &context = {});
+
+/// `mesh` as the texture is laid out: best in a pose in which it does not touch itself; `face_valid` (F) or empty. What no camera
+/// sees is filled from its neighbours on the surface. `face_labels` (F) or empty: what keeps the colours of body and garment
+/// apart (label_margin). Throws Error, std::invalid_argument if sizes do not fit.
+BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
+                          const FilmedSurface &filmed, const std::vector<SurfaceLabel> &face_labels = {},
                           const TextureOptions &options = {}, const Context &context = {});
 
-/// Colours at 10 points of every face, for SegmentInputs::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
-/// says, NaN where no camera sees it. Arguments and errors as of bake_texture(), without labels.
-Vertices sample_colours(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras, const std::vector<Image> &images,
-                        const std::vector<Image> &masks = {}, const TextureOptions &options = {}, const Context &context = {});
+/// The same from one frame, in which `mesh` stands as in the images.
+BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
+                          const std::vector<Image> &images, const std::vector<Image> &masks = {},
+                          const std::vector<SurfaceLabel> &face_labels = {}, const TextureOptions &options = {},
+                          const Context &context = {});
 
-/// Bakes the texture of a character's M_high from the frame whose captured surface is `surface` (V, 3), and puts it into the
-/// character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem, and
+/// Colours at 10 points of every face, for SegmentInputs::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
+/// says, NaN where no camera sees it. Arguments and errors as of bake_texture() from one frame, without labels.
+Vertices sample_colours(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
+                        const std::vector<Image> &images, const std::vector<Image> &masks = {},
+                        const TextureOptions &options = {}, const Context &context = {});
+
+/// Bakes the texture of a character's M_high from a take, of whose captured surface M `filmed` has the vertices, and puts it into
+/// the character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem, and
 /// the texture goes over into it. Returns the share of the surface that was seen. Throws Error if the character has no M_high.
+double texture_character(Character &character, const FilmedSurface &filmed, const CameraRig &cameras,
+                         const TextureOptions &options = {}, const Context &context = {});
+
+/// The same from one frame, in which the captured surface is `surface` (V, 3).
 double texture_character(Character &character, const Vertices &surface, const CameraRig &cameras,
                          const std::vector<Image> &images, const std::vector<Image> &masks = {},
                          const TextureOptions &options = {}, const Context &context = {});
