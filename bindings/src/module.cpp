@@ -6,7 +6,6 @@ PYBIND11_MODULE(_doublet, m) {
   using namespace doublet::python;
   m.doc() = "Native half of doublet; use the package `doublet`.";
   m.attr("__version__") = DOUBLET_VERSION;
-  m.attr("version_info") = pybind11::make_tuple(DOUBLET_VERSION_MAJOR, DOUBLET_VERSION_MINOR, DOUBLET_VERSION_PATCH);
   refuse_complex_arrays();
   bind_core(m);
 #ifdef DOUBLET_WITH_RAYS

@@ -55,6 +55,10 @@ PLACES = {
 }
 
 
+def test_versions_compare():
+    assert ".".join(map(str, d.version_info)) == d.__version__ and (0, 0, 99) < d.version_info < (1000,)
+
+
 @pytest.mark.parametrize("place", PLACES)
 def test_the_version_is_one(place):
     assert PLACES[place].format(d.__version__) in (ROOT / place).read_text(encoding="utf-8")

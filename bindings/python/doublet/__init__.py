@@ -29,6 +29,7 @@ from .common.renamed import add_deprecated_attributes
 
 #: Packages and modules, loaded when they are first named.
 MODULES = ("evaluation", "export", "optimizers", "pages", "reconstruct", "scan", "session", "testing")
+version_info = tuple(int(part) for part in __version__.split("."))  #: to compare: doublet.version_info >= (0, 2)
 __all__ = list(MODULES)  # what help() goes through, too: classes and functions each have their own
 
 

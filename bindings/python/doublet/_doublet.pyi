@@ -8,7 +8,7 @@ import numpy.typing
 import os
 import pathlib
 import typing
-__all__: list[str] = ['AlignedScan', 'AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothRegion', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'Finding', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FrameViews', 'FullnessOptions', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Implausible', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'Limit', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'Reconstruction', 'ReconstructionOptions', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'Results', 'RetargetOptions', 'RiggedMesh', 'RunRecord', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SessionCheck', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'Stage', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'align_scan', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'check_session', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'default_stages', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_fullness', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fit_together', 'frame_source_violations', 'garment_mesher_violations', 'hash_files', 'heat_weights', 'hidden_faces', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'quality_findings', 'quality_limits', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_found_segmentation', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_segmentation_paint', 'read_simulated', 'read_suggested_mask', 'read_template_mask', 'read_view', 'read_views', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'step_players', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'texture_character_from_take', 'trace_outline', 'train_body_model', 'triangulate', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_segmentation_paint', 'write_simulated', 'write_template_mask', 'write_template_suggestion']
+__all__: list[str] = ['AlignedScan', 'AnimateOptions', 'AnimationFrame', 'AnimationResult', 'AnnealingOptions', 'BackgroundOptions', 'BakedGlbOptions', 'BayesianOptions', 'BodyFit', 'BodyFitOptions', 'BodyFitter', 'BodyModel', 'BodyRegion', 'CalibratedCamera', 'CalibrationOptions', 'CalibrationRefinementOptions', 'Camera', 'CameraView', 'Capsule', 'CaptureOptions', 'CaptureParts', 'CaptureResult', 'CaptureSummary', 'Character', 'CharacterRenderer', 'CharacterSimulator', 'CharacterState', 'ChromaKeyOptions', 'ClothModel', 'ClothOptions', 'ClothRegion', 'ClothSegmenter', 'ClothSolver', 'ClothState', 'ClothedScan', 'CmaEsOptions', 'Context', 'DetectedJoints', 'DisplayMesh', 'DisplaySurface', 'DressedActor', 'EnergyOptions', 'Error', 'FeatureTracker', 'FeatureTrackerOptions', 'Features', 'Finding', 'FitFinding', 'FitOptions', 'FitResult', 'FootContacts', 'FrameSource', 'FrameViews', 'Garment', 'GarmentMesher', 'GarmentOptions', 'GarmentSummary', 'GenerationRow', 'HeatWeightOptions', 'Implausible', 'JointAnnotation', 'JointMatch', 'JointVisibility', 'Lens', 'Limb', 'LimbProblem', 'LimbSearch', 'LimbSearchOptions', 'Limit', 'LostLimb', 'Material', 'MaterialObjective', 'Mesh', 'MeshReport', 'MeshSequence', 'MinimiseOptions', 'MinimiseResult', 'Motion', 'Objective', 'Observations', 'OppositeOptions', 'Optimizer', 'OptimizerResult', 'Outline', 'ParameterSpace', 'ParticleAnnealingOptions', 'PerformanceCapture', 'PlantOptions', 'Player', 'PoseEstimate', 'PoseOptimizer', 'PoseOptions', 'PoseProblem', 'PosedFrame', 'Posterior', 'ProxyOptions', 'ProxyStatistics', 'RayScene', 'Reconstruction', 'ReconstructionOptions', 'ReferencePerformance', 'RefinedCamera', 'RenderMesh', 'RenderOptions', 'RestPoseOptions', 'Results', 'RetargetOptions', 'RiggedMesh', 'RunRecord', 'SegmentInputs', 'SegmentOptions', 'SegmentSummary', 'Segmentation', 'Session', 'SessionCamera', 'SessionCheck', 'SilhouetteExtractor', 'SilhouetteOptions', 'Skeleton', 'SolverSettings', 'SourceMotion', 'Stage', 'StartFrame', 'StepInputs', 'SurfaceEstimate', 'SurfaceOptions', 'SurfaceProblem', 'SurfaceQuality', 'SurfaceRefiner', 'SurfaceTrack', 'SurfaceTransfer', 'Take', 'TaperedCapsule', 'Template', 'TemplateOptions', 'TemplateSummary', 'TextureOptions', 'TrainOptions', 'TrainSummary', 'ViewObservation', 'ViewScanOptions', 'align_scan', 'animate', 'animate_each', 'apply_corrections', 'body_fitter_violations', 'body_model_violations', 'body_regions', 'build_display_mesh', 'build_template', 'canonical_frames', 'capsule_mesh', 'check_session', 'choose_widths', 'cloth_prior', 'cloth_segmenter_violations', 'cloth_solver_violations', 'common_widths', 'create_bayesian', 'create_cma_es', 'create_simulated_annealing', 'default_stages', 'detect_joints', 'distances_to_surface', 'dress', 'dual_quaternion_skinning', 'estimate_material', 'explain_match', 'face_areas', 'face_normals', 'feature_tracker_violations', 'filmed', 'find_contacts', 'find_limbs', 'find_start_frame', 'fit_proxies', 'fit_together', 'frame_source_violations', 'garment_mesher_violations', 'hash_files', 'heat_weights', 'hidden_faces', 'limb_search_violations', 'make_character', 'material_energy', 'measure_observations', 'mesh_garment', 'minimise', 'objective_violations', 'optimizer_violations', 'orbit_camera', 'performance_capture_violations', 'plant_feet', 'pose_optimizer_violations', 'pose_surface', 'posterior_of', 'proxy_statistics', 'quality_findings', 'quality_limits', 'rasterize', 'read_actor', 'read_body', 'read_calibration', 'read_found_segmentation', 'read_garment', 'read_materials', 'read_mesh', 'read_observations', 'read_performance', 'read_proxies', 'read_segmentation', 'read_segmentation_paint', 'read_simulated', 'read_suggested_mask', 'read_template_mask', 'read_view', 'read_views', 'read_widths', 'refine_rest_pose', 'render', 'require_scanned', 'resample', 'retarget', 'rig_template', 'sample_colours', 'scan_from_views', 'segment_cloth', 'segment_performance', 'segmentation_pose', 'self_intersecting_faces', 'session_silhouettes', 'silhouette_extractor_violations', 'simulate_reference', 'spring_constant', 'step_players', 'stiffness_of_spring', 'summarise_garment', 'summarise_segmentation', 'summarise_template', 'surface_refiner_violations', 'texture_character', 'trace_outline', 'train_body_model', 'triangulate', 'vertex_areas', 'vertex_normals', 'visible_vertices', 'width_variants', 'write_actor', 'write_baked_glb', 'write_baked_npz', 'write_body', 'write_bvh', 'write_calibration', 'write_garment', 'write_materials', 'write_mesh', 'write_observations', 'write_performance', 'write_proxies', 'write_segmentation', 'write_segmentation_paint', 'write_simulated', 'write_template_mask', 'write_template_suggestion']
 class Error(RuntimeError):
     pass
 class Context:
@@ -398,7 +398,7 @@ class RiggedMesh:
     def __init__(self, mesh: Mesh, face_valid: numpy.typing.ArrayLike, weights: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"], skeleton: Skeleton) -> None:
         ...
     @property
-    def face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def face_valid(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (F) 0 = invented over a large hole
         """
@@ -475,7 +475,7 @@ class Segmentation:
     def __init__(self) -> None:
         ...
     @typing.overload
-    def __init__(self, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], region: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"], fullness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...) -> None:
+    def __init__(self, sigma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], region: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 1]"]) -> None:
         ...
     @property
     def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -484,14 +484,6 @@ class Segmentation:
         """
     @clothness.setter
     def clothness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
-        ...
-    @property
-    def fullness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        """
-        (V) width across gravity over the scan's; empty = 1
-        """
-    @fullness.setter
-    def fullness(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]) -> None:
         ...
     @property
     def probability(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -588,7 +580,7 @@ class Garment:
     def region_count(self, value: int) -> None:
         ...
     @property
-    def replaced_faces(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def replaced_faces(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (F) faces of the actor that the garment stands for
         """
@@ -1717,7 +1709,7 @@ class Template:
     def __init__(self) -> None:
         ...
     @property
-    def face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def face_valid(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (F) 0 = suggested as invented over a large hole
         """
@@ -1733,7 +1725,7 @@ class Template:
     def high(self, value: Mesh) -> None:
         ...
     @property
-    def high_face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def high_face_valid(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (FH) the same of M_high
         """
@@ -3544,68 +3536,6 @@ class SegmentOptions:
     @thresholds.setter
     def thresholds(self, value: bool) -> None:
         ...
-class FullnessOptions:
-    """
-    Options of estimate_fullness.
-    """
-    __hash__: typing.ClassVar[None] = None
-    @staticmethod
-    def described() -> dict:
-        """
-        Name -> {unit, meaning, why, takes} of every option in order, and lower and upper, or choices, where it has them.
-        """
-    def __copy__(self) -> FullnessOptions:
-        ...
-    def __deepcopy__(self, memo: dict) -> FullnessOptions:
-        ...
-    def __eq__(self, other: object) -> bool:
-        ...
-    def __getstate__(self) -> dict:
-        ...
-    def __init__(self, *, estimate: bool = True, quantile: float = 0.75, largest: float = 1.8, smoothing: float = 0.03) -> None:
-        """
-        Every field may be given by keyword.
-        """
-    def __repr__(self) -> str:
-        ...
-    def __setstate__(self, state: dict) -> None:
-        ...
-    def to_dict(self) -> dict:
-        """
-        Name -> value of every option.
-        """
-    @property
-    def estimate(self) -> bool:
-        """
-        off: the cloth is as wide as the scan, as in the paper
-        """
-    @estimate.setter
-    def estimate(self, value: bool) -> None:
-        ...
-    @property
-    def largest(self) -> float:
-        """
-        more is taken for a mistake of the tracking: a number of at least 1
-        """
-    @largest.setter
-    def largest(self, value: float) -> None:
-        ...
-    @property
-    def quantile(self) -> float:
-        """
-        over time, of the width that counts: a skirt is spread in a part of the motion only, and widest where tracking is worst: a number in [0, 1]
-        """
-    @quantile.setter
-    def quantile(self, value: float) -> None:
-        ...
-    @property
-    def smoothing(self) -> float:
-        """
-        m, length scale of the diffusion over the surface; about an edge of the template: a number of at least 0
-        """
-    @smoothing.setter
-    def smoothing(self, value: float) -> None:
-        ...
 class SegmentInputs:
     """
     What a ClothSegmenter is given; only the surface is needed.
@@ -3629,7 +3559,7 @@ class SegmentInputs:
     def colours(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
-    def face_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def face_valid(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (F) 0 = invented over a large hole; empty = all valid
         """
@@ -4357,7 +4287,7 @@ class Material:
     @property
     def k_bend(self) -> float:
         """
-        Bending stiffness: a number in [0, 1]
+        Bending stiffness, as a share: a number in [0, 1]. In N m: spring_constant()
         """
     @k_bend.setter
     def k_bend(self, value: float) -> None:
@@ -4381,7 +4311,7 @@ class Material:
     @property
     def k_stretch(self) -> float:
         """
-        Stretching stiffness: a number in (0, 1]. Below 0.99 cloth hangs like rubber
+        Stretching stiffness, as a share: a number in (0, 1]. In N/m: spring_constant(). Below 0.99 cloth hangs like rubber
         """
     @k_stretch.setter
     def k_stretch(self, value: float) -> None:
@@ -4454,7 +4384,7 @@ class StepInputs:
     """
     What the world does during one frame.
     """
-    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: float = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None = None) -> None:
+    def __init__(self, *, targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., previous_targets: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] = ..., capsules: collections.abc.Sequence[Capsule] = [], previous_capsules: collections.abc.Sequence[Capsule] = [], dt: float = 0.025, wind: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] = ..., gravity: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"] | None = None, substeps: int = 0) -> None:
         ...
     @property
     def capsules(self) -> list[Capsule]:
@@ -4483,7 +4413,7 @@ class StepInputs:
     @property
     def previous_capsules(self) -> list[Capsule]:
         """
-        proxies at its start, in the same order
+        proxies at its start, in the same order; empty = they stand still
         """
     @previous_capsules.setter
     def previous_capsules(self, value: collections.abc.Sequence[Capsule]) -> None:
@@ -4491,15 +4421,23 @@ class StepInputs:
     @property
     def previous_targets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
-        (N, 3) m, at its start
+        (N, 3) m, at its start; empty = they stand still
         """
     @previous_targets.setter
     def previous_targets(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
         ...
     @property
+    def substeps(self) -> int:
+        """
+        number of substeps of the frame; 0 = the model's
+        """
+    @substeps.setter
+    def substeps(self, value: int) -> None:
+        ...
+    @property
     def targets(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 3]"]:
         """
-        (N, 3) m, skinned positions at the end of the frame
+        (N, 3) m, skinned positions at the end of the frame; empty if no vertex follows them
         """
     @targets.setter
     def targets(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]) -> None:
@@ -4639,7 +4577,7 @@ class ClothModel:
     """
     What a piece of cloth is: arrays that cannot be written to.
     """
-    def __init__(self, rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: ClothOptions = ..., fullness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"] = ...) -> None:
+    def __init__(self, rest: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], clothness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"], options: ClothOptions = ...) -> None:
         ...
     @property
     def clothness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -4650,16 +4588,6 @@ class ClothModel:
     def faces(self) -> typing.Annotated[numpy.typing.NDArray[numpy.int32], "[m, 3]"]:
         """
         (F, 3)
-        """
-    @property
-    def fullness(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-        """
-        (N) >= 1: how many times as wide as `rest` the cloth is across fullness_axis
-        """
-    @property
-    def fullness_axis(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[3, 1]"]:
-        """
-        (3) that of gravity; 0 = no length grows
         """
     @property
     def inverse_masses(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
@@ -4888,7 +4816,7 @@ class Character:
     def body_colour(self, value: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[3, 1]"]) -> None:
         ...
     @property
-    def body_shown(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def body_shown(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (FB) 1 = hidden under cloth in the scan, must be drawn
         """
@@ -4920,7 +4848,7 @@ class Character:
     def high_body(self, value: collections.abc.Sequence[int]) -> None:
         ...
     @property
-    def high_valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def high_valid(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (FH) 0 = a face of M_high that is not drawn
         """
@@ -5279,12 +5207,12 @@ class FootContacts:
         joint
         """
     @property
-    def ball(self) -> numpy.typing.NDArray[numpy.bool]:
+    def ball(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (T,) bool
         """
     @property
-    def heel(self) -> numpy.typing.NDArray[numpy.bool]:
+    def heel(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (T,) bool
         """
@@ -5702,7 +5630,7 @@ class TextureOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, size: int = 2048, frames: int = 16, facing_power: float = 4.0, grazing: float = 0.2, depth_margin: float = 0.01, edge_margin: float = 0.02, screen_margin: float = 0.025, label_margin: float = 0.05, albedo: bool = True) -> None:
+    def __init__(self, *, size: int = 2048, facing_power: float = 4.0, grazing: float = 0.2, depth_margin: float = 0.01, edge_margin: float = 0.02, screen_margin: float = 0.025, label_margin: float = 0.05, albedo: bool = True) -> None:
         """
         Every field may be given by keyword.
         """
@@ -5747,14 +5675,6 @@ class TextureOptions:
     def facing_power(self, value: float) -> None:
         ...
     @property
-    def frames(self) -> int:
-        """
-        Frames of the take that it is made of, at most: a number in [1, 64]. Each costs the time to look at its images once
-        """
-    @frames.setter
-    def frames(self, value: int) -> None:
-        ...
-    @property
     def grazing(self) -> float:
         """
         Cameras below this cosine do not count: a number in [0, 1). They see the silhouette's mixed pixels
@@ -5781,7 +5701,7 @@ class TextureOptions:
     @property
     def size(self) -> int:
         """
-        px, Width and height of the image: a number in [64, 16384]. In 2048, a pixel of a person is about 1.1 mm wide
+        px, Width and height of the atlas: a number in [64, 16384]. In 2048, 25k triangles get cells of about 18 pixels
         """
     @size.setter
     def size(self, value: int) -> None:
@@ -5801,7 +5721,7 @@ class DisplayMesh:
         M_high, scan pose
         """
     @property
-    def valid(self) -> numpy.typing.NDArray[numpy.uint8]:
+    def valid(self) -> numpy.typing.NDArray[numpy.bool_]:
         """
         (FH) 0 = not drawn
         """
@@ -7052,7 +6972,7 @@ class ReconstructionOptions:
     """
     Every option of a reconstruction: options[group], of the names in `groups`, and a few of all.
     """
-    groups: typing.ClassVar[tuple] = ('template', 'silhouette', 'key', 'background', 'capture', 'features', 'pose', 'limbs', 'annealing', 'surface', 'calibration', 'segment', 'opposite', 'fullness', 'body', 'proxy', 'garment', 'cloth', 'fit', 'energy', 'space', 'texture')
+    groups: typing.ClassVar[tuple] = ('template', 'silhouette', 'key', 'background', 'capture', 'features', 'pose', 'limbs', 'annealing', 'surface', 'calibration', 'segment', 'opposite', 'body', 'proxy', 'garment', 'cloth', 'fit', 'energy', 'space', 'texture')
     def __getitem__(self, group: str) -> typing.Any:
         """
         The options object itself: what is set in it counts.
@@ -7367,10 +7287,6 @@ def dual_quaternion_skinning(rest: typing.Annotated[numpy.typing.ArrayLike, nump
     """
     (V, 3) the rest positions (V, 3), carried by transforms (J, 4, 4) with weights (V, J).
     """
-def estimate_fullness(scan: Mesh, face_valid: numpy.typing.ArrayLike, segmentation: Segmentation, sequence: MeshSequence, options: FullnessOptions = ..., context: Context = ...) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, 1]"]:
-    """
-    (V) width of the cloth across gravity over that of the scan, at least 1; 1 on what is rigid.
-    """
 @typing.overload
 def estimate_material(takes: collections.abc.Sequence[Take], options: FitOptions = ..., context: Context = ...) -> FitResult:
     """
@@ -7437,7 +7353,7 @@ def heat_weights(mesh: Mesh, face_valid: numpy.typing.ArrayLike, skeleton: Skele
     """
     (V, J) skin weights by heat equilibrium; rows sum to one.
     """
-def hidden_faces(character: Character) -> numpy.typing.NDArray[numpy.uint8]:
+def hidden_faces(character: Character) -> numpy.typing.NDArray[numpy.bool_]:
     """
     (FH) 1 = a face of M_high that is of the hidden body, or joins it to the scan.
     """
@@ -7565,13 +7481,13 @@ def read_simulated(path: os.PathLike | str | bytes) -> numpy.typing.NDArray[nump
     """
     simulated.npz: (T, V + G, 3), the actor's vertices, then the garment's.
     """
-def read_suggested_mask(out: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.uint8]:
+def read_suggested_mask(out: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.bool_]:
     """
-    (F) uint8 of the template in OUT, 0: suggested as invalid.
+    (F) bool of the template in OUT, False: suggested as invalid.
     """
-def read_template_mask(out: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.uint8]:
+def read_template_mask(out: os.PathLike | str | bytes) -> numpy.typing.NDArray[numpy.bool_]:
     """
-    (F) uint8: the edited mask if there is one, else the suggestion.
+    (F) bool: the edited mask if there is one, else the suggestion.
     """
 def read_view(frames: FrameSource, camera: int, frame: int, extractor: SilhouetteExtractor | None = None) -> CameraView:
     """
@@ -7621,15 +7537,15 @@ def segment_cloth(sequence: MeshSequence, face_valid: numpy.typing.ArrayLike, op
     """
     ClothSegmenter.create(options).segment(SegmentInputs(sequence, face_valid), context).
     """
-def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, fullness: FullnessOptions = ..., context: Context = ...) -> Segmentation:
+def segment_performance(actor: RiggedMesh, performance: ReferencePerformance, segmenter: ClothSegmenter, colours: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"] | None = None, context: Context = ...) -> Segmentation:
     """
-    The whole stage for a captured performance: canonical frames, prior, segmentation, fullness. colours of its first frame, as SegmentInputs has them.
+    The whole stage for a captured performance: canonical frames, prior, segmentation. colours of its first frame, as SegmentInputs has them.
     """
 def segmentation_pose(actor: RiggedMesh, performance: ReferencePerformance) -> Mesh:
     """
     The first frame if it is in the scan's pose, otherwise the actor's mesh: what a segmentation is made in -> Mesh.
     """
-def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> numpy.typing.NDArray[numpy.uint8]:
+def self_intersecting_faces(mesh: Mesh, context: Context = ...) -> numpy.typing.NDArray[numpy.bool_]:
     """
     (F) 1 for the faces that pass through another face
     """
@@ -7645,9 +7561,17 @@ def simulate_reference(simulator: CharacterSimulator, performance: ReferencePerf
     """
     (T, V, 3) the reference motion re-animated
     """
+def spring_constant(k: float, response: float) -> float:
+    """
+    What k_stretch (N/m) or k_bend (N m) is under 'compliance': k / ((1 - k) (1/40 s)^2 response); infinite for k = 1. response: the sum of |grad C|^2 / mass over the vertices of a constraint C: of an edge 1 / m_a + 1 / m_b, 1/kg; of a hinge, whose C is its angle, 1/(kg m^2). The masses of a ClothModel are areas, m^2: times kg/m^2 they are masses.
+    """
 def step_players(players: collections.abc.Sequence[Player], dofs: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 1]"]], seconds: float, threads: int = 1) -> None:
     """
     player.step(pose, seconds) for copies of one player, side by side in the lanes of the processor's registers and on up to `threads` threads, with the same bits; dofs: a pose (D) for each.
+    """
+def stiffness_of_spring(constant: float, response: float) -> float:
+    """
+    The k that has this spring constant.
     """
 def summarise_garment(garment: Garment) -> GarmentSummary:
     """
@@ -7669,10 +7593,6 @@ def texture_character(character: Character, surface: typing.Annotated[numpy.typi
     """
     Gives the character a texture from the images of the frame in which M is at `surface` (V, 3), and its hidden body the colour of the skin beyond the garment's edge; returns the share of its surface that a camera saw.
     """
-def texture_character_from_take(character: Character, surfaces: collections.abc.Sequence[typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"]], cameras: collections.abc.Sequence[Camera], images: collections.abc.Callable[[int], tuple[collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]], collections.abc.Sequence[numpy.typing.NDArray[numpy.uint8]]]], options: TextureOptions = ..., context: Context = ...) -> float:
-    """
-    The same from the frames of a take in which M is at `surfaces` (a list of (V, 3)): images(i) gives those of the i-th and its masks, two lists with one a camera; it is asked for few of them, in rising order.
-    """
 def trace_outline(mask: numpy.typing.NDArray[numpy.uint8], margin: int = 2) -> Outline:
     """
     Boundary of a mask (H, W).
@@ -7693,7 +7613,7 @@ def vertex_normals(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.floa
     """
     (V, 3) unit, weighted by angle; zero where no face is.
     """
-def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: float) -> numpy.typing.NDArray[numpy.uint8]:
+def visible_vertices(vertices: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, 3]"], faces: typing.Annotated[numpy.typing.ArrayLike, numpy.int32, "[m, 3]"], cameras: collections.abc.Sequence[Camera], tolerance: float) -> numpy.typing.NDArray[numpy.bool_]:
     """
     (V) 1 where at least one camera sees the vertex; tolerance in m
     """
