@@ -83,21 +83,19 @@ std::vector<int> choose_texture_frames(const Mesh &mesh, const Mask &face_valid,
 /// `mesh` as the texture is laid out: best in a pose in which it does not touch itself; `face_valid` (F) or empty. What no camera
 /// sees is filled from its neighbours on the surface. `face_labels` (F) or empty: what keeps the colours of body and garment
 /// apart (label_margin). Throws Error, std::invalid_argument if sizes do not fit.
-BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
-                          const FilmedSurface &filmed, const std::vector<SurfaceLabel> &face_labels = {},
-                          const TextureOptions &options = {}, const Context &context = {});
-
-/// The same from one frame, in which `mesh` stands as in the images.
-BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
-                          const std::vector<Image> &images, const std::vector<Image> &masks = {},
+BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras, const FilmedSurface &filmed,
                           const std::vector<SurfaceLabel> &face_labels = {}, const TextureOptions &options = {},
                           const Context &context = {});
 
+/// The same from one frame, in which `mesh` stands as in the images.
+BakedTexture bake_texture(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras, const std::vector<Image> &images,
+                          const std::vector<Image> &masks = {}, const std::vector<SurfaceLabel> &face_labels = {},
+                          const TextureOptions &options = {}, const Context &context = {});
+
 /// Colours at 10 points of every face, for SegmentInputs::colours: (10 F, 3) B G R, 0 to 255, as photographed whatever `albedo`
 /// says, NaN where no camera sees it. Arguments and errors as of bake_texture() from one frame, without labels.
-Vertices sample_colours(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras,
-                        const std::vector<Image> &images, const std::vector<Image> &masks = {},
-                        const TextureOptions &options = {}, const Context &context = {});
+Vertices sample_colours(const Mesh &mesh, const Mask &face_valid, const CameraRig &cameras, const std::vector<Image> &images,
+                        const std::vector<Image> &masks = {}, const TextureOptions &options = {}, const Context &context = {});
 
 /// Bakes the texture of a character's M_high from a take, of whose captured surface M `filmed` has the vertices, and puts it into
 /// the character as JPEG. The hidden body takes the colour of the skin beyond the garment's free edges, of legs below a hem, and
