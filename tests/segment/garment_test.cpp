@@ -414,6 +414,27 @@ TEST(GarmentMesher, SkinBeyondTheHemThatCountsAsClothIsLeftOut) {
   EXPECT_GT(skirt.mesh.vertices.col(1).maxCoeff(), 0.98); // the waistband lies on the body, too
 }
 
+/// The underside of a fold that was taken for skin is not drawn beside the garment; a patch of skin that the cloth leaves free
+/// is.
+TEST(GarmentMesher, SkinThatLiesNowhereOnTheBodyIsNone) {
+  Person person;
+  const auto make_skin = [&](int first, int last) { // a patch, in cloth
+    for (int ring = first; ring < last; ++ring)
+      for (int k = -8; k < 8; ++k)
+        person.segmentation.clothness[skirt_person::vertex(ring, k)] = 0;
+  };
+  make_skin(36, 46);
+  const int middle = skirt_person::face(41, 0);
+  GarmentOptions options = small_garment();
+  options.min_hole_area = 0;
+  const auto replaced = [&](const Mesh &body) {
+    return mesh_garment(person.actor, person.segmentation, body, {}, options).replaced_faces[middle];
+  };
+  EXPECT_TRUE(replaced(person.body));
+  EXPECT_FALSE(replaced({}));                // nobody knows
+  EXPECT_FALSE(replaced(person.actor.mesh)); // it does lie on the body
+}
+
 TEST(GarmentMesher, RestIsAsWideAsTheFramesAndAsLongAsTheScan) {
   const Person person(folded);
   const Garment garment = garment_of(person, small_garment(), folded_and_spread_out(person));
