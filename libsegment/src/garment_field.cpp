@@ -13,7 +13,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOffCut = 0.02;    // no vertex is nearer to the cut, which would make slivers
 constexpr double kOnBody = 0.012;   // m, about the error of the hidden body: nearer, the surface lies on it
-constexpr double kTouches = 0.05;   // of a piece of skin: so much of it lies on the body, even if the hand holds something
+constexpr double kTouches = 0.05;   // of a piece of skin: so much of it lies on the body, whatever it wears or holds
 constexpr double kLeafShare = 0.05; // of a patch on a hand, a foot or the head: it ends there
 constexpr double kFacesAway = 0.5;  // cosine between a normal and the way a garment ends
 
@@ -227,27 +227,26 @@ std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sh
   return bare;
 }
 
-std::vector<char> floating_skin(const RiggedMesh &actor, const Mask &covered, const Segmentation &segmentation,
-                                const Mesh &body) {
-  std::vector<char> floating(actor.mesh.faces.rows(), 0), left = floating;
+std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Segmentation &segmentation, const Mesh &body,
+                         double largest) {
+  std::vector<char> result(actor.mesh.faces.rows(), 0), left = result;
   if (body.faces.rows() == 0)
-    return floating;
-  const Surroundings at = surroundings(actor, floating, segmentation);
+    return result;
+  const Surroundings at = surroundings(actor, result, segmentation);
   const Eigen::VectorXd distance = distances_to_surface(at.centres, body);
   for (std::size_t f = 0; f < left.size(); ++f)
     left[f] = actor.face_valid[f] && !covered[f];
   for (const std::vector<int> &patch : patches(at.beside, left)) {
-    double area = 0, on_body = 0, cloth = 0;
+    double area = 0, on_body = 0;
     for (int f : patch) {
       area += at.areas[f];
       on_body += distance[f] < kOnBody ? at.areas[f] : 0;
-      cloth += at.cloth[f] ? at.areas[f] : 0;
     }
-    if (on_body < kTouches * area && cloth < 0.5 * area)
+    if (area < largest && on_body < kTouches * area)
       for (int f : patch)
-        floating[f] = 1;
+        result[f] = 1;
   }
-  return floating;
+  return result;
 }
 
 Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,

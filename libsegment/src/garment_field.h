@@ -15,9 +15,10 @@ std::vector<char> closing_sheet(const RiggedMesh &actor);
 std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                             const Mesh &body);
 
-/// (F) 1 for pieces of skin that `covered` (F) leaves and of which nothing lies on the body: an underside of the cloth, taken for
-/// skin. None without a body.
-std::vector<char> floating_skin(const RiggedMesh &actor, const Mask &covered, const Segmentation &segmentation, const Mesh &body);
+/// (F) 1 for pieces that `covered` (F) leaves, smaller than `largest` m^2, of which nothing lies on the body: undersides of the
+/// cloth, and of the sheet. None without a body.
+std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Segmentation &segmentation, const Mesh &body,
+                         double largest);
 
 /// (V) above kCut where the region's garment is, below elsewhere; `excluded` (F): the sheet and bare skin.
 Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,

@@ -438,9 +438,9 @@ public:
         garment.replaced_faces[f] = !is_waistband(actor, segmentation, fields[r], f);
       ++garment.region_count;
     }
-    const std::vector<char> floating = detail::floating_skin(actor, garment.replaced_faces, segmentation, body);
-    for (std::size_t f = 0; f < floating.size() && garment.region_count > 0; ++f)
-      garment.replaced_faces[f] |= floating[f];
+    const std::vector<char> scraps = detail::scraps(actor, garment.replaced_faces, segmentation, body, options_.min_piece_area);
+    for (std::size_t f = 0; f < scraps.size() && garment.region_count > 0; ++f)
+      garment.replaced_faces[f] |= scraps[f];
     context.report_progress("garment", 1.0);
     return garment;
   }
