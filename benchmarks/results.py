@@ -60,7 +60,7 @@ def named_session(text: str) -> tuple[str, Path]:
 
 def reconstruct(session: Path, out: Path, seed: int) -> None:
     command = ["doublet", "reconstruct", str(session), "-o", str(out), "--seed", str(seed), "--quiet"]
-    status = subprocess.run(command).returncode
+    status = subprocess.run(command, stdout=subprocess.DEVNULL).returncode
     if status not in (0, DOUBTFUL):
         raise SystemExit(f"results.py: {' '.join(command)}: expected status 0, found {status}")
 
