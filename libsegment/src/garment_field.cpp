@@ -1,5 +1,6 @@
 #include "garment_field.h"
 
+#include "doublet/core/parts/face_neighbours.h"
 #include "doublet/rays/surface_distance.h"
 #include "doublet/segment/parts/diffusion.h"
 
@@ -53,17 +54,6 @@ bool is_limb(const Skeleton &skeleton, int joint) {
   return skeleton.joints[joint].parent >= 0 && away_along(skeleton, joint) != Eigen::Vector3d(-up);
 }
 
-/// [F] the faces that share an edge with each.
-std::vector<std::vector<int>> faces_beside(const Faces &faces) {
-  std::vector<std::vector<int>> beside(faces.rows());
-  for (const Eigen::Vector2i &pair : edge_topology(faces).edge_faces)
-    if (pair[0] >= 0 && pair[1] >= 0) {
-      beside[pair[0]].push_back(pair[1]);
-      beside[pair[1]].push_back(pair[0]);
-    }
-  return beside;
-}
-
 /// [F] the joint that moves each face most.
 std::vector<int> joint_of_faces(const RiggedMesh &actor) {
   std::vector<int> result;
@@ -88,12 +78,9 @@ struct Surroundings {
 
 Surroundings surroundings(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation) {
   const Faces &faces = actor.mesh.faces;
-  Surroundings result{faces_beside(faces),
-                      joint_of_faces(actor),
-                      Vertices(faces.rows(), 3),
-                      face_areas(actor.mesh.vertices, faces),
-                      std::vector<char>(faces.rows()),
-                      std::vector<char>(faces.rows())};
+  Surroundings result{face_neighbours(faces),          joint_of_faces(actor),
+                      Vertices(faces.rows(), 3),       face_areas(actor.mesh.vertices, faces),
+                      std::vector<char>(faces.rows()), std::vector<char>(faces.rows())};
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     double sum = 0;
     result.centres.row(f).setZero();
@@ -200,7 +187,7 @@ std::vector<char> closing_sheet(const RiggedMesh &actor) {
     if (seen[f])
       front.push_back(f);
   }
-  const auto beside = faces_beside(faces);
+  const auto beside = face_neighbours(faces);
   for (std::size_t i = 0; i < front.size(); ++i)
     for (int f : beside[front[i]])
       if (sheet[f] && !seen[f]) {

@@ -3,6 +3,7 @@
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/core/error.h"
+#include "doublet/core/parts/face_neighbours.h"
 #include "face_views.h"
 #include "garment_part.h"
 #include "hidden_skin.h"
@@ -189,16 +190,6 @@ private:
   std::vector<std::vector<int>> around_; ///< [V] faces
 };
 
-std::vector<std::vector<int>> faces_beside(const Faces &faces) {
-  std::vector<std::vector<int>> beside(static_cast<std::size_t>(faces.rows()));
-  for (const Eigen::Vector2i &pair : edge_topology(faces).edge_faces)
-    if (pair[1] >= 0) {
-      beside[pair[0]].push_back(pair[1]);
-      beside[pair[1]].push_back(pair[0]);
-    }
-  return beside;
-}
-
 /// Share of the drawn area that some view shows.
 double seen_share(const FilmedFaces &filmed, const std::vector<std::uint8_t> &valid) {
   const Eigen::VectorXd areas = face_areas(filmed.mesh.vertices, filmed.mesh.faces);
@@ -258,7 +249,7 @@ std::pair<Image, double> baked_into(const detail::ChartLayout &layout, const Mes
                                     const std::vector<SurfaceLabel> &labels, const TextureOptions &options,
                                     const Context &context) {
   const std::size_t faces = layout.chart.size();
-  FilmedFaces seen{mesh, cameras, {}, std::vector<std::vector<FaceView>>(faces), faces_beside(mesh.faces), {}, {}, {}};
+  FilmedFaces seen{mesh, cameras, {}, std::vector<std::vector<FaceView>>(faces), face_neighbours(mesh.faces), {}, {}, {}};
   look(seen, choose_texture_frames(mesh, valid, cameras, filmed, options, context), valid, filmed, labels, options, context);
   if (options.albedo)
     detail::divide_light(seen, context);

@@ -1,0 +1,13 @@
+#pragma once
+// Which faces lie beside each other.
+
+#include "doublet/core/mesh.h"
+
+#include <vector>
+
+namespace doublet {
+
+/// [F] the faces that share an edge with each.
+std::vector<std::vector<int>> face_neighbours(const Faces &faces);
+
+} // namespace doublet
