@@ -1,6 +1,8 @@
 #pragma once
 // Distance to the closest of a set of image points, on a coarse grid (the E_sil look-up of Sect. 6.2).
 
+#include "doublet/types/geometry.h"
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
