@@ -116,7 +116,8 @@ void bind_problems(py::module_ &m) {
           "points", [](const Outline &o) { return as_rows(o.points); }, "(N, 2) pixels")
       .def_property_readonly(
           "normals", [](const Outline &o) { return as_rows(o.normals); }, "(N, 2) unit, out of the mask");
-  m.def("trace_outline", &trace_outline, py::arg("mask"), py::arg("margin") = 2, Release(), "Boundary of a mask (H, W).");
+  m.def("trace_outline", static_cast<Outline (*)(const Image &, int)>(&trace_outline), py::arg("mask"), py::arg("margin") = 2,
+        Release(), "Boundary of a mask (H, W).");
   Class<SurfaceTrack>(m, "SurfaceTrack", "A surface point and the pixel where it is seen.")
       .def_readonly("view", &SurfaceTrack::view, "camera")
       .def_property_readonly(

@@ -1,5 +1,6 @@
 #include "doublet/core/rasterizer.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -31,19 +32,32 @@ double fold_radius_squared(const Camera &camera) {
   return std::numeric_limits<double>::infinity();
 }
 
+/// As std::llround() of a coordinate in subpixels, without a call.
+std::int64_t to_subpixels(double pixel) {
+  const double scaled = pixel * (1 << kSubpixelBits);
+  const auto whole = static_cast<std::int64_t>(scaled);
+  const double rest = scaled - static_cast<double>(whole);
+  return whole + (rest >= 0.5) - (rest <= -0.5);
+}
+
 std::vector<ScreenVertex> project_all(const Vertices &vertices, const Camera &camera) {
-  const double fold = camera.distorted() ? fold_radius_squared(camera) : std::numeric_limits<double>::infinity();
+  const bool distorted = camera.distorted();
+  const double fold = distorted ? fold_radius_squared(camera) : std::numeric_limits<double>::infinity();
+  const Eigen::Matrix2d focal = camera.K.topLeftCorner<2, 2>();
+  const Eigen::Vector2d middle = camera.K.topRightCorner<2, 1>();
   std::vector<ScreenVertex> out(vertices.rows());
   for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
     const Eigen::Vector3d point = vertices.row(v);
     const Eigen::Vector3d in_camera = camera.R * point + camera.t;
     if (!(in_camera.z() >= kNear) || !(in_camera.head<2>().squaredNorm() < fold * in_camera.z() * in_camera.z()))
       continue;
-    const Eigen::Vector2d pixel = camera.project(point);
+    // Camera::project() without turning the point a second time.
+    const Eigen::Vector2d pixel = distorted
+                                      ? camera.project(point)
+                                      : Eigen::Vector2d(focal * Eigen::Vector2d(in_camera.head<2>() / in_camera.z()) + middle);
     if (!(pixel.cwiseAbs().maxCoeff() < kFarOut))
       continue;
-    out[v] = {std::llround(std::ldexp(pixel.x(), kSubpixelBits)), std::llround(std::ldexp(pixel.y(), kSubpixelBits)),
-              1 / in_camera.z(), true};
+    out[v] = {to_subpixels(pixel.x()), to_subpixels(pixel.y()), 1 / in_camera.z(), true};
   }
   return out;
 }
@@ -69,6 +83,13 @@ int ceil_pixel(std::int64_t v) {
 }
 
 void draw(FaceBuffer &buffer, int f, ScreenVertex a, ScreenVertex b, ScreenVertex c) {
+  // Most faces of a small picture hold no pixel's centre and end here.
+  const int x0 = std::max(0, ceil_pixel(std::min({a.x, b.x, c.x})));
+  const int x1 = std::min(buffer.width - 1, floor_pixel(std::max({a.x, b.x, c.x})));
+  const int y0 = std::max(0, ceil_pixel(std::min({a.y, b.y, c.y})));
+  const int y1 = std::min(buffer.height - 1, floor_pixel(std::max({a.y, b.y, c.y})));
+  if (x0 > x1 || y0 > y1)
+    return;
   std::int64_t area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   if (area == 0)
     return;
@@ -76,38 +97,29 @@ void draw(FaceBuffer &buffer, int f, ScreenVertex a, ScreenVertex b, ScreenVerte
     std::swap(b, c);
     area = -area;
   }
-  const int x0 = std::max(0, ceil_pixel(std::min({a.x, b.x, c.x})));
-  const int x1 = std::min(buffer.width - 1, floor_pixel(std::max({a.x, b.x, c.x})));
-  const int y0 = std::max(0, ceil_pixel(std::min({a.y, b.y, c.y})));
-  const int y1 = std::min(buffer.height - 1, floor_pixel(std::max({a.y, b.y, c.y})));
-  if (x0 > x1 || y0 > y1)
-    return;
   const std::int64_t px = static_cast<std::int64_t>(x0) << kSubpixelBits, py = static_cast<std::int64_t>(y0) << kSubpixelBits;
-  const EdgeFunction ea(b, c, px, py), eb(c, a, px, py), ec(a, b, px, py);
+  EdgeFunction ea(b, c, px, py), eb(c, a, px, py), ec(a, b, px, py);
   const std::int64_t bias_a = ea.tie_bias(b, c), bias_b = eb.tie_bias(c, a), bias_c = ec.tie_bias(a, b);
   const double wa = a.inverse_depth / area, wb = b.inverse_depth / area, wc = c.inverse_depth / area;
-
-  std::int64_t row_a = ea.value, row_b = eb.value, row_c = ec.value;
-  for (int y = y0; y <= y1; ++y, row_a += ea.step_y, row_b += eb.step_y, row_c += ec.step_y) {
-    std::int64_t va = row_a, vb = row_b, vc = row_c;
+  float *depths = buffer.depth.data();
+  int *faces = buffer.face.data();
+  for (int y = y0; y <= y1; ++y, ea.value += ea.step_y, eb.value += eb.step_y, ec.value += ec.step_y) {
+    std::int64_t va = ea.value, vb = eb.value, vc = ec.value;
     const std::size_t row = static_cast<std::size_t>(y) * buffer.width;
     for (int x = x0; x <= x1; ++x, va += ea.step_x, vb += eb.step_x, vc += ec.step_x) {
       if (((va + bias_a) | (vb + bias_b) | (vc + bias_c)) < 0)
         continue;
       // 1/z is linear in the image.
       const float depth = static_cast<float>(1 / (wa * va + wb * vb + wc * vc));
-      if (depth < buffer.depth[row + x]) {
-        buffer.depth[row + x] = depth;
-        buffer.face[row + x] = f;
+      if (depth < depths[row + x]) {
+        depths[row + x] = depth;
+        faces[row + x] = f;
       }
     }
   }
 }
 
-} // namespace
-
-FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera,
-                     const std::vector<std::uint8_t> &face_valid) {
+void require_drawable(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid) {
   if (camera.width <= 0 || camera.height <= 0)
     throw std::invalid_argument("rasterize: camera '" + camera.name + "' has no image size");
   if (!face_valid.empty() && static_cast<Eigen::Index>(face_valid.size()) != faces.rows())
@@ -116,12 +128,14 @@ FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera 
   if (faces.rows() > 0 && (faces.minCoeff() < 0 || faces.maxCoeff() >= vertices.rows()))
     throw std::invalid_argument("rasterize: a face has a corner outside the " + std::to_string(vertices.rows()) + " vertices");
   validate_camera(camera, "rasterize");
+}
+
+FaceBuffer drawn(const std::vector<ScreenVertex> &screen, const Faces &faces, const Mask &face_valid, int width, int height) {
   FaceBuffer buffer;
-  buffer.width = camera.width;
-  buffer.height = camera.height;
-  buffer.face.assign(static_cast<std::size_t>(camera.width) * camera.height, -1);
+  buffer.width = width;
+  buffer.height = height;
+  buffer.face.assign(static_cast<std::size_t>(width) * height, -1);
   buffer.depth.assign(buffer.face.size(), std::numeric_limits<float>::infinity());
-  const std::vector<ScreenVertex> screen = project_all(vertices, camera);
   for (int f = 0; f < faces.rows(); ++f) {
     if (!face_valid.empty() && !face_valid[f])
       continue;
@@ -130,6 +144,34 @@ FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera 
       draw(buffer, f, a, b, c);
   }
   return buffer;
+}
+
+} // namespace
+
+FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid) {
+  require_drawable(vertices, faces, camera, face_valid);
+  return drawn(project_all(vertices, camera), faces, face_valid, camera.width, camera.height);
+}
+
+FaceWindow rasterize_window(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid,
+                            int margin) {
+  require_drawable(vertices, faces, camera, face_valid);
+  std::vector<ScreenVertex> screen = project_all(vertices, camera);
+  Eigen::AlignedBox2i box;
+  for (const ScreenVertex &v : screen)
+    if (v.drawable) {
+      box.extend(Eigen::Vector2i(floor_pixel(v.x) - margin, floor_pixel(v.y) - margin));
+      box.extend(Eigen::Vector2i(ceil_pixel(v.x) + margin, ceil_pixel(v.y) + margin));
+    }
+  box = box.intersection({Eigen::Vector2i::Zero(), Eigen::Vector2i(camera.width - 1, camera.height - 1)});
+  if (box.isEmpty())
+    return {};
+  for (ScreenVertex &v : screen) {
+    v.x -= static_cast<std::int64_t>(box.min().x()) << kSubpixelBits;
+    v.y -= static_cast<std::int64_t>(box.min().y()) << kSubpixelBits;
+  }
+  const Eigen::Vector2i size = box.sizes() + Eigen::Vector2i::Ones();
+  return {drawn(screen, faces, face_valid, size.x(), size.y()), box.min().x(), box.min().y()};
 }
 
 Eigen::Vector3d barycentric_at(const Vertices &vertices, const Faces &faces, int f, const Camera &camera,

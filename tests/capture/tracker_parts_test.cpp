@@ -62,6 +62,22 @@ TEST(Outline, LeavesOutTheImageBorderAndEmptyMasks) {
   EXPECT_TRUE(trace_outline(Image(100, 100, 1, 255)).empty()); // all actor: only border
 }
 
+TEST(Outline, OfAPartOfAMaskIsThatOfTheMask) {
+  for (const double x : {97.3, 20.0}) { // the second is cut by the border
+    const Image mask = disc(200, x, 104.6, 60);
+    const int left = static_cast<int>(std::max(0.0, x - 64)), top = 40;
+    Image part(200 - left, 130, 1);
+    for (int v = 0; v < part.height; ++v)
+      for (int u = 0; u < part.width; ++u)
+        part.at(u, v) = mask.at(u + left, v + top);
+    const Outline whole = trace_outline(mask), same = trace_outline(part, left, top, 200, 200);
+    EXPECT_EQ(same.points, whole.points);
+    EXPECT_EQ(same.normals, whole.normals);
+    EXPECT_EQ(same.pixels, whole.pixels);
+    EXPECT_THROW(trace_outline(part, left + 1, top, 200, 200), std::invalid_argument);
+  }
+}
+
 TEST(Outline, FilledAgainIsTheMask) {
   Image mask = disc(200, 90, 90, 50);
   const Image other = disc(200, 160, 160, 20);

@@ -72,6 +72,34 @@ TEST(Rasterizer, ClosedMeshHasNoCracks) {
   }
 }
 
+TEST(Rasterizer, AWindowIsThePartOfTheWholeThatHoldsTheActor) {
+  const Mesh body = testing::figure_surface(0.04);
+  Camera apart = testing::camera_ring(1, 400)[0], cut = apart;
+  cut.K(0, 2) -= 190; // half of the body is beyond the border
+  apart.distortion << -0.2, 0.05, 1e-3, 1e-3, 0;
+  for (const Camera &camera : {apart, cut}) {
+    const FaceBuffer whole = rasterize(body.vertices, body.faces, camera);
+    const FaceWindow window = rasterize_window(body.vertices, body.faces, camera, {}, 3);
+    EXPECT_LT(window.buffer.width, camera.width * 3 / 4);
+    int seen = 0;
+    for (int y = 0; y < whole.height; ++y)
+      for (int x = 0; x < whole.width; ++x) {
+        const int u = x - window.x, v = y - window.y;
+        if (u >= 0 && v >= 0 && u < window.buffer.width && v < window.buffer.height) {
+          ASSERT_EQ(window.buffer.face_at(u, v), whole.face_at(x, y)) << x << " " << y;
+          ASSERT_EQ(window.buffer.depth_at(u, v), whole.depth_at(x, y)) << x << " " << y;
+          seen += whole.face_at(x, y) >= 0;
+        } else {
+          ASSERT_EQ(whole.face_at(x, y), -1) << x << " " << y;
+        }
+      }
+    EXPECT_GT(seen, 1000);
+  }
+  Camera away = apart;
+  away.t.x() += 100;
+  EXPECT_EQ(rasterize_window(body.vertices, body.faces, away).buffer.width, 0);
+}
+
 TEST(Rasterizer, DepthIsPerspectiveCorrectAndNearestWins) {
   // A slanted plane z = 2 + x seen as two big triangles, and a small one behind it.
   const Mesh m =

@@ -1,5 +1,6 @@
 #include "doublet/capture/calibration_refinement.h"
 
+#include "../weighted_rows.h"
 #include "doublet/capture/pose_optimizer.h"
 
 #include <Eigen/Cholesky>
@@ -161,6 +162,7 @@ private:
     const int size = dofs_ + kUnknowns;
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(size, size);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(size), slope(size);
+    detail::WeightedRows rows(hessian, gradient);
     for (const RimConstraint &c : match(moment, view, surface.vertices, gate)) {
       const Eigen::Vector3d x = c.surface.position(surface.vertices, actor_.mesh.faces);
       if (camera.depth(x) <= 0)
@@ -176,11 +178,11 @@ private:
       slope[dofs_ + kBias] = -c.metres_per_pixel;
       const double robust = scale * scale / (residual * residual + scale * scale);
       const double weight = reliability(c.surface) * robust * robust / (kAlike * kOutline * kOutline);
-      hessian.selfadjointView<Eigen::Lower>().rankUpdate(slope, weight);
-      gradient += weight * residual * slope;
+      rows.add(slope, residual, weight);
       system.residual += std::abs(residual) / c.metres_per_pixel;
       system.count += 1;
     }
+    rows.finish();
     hessian = hessian.selfadjointView<Eigen::Lower>();
     system.pose += hessian.topLeftCorner(dofs_, dofs_);
     system.coupling.middleCols<kUnknowns>(view * kUnknowns) += hessian.topRightCorner(dofs_, kUnknowns);

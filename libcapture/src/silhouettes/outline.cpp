@@ -31,11 +31,11 @@ Eigen::Vector2f mean_of(const std::vector<cv::Point> &loop, int centre, int half
   return sum / static_cast<float>(2 * half + 1);
 }
 
-void append_loop(const std::vector<cv::Point> &loop, bool hole, const Image &mask, int margin, Outline &outline) {
+void append_loop(const std::vector<cv::Point> &loop, bool hole, int width, int height, int margin, Outline &outline) {
   const float side = (signed_area(loop) > 0) == !hole ? 1.f : -1.f; // +1: the right-hand normal (t_y, -t_x) points outward
   for (int i = 0; i < static_cast<int>(loop.size()); ++i) {
     const cv::Point &pixel = loop[i];
-    if (pixel.x < margin || pixel.y < margin || pixel.x >= mask.width - margin || pixel.y >= mask.height - margin)
+    if (pixel.x < margin || pixel.y < margin || pixel.x >= width - margin || pixel.y >= height - margin)
       continue;
     const Eigen::Vector2f tangent = mean_of(loop, i + 2, 1) - mean_of(loop, i - 2, 1);
     if (tangent.squaredNorm() < 1e-6f) // the tip of a one-pixel spike has no direction
@@ -52,19 +52,27 @@ void append_loop(const std::vector<cv::Point> &loop, bool hole, const Image &mas
 } // namespace
 
 Outline trace_outline(const Image &mask, int margin) {
+  return trace_outline(mask, 0, 0, mask.width, mask.height, margin);
+}
+
+Outline trace_outline(const Image &part, int x, int y, int width, int height, int margin) {
   Outline outline;
-  if (margin < 0 || (!mask.empty() && mask.channels != 1))
+  if (margin < 0 || (!part.empty() && part.channels != 1))
     throw std::invalid_argument("trace_outline: expected a mask of 1 channel and a margin of at least 0, found " +
-                                std::to_string(mask.channels) + " and " + std::to_string(margin));
-  if (mask.empty())
+                                std::to_string(part.channels) + " and " + std::to_string(margin));
+  if (x < 0 || y < 0 || x + part.width > width || y + part.height > height)
+    throw std::invalid_argument("trace_outline: expected a part of a mask of " + std::to_string(width) + " x " +
+                                std::to_string(height) + ", found " + std::to_string(part.width) + " x " +
+                                std::to_string(part.height) + " at (" + std::to_string(x) + ", " + std::to_string(y) + ")");
+  if (part.empty())
     return outline;
-  const cv::Mat view(mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t *>(mask.data.data()));
+  const cv::Mat view(part.height, part.width, CV_8UC1, const_cast<std::uint8_t *>(part.data.data()));
   std::vector<std::vector<cv::Point>> loops;
   std::vector<cv::Vec4i> hierarchy;
-  cv::findContours(view, loops, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
+  cv::findContours(view, loops, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE, cv::Point(x, y));
   for (size_t l = 0; l < loops.size(); ++l)
     if (static_cast<int>(loops[l].size()) >= kShortestLoop)
-      append_loop(loops[l], hierarchy[l][3] >= 0, mask, margin, outline);
+      append_loop(loops[l], hierarchy[l][3] >= 0, width, height, margin, outline);
   return outline;
 }
 

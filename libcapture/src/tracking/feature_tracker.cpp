@@ -33,31 +33,29 @@ std::vector<int> chosen_keypoints(const std::vector<cv::KeyPoint> &keypoints, in
   return order;
 }
 
-/// For each row of a: the closest row of b within reach, if it is clearly closer than any at another place; -1 otherwise.
-std::vector<int> best_matches(const Features &a, const Features &b, double reach, double ratio) {
+/// A feature within reach of another one: which, and the squared distance of their descriptors.
+struct Candidate {
+  int index;
+  double distance;
+};
+
+/// [features] the closest candidate of each, if it is clearly closer than any at another place; -1 otherwise. `points`: of the
+/// candidates.
+std::vector<int> best_matches(const std::vector<std::vector<Candidate>> &candidates, const std::vector<Eigen::Vector2f> &points,
+                              double ratio) {
   constexpr float kSamePlace = 3; // pixels; one corner seen in two ways is no rival of itself
-  std::vector<int> best(a.points.size(), -1), near;
-  std::vector<double> distance;
-  for (size_t i = 0; i < a.points.size(); ++i) {
-    near.clear();
-    distance.clear();
-    int closest = -1;
-    for (size_t j = 0; j < b.points.size(); ++j) {
-      if ((a.points[i] - b.points[j]).squaredNorm() > reach * reach)
-        continue;
-      near.push_back(static_cast<int>(j));
-      distance.push_back((a.descriptors.row(i) - b.descriptors.row(j)).squaredNorm());
-      if (closest < 0 || distance.back() < distance[closest])
-        closest = static_cast<int>(near.size()) - 1;
-    }
-    if (closest < 0)
+  std::vector<int> best(candidates.size(), -1);
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const auto closest = std::min_element(candidates[i].begin(), candidates[i].end(),
+                                          [](const Candidate &a, const Candidate &b) { return a.distance < b.distance; });
+    if (closest == candidates[i].end())
       continue;
     double rival = 1e30;
-    for (size_t k = 0; k < near.size(); ++k)
-      if ((b.points[near[k]] - b.points[near[closest]]).norm() > kSamePlace)
-        rival = std::min(rival, distance[k]);
-    if (distance[closest] <= ratio * ratio * rival)
-      best[i] = near[closest];
+    for (const Candidate &other : candidates[i])
+      if ((points[other.index] - points[closest->index]).norm() > kSamePlace)
+        rival = std::min(rival, other.distance);
+    if (closest->distance <= ratio * ratio * rival)
+      best[i] = closest->index;
   }
   return best;
 }
@@ -87,9 +85,19 @@ public:
   std::vector<std::pair<int, int>> match(const Features &previous, const Features &current, double reach) const override {
     if (!(reach >= 0))
       throw std::invalid_argument("FeatureTracker.match: expected a reach of at least 0 px, found " + std::to_string(reach));
+    const int n = static_cast<int>(previous.points.size()), m = static_cast<int>(current.points.size());
+    std::vector<std::vector<Candidate>> of_previous(n), of_current(m);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < m; ++j) {
+        if ((previous.points[i] - current.points[j]).squaredNorm() > reach * reach)
+          continue;
+        const double distance = (previous.descriptors.row(i) - current.descriptors.row(j)).squaredNorm();
+        of_previous[i].push_back({j, distance});
+        of_current[j].push_back({i, distance});
+      }
+    const std::vector<int> forward = best_matches(of_previous, current.points, options_.ratio);
+    const std::vector<int> backward = best_matches(of_current, previous.points, options_.ratio);
     std::vector<std::pair<int, int>> pairs;
-    const std::vector<int> forward = best_matches(previous, current, reach, options_.ratio);
-    const std::vector<int> backward = best_matches(current, previous, reach, options_.ratio);
     for (size_t i = 0; i < forward.size(); ++i)
       if (forward[i] >= 0 && backward[forward[i]] == static_cast<int>(i))
         pairs.emplace_back(static_cast<int>(i), forward[i]);

@@ -1,5 +1,7 @@
 #include "doublet/capture/pose_optimizer.h"
 
+#include "../weighted_rows.h"
+
 #include "doublet/core/skinning.h"
 
 #include <Eigen/Cholesky>
@@ -10,6 +12,8 @@
 
 namespace doublet {
 namespace {
+
+using detail::WeightedRows;
 
 constexpr double kUnit = 0.01; // m; residual that costs one unit, so that prior weights count correspondences
 
@@ -27,10 +31,6 @@ struct NormalEquations {
   Eigen::VectorXd gradient;
   double energy = 0;
   explicit NormalEquations(int size) : hessian(Eigen::MatrixXd::Zero(size, size)), gradient(Eigen::VectorXd::Zero(size)) {}
-  void add(const Eigen::RowVectorXd &jacobian, double residual, double weight) {
-    hessian.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose(), weight);
-    gradient += weight * residual * jacobian.transpose();
-  }
   void add(const NormalEquations &other) {
     hessian += other.hessian;
     gradient += other.gradient;
@@ -130,6 +130,7 @@ private:
                 bool derivatives, NormalEquations &system) const {
     const Faces &faces = actor_->mesh.faces;
     const Camera &camera = (*problem.rig)[view];
+    WeightedRows rows(system.hessian, system.gradient);
     for (const RimConstraint &c : matches_[view].constraints) {
       const Eigen::Vector3d x = c.surface.position(vertices, faces);
       if (camera.depth(x) <= 0)
@@ -139,17 +140,18 @@ private:
       system.energy += weight * scale_ * scale_ * geman_mcclure(residual * residual, scale_);
       if (derivatives) {
         const Eigen::RowVector3d slope = c.metres_per_pixel * c.normal.transpose() * camera.project_jacobian(x);
-        system.add(slope * surface_jacobian(c.surface, vertices, faces, influence_, twists), residual,
-                   weight * geman_mcclure_weight(residual * residual, scale_));
+        rows.add((slope * surface_jacobian(c.surface, vertices, faces, influence_, twists)).transpose(), residual,
+                 weight * geman_mcclure_weight(residual * residual, scale_));
       }
     }
     for (const SurfaceTrack &track : problem.tracks)
       if (track.view == view)
-        add_track(problem, track, camera, vertices, twists, derivatives, system);
+        add_track(problem, track, camera, vertices, twists, derivatives, system, rows);
+    rows.finish();
   }
 
   void add_track(const PoseProblem &problem, const SurfaceTrack &track, const Camera &camera, const Vertices &vertices,
-                 const std::vector<DofTwist> &twists, bool derivatives, NormalEquations &system) const {
+                 const std::vector<DofTwist> &twists, bool derivatives, NormalEquations &system, WeightedRows &rows) const {
     const Faces &faces = actor_->mesh.faces;
     const Eigen::Vector3d x = track.surface.position(vertices, faces);
     if (camera.depth(x) <= 0)
@@ -165,8 +167,8 @@ private:
     const Eigen::Matrix2Xd jacobian =
         metres_per_pixel * camera.project_jacobian(x) * surface_jacobian(track.surface, vertices, faces, influence_, twists);
     const double robust = weight * geman_mcclure_weight(residual.squaredNorm(), scale_);
-    system.add(jacobian.row(0), residual[0], robust);
-    system.add(jacobian.row(1), residual[1], robust);
+    for (int axis = 0; axis < 2; ++axis)
+      rows.add(jacobian.row(axis).transpose(), residual[axis], robust);
   }
 
   /// Pull to the prediction, and walls at the joint limits.

@@ -32,19 +32,20 @@ Rims find_rims(const Vertices &vertices, const Faces &faces, const std::vector<s
   const int width = std::max(1, static_cast<int>(std::lround(camera.width * scale)));
   const int height = std::max(1, static_cast<int>(std::lround(camera.height * scale)));
   const Camera small = camera.resized(width, height);
-  const FaceBuffer buffer = rasterize(vertices, faces, small, face_valid);
+  constexpr int kMargin = 3; // pixels; so that the outline ends at the image's border alone
+  const FaceWindow window = rasterize_window(vertices, faces, small, face_valid, kMargin);
   Rims rims;
-  rims.outline = trace_outline(silhouette(buffer));
+  rims.outline = trace_outline(silhouette(window.buffer), window.x, window.y, width, height);
   rims.surface.reserve(rims.outline.points.size());
   const Eigen::Vector2f size(static_cast<float>(camera.width) / width, static_cast<float>(camera.height) / height);
   double depth = 0;
   for (size_t i = 0; i < rims.outline.points.size(); ++i) {
     const Eigen::Vector2i &pixel = rims.outline.pixels[i];
     SurfacePoint point;
-    point.face = buffer.face_at(pixel.x(), pixel.y());
+    point.face = window.buffer.face_at(pixel.x() - window.x, pixel.y() - window.y);
     point.barycentric = clamped(barycentric_at(vertices, faces, point.face, small, pixel.cast<double>()));
     rims.surface.push_back(point);
-    depth += buffer.depth_at(pixel.x(), pixel.y());
+    depth += window.buffer.depth_at(pixel.x() - window.x, pixel.y() - window.y);
     const auto full_size = [&](const Eigen::Vector2f &p) { // pixel centres stay at integers
       return Eigen::Vector2f(((p.array() + 0.5f) * size.array() - 0.5f).matrix());
     };

@@ -4,6 +4,7 @@
 #include "feature_map.h"
 
 #include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace doublet::detail {
@@ -37,10 +38,33 @@ TakeMeasurements::TakeMeasurements(const TrackingJob &job, const TrackingOrder &
 
 std::vector<ViewMeasurement> TakeMeasurements::look(int t, const FeatureTracker *tracker) {
   const Stopwatch watch(result_.summary.measure_seconds);
-  std::vector<ViewMeasurement> current(job_.rig.size());
+  if (ahead_.valid()) {
+    std::vector<ViewMeasurement> ahead = ahead_.get();
+    if (t == ahead_t_ && tracker == ahead_tracker_)
+      return ahead;
+  }
+  return all_views(t, tracker);
+}
+
+std::vector<ViewMeasurement> TakeMeasurements::all_views(int t, const FeatureTracker *tracker) const {
+  std::vector<ViewMeasurement> views(job_.rig.size());
   parallel_for(job_.context, job_.views(),
-               [&](int v) { current[v] = measure_view(job_.frames, v, job_.frame(t), job_.rig[v], job_.extractor, tracker); });
-  return current;
+               [&](int v) { views[v] = measure_view(job_.frames, v, job_.frame(t), job_.rig[v], job_.extractor, tracker); });
+  return views;
+}
+
+/// Parts of tracking keep one thread alone; the next frame is measured on the others meanwhile. What goes wrong there is thrown
+/// when its turn has come.
+void TakeMeasurements::look_ahead(int t, const FeatureTracker *tracker) {
+  if (job_.context.thread_count() < 2 || t >= job_.count)
+    return;
+  ahead_t_ = t;
+  ahead_tracker_ = tracker;
+  try {
+    ahead_ = std::async(std::launch::async, [this, t, tracker] { return all_views(t, tracker); });
+  } catch (const std::system_error &) {
+    // The machine gives no more threads: the frame is measured when its turn has come.
+  }
 }
 
 void TakeMeasurements::measure(int t, TrackedFrame &found) {
@@ -64,10 +88,12 @@ void TakeMeasurements::measure_again(int t, const TrackedFrame &found, bool with
 /// hundreds.
 std::vector<ViewMeasurement> TakeMeasurements::measure_next(int t, const FeatureTracker *tracker) {
   constexpr int kStretch = 16; // frames
-  if (t == order_.start && !start_views_.empty())
-    return std::exchange(start_views_, {});
-  if (t >= order_.start)
-    return look(t, tracker);
+  if (t >= order_.start) {
+    const bool known = t == order_.start && !start_views_.empty();
+    std::vector<ViewMeasurement> views = known ? std::exchange(start_views_, {}) : look(t, tracker);
+    look_ahead(t + 1, tracker);
+    return views;
+  }
   if (stretch_.empty() || stretch_tracker_ != tracker) {
     stretch_.clear();
     stretch_tracker_ = tracker;

@@ -6,6 +6,7 @@
 #include "tracking_job.h"
 #include "view_measurement.h"
 
+#include <future>
 #include <vector>
 
 namespace doublet::detail {
@@ -38,6 +39,8 @@ public:
   std::vector<FeatureMatch> matches_at(int t, int view) const;
 
 private:
+  std::vector<ViewMeasurement> all_views(int t, const FeatureTracker *tracker) const;
+  void look_ahead(int t, const FeatureTracker *tracker);
   std::vector<ViewMeasurement> measure_next(int t, const FeatureTracker *tracker);
   std::vector<std::vector<FeatureMatch>> match(int t, const std::vector<ViewMeasurement> &current);
   void keep(int t, std::vector<ViewMeasurement> current, const std::vector<std::vector<FeatureMatch>> &matches);
@@ -51,6 +54,9 @@ private:
   const TrackingOrder &order_;
   CaptureResult &result_;
   std::vector<ViewMeasurement> start_views_;
+  std::future<std::vector<ViewMeasurement>> ahead_; // of the frame after the latest, beside whose tracking it is measured
+  int ahead_t_ = -1;
+  const FeatureTracker *ahead_tracker_ = nullptr;
   std::vector<std::vector<ViewMeasurement>> stretch_; // frames read ahead on the way back; the next is the last
   const FeatureTracker *stretch_tracker_ = nullptr;
   std::vector<ViewMeasurement> latest_; // features of the latest frame

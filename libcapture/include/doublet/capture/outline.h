@@ -22,6 +22,9 @@ struct Outline {
 /// too.
 Outline trace_outline(const Image &mask, int margin = 2);
 
+/// The same of a mask of `width` x `height` of which `part` holds all that is inside; its first pixel is (x, y) of the whole.
+Outline trace_outline(const Image &part, int x, int y, int width, int height, int margin = 2);
+
 /// Fills loops of boundary points back into a mask (even-odd rule): what trace_outline saw, but for loops cut at the image
 /// border. `points` as in Outline::points or ViewObservation::contour.
 Image fill_outline(const std::vector<Eigen::Vector2f> &points, int width, int height);

@@ -21,6 +21,17 @@ struct FaceBuffer {
 /// centres. Throws std::invalid_argument for wrong sizes and indices, Error for an invalid camera.
 FaceBuffer rasterize(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid = {});
 
+/// A part of an image; its first pixel is (x, y) of the whole.
+struct FaceWindow {
+  FaceBuffer buffer;
+  int x = 0, y = 0;
+};
+
+/// As rasterize(), and the same faces and depths, but of that part alone in which vertices lie and `margin` pixels around it, as
+/// far as the image goes; an empty buffer if none lies in the image.
+FaceWindow rasterize_window(const Vertices &vertices, const Faces &faces, const Camera &camera, const Mask &face_valid = {},
+                            int margin = 0);
+
 /// Perspective-correct barycentric coordinates, on face `f`, of the ray through `pixel` (not clamped to the triangle).
 Eigen::Vector3d barycentric_at(const Vertices &vertices, const Faces &faces, int f, const Camera &camera,
                                const Eigen::Vector2d &pixel);
