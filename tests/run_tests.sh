@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Builds everything once with warnings as errors and runs every check: style, ctest, pytest. Sets itself up on a bare Debian 12.
+# Arguments go to pytest; with --build-only it ends when the package is built and installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -43,6 +44,7 @@ wait "$viewer" || { cat build/viewer.log && exit 1; }
 
 "$venv/bin/pip" install -q --disable-pip-version-check build/wheel/doublet-*.whl
 "$venv/bin/pip" install -q --disable-pip-version-check --force-reinstall --no-deps build/wheel/doublet-*.whl
+[ "${1:-}" != --build-only ] || exit 0
 
 echo "== ctest"
 ctest --test-dir "$build" --output-on-failure --no-tests=error -LE slow -j "$(nproc)"
