@@ -63,12 +63,13 @@ def main() -> int:
         print(f"{sys.argv[1]}: expected how {name} is compiled, found nothing")
     names = [name for name in wanted if name not in missing]
     sources = list(flags)
+    failed = []
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        said = list(pool.map(lambda name: compiles(name, flags[name if name in flags else nearest(name, sources)]), names))
-    failed = [name for name, text in zip(names, said) if text]
-    for name, text in zip(names, said):
-        if text:
-            print(f"== {name}\n{text}\n")
+        said = pool.map(lambda name: compiles(name, flags[name if name in flags else nearest(name, sources)]), names)
+        for name, text in zip(names, said):
+            if text:
+                failed.append(name)
+                print(f"== {name}\n{text}\n", flush=True)
     print(f"{len(names)} files compiled, each by itself: {len(failed)} did not" + "".join(f"\n  {name}" for name in failed))
     return 1 if failed or missing else 0
 
