@@ -5,7 +5,7 @@
 # build/nightly, and results.txt there has a line for each part that ended. Sets itself up on a bare Debian 12.
 #
 #   tests       tests/run_tests.sh; the parts that need the package build and install it first if this has not
-#   headers     every header and source compiles by itself: C++ users may build without CMAKE_UNITY_BUILD
+#   headers     every header and source, the benchmarks with them, compiles by itself: C++ users may build without CMAKE_UNITY_BUILD
 #   conda       the conda recipe, rendered
 #   wheel       the wheel of scripts/build-wheel.sh, in a clean environment
 #   pythons     a wheel for Python 3.9, and for the newest that is on the PATH, each in an environment of its own

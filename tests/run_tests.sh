@@ -35,7 +35,7 @@ make_wheel() {
   rm -rf build/wheel
   CC=cc CXX=c++ "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w build/wheel . \
     --config-settings=build-dir="$build" \
-    --config-settings=cmake.define.DOUBLET_BUILD_TESTS=ON --config-settings=cmake.define.DOUBLET_BUILD_EXAMPLES=ON --config-settings=cmake.define.DOUBLET_BUILD_BENCHMARKS=ON \
+    --config-settings=cmake.define.DOUBLET_BUILD_TESTS=ON --config-settings=cmake.define.DOUBLET_BUILD_EXAMPLES=ON \
     --config-settings=cmake.define.DOUBLET_WERROR=ON
 }
 make_wheel
