@@ -21,8 +21,7 @@ fi
 rm -rf "$work/plain" "$work/repaired"
 "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w "$work/plain" . \
   --config-settings=build-dir="$work/build" \
-  --config-settings=cmake.define.DOUBLET_STATIC=ON \
-  --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=8
+  --config-settings=cmake.define.DOUBLET_STATIC=ON
 PATH=$venv/bin:$PATH "$venv/bin/auditwheel" repair --plat "manylinux_2_36_$(uname -m)" -w "$work/repaired" "$work"/plain/doublet-*.whl >/dev/null
 "$venv/bin/python" packaging/wheel/add_licences.py "$work"/plain/doublet-*.whl "$work"/repaired/doublet-*.whl "$out"
 "$venv/bin/python" packaging/wheel/check.py "$out"/doublet-*.whl

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 
 import doublet as d
 import numpy as np
@@ -85,20 +86,35 @@ def test_no_person_no_joints(model):
         d.detect_joints(d.Mesh(ball.vertices, ball.faces + 3), [], model)
 
 
-def test_the_command_completes_a_session(model, tmp_path, capsys):
+@pytest.fixture(scope="module")
+def scanned(model, tmp_path_factory):
+    """A person, and the session of it that the command has completed."""
     person = Person(model, 0.7, 3)
-    folder = write_session(tmp_path / "session", person)
+    folder = write_session(tmp_path_factory.mktemp("scanned") / "session", person)
+    assert main(["scan", str(folder), *FAST]) in (0, 3)
+    return person, folder
+
+
+@pytest.fixture
+def session_with_scan(scanned, tmp_path):
+    """A copy, to be changed."""
+    return shutil.copytree(scanned[1], tmp_path / "session")
+
+
+def test_without_a_scan_the_command_that_makes_it_is_named(model, tmp_path, capsys):
+    folder = write_session(tmp_path / "session", Person(model, 0.7, 3))
     assert main(["reconstruct", str(folder), "-o", str(tmp_path / "out"), "--quiet"]) == 1
     assert "`doublet scan` makes scan and joints from the cameras" in capsys.readouterr().err
-    assert main(["scan", str(folder), *FAST]) in (0, 3)
+
+
+def test_the_command_completes_a_session(scanned, capsys):
+    person, folder = scanned
     session = d.Session(folder)
     surface = d.RayScene(person.mesh)
     assert surface.closest(d.read_mesh(session.scan).vertices)[1].mean() < 0.012
     errors = person.errors_mm({mark.name: mark.position for mark in session.joints})
     assert np.mean(list(errors.values())) < 25, errors
     assert Image.open(folder / "scan_check.png").size[0] > 300
-
-    capsys.readouterr()
     assert main(["scan", str(folder), *FAST]) == 1
     assert "names a scan and joints already; --force makes them anew" in capsys.readouterr().err
 
@@ -257,10 +273,8 @@ def tracked(session: d.Session, out, outwards: float) -> None:
     d.write_segmentation(out / "segmentation.npz", d.Segmentation(nothing, nothing, np.full(len(rest), -1)))
 
 
-def test_a_scan_is_refined_by_what_was_tracked(model, tmp_path, capsys):
-    person = Person(model, 0.7, 3)
-    folder, out = write_session(tmp_path / "session", person), tmp_path / "out"
-    assert main(["scan", str(folder), *FAST]) in (0, 3)
+def test_a_scan_is_refined_by_what_was_tracked(session_with_scan, tmp_path):
+    folder, out = session_with_scan, tmp_path / "out"
     first = d.read_mesh(folder / "scan.ply")
     tracked(d.Session(folder), out, 0.008)
     marks = (folder / "joints.json").read_text()
@@ -278,11 +292,14 @@ def test_a_scan_is_refined_by_what_was_tracked(model, tmp_path, capsys):
     assert (d.read_mesh(folder / "scan_before.ply").vertices == first.vertices).all()
 
 
-def test_what_was_tracked_with_another_scan_refines_nothing(model, tmp_path, capsys):
-    folder, out = write_session(tmp_path / "session", Person(model, 0.7, 3)), tmp_path / "out"
-    assert main(["scan", str(folder), "--refine", str(out)]) == 1
+def test_without_a_scan_nothing_is_refined(model, tmp_path, capsys):
+    folder = write_session(tmp_path / "session", Person(model, 0.7, 3))
+    assert main(["scan", str(folder), "--refine", str(tmp_path / "out")]) == 1
     assert "names no scan to refine; doublet scan makes one" in capsys.readouterr().err
-    assert main(["scan", str(folder), *FAST]) in (0, 3)
+
+
+def test_what_was_tracked_with_another_scan_refines_nothing(session_with_scan, tmp_path, capsys):
+    folder, out = session_with_scan, tmp_path / "out"
     tracked(d.Session(folder), out, 0.0)
     scan = d.read_mesh(folder / "scan.ply")
     d.write_mesh(folder / "scan.ply", d.Mesh(scan.vertices + [0.1, 0, 0], scan.faces))

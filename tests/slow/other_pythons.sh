@@ -35,8 +35,7 @@ try() { # PYTHON [REQUIREMENT...]: the same folder each time, so that ccache kno
   local venv=$work/venv
   rm -rf "$work/build" "$work/wheel" "$venv"
   "$work/tools/bin/virtualenv" -q -p "$1" "$venv" &&
-    "$venv/bin/pip" wheel -q --no-deps -w "$work/wheel" . --config-settings=build-dir="$work/build" \
-      --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=8 &&
+    "$venv/bin/pip" wheel -q --no-deps -w "$work/wheel" . --config-settings=build-dir="$work/build" &&
     "$venv/bin/pip" install -q "$work"/wheel/*.whl pytest "${@:2}" &&
     "$venv/bin/python" -c 'import sys, numpy; print("== Python", sys.version.split()[0], "NumPy", numpy.__version__)' &&
     "$venv/bin/python" -m pytest -q -p no:cacheprovider "${files[@]}"
