@@ -4,6 +4,7 @@
 #include "doublet/animate/parts/body_penetration.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
+#include "motion/require_motion.h"
 
 #include <cmath>
 
@@ -45,7 +46,7 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
                                 options::to_text(motion.fps) + " 1/s");
   Motion poses = at_character_rate(character, motion);
-  if (options.resolve_arm_penetration)
+  if (options.resolve_arm_penetration && has_steps(poses))
     poses = resolve_arm_penetration(character, poses, context);
   const int frames = static_cast<int>(poses.dofs.rows());
   Player player(character, options, make_solver);

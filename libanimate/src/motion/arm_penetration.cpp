@@ -165,7 +165,7 @@ void smooth(std::vector<Reach> &frames, double sigma) {
 
 Motion resolve_arm_penetration(const Character &character, const Motion &motion, const Context &context) {
   const Skeleton &skeleton = character.actor.skeleton;
-  require_motion(skeleton, motion, "resolve_arm_penetration");
+  require_steps(skeleton, motion, "resolve_arm_penetration");
   const std::vector<int> arm_of = detail::arms_of_joints(skeleton);
   const std::vector<TaperedCapsule> obstacles = capsules_of_the_rest(character, arm_of);
   Motion resolved = motion;

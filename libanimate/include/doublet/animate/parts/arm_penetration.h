@@ -11,7 +11,7 @@ namespace doublet {
 /// tell, with room for a layer of cloth that keeps its thickness from both; less where they are nearer in the rest pose. Smooth
 /// in time: an arm begins to turn before it would touch. Only the balls l_shoulder and r_shoulder change, a motion in which the
 /// arms are clear not at all, and none of a character without capsules below the elbows. Throws std::invalid_argument unless the
-/// motion has frames, a rate, and the skeleton's degrees of freedom.
+/// motion has frames, a rate in [0.1, 10000] 1/s, and the skeleton's degrees of freedom.
 Motion resolve_arm_penetration(const Character &character, const Motion &motion, const Context &context = {});
 
 } // namespace doublet
