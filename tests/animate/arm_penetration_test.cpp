@@ -1,5 +1,6 @@
 #include "doublet/animate/animator.h"
 #include "doublet/animate/parts/arm_penetration.h"
+#include "doublet/core/parts/self_intersection.h"
 #include "figure_character.h"
 
 #include <gtest/gtest.h>
@@ -98,6 +99,26 @@ TEST(ArmPenetration, AnimateDoesItUnlessItIsTurnedOff) {
   EXPECT_GT(room(c, animate(c, motion, options).dofs.row(29)), 0.012);
   options.resolve_arm_penetration = false;
   EXPECT_EQ(animate(c, motion, options).dofs, motion.dofs);
+}
+
+TEST(ArmPenetration, ASkirtYieldsToAnArmThatIsPressedIntoIt) {
+  const Character c = with_arms();
+  const Skeleton &skeleton = c.actor.skeleton;
+  std::vector<int> cloth;
+  for (int f = 0; f < c.actor.mesh.faces.rows(); ++f)
+    if (c.segmentation.region[c.actor.mesh.faces.row(f).maxCoeff()] == 0)
+      cloth.push_back(f);
+  int crossed = 0;
+  AnimateOptions options;
+  options.high = options.body = false;
+  animate(c, into_the_thighs(skeleton, 65), options, [&](const AnimationFrame &frame) {
+    const Mesh skirt = submesh({frame.surface, c.actor.mesh.faces}, cloth);
+    for (const TaperedCapsule &proxy : c.proxies) {
+      const Capsule arm = pose_capsule(proxy, skeleton, frame.world_from_rest);
+      crossed += of_arm(skeleton, proxy.joint, true) && crosses_surface(arm.p0, arm.p1, skirt);
+    }
+  });
+  EXPECT_EQ(crossed, 0);
 }
 
 TEST(ArmPenetration, RefusesWhatIsNoMotionOfTheCharacter) {
