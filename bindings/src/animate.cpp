@@ -4,6 +4,7 @@
 #include "doublet/animate/baked_file.h"
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
+#include "doublet/animate/parts/arm_penetration.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/animate/plant_feet.h"
 #include "doublet/animate/renderer.h"
@@ -193,6 +194,9 @@ void bind_motion(py::module_ &m) {
 }
 
 void bind_animator(py::module_ &m) {
+  m.def("resolve_arm_penetration", &resolve_arm_penetration, py::arg("character"), py::arg("motion"),
+        py::arg("context") = interruptible_context(), Release(),
+        "The Motion with shoulders turned so far that forearms and hands are clear of the body; animate() does it by default.");
   OptionsClass<AnimateOptions>(m, "Options of animate.");
   Class<AnimationResult>(m, "AnimationResult", py::dynamic_attr(),
                          "An animation in memory; an array is put together at its first access, and kept.")

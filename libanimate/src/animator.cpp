@@ -1,8 +1,10 @@
 #include "doublet/animate/animator.h"
 
+#include "doublet/animate/parts/arm_penetration.h"
 #include "doublet/animate/parts/body_penetration.h"
 #include "doublet/core/error.h"
 #include "doublet/options/options.h"
+#include "motion/require_motion.h"
 
 #include <cmath>
 
@@ -43,7 +45,9 @@ int animate(const Character &character, const Motion &motion, const AnimateOptio
                                 std::to_string(character.actor.skeleton.dof_count()) + " degrees of freedom and a rate, found (" +
                                 std::to_string(motion.dofs.rows()) + ", " + std::to_string(motion.dofs.cols()) + ") at " +
                                 options::to_text(motion.fps) + " 1/s");
-  const Motion poses = at_character_rate(character, motion);
+  Motion poses = at_character_rate(character, motion);
+  if (options.resolve_arm_penetration && has_steps(poses))
+    poses = resolve_arm_penetration(character, poses, context);
   const int frames = static_cast<int>(poses.dofs.rows());
   Player player(character, options, make_solver);
   for (int t = 0; t < frames; ++t) {

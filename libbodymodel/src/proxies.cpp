@@ -8,6 +8,7 @@
 #include "doublet/rays/ray_scene.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,8 @@ constexpr double kCoveredShare = 0.1;    ///< a bone with more of its body surfa
 constexpr double kWrappedShare = 0.33;   ///< cloth that wraps more than this of a bone swings against the next one, too
 constexpr double kTether = 1e-3; ///< m^2, pull of a capsule's ends to where they started: it must not wander along the chain
 constexpr double kSmallestRadius = 0.01; ///< m
+constexpr int kMostLanes = 3;            ///< side by side in a hand
+constexpr double kRound = 0.3;           ///< what is so little wider than thick is round
 constexpr double kDeepest = 0.01;        ///< m, cloth further inside the fitted body does not rest on it
 
 /// Covered bones, and the next ones down the chain of wrapped bones where cloth that hangs can swing against them: those that
@@ -48,6 +51,53 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
       if (above.wrapped && above.end == bone.joint && !skeleton.is_leaf(bone.end) &&
           skeleton.joints[bone.end].rest.y() < skeleton.joints[bone.joint].rest.y())
         bone.chosen = true;
+}
+
+/// Where the limb that a bone belongs to leaves the trunk: the first joint of its chain. -1 for bones of the trunk.
+int limb_root(const Skeleton &skeleton, const Bone &bone) {
+  std::vector<int> children(skeleton.joints.size(), 0);
+  for (const Joint &joint : skeleton.joints)
+    if (joint.parent >= 0)
+      ++children[joint.parent];
+  const auto only_child = [&](int joint) {
+    const auto child =
+        std::find_if(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
+    return static_cast<int>(child - skeleton.joints.begin());
+  };
+  int end = bone.joint;
+  while (children[end] == 1)
+    end = only_child(end);
+  if (children[end] != 0)
+    return -1;
+  int root = bone.joint;
+  while (skeleton.joints[root].parent >= 0 && children[skeleton.joints[root].parent] == 1)
+    root = skeleton.joints[root].parent;
+  return root;
+}
+
+/// Length of the chain from `root` down to `end`.
+double chain_length(const Skeleton &skeleton, int root, int end) {
+  double length = 0;
+  for (int j = end; j != root; j = skeleton.joints[j].parent)
+    length += (skeleton.joints[j].rest - skeleton.joints[skeleton.joints[j].parent].rest).norm();
+  return length;
+}
+
+/// The other bones of limbs that are long enough to touch cloth with: arms and hands that hang or swing beside a skirt.
+std::vector<std::uint8_t> reaching_bones(const Anatomy &anatomy, const RiggedMesh &actor, const Segmentation &segmentation) {
+  const Skeleton &skeleton = actor.skeleton;
+  std::vector<std::uint8_t> reaching(anatomy.bones.size(), 0);
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+    const Bone &bone = anatomy.bones[b];
+    const int root = limb_root(skeleton, bone);
+    if (bone.chosen || root < 0)
+      continue;
+    const double reach = chain_length(skeleton, root, bone.end);
+    for (Eigen::Index v = 0; v < actor.mesh.vertices.rows() && !reaching[b]; ++v)
+      reaching[b] =
+          segmentation.clothness[v] > 0 && (actor.mesh.vertices.row(v).transpose() - skeleton.joints[root].rest).norm() < reach;
+  }
+  return reaching;
 }
 
 struct Capsules {
@@ -146,15 +196,47 @@ void start_sphere(const Mesh &body, const std::vector<int> &members, const Eigen
   out.push_back({centre - 0.3 * r * along, centre + 0.3 * r * along, r, r});
 }
 
-/// Limbs are sliced; bones shorter than the flesh around them is thick (pelvis to hip) get one capsule more, by clusters.
+/// Hands and feet are flat: limbs side by side across the widest direction, as many as they are times as wide as thick, or one
+/// more.
+void start_flat_limb(const Mesh &body, const std::vector<int> &members, const Eigen::Vector3d &a, const Eigen::Vector3d &b,
+                     int count, std::vector<Capsule> &out) {
+  const Eigen::Vector3d along = (b - a).normalized(), middle = centroid(body, members);
+  const auto across = [&](int v) {
+    const Eigen::Vector3d from = body.vertices.row(v).transpose() - middle;
+    return Eigen::Vector3d(from - from.dot(along) * along);
+  };
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (int v : members)
+    spread += across(v) * across(v).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread); // ascending, the first of them along
+  const double flat = std::sqrt(axes.eigenvalues()[2] / std::max(axes.eigenvalues()[1], 1e-12));
+  const std::size_t lanes = std::clamp(static_cast<int>(std::ceil(flat - kRound)), 1, kMostLanes);
+  std::vector<int> order = members;
+  std::sort(order.begin(), order.end(),
+            [&](int p, int q) { return across(p).dot(axes.eigenvectors().col(2)) < across(q).dot(axes.eigenvectors().col(2)); });
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    const auto at = [&](std::size_t l) { return order.begin() + static_cast<std::ptrdiff_t>(l * order.size() / lanes); };
+    const std::vector<int> part(at(lane), at(lane + 1));
+    if (part.empty())
+      continue;
+    const Eigen::Vector3d beside = centroid(body, part) - middle, aside = beside - beside.dot(along) * along;
+    start_limb(body, part, a + aside, b + aside, count, out);
+  }
+}
+
+/// Limbs are sliced; bones shorter than the flesh around them is thick (pelvis to hip) get one capsule more, by clusters; the
+/// ends of limbs are flat.
 void start_capsules(const Mesh &body, const Anatomy &anatomy, int bone, const Skeleton &skeleton, int count, Capsules &out) {
   const Eigen::Vector3d a = skeleton.joints[anatomy.bones[bone].joint].rest, b = skeleton.joints[anatomy.bones[bone].end].rest;
   const std::vector<int> members = bone_vertices(anatomy, bone);
   double thickness = 0;
   for (int v : members)
     thickness += (body.vertices.row(v).transpose() - closest_on_segment(body.vertices.row(v), a, b)).norm() / members.size();
+  const bool flat = skeleton.is_leaf(anatomy.bones[bone].end);
   const bool stub = (b - a).norm()<1.5 * thickness &&static_cast<int>(members.size())> 20 * (count + 1);
-  if (stub) {
+  if (flat) {
+    start_flat_limb(body, members, a, b, count, out.shape);
+  } else if (stub) {
     for (const std::vector<int> &group : clusters(body, members, count + 1))
       if (group.size() > 4)
         start_sphere(body, group, Eigen::Vector3d::UnitY(), out.shape);
@@ -387,6 +469,28 @@ std::vector<Eigen::Vector3d> resting_cloth(const RiggedMesh &actor, const Segmen
   return points;
 }
 
+/// The capsules of some of the bones, fitted together.
+Capsules fit_bones(Target &target, const Anatomy &anatomy, const std::vector<std::uint8_t> &chosen,
+                   const std::vector<std::uint8_t> &under, const Eigen::VectorXd &areas, const Skeleton &skeleton,
+                   const ProxyOptions &options) {
+  target.points.clear(), target.weights.clear(), target.joints.clear();
+  for (std::size_t v = 0; v < under.size(); ++v)
+    if (anatomy.nearest[v] >= 0 && chosen[anatomy.nearest[v]]) {
+      target.points.push_back(static_cast<int>(v));
+      target.weights.push_back(areas[v] * (under[v] ? 1 : kUncoveredWeight));
+      target.joints.push_back(anatomy.bones[anatomy.nearest[v]].joint);
+    }
+  Capsules capsules;
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b)
+    if (chosen[b])
+      start_capsules(target.body, anatomy, static_cast<int>(b), skeleton, options.capsules_per_bone, capsules);
+  if (capsules.shape.empty())
+    return capsules;
+  optimise(capsules, target, options);
+  keep_out_of_cloth(capsules, target, options.cloth_margin);
+  return capsules;
+}
+
 } // namespace
 
 std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation,
@@ -399,20 +503,15 @@ std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &ac
   target.cloth = resting_cloth(actor, segmentation, target.body, target.normals, target.scene);
   Anatomy anatomy = find_bones(fit.body, target.normals, target.scene, actor.skeleton);
   choose_bones(anatomy, actor.skeleton, under, areas);
-  for (std::size_t v = 0; v < under.size(); ++v)
-    if (anatomy.nearest[v] >= 0 && anatomy.bones[anatomy.nearest[v]].chosen) {
-      target.points.push_back(static_cast<int>(v));
-      target.weights.push_back(areas[v] * (under[v] ? 1 : kUncoveredWeight));
-      target.joints.push_back(anatomy.bones[anatomy.nearest[v]].joint);
-    }
-  Capsules capsules;
-  for (std::size_t b = 0; b < anatomy.bones.size(); ++b)
-    if (anatomy.bones[b].chosen)
-      start_capsules(fit.body, anatomy, static_cast<int>(b), actor.skeleton, options.capsules_per_bone, capsules);
+  std::vector<std::uint8_t> clothed, reaching = reaching_bones(anatomy, actor, segmentation);
+  for (const Bone &bone : anatomy.bones)
+    clothed.push_back(bone.chosen);
+  Capsules capsules = fit_bones(target, anatomy, clothed, under, areas, actor.skeleton, options);
   if (capsules.shape.empty())
     return {};
-  optimise(capsules, target, options);
-  keep_out_of_cloth(capsules, target, options.cloth_margin);
+  const Capsules beside = fit_bones(target, anatomy, reaching, under, areas, actor.skeleton, options);
+  capsules.shape.insert(capsules.shape.end(), beside.shape.begin(), beside.shape.end());
+  capsules.joint.insert(capsules.joint.end(), beside.joint.begin(), beside.joint.end());
   std::vector<TaperedCapsule> result;
   for (std::size_t c = 0; c < capsules.shape.size(); ++c) {
     const Eigen::Vector3d origin = actor.skeleton.joints[capsules.joint[c]].rest;

@@ -444,6 +444,30 @@ TEST(DisplaySurface, SkinOfTheScanGoesUnderAGarmentThatIsNarrowerThanTheLeg) {
   EXPECT_EQ(outside(), 0);
 }
 
+TEST(DisplaySurface, WhatIsOfAnArmStaysWhereItIsBeforeAGarmentThatIsOfTheTrunk) {
+  Character c = with_body(wearer(0, true));
+  c.actor.skeleton = make_skeleton({{"pelvis", "", {0, 1, 0}, {}}, {"l_shoulder", "pelvis", {0, 1.3, 0}, 3}});
+  c.actor.weights = MatrixRM::Zero(c.actor.mesh.vertices.rows(), 2);
+  for (Eigen::Index v = 0; v < c.actor.weights.rows(); ++v)
+    c.actor.weights(v, c.segmentation.region[v] < 0) = 1; // what was a leg is an arm
+  c.body_weights = MatrixRM::Zero(c.body.vertices.rows(), 2);
+  c.body_weights.col(1).setOnes();
+  Vertices narrow = c.actor.mesh.vertices;
+  for (Eigen::Index v = 0; v < narrow.rows(); ++v)
+    if (c.segmentation.clothness[v] > 0) { // the hem 4 cm lower, and 2 cm inside of it
+      narrow(v, 1) -= 0.04 * (kSeam - narrow(v, 1)) / (kSeam - kHem);
+      const double low = std::min(1.0, (kSeam - narrow(v, 1)) / 0.3);
+      narrow(v, 0) *= 1 - 0.6 * low;
+      narrow(v, 2) *= 1 - 0.6 * low;
+    }
+  DisplayBuffers buffers;
+  Vertices high, none;
+  DisplaySurface(c).apply(narrow, high, buffers);
+  const Vertices before = high;
+  SkinPenetrationFix(c).apply(buffers, high, none);
+  EXPECT_EQ((high - before).cwiseAbs().maxCoeff(), 0);
+}
+
 /// The valleys of pleats lie in the leg: its triangles neither bridge them nor come out of a pleat's other side.
 TEST(DisplaySurface, SkinGoesStraightInUnderPleats) {
   const Character c = with_body(wearer(0, true));

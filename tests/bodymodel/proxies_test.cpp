@@ -85,7 +85,7 @@ TEST(Proxies, ClearanceMovesThemIntoTheBody) {
 }
 
 TEST(Proxies, StandWhereClothCanTouch) {
-  // The figure in a skirt: pelvis, thighs, and the shins it swings against; no arms, no feet, no head.
+  // The figure in a skirt: pelvis, thighs, the shins it swings against, and hands and forearms that swing against it; no head.
   const RiggedMesh figure = doublet::testing::figure_actor(0.03);
   BodyFit fit;
   fit.body = figure.mesh;
@@ -116,10 +116,41 @@ TEST(Proxies, StandWhereClothCanTouch) {
   std::map<std::string, int> count;
   for (const TaperedCapsule &c : fit_proxies(fit, actor, seen))
     ++count[actor.skeleton.joints[c.joint].name];
-  for (const char *name : {"pelvis", "l_hip", "r_hip", "l_knee", "r_knee"})
+  for (const char *name : {"pelvis", "l_hip", "r_hip", "l_knee", "r_knee", "l_elbow", "r_elbow", "l_wrist", "r_wrist"})
     EXPECT_GT(count[name], 0) << name;
-  for (const char *name : {"l_shoulder", "r_elbow", "l_wrist", "l_ankle", "head", "neck"})
+  for (const char *name : {"head", "neck", "chest"})
     EXPECT_EQ(count[name], 0) << name;
+}
+
+TEST(Proxies, AHandIsAsWideAsItIs) {
+  // An arm from the side of the limb down to a hand that is a board of 9 x 3 cm, and cloth where the hand reaches.
+  Limb limb = make_limb();
+  const Capsule arm{{0.3, 0.9, 0}, {0.3, 0.65, 0}, 0.03, 0.03};
+  const auto distance = [&](const Eigen::Vector3d &p) {
+    const Eigen::Vector3d from = (p - Eigen::Vector3d(0.3, 0.58, 0)).cwiseAbs() - Eigen::Vector3d(0.015, 0.08, 0.045);
+    return std::min(signed_distance(arm, p), from.cwiseMax(0).norm() + std::min(from.maxCoeff(), 0.0));
+  };
+  limb.fit.body =
+      doublet::testing::join({limb.fit.body, doublet::testing::level_set(distance, {0.2, 0.45, -0.1}, {0.4, 1, 0.1}, 0.01)});
+  limb.actor.skeleton = make_skeleton({{"root", "", {0, 0.9, 0}, 6},
+                                       {"knee", "root", {0, 0.5, 0}, 1},
+                                       {"end", "knee", {0, 0.35, 0}, 0},
+                                       {"l_shoulder", "root", {0.3, 0.9, 0}, 3},
+                                       {"l_wrist", "l_shoulder", {0.3, 0.66, 0}, 2},
+                                       {"l_hand", "l_wrist", {0.3, 0.55, 0}, 0}});
+  const int wrist = limb.actor.skeleton.find("l_wrist");
+  std::vector<Capsule> hand;
+  for (const TaperedCapsule &c : fit_proxies(limb.fit, limb.actor, limb.segmentation))
+    if (c.joint == wrist)
+      hand.push_back(pose_capsule(c, limb.actor.skeleton, Transforms(6, Eigen::Isometry3d::Identity())));
+  ASSERT_FALSE(hand.empty());
+  for (const double z : {-0.045, 0.0, 0.045})
+    for (const double y : {0.52, 0.6}) {
+      double nearest = 1;
+      for (const Capsule &c : hand)
+        nearest = std::min(nearest, signed_distance(c, {0.3, y, z}));
+      EXPECT_LT(nearest, 0.012) << y << ' ' << z;
+    }
 }
 
 TEST(Proxies, NoClothNoCapsules) {

@@ -244,6 +244,10 @@ def calls(world, folder) -> dict:
         ),
         "SourceMotion": (d.SourceMotion, clip),
         "plant_feet": (lambda motion: d.plant_feet(w.skeleton, motion), {"motion": w.motion}),
+        "resolve_arm_penetration": (
+            lambda motion: d.resolve_arm_penetration(w.character, motion),
+            {"motion": w.motion},
+        ),
         "find_contacts": (lambda motion: d.find_contacts(w.skeleton, motion), {"motion": w.motion}),
         "resample": (lambda motion: d.resample(w.skeleton, motion, 20.0), {"motion": w.motion}),
         "write_bvh": (lambda motion: d.write_bvh(folder / "m.bvh", w.skeleton, motion), {"motion": w.motion}),

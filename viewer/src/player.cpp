@@ -3,6 +3,7 @@
 #include "doublet/animate/player.h"
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/motion_file.h"
+#include "doublet/animate/parts/arm_penetration.h"
 #include "doublet/animate/retarget.h"
 
 #include <emscripten/emscripten.h>
@@ -149,7 +150,10 @@ EMSCRIPTEN_KEEPALIVE int clip_open(const char *path) {
     const Character &character = view->player.character();
     RetargetOptions options;
     options.fps = 1 / character.solver.dt;
-    view->clip = retarget(read_motion_file(path), character.actor.skeleton, options);
+    Context context;
+    context.threads = 1;
+    const Motion clip = retarget(read_motion_file(path), character.actor.skeleton, options);
+    view->clip = resolve_arm_penetration(character, clip, context);
   });
 }
 EMSCRIPTEN_KEEPALIVE int clip_frame_count() {

@@ -11,7 +11,8 @@ Names of this module, by what they are for; each has its own help:
   cloth          ClothModel, ClothState, ClothSolver, ClothOptions, Material
   fit            estimate_material, FitOptions, MaterialObjective, Optimizer, Take
   character      make_character, Character, CharacterSimulator, Player, animate
-  motion         SourceMotion, retarget, RetargetOptions, Motion, plant_feet
+  motion         SourceMotion, retarget, RetargetOptions, Motion, plant_feet,
+                 resolve_arm_penetration
   pictures       render, rasterize, RenderMesh, orbit_camera
 
 `doublet.reconstruct` runs all stages, `doublet.evaluation.metrics` measures what comes of it; the other packages are below.

@@ -1,5 +1,6 @@
 #include "doublet/animate/parts/skin_penetration.h"
 
+#include "arms.h"
 #include "body_weld.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/rays/ray_scene.h"
@@ -29,6 +30,21 @@ constexpr double kOblique = 0.3;               // of out for each in, at least
 constexpr double kDeepestTuck = 0.09;          // m
 constexpr double kWall = 0.3;                  // m in for each along the skin, of skin beside what goes in
 constexpr int kGoAlong = 2;                    // times over all edges
+constexpr double kOfBoth = 0.1;                // skin weight, above which the garment is of an arm, and of the rest, too
+
+/// (V, 3) share of the skin weights (V, J) that the rest of the person, left and right arm have.
+MatrixRM limb_shares(const MatrixRM &weights, const std::vector<int> &arms) {
+  MatrixRM shares = MatrixRM::Zero(weights.rows(), 3);
+  for (std::size_t j = 0; j < arms.size(); ++j)
+    shares.col(arms[j]) += weights.col(static_cast<Eigen::Index>(j));
+  return shares;
+}
+
+int largest(const MatrixRM &shares, Eigen::Index v) {
+  Eigen::Index limb;
+  shares.row(v).maxCoeff(&limb);
+  return static_cast<int>(limb);
+}
 
 /// What of the person's skin may come to lie under the garment; at_seam: those of the scan that end under it where it hangs.
 std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part, std::vector<std::uint8_t> &at_seam) {
@@ -63,12 +79,14 @@ std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part, 
 
 } // namespace
 
-SkinPenetrationFix::SkinPenetrationFix(const Character &c)
-    : faces_(detail::garment_part(c).fine.faces), garment_({c.high.vertices.bottomRows(faces_.maxCoeff() + 1), faces_}) {
+SkinPenetrationFix::SkinPenetrationFix(const Character &c) : faces_(detail::garment_part(c).fine.faces) {
   const detail::GarmentPart part = detail::garment_part(c);
+  const std::vector<int> arms = detail::arms_of_joints(c.actor.skeleton);
+  const MatrixRM of_skin = limb_shares(DisplaySurface(c).skin_weights(c.actor.weights), arms),
+                 of_body = limb_shares(c.body_weights, arms);
   std::vector<std::uint8_t> at_seam;
   for (int v : skin_near(c, part, at_seam))
-    skin_.vertices.push_back({v, at_seam[v] != 0});
+    skin_.vertices.push_back({v, at_seam[v] != 0, largest(of_skin, v)});
   skin_.bound(c.high.faces.topRows(part.skin_faces), part.skin_vertices);
   const Faces shown = valid_faces(c.body.faces, c.body_shown);
   std::vector<std::uint8_t> drawn(c.body.vertices.rows(), 0);
@@ -76,7 +94,7 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c)
     drawn[v] = 1;
   for (std::size_t v = 0; v < drawn.size(); ++v)
     if (drawn[v])
-      body_.vertices.push_back({static_cast<int>(v), false});
+      body_.vertices.push_back({static_cast<int>(v), false, largest(of_body, static_cast<Eigen::Index>(v))});
   body_.bound(shown, c.body.vertices.rows());
 
   Eigen::VectorXd coarse(part.garment.vertices.size());
@@ -85,7 +103,7 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c)
   const Eigen::VectorXd clothness = part.fine.weights * coarse;
   const EdgeTopology topology = edge_topology(faces_);
   std::vector<int> seam, hem;
-  edges_.resize(faces_.rows(), {Edge::Inner, Edge::Inner, Edge::Inner});
+  std::vector<std::array<Edge, 3>> edges(faces_.rows(), {Edge::Inner, Edge::Inner, Edge::Inner});
   for (std::size_t e = 0; e < topology.edges.size(); ++e) {
     const Eigen::Vector2i &edge = topology.edges[e];
     if (topology.edge_faces[e][1] >= 0)
@@ -96,12 +114,35 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c)
     const int f = topology.edge_faces[e][0];
     for (int k = 0; k < 3; ++k)
       if (faces_(f, k) != edge[0] && faces_(f, k) != edge[1])
-        edges_[f][k] = fixed ? Edge::Seam : Edge::Free;
+        edges[f][k] = fixed ? Edge::Seam : Edge::Free;
   }
   const Vertices cloth = c.high.vertices.bottomRows(part.fine.weights.rows());
   const auto neighbours = vertex_neighbours(faces_, static_cast<int>(cloth.rows()));
   const Eigen::ArrayXd from_seam = edge_distances(cloth, neighbours, seam), from_hem = edge_distances(cloth, neighbours, hem);
+  for (int limb = 0; limb < of_skin.cols(); ++limb)
+    add_sheet(cloth, of_skin.col(limb).tail(cloth.rows()), edges);
   depths_ = (kDeepAtSeam + kDeepBend * from_seam.square()).min(kDeepAtHem + kDeepPerWay * from_hem).min(kDeep);
+}
+
+/// The faces of the garment that are over a limb, by its share of their corners' skin weights.
+void SkinPenetrationFix::add_sheet(const Vertices &cloth, const Eigen::VectorXd &share,
+                                   const std::vector<std::array<Edge, 3>> &edges) {
+  Mask over(faces_.rows());
+  for (Eigen::Index f = 0; f < faces_.rows(); ++f)
+    over[f] = share[faces_(f, 0)] + share[faces_(f, 1)] + share[faces_(f, 2)] > 3 * kOfBoth;
+  Sheet &sheet = sheets_.emplace_back();
+  if (std::none_of(over.begin(), over.end(), [](auto o) { return o != 0; }))
+    return;
+  sheet.surface.emplace(Mesh{cloth, faces_}, over);
+  sheet.edges = edges;
+  const EdgeTopology topology = edge_topology(faces_);
+  for (std::size_t e = 0; e < topology.edges.size(); ++e)
+    for (int side = 0; side < 2; ++side) {
+      const int f = topology.edge_faces[e][side], other = topology.edge_faces[e][1 - side];
+      for (int k = 0; k < 3 && f >= 0 && other >= 0 && over[f] && !over[other]; ++k)
+        if (faces_(f, k) != topology.edges[e][0] && faces_(f, k) != topology.edges[e][1])
+          sheet.edges[f][k] = Edge::Cut;
+    }
 }
 
 /// The faces and edges between the vertices, of those of a mesh.
@@ -135,14 +176,17 @@ void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
 }
 
 void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body) {
-  garment_.move_to(drawn.cloth);
+  for (Sheet &sheet : sheets_)
+    if (sheet.surface)
+      sheet.surface->move_to(drawn.cloth);
   tuck(drawn.cloth_normals, skin_, high);
   if (body.rows() > 0)
     tuck(drawn.cloth_normals, body_, body);
 }
 
-SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Eigen::Vector3d &point, const Vertices &normals, int &last) const {
-  const std::optional<MovingSurface::Point> at = garment_.closest(point, kReachOut, last);
+SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals,
+                                                      int &last) const {
+  const std::optional<MovingSurface::Point> at = sheet.surface->closest(point, kReachOut, last);
   last = at ? at->face : -1;
   Beside found;
   if (!at)
@@ -153,10 +197,11 @@ SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Eigen::Vector3d &poi
     const int v = faces_(at->face, k);
     found.normal += at->barycentric[k] * normals.row(v).transpose();
     deep += at->barycentric[k] * depths_[v];
-    if (edges_[at->face][k] != Edge::Inner && at->barycentric[k] < kAtEdge) {
+    const Edge edge = sheet.edges[at->face][k];
+    if (edge != Edge::Inner && at->barycentric[k] < kAtEdge) {
       found.covered = false;
-      if (edges_[at->face][k] == Edge::Seam)
-        return found; // above the garment
+      if (edge != Edge::Free)
+        return found; // above the garment, or where it goes on over another limb
     }
   }
   found.normal.normalize();
@@ -171,9 +216,13 @@ SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Eigen::Vector3d &poi
 void SkinPenetrationFix::find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const {
   tucked.in = 0;
   tucked.way = tucked.own;
+  tucked.covered = false;
+  const Sheet &sheet = sheets_[tucked.limb];
+  if (!sheet.surface)
+    return;
   int last = tucked.last;
   for (int look = 0; look < (tucked.at_seam ? 1 : kLooks) && tucked.in < kDeepestTuck; ++look) {
-    const Beside at = beside(positions.row(tucked.vertex).transpose() - tucked.in * tucked.way, normals, last);
+    const Beside at = beside(sheet, positions.row(tucked.vertex).transpose() - tucked.in * tucked.way, normals, last);
     const double facing = tucked.own.dot(at.normal);
     if (look == 0) {
       tucked.last = last;

@@ -23,6 +23,15 @@ void require_motion(const Skeleton &skeleton, const Motion &motion, const std::s
                                 ")");
 }
 
+bool has_steps(const Motion &motion) {
+  return motion.fps >= 0.1 && motion.fps <= 10000;
+}
+void require_steps(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
+  require_motion(skeleton, motion, who);
+  if (!has_steps(motion))
+    throw std::invalid_argument(who + ": motion.fps must be in [0.1, 10000], found " + options::to_text(motion.fps));
+}
+
 Motion resample(const Skeleton &skeleton, const Motion &motion, double fps) {
   require_motion(skeleton, motion, "resample");
   if (!(fps > 0) || !std::isfinite(fps))

@@ -462,13 +462,6 @@ private:
   std::vector<std::vector<Vector3d>> hips_; ///< foot x frame
 };
 
-/// Throws std::invalid_argument unless the rate is one at which steps can be told.
-void require_steps(const Skeleton &skeleton, const Motion &motion, const std::string &who) {
-  require_motion(skeleton, motion, who);
-  if (motion.fps < 0.1 || motion.fps > 10000)
-    throw std::invalid_argument(who + ": motion.fps must be in [0.1, 10000], found " + options::to_text(motion.fps));
-}
-
 } // namespace
 
 void PlantOptions::validate() const {

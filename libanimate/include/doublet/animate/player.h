@@ -20,6 +20,7 @@ struct AnimateOptions {
   bool redrape_when_tangled = true;
   bool high = true;
   bool body = true;
+  bool resolve_arm_penetration = true;
   bool resolve_body_penetration = true;
   static constexpr auto describe() {
     using namespace options;
@@ -39,6 +40,9 @@ struct AnimateOptions {
                "it is all in a knot for 0.5 s. The new state is used if it is better, and blended in over 0.5 s"),
         option(&O::high, "high", "The animation has the display surface M_high, too"),
         option(&O::body, "body", "The animation has the body under the clothes, too"),
+        option(&O::resolve_arm_penetration, "resolve_arm_penetration",
+               "animate() turns shoulders so far that forearms and hands are clear of the body, with room for cloth",
+               "Another person's clip presses the arms into a wider body. A player takes its poses as they are"),
         option(&O::resolve_body_penetration, "resolve_body_penetration",
                "The body is drawn under the surface where it would stand out of it",
                "Proxies are simpler than the body, so cloth may rest a little inside it"),

@@ -5,15 +5,17 @@
 #include "doublet/core/parts/moving_surface.h"
 
 #include <array>
+#include <optional>
 
 namespace doublet {
 
 /// Brings what is drawn of the person near a garment under it, where it stands out by up to 6 cm: the hidden body, and the scan's
 /// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 20 mm deep, less at the
 /// garment's edges. Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the
-/// edge. It goes straight inwards, and what lies beside it under the garment goes along, so that no triangle bridges a fold. Skin
-/// on which the garment lies inside out stays. Capsules, which keep the simulated cloth off, are simpler than legs. A matter of
-/// display only.
+/// edge. Of the garment only what is worn over the same limb counts, arms and the rest: a hand before a skirt is not under it,
+/// nor a hip under a sleeve. It goes straight inwards, and what lies beside it under the garment goes along, so that no triangle
+/// bridges a fold. Skin on which the garment lies inside out stays. Capsules, which keep the simulated cloth off, are simpler
+/// than legs. A matter of display only.
 class SkinPenetrationFix {
 public:
   /// The character must have M_high with a garment, else Error.
@@ -22,10 +24,11 @@ public:
   void apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body);
 
 private:
-  enum class Edge : std::uint8_t { Inner, Free, Seam };
+  enum class Edge : std::uint8_t { Inner, Free, Seam, Cut };
   struct Tucked {
     int vertex;
     bool at_seam;                                  ///< of the scan's skin, where it ends under the garment that hangs there
+    int limb;                                      ///< number of its sheet
     int last = -1;                                 ///< the face of the garment that was closest before; -1 = none
     bool covered = false;                          ///< it has garment before it, not merely beside it
     double in = 0;                                 ///< m, how far it goes inwards
@@ -45,16 +48,21 @@ private:
     bool covered = false;            ///< the garment's closest point is not of an edge
     Eigen::Vector3d normal{0, 0, 0}; ///< the garment's there; 0 = none is near
   };
-  Beside beside(const Eigen::Vector3d &point, const Vertices &normals, int &last) const;
+  /// The part of the garment that is worn over a limb; no surface if none is.
+  struct Sheet {
+    std::optional<MovingSurface> surface;
+    std::vector<std::array<Edge, 3>> edges; ///< (F) opposite each corner
+  };
+  void add_sheet(const Vertices &cloth, const Eigen::VectorXd &share, const std::vector<std::array<Edge, 3>> &edges);
+  Beside beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals, int &last) const;
   void find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const;
   static void take_neighbours_along(Part &part, const Vertices &positions);
   void tuck(const Vertices &normals, Part &part, Vertices &positions) const;
 
-  Part skin_, body_;                       ///< of M_high, of the body
-  Faces faces_;                            ///< of the garment as it is drawn
-  Eigen::VectorXd depths_;                 ///< m under each of its vertices
-  std::vector<std::array<Edge, 3>> edges_; ///< (F) opposite each corner
-  MovingSurface garment_;
+  Part skin_, body_;          ///< of M_high, of the body
+  Faces faces_;               ///< of the garment as it is drawn
+  Eigen::VectorXd depths_;    ///< m under each of its vertices
+  std::vector<Sheet> sheets_; ///< of it, over the rest of the person, the left arm, the right
 };
 
 } // namespace doublet
