@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <deque>
+#include <utility>
+#include <vector>
 
 namespace doublet::detail {
 namespace {
@@ -26,34 +29,44 @@ bool where_the_scan_is(const CameraEvidence &evidence, int t) {
   return pose.segment<3>(root).norm() < kNear && pose.segment<3>(root + 3).norm() < kNearlyTurned;
 }
 
-CalibrationMoment moment_of_start(const CameraEvidence &evidence, int pose) {
-  const int start = evidence.order.start;
-  return {pose, &evidence.measured.outlines_at(start), Vertices(0, 3), where_the_scan_is(evidence, start)};
-}
+/// A problem, and the outlines that its moments look at.
+struct FilmedProblem {
+  CalibrationProblem problem;
+  std::deque<std::vector<Outline>> outlines;
+  /// The frame index t, in the pose of a row.
+  void add_moment(const CameraEvidence &evidence, int t, int row, Vertices offset, bool in_scan_pose) {
+    outlines.push_back(evidence.measured.outlines_at(t));
+    problem.moments.push_back({row, &outlines.back(), std::move(offset), in_scan_pose});
+  }
+  void add_start(const CameraEvidence &evidence, int row) {
+    const int start = evidence.order.start;
+    add_moment(evidence, start, row, Vertices(0, 3), where_the_scan_is(evidence, start));
+  }
+};
 
 CalibrationEstimate by_take(const CameraEvidence &evidence, const Eigen::VectorXd &reliability) {
-  CalibrationProblem problem = calibration_problem(evidence, reliability);
-  problem.poses = evidence.poses;
+  FilmedProblem filmed{calibration_problem(evidence, reliability), {}};
+  filmed.problem.poses = evidence.poses;
   const Eigen::VectorXd loose = 1 - reliability.array();
   const CalibrationRefinementOptions &options = evidence.job.options.calibration;
   const int count = evidence.job.count, moments = std::min(options.moments, count);
   for (int k = 0; k < moments; ++k) {
     const int t = static_cast<int>((2 * k + 1) * static_cast<long>(count) / (2 * moments));
-    problem.moments.push_back({t, &evidence.measured.outlines_at(t), loose.asDiagonal() * evidence.memory.offsets()[t], false});
+    filmed.add_moment(evidence, t, t, loose.asDiagonal() * evidence.memory.offsets()[t], false);
   }
   if (!evidence.start_searched)
-    problem.moments.push_back(moment_of_start(evidence, evidence.order.start));
-  return refine_calibration(problem, options, evidence.job.context);
+    filmed.add_start(evidence, evidence.order.start);
+  return refine_calibration(filmed.problem, options, evidence.job.context);
 }
 
 } // namespace
 
 CalibrationEstimate cameras_by_start(const CameraEvidence &evidence) {
-  CalibrationProblem problem = calibration_problem(evidence, evidence.memory.reliability());
-  problem.poses = evidence.poses.row(evidence.order.start);
-  problem.timed = false;
-  problem.moments = {moment_of_start(evidence, 0)};
-  return refine_calibration(problem, evidence.job.options.calibration, evidence.job.context);
+  FilmedProblem filmed{calibration_problem(evidence, evidence.memory.reliability()), {}};
+  filmed.problem.poses = evidence.poses.row(evidence.order.start);
+  filmed.problem.timed = false;
+  filmed.add_start(evidence, 0);
+  return refine_calibration(filmed.problem, evidence.job.options.calibration, evidence.job.context);
 }
 
 CalibrationEstimate cameras_by_take(const CameraEvidence &evidence) {

@@ -14,6 +14,7 @@ std::vector<PackedMask> pack(const std::vector<Image> &masks) {
       packed.back().runs.push_back(static_cast<int>(end - at));
       at = end;
     }
+    packed.back().runs.shrink_to_fit();
   }
   return packed;
 }

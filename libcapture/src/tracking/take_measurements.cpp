@@ -137,7 +137,7 @@ void TakeMeasurements::keep(int t, std::vector<ViewMeasurement> current, const s
     throw Error("capture: no camera shows the actor at frame " + std::to_string(job_.frame(t)));
   latest_ = std::move(current);
   result_.summary.views[t] = present;
-  kept_[t] = {outlines_, pack(masks_)};
+  kept_[t] = pack(masks_);
 }
 
 /// Observations are matches of a frame with the one that was filmed before it, whichever was tracked first.
@@ -154,8 +154,18 @@ std::vector<FeatureMatch> TakeMeasurements::matches_at(int t, int view) const {
 }
 
 void TakeMeasurements::recall(int t) {
-  outlines_ = kept_[t].outlines;
-  masks_ = unpack(kept_[t].masks);
+  masks_ = unpack(kept_[t]);
+  outlines_ = traced(masks_);
+}
+
+std::vector<Outline> TakeMeasurements::outlines_at(int t) const {
+  return traced(unpack(kept_[t]));
+}
+
+std::vector<Outline> TakeMeasurements::traced(const std::vector<Image> &masks) const {
+  std::vector<Outline> outlines(masks.size());
+  parallel_for(job_.context, job_.views(), [&](int v) { outlines[v] = trace_outline(masks[v]); });
+  return outlines;
 }
 
 } // namespace doublet::detail

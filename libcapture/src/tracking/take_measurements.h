@@ -34,11 +34,12 @@ public:
   const std::vector<Outline> &outlines() const { return outlines_; }
   const std::vector<Image> &masks() const { return masks_; }
   const std::vector<ViewMeasurement> &latest() const { return latest_; }
-  const std::vector<Outline> &outlines_at(int t) const { return kept_[t].outlines; }
+  std::vector<Outline> outlines_at(int t) const;
   /// Of the frame before, tracked before, that is, with this one.
   std::vector<FeatureMatch> matches_at(int t, int view) const;
 
 private:
+  std::vector<Outline> traced(const std::vector<Image> &masks) const;
   std::vector<ViewMeasurement> all_views(int t, const FeatureTracker *tracker) const;
   void look_ahead(int t, const FeatureTracker *tracker);
   std::vector<ViewMeasurement> measure_next(int t, const FeatureTracker *tracker);
@@ -46,10 +47,6 @@ private:
   void keep(int t, std::vector<ViewMeasurement> current, const std::vector<std::vector<FeatureMatch>> &matches);
   void observe(int t, int view, const std::vector<FeatureMatch> &matches);
 
-  struct Kept {
-    std::vector<Outline> outlines;
-    std::vector<PackedMask> masks;
-  };
   const TrackingJob &job_;
   const TrackingOrder &order_;
   CaptureResult &result_;
@@ -62,7 +59,7 @@ private:
   std::vector<ViewMeasurement> latest_; // features of the latest frame
   std::vector<Outline> outlines_;
   std::vector<Image> masks_;
-  std::vector<Kept> kept_; // by frame index
+  std::vector<std::vector<PackedMask>> kept_; // [frames][cameras] masks: an outline has ten times the bytes and is traced again
 };
 
 } // namespace doublet::detail
