@@ -101,6 +101,19 @@ std::vector<int> range(Eigen::Index first, Eigen::Index end) {
   return numbers;
 }
 
+/// The garment with its hem 4 cm lower, and 2 cm inside the leg.
+Vertices narrowed(const Character &c) {
+  Vertices narrow = c.actor.mesh.vertices;
+  for (Eigen::Index v = 0; v < narrow.rows(); ++v)
+    if (c.segmentation.clothness[v] > 0) {
+      narrow(v, 1) -= 0.04 * (kSeam - narrow(v, 1)) / (kSeam - kHem);
+      const double low = std::min(1.0, (kSeam - narrow(v, 1)) / 0.3);
+      narrow(v, 0) *= 1 - 0.6 * low;
+      narrow(v, 2) *= 1 - 0.6 * low;
+    }
+  return narrow;
+}
+
 } // namespace
 
 TEST(DisplaySurface, HemIsOneSmoothCurve) {
@@ -417,14 +430,7 @@ TEST(DisplaySurface, ScanAndHiddenBodyAreOneClosedSurface) {
 TEST(DisplaySurface, SkinOfTheScanGoesUnderAGarmentThatIsNarrowerThanTheLeg) {
   const Character c = with_body(wearer(0, true));
   ASSERT_FALSE(c.high_body.empty());
-  Vertices narrow = c.actor.mesh.vertices;
-  for (Eigen::Index v = 0; v < narrow.rows(); ++v)
-    if (c.segmentation.clothness[v] > 0) { // the hem 4 cm lower, and 2 cm inside the leg
-      narrow(v, 1) -= 0.04 * (kSeam - narrow(v, 1)) / (kSeam - kHem);
-      const double low = std::min(1.0, (kSeam - narrow(v, 1)) / 0.3);
-      narrow(v, 0) *= 1 - 0.6 * low;
-      narrow(v, 2) *= 1 - 0.6 * low;
-    }
+  const Vertices narrow = narrowed(c);
   const DisplaySurface surface(c);
   DisplayBuffers buffers;
   Vertices high, none;
@@ -452,14 +458,7 @@ TEST(DisplaySurface, WhatIsOfAnArmStaysWhereItIsBeforeAGarmentThatIsOfTheTrunk) 
     c.actor.weights(v, c.segmentation.region[v] < 0) = 1; // what was a leg is an arm
   c.body_weights = MatrixRM::Zero(c.body.vertices.rows(), 2);
   c.body_weights.col(1).setOnes();
-  Vertices narrow = c.actor.mesh.vertices;
-  for (Eigen::Index v = 0; v < narrow.rows(); ++v)
-    if (c.segmentation.clothness[v] > 0) { // the hem 4 cm lower, and 2 cm inside of it
-      narrow(v, 1) -= 0.04 * (kSeam - narrow(v, 1)) / (kSeam - kHem);
-      const double low = std::min(1.0, (kSeam - narrow(v, 1)) / 0.3);
-      narrow(v, 0) *= 1 - 0.6 * low;
-      narrow(v, 2) *= 1 - 0.6 * low;
-    }
+  const Vertices narrow = narrowed(c);
   DisplayBuffers buffers;
   Vertices high, none;
   DisplaySurface(c).apply(narrow, high, buffers);
