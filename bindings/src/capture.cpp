@@ -5,6 +5,7 @@
 #include "doublet/capture/measured_observations.h"
 #include "doublet/capture/mesh_file.h"
 #include "doublet/capture/performance_capture.h"
+#include "doublet/capture/person_calibration.h"
 #include "doublet/capture/rest_pose.h"
 #include "doublet/capture/scan_alignment.h"
 #include "doublet/capture/scan_from_views.h"
@@ -115,6 +116,47 @@ void bind_calibration(py::module_ &m) {
         "calibration.yml, in metres and with +Y up. The context's log says which were left out.");
   m.def("write_calibration", &write_calibration, py::arg("path"), py::arg("cameras"), Release(),
         "calibration.yml of a session, complete or not at all; takes Camera, too.");
+}
+
+/// seen (T, joints, 3) pixel and confidence; silhouettes T arrays (n, 2), or none.
+PersonView person_view(const std::string &name, std::pair<int, int> size,
+                       const py::array_t<double, py::array::c_style | py::array::forcecast> &seen, double focal,
+                       std::vector<std::vector<Eigen::Vector2d>> silhouettes) {
+  if (seen.ndim() != 3 || seen.shape(1) != kCalibrationJoints || seen.shape(2) != 3)
+    throw std::invalid_argument("PersonView: seen: expected an array (T, " + std::to_string(kCalibrationJoints) + ", 3)");
+  PersonView view{name, size.first, size.second, focal, {}, std::move(silhouettes)};
+  const auto at = seen.template unchecked<3>();
+  for (py::ssize_t t = 0; t < seen.shape(0); ++t)
+    for (py::ssize_t j = 0; j < kCalibrationJoints; ++j)
+      view.seen.push_back({{at(t, j, 0), at(t, j, 1)}, at(t, j, 2)});
+  return view;
+}
+
+void bind_person_calibration(py::module_ &m) {
+  OptionsClass<PersonCalibrationOptions>(m, "Options of calibrate_from_person.");
+  m.attr("CALIBRATION_JOINTS") = py::cast(kCalibrationJointNames);
+  Class<PersonView>(m, "PersonView", "What one camera saw of a person.")
+      .def(py::init(&person_view), py::arg("name"), py::arg("size"), py::arg("seen"), py::arg("focal") = 0.0,
+           py::arg("silhouettes") = std::vector<std::vector<Eigen::Vector2d>>{},
+           "size: width and height, px. seen: (T, 12, 3) pixel and confidence of CALIBRATION_JOINTS. focal: px, 0 = not known. "
+           "silhouettes: of each frame corners of a hull (n, 2), none where it is not known.")
+      .def_property_readonly(
+          "name", [](const PersonView &view) { return view.name; }, "of the camera");
+  Class<PersonCamera>(m, "PersonCamera", "What became of one camera.")
+      .def_readonly("agreeing", &PersonCamera::agreeing, "share of its keypoints that go together with the other cameras'")
+      .def_readonly("error", &PersonCamera::error, "px, median of these")
+      .def_readonly("tangent_error", &PersonCamera::tangent_error,
+                    "m, median distance at the person of planes that touch her in two cameras; NaN without silhouettes");
+  Class<PersonCalibration>(m, "PersonCalibration", "Cameras from what they saw of a person.")
+      .def_readonly("rig", &PersonCalibration::rig, "m, +Y up, the floor at y = 0")
+      .def_readonly("cameras", &PersonCalibration::cameras, "one PersonCamera each")
+      .def_readonly("joints", &PersonCalibration::joints, "(12 moments, 3) m; NaN where no two cameras agree")
+      .def_readonly("frames", &PersonCalibration::frames, "of the moments");
+  m.def("calibrate_from_person", &calibrate_from_person, py::arg("views"), py::arg("options") = PersonCalibrationOptions{},
+        py::arg("context") = interruptible_context(), Release(),
+        "Cameras that stand still, from joints and silhouettes of one person who moves before them.");
+  m.def("silhouette_hull", &silhouette_hull, py::arg("mask"), Release(),
+        "Corners (n, 2) px of the convex hull of a mask (H, W) uint8; empty if it is, or if it touches a border.");
 }
 
 void bind_session(py::module_ &m) {
@@ -368,6 +410,7 @@ void bind_performance(py::module_ &m) {
 
 void bind_capture(py::module_ &m) {
   bind_calibration(m);
+  bind_person_calibration(m);
   bind_session(m);
   bind_session_check(m);
   bind_template(m);

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from doublet import body_model_path
 from doublet.cli import main
-from doublet.scan import keypoints
+from doublet.session import keypoints
 from PIL import Image
 
 FAST = ["--body-iterations", "6", "--scan-cell", "0.012", "--scan-poisson-depth", "7", "--scan-search-depth", "0", "--quiet"]

@@ -17,7 +17,7 @@ DEPRECATED_MODULES = {
     "console": "common.console",
     "evaluate": "evaluation.metrics",
     "garment_motion": "evaluation.motion_metrics",
-    "keypoints": "scan.keypoints",
+    "keypoints": "session.keypoints",
     "motions": "export.clips",
     "new_session": "session.new_session",
     "pipeline": "reconstruct",

@@ -35,7 +35,7 @@ constexpr double kFloorShare = 0.1;   // of the area that is flat at the bottom,
 constexpr int kHeadings = 36, kSamples = 600, kRounds = 40;
 constexpr double kKept = 0.8;          // share of the samples that counts: the nearest
 constexpr std::size_t kRefined = 6;    // placements that are refined
-constexpr double kLargest = 0.03;      // m, mean distance to the hull from which on the scan is of something else
+constexpr double kLargestDistance = 0.03;      // m, mean distance to the hull from which on the scan is of something else
 constexpr double kSurroundings = 0.10; // m outside the hull from which on it is not the person
 
 // --- the mesh
@@ -239,7 +239,7 @@ AlignedScan align_scan(const Mesh &scan, const Mesh &hull, const Context &contex
                [&](int i) { best[i] = refined(best[i], target, candidates[best[i].candidate].samples); });
   const Placement &chosen =
       *std::min_element(best.begin(), best.end(), [](const Placement &a, const Placement &b) { return a.distance < b.distance; });
-  if (!(chosen.distance <= kLargest))
+  if (!(chosen.distance <= kLargestDistance))
     throw std::invalid_argument("scan: expected the person and the pose that the cameras see, found it " +
                                 printed("%.0f", 1000 * chosen.distance) + " mm from there at best");
   const Candidate &found = candidates[chosen.candidate];

@@ -68,9 +68,9 @@ detail::LabelledMesh close_scan(const Mesh &scan, const TemplateOptions &options
 /// Where decimation left triangles that pass through each other (thin folds, close sheets) their corners go halfway to the mean
 /// of their neighbours, until none is left or it does not help; TemplateSummary tells.
 void untangle(Mesh &mesh, const Context &context) {
-  constexpr int kRounds = 10;
+  constexpr int kUntanglings = 10;
   const auto neighbours = vertex_neighbours(mesh.faces, static_cast<int>(mesh.vertices.rows()));
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kUntanglings; ++round) {
     const std::vector<std::uint8_t> crossing = self_intersecting_faces(mesh, context);
     std::set<int> corners;
     for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)

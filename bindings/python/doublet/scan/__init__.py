@@ -4,5 +4,5 @@ from .._lazy import lazy_modules
 from .make_scan import refine_scan as refine_scan
 from .make_scan import scan_session as scan_session
 
-MODULES = ("keypoints", "make_scan")
+MODULES = ("make_scan",)
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)

@@ -13,7 +13,7 @@ from .. import _doublet as d
 from ..common.files import write_json
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
-from .keypoints import triangulated
+from ..session.keypoints import triangulated
 
 #: Option groups of the command.
 GROUPS = {

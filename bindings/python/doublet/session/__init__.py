@@ -2,5 +2,14 @@
 
 from .._lazy import lazy_modules
 
-MODULES = ("camera_files", "check", "external_masks", "first_frame", "import_calibration", "new_session", "synchronise")
+MODULES = (
+    "calibrate",
+    "camera_files",
+    "check",
+    "external_masks",
+    "import_calibration",
+    "keypoints",
+    "new_session",
+    "synchronise",
+)
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -19,16 +20,20 @@ SQUEEZED = 1.1  #: how much more one axis may be scaled than the other
 
 
 def filmed_cameras(request: Request, console: Console, messages: list[str]) -> list[FilmedCamera]:
-    calibrated = chosen_cameras(request, messages)
-    names = [c.camera.name for c in calibrated]
-    files = match(names, list_files(request.videos), request.cameras)
+    calibrated = chosen_cameras(request, messages) if request.calibration else None
+    files = list_files(request.videos)
+    names = [c.camera.name for c in calibrated] if calibrated else names_of(files, request)
+    files = match(names, files, request.cameras)
     masks = match(names, list_files(request.masks), what="mask series") if request.masks else {}
     plates = match(names, list_files(request.background, single_images=True), what="clean plate") if request.background else {}
     cameras = []
-    for index, (name, camera) in enumerate(zip(names, calibrated)):
+    for index, name in enumerate(names):
         source = read_source(files[name], request.fps)
         messages.append(f"{name}: {source.path}, {describe(source)}")
-        cameras.append(fitted(camera, source, request.scale_calibration, messages))
+        if calibrated:
+            cameras.append(fitted(calibrated[index], source, request.scale_calibration, messages))
+        else:
+            cameras.append(FilmedCamera(unplaced_camera(name, source.size), source))
         cameras[-1].plate = plates.get(name)
         if name in masks:
             cameras[-1].masks = checked_masks(masks[name], cameras[-1])
@@ -52,6 +57,26 @@ def chosen_cameras(request: Request, messages: list[str]) -> list[d.CalibratedCa
     if not set(names) - set(request.without):
         raise ValueError("--without: expected a camera that is left, found none")
     return [c for c in calibrated if c.camera.name not in request.without]
+
+
+def names_of(files: list[CameraFile], request: Request) -> list[str]:
+    """Of cameras that no calibration names: as --camera says, otherwise as their files are called."""
+    given = {path.absolute(): name for name, path in request.cameras.items()}
+    names = []
+    for file in files:
+        plain = re.sub(r"[^A-Za-z0-9_-]+", "_", file.name)
+        names.append(given.get(file.path.absolute(), plain if plain[:1].isalpha() else f"cam{plain}"))
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise ValueError(f"{request.videos[0]}: expected another name for each camera, found '{twice}' twice")
+    return names
+
+
+def unplaced_camera(name: str, size: tuple[int, int]) -> d.CalibratedCamera:
+    """One of which only the image is known: at the origin, with any focal length."""
+    camera = d.Camera()
+    camera.name, (camera.width, camera.height) = name, size
+    camera.K = np.array([[max(size), 0, (size[0] - 1) / 2], [0, max(size), (size[1] - 1) / 2], [0, 0, 1]])
+    return d.CalibratedCamera(camera)
 
 
 def read_source(file: CameraFile, fps: float | None) -> VideoFile | ImageSeries:

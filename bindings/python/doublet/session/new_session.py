@@ -1,4 +1,5 @@
-"""`doublet new-session`: videos and a calibration -> a session folder, synchronised, upright, complete or not there at all."""
+"""`doublet new-session`: videos, and a calibration or a person's keypoints -> a session folder, synchronised, upright, complete or
+not there at all."""
 
 from __future__ import annotations
 
@@ -8,10 +9,10 @@ from pathlib import Path
 from .. import _doublet as d
 from ..common.console import Console
 from ..common.files import folder_written_atomically
-from . import check, synchronise
+from . import calibrate, check, synchronise
 from .filmed_cameras import filmed_cameras
 from .request import Request
-from .session_writer import write_session
+from .session_writer import write_cameras, write_session
 from .timing import common_rate, found_offsets, say_frames
 
 PICTURE = "new_session.png"
@@ -31,6 +32,7 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     that names file, expectation and finding; FileExistsError if the folder is there."""
     console, messages, findings = console or Console(), [], []
     refuse_existing(request)
+    calibrate.require_one_way(request)
     cameras = filmed_cameras(request, console, messages)
     fps = common_rate(request, cameras, messages)
     offsets = found_offsets(request, cameras, fps, console, messages, findings)
@@ -38,16 +40,33 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     names = [camera.name for camera in cameras]
     numbers = synchronise.frame_numbers(times, offsets, fps, request.start, request.frames, names)
     say_frames(cameras, times, offsets, numbers, fps, messages)
+    person = calibrate.PersonCalibrator(request, cameras, numbers, messages) if request.keypoints else None
     with folder_written_atomically(request.out) as folder:
         write_session(folder, request, cameras, numbers, fps, console, messages)
         session = d.Session(folder)
-        findings += draw_check_picture(session, folder / PICTURE, console, messages)
+        context = d.Context(progress=console.progress, log=messages.append)
+        frames = d.FrameSource.open(session)
+        extractor = d.session_silhouettes(session, frames, d.SilhouetteOptions(), context)
+        console.finish()
+        if person:
+            findings += person.calibrate(cameras, frames, extractor, console, messages)
+            write_cameras(folder, cameras)
+            session = d.Session(folder)
+        findings += check.check_and_draw(session, frames, extractor, folder / PICTURE).findings
     return NewSession(request.out, messages, findings)
 
 
 def refuse_existing(request: Request) -> None:
     out = request.out.absolute()
-    for path in [*request.videos, request.calibration, *request.masks, *request.background, request.scan, request.joints]:
+    for path in [
+        *request.videos,
+        request.calibration,
+        request.keypoints,
+        *request.masks,
+        *request.background,
+        request.scan,
+        request.joints,
+    ]:
         if path is not None and path.absolute().is_relative_to(out) and path.exists():
             raise ValueError(
                 f"{path}: expected files outside of the new session {request.out}, found one inside; choose another folder"
@@ -60,12 +79,3 @@ def refuse_existing(request: Request) -> None:
         )
     if any(out.iterdir()) and not request.force:
         raise FileExistsError(f"{request.out}: there is a session already; --force writes this one in its place")
-
-
-def draw_check_picture(session: d.Session, path: Path, console: Console, messages: list[str]) -> list[d.Finding]:
-    """Draws frame 0 of every camera with its silhouette; returns what is doubtful."""
-    context = d.Context(progress=console.progress, log=messages.append)
-    frames = d.FrameSource.open(session)
-    extractor = d.session_silhouettes(session, frames, d.SilhouetteOptions(), context)
-    console.finish()
-    return check.check_and_draw(session, frames, extractor, path).findings

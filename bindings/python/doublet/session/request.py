@@ -17,8 +17,11 @@ class Request:
     """What the user gave."""
 
     videos: list[Path]
-    calibration: Path
+    calibration: Path | None  # None: from `keypoints`
     out: Path
+    keypoints: Path | None = None  # of the person, for each camera
+    height: float | None = None  # m, of the person
+    field_of_view: float | None = None  # degrees, across the larger side of the images
     calibration_options: d.CalibrationOptions = field(default_factory=lambda: d.CalibrationOptions())
     scale_calibration: bool = False
     cameras: dict[str, Path] = field(default_factory=dict)  # name -> file

@@ -35,7 +35,7 @@ def write_session(
     console: Console,
     messages: list[str],
 ) -> None:
-    d.write_calibration(folder / "calibration.yml", [camera.calibrated for camera in cameras])
+    write_cameras(folder, cameras)
     described, kept = [], []
     for index, (camera, chosen) in enumerate(zip(cameras, numbers)):
 
@@ -71,6 +71,10 @@ def write_session(
             session[key] = ("scan" if key == "scan" else "joints") + path.suffix
             link_or_copy(path, folder / session[key], copy=True)
     write_json(folder / "session.json", session)
+
+
+def write_cameras(folder: Path, cameras: Sequence[FilmedCamera]) -> None:
+    d.write_calibration(folder / "calibration.yml", [camera.calibrated for camera in cameras])
 
 
 def is_kept(camera: FilmedCamera, chosen: np.ndarray, fps: float) -> bool:

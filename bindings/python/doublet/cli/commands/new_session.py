@@ -1,4 +1,4 @@
-"""`doublet new-session`: videos and a calibration -> a session."""
+"""`doublet new-session`: videos and a calibration, or a person's keypoints -> a session."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 from ... import _doublet as d
+from ...session.calibrate import HEIGHT
 from ...session.new_session import PICTURE, new_session
 from ...session.request import Request
 from ..common_flags import common_flags, make_console, report_findings
@@ -42,7 +43,12 @@ def register(commands) -> None:
         metavar="VIDEO",
         help="a video or a folder of images for each camera, or one folder of them",
     )
-    flag("--calibration", type=Path, required=True, metavar="FILE", help="any that import-calibration reads")
+    flag("--calibration", type=Path, metavar="FILE", help="any that import-calibration reads")
+    text = "where there is no calibration: the person's keypoints for each camera, from which it is made"
+    flag("--calibrate", type=Path, metavar="KEYPOINTS", help=text)
+    flag("--height", type=float, metavar="M", help=f"with --calibrate: how tall the person is (default: {HEIGHT})")
+    text = "with --calibrate: across the larger side of the images, where it is known (default: what the files say, or found)"
+    flag("--field-of-view", type=float, metavar="DEGREES", help=text)
     flag("-o", "--out", type=Path, required=True, metavar="SESSION", help="the new folder")
     many = {"nargs": "+", "action": "extend", "default": []}
     text = "which file is this camera's, where the names do not tell"
@@ -73,10 +79,11 @@ def request_of(arguments: argparse.Namespace) -> Request:
         if len(set(names)) < len(names):
             raise ValueError(f"{flag}: expected every camera once, found {', '.join(names)}")
     same = ("videos", "calibration", "out", "scale_calibration", "without", "sync", "fps", "start", "frames", "masks")
-    same += ("background", "scan", "joints", "name", "copy", "force")
+    same += ("background", "scan", "joints", "name", "copy", "force", "height", "field_of_view")
     return Request(
         **{name: getattr(arguments, name) for name in same},
         **{name: dict(pairs) for name, pairs in named.items()},
+        keypoints=arguments.calibrate,
         calibration_options=calibration_options(arguments),
     )
 

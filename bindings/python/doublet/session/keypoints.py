@@ -10,9 +10,9 @@ import numpy as np
 from .. import _doublet as d
 from ..common.files import read_json
 from ..common.images import counted, last_number
-from ..session.camera_files import CameraFile, match
+from .camera_files import CameraFile, match
 
-JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
+JOINTS = list(d.CALIBRATION_JOINTS)
 #: Index of JOINTS in the lists that programs write, told apart by their length.
 _COCO = (5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
 LAYOUTS = {
@@ -32,7 +32,7 @@ def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.nda
     folder of JSON for each camera, of all frames of its video, in pixels as they were filmed. Raises FileNotFoundError or
     ValueError naming file, expectation and finding."""
     files = match([camera.name for camera in session.cameras], list_keypoints(path), what="file or folder of keypoints")
-    seen = [read_frame(files[camera.name].path, frame + camera.first_frame) for camera in session.cameras]
+    seen = [CameraKeypoints(files[camera.name].path).of(frame + camera.first_frame) for camera in session.cameras]
     lenses = session.lenses or [d.Lens()] * len(session.rig)
     cameras = [d.CalibratedCamera(camera, lens) for camera, lens in zip(session.rig, lenses)]
     points = {name: d.triangulate(cameras, [s[i] for s in seen]) for i, name in enumerate(JOINTS)}
@@ -57,28 +57,35 @@ def list_keypoints(path: Path) -> list[CameraFile]:
     return [CameraFile(p.stem, p) for p in entries]
 
 
-def read_frame(path: Path, frame: int) -> np.ndarray:
-    """(12, 3) x, y in pixels and confidence of JOINTS; zeros if nobody was found."""
-    if path.is_dir():
-        files = sorted(path.glob("*.json"), key=lambda p: (last_number(p.stem), p.name))
-        where = of_frame(files, counted([file.stem for file in files]), frame, path)
-        return joints_of(people_of(read_json(where)) if where else [], where or path)
-    content = read_json(path)
+class CameraKeypoints:
+    """Of all frames of a camera's video. Raises ValueError for a file that has none."""
+
+    def __init__(self, path: Path):
+        self.path = path
+        if path.is_dir():
+            self.frames = sorted(path.glob("*.json"), key=lambda p: (last_number(p.stem), p.name))
+            self.numbers = counted([file.stem for file in self.frames])
+        else:
+            self.frames = frames_of(read_json(path), path)
+            numbers = [found.get("frame_id") if isinstance(found, dict) else None for found in self.frames]
+            told = all(isinstance(number, int) for number in numbers) and (np.diff(numbers) > 0).all()
+            self.numbers = np.array(numbers) if told else np.arange(len(self.frames))
+        self.numbers = self.numbers - self.numbers[0] if len(self.numbers) else self.numbers  # from the first on
+
+    def of(self, frame: int) -> np.ndarray:
+        """(12, 3) x, y in pixels and confidence of JOINTS; zeros if nobody was found, or the frame was left out."""
+        if not len(self.numbers) or frame > self.numbers[-1]:
+            raise ValueError(f"{self.path}: expected keypoints of frame {frame}, found those of {len(self.frames)} frames")
+        found = np.flatnonzero(self.numbers == frame)
+        what = self.frames[found[0]] if len(found) else []
+        return joints_of(people_of(read_json(what)), what) if isinstance(what, Path) else joints_of(people_of(what), self.path)
+
+
+def frames_of(content, path: Path) -> Sequence:
     frames = content.get("instance_info") if isinstance(content, dict) else content
     if not isinstance(frames, list):
         raise ValueError(f"{path}: expected keypoints ({FORMATS}), found something else")
-    numbers = [found.get("frame_id") if isinstance(found, dict) else None for found in frames]
-    told = all(isinstance(number, int) for number in numbers) and (np.diff(numbers) > 0).all()
-    return joints_of(people_of(of_frame(frames, np.array(numbers) if told else np.arange(len(frames)), frame, path)), path)
-
-
-def of_frame(frames: Sequence, numbers: np.ndarray, frame: int, path: Path):
-    """Of what has these rising numbers, from the first on; None of a frame that was left out: nobody was found."""
-    numbers = numbers - numbers[0] if len(numbers) else numbers
-    if not len(numbers) or frame > numbers[-1]:
-        raise ValueError(f"{path}: expected keypoints of frame {frame}, found those of {len(frames)} frames")
-    found = np.flatnonzero(numbers == frame)
-    return frames[found[0]] if len(found) else None
+    return frames
 
 
 def people_of(found) -> list:
