@@ -1,4 +1,4 @@
-"""The type stubs name what the module has (scripts/make-stubs.sh writes them)."""
+"""The stub in the installed package names what the module has (bindings/make_stub.py writes it while building)."""
 
 import ast
 from pathlib import Path
