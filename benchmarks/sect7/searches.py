@@ -44,7 +44,7 @@ def search(job: dict) -> dict:
 
 
 def padded(start: list[float], count: int) -> list[float]:
-    """The width of a garment that offers several is a coordinate behind those of the material: its search begins in the middle."""
+    """The width of a garment that offers several is a coordinate behind those of the material: it begins in the middle."""
     return [*start, *[0.5] * (count - len(start))]
 
 
