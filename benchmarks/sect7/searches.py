@@ -34,13 +34,18 @@ def search(job: dict) -> dict:
     made = study.film_of(job)
     options = made.fit_options()
     if "start" in job:
-        options.make_optimizer = lambda n, seed: cma_from(job["start"], job["sigma"], seed, options)
+        options.make_optimizer = lambda n, seed: cma_from(padded(job["start"], n), job["sigma"], seed, options)
     take, context = made.results.take(made.solver), d.Context(threads=job["threads"])
     start = time.monotonic()
     result = d.estimate_material([take], options, context)
     seconds = time.monotonic() - start
     steps = [[row.evaluations, row.best, row.mean.ravel().tolist()] for row in result.log if row.part == 0]
     return {**study.plain_fit(result), "steps": steps, "seconds": seconds}
+
+
+def padded(start: list[float], count: int) -> list[float]:
+    """The width of a garment that offers several is a coordinate behind those of the material: it begins in the middle."""
+    return [*start, *[0.5] * (count - len(start))]
 
 
 def cma_from(start: list[float], sigma: float, seed: int, options: d.FitOptions) -> d.Optimizer:

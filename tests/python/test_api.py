@@ -28,14 +28,14 @@ def test_a_change_needs_a_line_in_the_changelog(api, tmp_path, monkeypatch, caps
     assert api.declarations(header) != api.declarations(header.replace("= 1", "= 2"))
     root, include = tmp_path, tmp_path / "libcore/include/doublet/core"
     (include / "parts").mkdir(parents=True)
-    (root / "bindings/python/doublet").mkdir(parents=True)
     (root / "tests").mkdir()
-    (root / "bindings/python/doublet/_doublet.pyi").write_text('def f(a: int) -> int:\n    """Doc."""\n')
+    (root / "_doublet.pyi").write_text('def f(a: int) -> int:\n    """Doc."""\n')
     (include / "a.h").write_text(header)
     (include / "parts" / "b.h").write_text(header)
     changelog = root / "CHANGELOG.md"
     changelog.write_text("# Changes\n\n## Unreleased\n\n### Added\n\n- all\n")
     monkeypatch.setattr(api, "ROOT", root)
+    monkeypatch.setattr(api, "STUB", root / "_doublet.pyi")
     monkeypatch.setattr(api, "SNAPSHOT", root / "tests" / "api.txt")
     assert api.main([]) == 0
     (include / "parts" / "b.h").write_text("")

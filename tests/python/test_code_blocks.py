@@ -250,6 +250,7 @@ PROLOGUES = {
             "void (*draw)(const doublet::Vertices &, const doublet::Faces &)"
         ],
     ),
+    "quickstart.md": ("atomic iostream", ["std::atomic<bool> &stop"]),
     "scan.md": (
         "doublet/capture/session.h doublet/capture/template_builder.h",
         [

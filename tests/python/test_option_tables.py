@@ -28,15 +28,34 @@ PARTS = {
     "citation": r"\d{4}",
     "picture": r"!\[",
     "snippet": r"```(cpp|python)",
-    "options": r"<!-- options",
-    "departures": r"## Departures",
+    "options": r"<!-- options|animation\.md#options",
 }
 STAGES = (
-    "capture-template", "capture-tracking", "segmentation", "body-model", "garment", "cloth", "material-estimation", "animation",
+    "scan", "capture-template", "capture-tracking", "calibration-refinement", "segmentation", "body-model", "garment", "cloth",
+    "material-estimation", "animation", "player",
 )  # fmt: skip
+OF_THE_PAPER = set(STAGES) - {"scan", "calibration-refinement", "player"}
 
 
 @pytest.mark.parametrize("stage", STAGES)
 def test_the_page_of_a_stage_is_whole(stage):
-    missing = [name for name, pattern in PARTS.items() if not re.search(pattern, PAGES[f"{stage}.md"])]
-    assert missing == []
+    page = PAGES[f"{stage}.md"]
+    assert [name for name, pattern in PARTS.items() if not re.search(pattern, page)] == []
+    before, *sections = re.split(r"^## ", page, flags=re.MULTILINE)
+    assert "![" in before, "what it does is shown in a picture"
+    assert [text.partition("\n")[0] for text in sections] == ["Example", "How it works", "Options", "Limits"]
+    if stage in OF_THE_PAPER:
+        assert "### Departures from the paper" in page
+
+
+#: Words of pages that tell how something came to be. What was tried is in docs/notes.
+HISTORY = re.compile(
+    r"\b(no longer|any ?more|formerly|previously|in a trial|as before|older build|earlier (build|version)s?|tried,|was tried|"
+    r"tried (in the same way|on top|before)|used to (be|have)|until (version|now)|not kept)\b|\| (before|old|now|new) \|",
+    re.IGNORECASE,
+)
+
+
+@pytest.mark.parametrize("page", [*PAGES, "../README.md"])
+def test_a_page_says_what_is_true_now(page):
+    assert [m[0] for m in HISTORY.finditer((tables.DOCS / page).read_text(encoding="utf-8"))] == []

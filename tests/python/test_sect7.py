@@ -192,6 +192,15 @@ def test_pictures(out, tmp_path):
     assert (tmp_path / "landscape_0.png").stat().st_size > 5000 and (tmp_path / "robustness.png").stat().st_size > 5000
 
 
+def test_other_starts_of_a_garment_that_offers_widths(dressed, tmp_path):
+    """The width is one more coordinate, of which a start says nothing."""
+    from searches import padded, robustness
+
+    (run,) = robustness(dressed, None, 1, 9, tmp_path, 1)
+    means = [mean for _, _, mean in run["steps"]]
+    assert len(means[0]) == 6 and padded([0.1, 0.2], 3) == [0.1, 0.2, 0.5]
+
+
 def test_variants_are_compared_by_the_plain_energy(out, tmp_path):
     import searches
     from reconstructions import energies, energy_job, plain_job

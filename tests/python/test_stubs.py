@@ -1,6 +1,8 @@
-"""The type stubs name what the module has (scripts/make-stubs.sh writes them)."""
+"""The stub in the installed package names what the module has (bindings/make_stub.py writes it while building)."""
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import doublet as d
@@ -8,6 +10,7 @@ from doublet import _doublet
 from doublet.common.renamed import ATTRIBUTES
 
 STUBS = Path(d.__file__).with_name("_doublet.pyi")
+MAKE = Path(__file__).parents[2] / "bindings" / "make_stub.py"
 
 
 def members(node: ast.ClassDef) -> set[str]:
@@ -41,3 +44,12 @@ def test_every_option_is_a_typed_keyword_with_its_default():
         for name, default in zip(given, arguments.kw_defaults):
             if ast.unparse(default) != "...":
                 assert ast.literal_eval(default) == options_class().to_dict()[name], f"{node.name}.{name}"
+
+
+def test_no_stub_is_an_error(tmp_path):
+    """Of the build, which ends: a package without one would look whole."""
+    (tmp_path / "_doublet.py").write_text("raise ImportError('no symbol x')")
+    command = [sys.executable, MAKE, tmp_path / "_doublet.py", tmp_path / "made.pyi"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode != 0 and not (tmp_path / "made.pyi").exists()
+    assert "_doublet.py: expected a module that" in done.stderr and done.stderr.endswith("its stub, found no symbol x\n")

@@ -67,7 +67,7 @@ struct PoseOptions {
         option(&O::scale_end, "scale_end", above(0), "m", "Geman-McClure scale of all residuals in the last iteration",
                "The size of skinning errors"),
         option(&O::sift_weight, "sift_weight", at_least(0), "", "Weight of a feature track against one rim match",
-               "At 5 a skirt's features, bound to the thigh, held a leg back"),
+               "At 5 a skirt's features, bound to the thigh, hold a leg back"),
         option(&O::prior_weight, "prior_weight", at_least(0), "",
                "Weight of the prediction against one rim match, at a deviation of prior_angle or prior_shift"),
         option(&O::prior_angle, "prior_angle", above(0), "rad", "Expected error of the predicted angles"),

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""Stubs as one would write them: `float` and `int`, and a typed keyword for every option, which editors complete.
+"""The module's stub, for editors and type checkers: pybind11-stubgen's, with plain types, and a typed keyword for every option.
 
-python scripts/tidy-stubs.py STUBS.pyi    # called by scripts/make-stubs.sh
+make_stub.py MODULE STUB: MODULE is _doublet*.so as it was built. CMake calls it (CMakeLists.txt here), and installs the stub.
 """
 
 import ast
+import importlib
+import os
 import re
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
-
-import doublet as d
 
 #: What pybind11-stubgen writes -> what one would.
 PLAIN = (
@@ -30,18 +32,6 @@ def setters(node: ast.ClassDef) -> dict[str, str]:
         if isinstance(method, ast.FunctionDef) and any(ast.unparse(x).endswith(".setter") for x in method.decorator_list):
             found[method.name] = ast.unparse(method.args.args[1].annotation)
     return found
-
-
-def without_deprecated(text: str) -> str:
-    """Without the members that only warn."""
-    lines, gone = text.split("\n"), set()
-    for node in ast.parse(text).body:
-        members = [m for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)]
-        old = {m.name for m in members if (ast.get_docstring(m) or "").startswith("Deprecated: ")}
-        for member in members:
-            if member.name in old:
-                gone |= set(range(member.decorator_list[0].lineno - 1, member.end_lineno))
-    return "\n".join(line for i, line in enumerate(lines) if i not in gone)
 
 
 def keywords(options_class, types: dict[str, str]) -> str:
@@ -77,14 +67,15 @@ def given_arrays(text: str) -> str:
     return "\n".join(lines)
 
 
-def tidy(text: str) -> str:
+def tidy(text: str, native) -> str:
+    """`native` is the module that the text describes."""
     for before, after in PLAIN:
         text = text.replace(before, after)
     text = re.sub(r"(\b[a-z_]+: [A-Z]\w+) = None", r"\1 | None = None", text)
-    text = given_arrays(without_hooks(without_deprecated(text)))
+    text = given_arrays(without_hooks(text))
     lines = text.split("\n")
     for node in ast.parse(text).body:
-        options_class = getattr(d, node.name, None) if isinstance(node, ast.ClassDef) else None
+        options_class = getattr(native, node.name, None) if isinstance(node, ast.ClassDef) else None
         if not hasattr(options_class, "described"):
             continue
         (at,) = [i for i in range(node.lineno - 1, node.end_lineno) if lines[i].strip() == ANY_KEYWORD]
@@ -92,6 +83,31 @@ def tidy(text: str) -> str:
     return "\n".join(lines)
 
 
+def imported(module: Path):
+    sys.path.insert(0, str(module.parent))
+    try:
+        return importlib.import_module(module.name.partition(".")[0])
+    except ImportError as error:
+        sys.exit(f"{module}: expected a module that {sys.executable} imports, to make its stub, found {error.__cause__ or error}")
+
+
+def generated(module: Path, name: str) -> str:
+    """What pybind11-stubgen writes; what it cannot name in Python, such as a type of another room, it says in a comment."""
+    with tempfile.TemporaryDirectory() as folder:
+        options = ["--ignore-all-errors", "--numpy-array-wrap-with-annotated", "-o", folder]
+        command = [sys.executable, "-m", "pybind11_stubgen", name, *options]
+        done = subprocess.run(command, env={**os.environ, "PYTHONPATH": path_with(module.parent)}, capture_output=True, text=True)
+        if done.returncode:
+            sys.exit(f"{module}: expected pybind11-stubgen to make its stub, found\n{done.stdout}{done.stderr}")
+        return (Path(folder) / f"{name}.pyi").read_text(encoding="utf-8")
+
+
+def path_with(folder: Path) -> str:
+    """PYTHONPATH: pip's isolated build has set one."""
+    return os.pathsep.join([str(folder), *filter(None, [os.environ.get("PYTHONPATH")])])
+
+
 if __name__ == "__main__":
-    stubs = Path(sys.argv[1])
-    stubs.write_text(tidy(stubs.read_text(encoding="utf-8")), encoding="utf-8")
+    module, stub = map(Path, sys.argv[1:])
+    native = imported(module)
+    stub.write_text(tidy(generated(module, native.__name__), native), encoding="utf-8")
