@@ -1,4 +1,4 @@
-"""`doublet new-session --calibrate`: four videos of the example's dance, and where its joints are in them, to a tenth of a limb."""
+"""`doublet new-session --calibrate`: four videos of the example's dance, and where its joints are in them, to three pixels."""
 
 import json
 import shutil

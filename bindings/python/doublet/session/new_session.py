@@ -1,5 +1,5 @@
-"""`doublet new-session`: videos, and a calibration or a person's keypoints -> a session folder, synchronised, upright, complete or
-not there at all."""
+"""`doublet new-session`: videos, and a calibration or a person's keypoints -> a session folder, synchronised, upright, complete
+or not there at all."""
 
 from __future__ import annotations
 
