@@ -1362,7 +1362,7 @@ class ViewScanOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, cell: float = 0.006, poisson_depth: int = 9, max_missing_views: int = 0, search_depth: float = 0.08, patch: float = 0.035, smoothness: float = 0.3, grazing_angle: float = 80.0) -> None:
+    def __init__(self, *, cell: float = 0.006, poisson_depth: int = 9, max_missing_views: int = 0, search_depth: float = 0.08, patch: float = 0.035, smoothness: float = 0.3, grazing_angle: float = 1.3962634015954636) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1385,7 +1385,7 @@ class ViewScanOptions:
     @property
     def grazing_angle(self) -> float:
         """
-        degrees, Downward surface is left out where every camera sees it flatter than this, or not at all: a number in [10, 90]. Under a hem
+        rad, Downward surface is left out where every camera sees it flatter than this, or not at all: a number in [0.17, 1.5707963267948966]. Under a hem. The default is 80 degrees
         """
     @grazing_angle.setter
     def grazing_angle(self, value: float) -> None:
@@ -1477,7 +1477,7 @@ class RestPoseOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, frames: int = 8, max_bend: float = 15.0, smoothing: float = 0.015, fade_distance: float = 0.05) -> None:
+    def __init__(self, *, frames: int = 8, max_bend: float = 0.2617993877991494, smoothing: float = 0.015, fade_distance: float = 0.05) -> None:
         """
         Every field may be given by keyword.
         """
@@ -1508,7 +1508,7 @@ class RestPoseOptions:
     @property
     def max_bend(self) -> float:
         """
-        degrees, Frames tell nothing of a vertex whose joints are bent more, on average by skin weight: a number in [0, 180]
+        rad, Frames tell nothing of a vertex whose joints are bent more, on average by skin weight: a number in [0, 3.141592653589793]. The default is 15 degrees
         """
     @max_bend.setter
     def max_bend(self, value: float) -> None:
@@ -2655,7 +2655,7 @@ class CalibrationRefinementOptions:
         ...
     def __getstate__(self) -> dict:
         ...
-    def __init__(self, *, moments: int = 20, iterations: int = 20, rims_per_view: int = 300, raster_size: int = 512, rotation: float = 0.5, position: float = 0.01, focal: float = 0.005, distortion: float = 0.01, late: float = 1.0, min_change: float = 0.0025) -> None:
+    def __init__(self, *, moments: int = 20, iterations: int = 20, rims_per_view: int = 300, raster_size: int = 512, rotation: float = 0.008726646259971648, position: float = 0.01, focal: float = 0.005, distortion: float = 0.01, late: float = 1.0, min_change: float = 0.0025) -> None:
         """
         Every field may be given by keyword.
         """
@@ -2742,7 +2742,7 @@ class CalibrationRefinementOptions:
     @property
     def rotation(self) -> float:
         """
-        degrees, Expected error of a camera's direction: a number above 0
+        rad, Expected error of a camera's direction: a number in (0, 0.1]. The default is half a degree
         """
     @rotation.setter
     def rotation(self, value: float) -> None:
