@@ -193,3 +193,14 @@ def test_lists_that_nobody_looks_into_are_gone():
     for _ in range(1000):
         inputs.capsules = capsules  # 64 kB
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 20000  # kB, of 64000
+
+
+def test_states_are_stepped_where_they_are():
+    """What NumPy looks at is the state, alone and in a batch."""
+    model = d.ClothModel(SQUARE, TWO, np.ones(4))
+    solver, state = d.ClothSolver.create(model), d.ClothState(SQUARE)
+    positions, velocities = state.positions, state.velocities
+    solver.step(state, d.StepInputs(), d.Material())
+    assert positions[0, 1] < 0 and np.shares_memory(positions, state.positions)
+    solver.step_batch([state, d.ClothState(SQUARE)], [d.StepInputs()], [d.Material()] * 2, 1)
+    assert np.shares_memory(positions, state.positions) and np.shares_memory(velocities, state.velocities)
