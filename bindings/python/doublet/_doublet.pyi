@@ -4512,7 +4512,7 @@ class ClothOptions:
     @property
     def over_relaxation(self) -> float:
         """
-        Factor of stretch corrections, at most 1 + 16^(-1/iterations); under 'compliance' alone: a number in [1, 1.9]. The same sweeps come further
+        Factor of stretch corrections, at most 1 + 16^(-1/iterations); under 'compliance' alone: a number in [1, 1.6]. The same sweeps come further
         """
     @over_relaxation.setter
     def over_relaxation(self, value: float) -> None:
