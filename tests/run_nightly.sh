@@ -14,7 +14,8 @@
 #   stages      `doublet reconstruct`, stopped at every stage in every way
 #   fuzz        libFuzzer, DOUBLET_FUZZ_SECONDS (60) a harness
 #   mutate      DOUBLET_MUTANTS (1000) damaged files of every format, read from Python
-#   slow        ctest -L slow: cloth in every corner of the material box; templates, first poses and searches beyond those of every run
+#   slow        ctest -L slow: cloth in every corner of the material box; templates, first poses and searches beyond those of every run;
+#               the benchmarks, linked
 #   sanitize    every C++ test under AddressSanitizer and UndefinedBehaviorSanitizer
 #   threads     every C++ test under ThreadSanitizer
 #   rooms       what the flaws of a real room cost on the shipped session (benchmarks/rooms.py)
@@ -31,6 +32,12 @@ installed() { # the package, of what is checked out now
 
 under() { # PRESET
   cmake --preset "$1" && cmake --build --preset "$1" && ctest --preset "$1" --no-tests=error -LE slow -j "$(nproc)"
+}
+
+linked_benchmarks() { # beside the tests, whose build is then as it was
+  local status=0
+  cmake -S . -B "$build" -DDOUBLET_BUILD_BENCHMARKS=ON && cmake --build "$build" --target benchmarks || status=1
+  cmake -S . -B "$build" -DDOUBLET_BUILD_BENCHMARKS=OFF && return $status
 }
 
 each_alone() {
@@ -63,7 +70,7 @@ run_part() {
     stages) installed && "$venv/bin/python" tests/slow/every_stage.py --whole ;;
     fuzz) tests/fuzz/run.sh "${DOUBLET_FUZZ_SECONDS:-60}" ;;
     mutate) installed && "$venv/bin/python" tests/fuzz/mutate.py --count "${DOUBLET_MUTANTS:-1000}" ;;
-    slow) installed && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow -j "$(nproc)" ;;
+    slow) installed && linked_benchmarks && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow -j "$(nproc)" ;;
     sanitize) under sanitize ;;
     threads) TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp under sanitize-threads ;;
     rooms) installed && rm -rf "$logs/rooms" && PATH=$venv/bin:$PATH "$venv/bin/python" benchmarks/rooms.py examples/data/session -o "$logs/rooms" ;;

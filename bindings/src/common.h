@@ -1,6 +1,8 @@
 #pragma once
 // What every binding file shares: images as arrays, options with keywords, interruptible contexts.
 
+#include "member.h"
+
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 #include "doublet/core/types.h"
@@ -243,7 +245,7 @@ public:
     const py::cpp_function get([member](const T &self) -> const Value & { return self.*member; }, py::is_method(*this),
                                py::return_value_policy::reference_internal);
     return def_property(
-        name, get, [member](T &self, const Value &value) { self.*member = value; }, more...);
+        name, get, [member](T &self, const Value &value) { set_member(self, member, value); }, more...);
   }
   /// Numbers (N) as an array, like a member of bytes: a copy that cannot be written to.
   template <class C> Class &def_numbers(const char *name, std::vector<int> C::*member, const char *doc) {
@@ -259,8 +261,7 @@ public:
 
 private:
   template <class Value>
-  static constexpr bool kIsArray =
-      std::is_base_of_v<Eigen::EigenBase<Value>, Value> || std::is_base_of_v<py::array, Value> || std::is_same_v<Value, Image>;
+  static constexpr bool kIsArray = kIsEigen<Value> || std::is_base_of_v<py::array, Value> || std::is_same_v<Value, Image>;
   /// What returns an array of its own returns one that cannot be written to; every other getter is left as it is.
   template <class Getter> static auto without_loss(const Getter &getter) {
     if constexpr (std::is_invocable_v<Getter, const T &>) {

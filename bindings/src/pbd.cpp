@@ -80,7 +80,7 @@ std::vector<int> step_batch(const ClothSolver &solver, const std::vector<ClothSt
     views.push_back(one.view());
   const std::vector<int> failed = solver.step_batch(stepped, views, materials, threads);
   for (std::size_t i = 0; i < states.size(); ++i)
-    *states[i] = std::move(stepped[i]);
+    *states[i] = stepped[i]; // copied, to where NumPy may look
   return failed;
 }
 

@@ -71,6 +71,9 @@ void bind_checks(py::module_ &m) {
       "quality_findings",
       [](const std::string &stage, const py::dict &summary) { return quality_findings(stage, to_json(summary)); },
       py::arg("stage"), py::arg("summary"), "What is implausible in the summary of a stage that is done.");
+  m.def(
+      "findings_to_json", [](const std::vector<Finding> &findings) { return from_json(findings_to_json(findings)); },
+      py::arg("findings"), "What a stage found, as 'findings' of its summary: a list of dicts.");
 }
 
 void bind_corrections(py::module_ &m) {
@@ -132,6 +135,8 @@ void bind_options(py::module_ &m) {
       m, "ReconstructionOptions",
       "Every option of a reconstruction: options[group], of the names in `groups`, and a few of all.");
   bound.attr("groups") = py::tuple(py::cast(names));
+  bound.def_static("is_derived", &is_derived_option, py::arg("group"), py::arg("name"),
+                   "Is an option of a group set by the session or by `seed`, not by itself?");
   bound.def(py::init<>())
       .def(
           "__getitem__",

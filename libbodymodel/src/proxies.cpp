@@ -5,6 +5,7 @@
 #include "anatomy.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/closest_point.h"
+#include "doublet/core/parts/skeleton_tree.h"
 #include "doublet/rays/ray_scene.h"
 
 #include <Eigen/Cholesky>
@@ -53,12 +54,9 @@ void choose_bones(Anatomy &anatomy, const Skeleton &skeleton, const std::vector<
         bone.chosen = true;
 }
 
-/// Where the limb that a bone belongs to leaves the trunk: the first joint of its chain. -1 for bones of the trunk.
-int limb_root(const Skeleton &skeleton, const Bone &bone) {
-  std::vector<int> children(skeleton.joints.size(), 0);
-  for (const Joint &joint : skeleton.joints)
-    if (joint.parent >= 0)
-      ++children[joint.parent];
+/// Where the limb that a bone belongs to leaves the trunk: the first joint of its chain. -1 for bones of the trunk. children:
+/// of the skeleton, child_counts().
+int limb_root(const Skeleton &skeleton, const std::vector<int> &children, const Bone &bone) {
   const auto only_child = [&](int joint) {
     const auto child =
         std::find_if(skeleton.joints.begin(), skeleton.joints.end(), [&](const Joint &j) { return j.parent == joint; });
@@ -86,10 +84,11 @@ double chain_length(const Skeleton &skeleton, int root, int end) {
 /// The other bones of limbs that are long enough to touch cloth with: arms and hands that hang or swing beside a skirt.
 std::vector<std::uint8_t> reaching_bones(const Anatomy &anatomy, const RiggedMesh &actor, const Segmentation &segmentation) {
   const Skeleton &skeleton = actor.skeleton;
+  const std::vector<int> children = child_counts(skeleton);
   std::vector<std::uint8_t> reaching(anatomy.bones.size(), 0);
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const Bone &bone = anatomy.bones[b];
-    const int root = limb_root(skeleton, bone);
+    const int root = limb_root(skeleton, children, bone);
     if (bone.chosen || root < 0)
       continue;
     const double reach = chain_length(skeleton, root, bone.end);

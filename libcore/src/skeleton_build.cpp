@@ -1,6 +1,7 @@
 // From marked joints to a skeleton: order, default freedom, hinge axes from the rest geometry, human limits.
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/skeleton_tree.h"
 #include "doublet/core/skeleton.h"
 
 #include <algorithm>
@@ -314,6 +315,14 @@ std::vector<JointAnnotation> joint_annotations(const Skeleton &skeleton) {
 
 bool Skeleton::is_leaf(int joint) const {
   return std::none_of(joints.begin(), joints.end(), [&](const Joint &other) { return other.parent == joint; });
+}
+
+std::vector<int> child_counts(const Skeleton &skeleton) {
+  std::vector<int> counts(skeleton.joints.size(), 0);
+  for (const Joint &joint : skeleton.joints)
+    if (joint.parent >= 0)
+      ++counts[joint.parent];
+  return counts;
 }
 
 int Skeleton::find(const std::string &name) const {

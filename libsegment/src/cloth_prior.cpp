@@ -1,5 +1,6 @@
 #include "doublet/segment/cloth_prior.h"
 
+#include "doublet/core/parts/skeleton_tree.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -14,14 +15,6 @@ using detail::Surface;
 // Log odds. Nobody's hands, feet and head hang loose, and a garment hangs from the trunk.
 constexpr double kExtremity = 5;
 constexpr double kUnattached = 4;
-
-std::vector<int> child_counts(const Skeleton &skeleton) {
-  std::vector<int> counts(skeleton.joint_count(), 0);
-  for (const Joint &joint : skeleton.joints)
-    if (joint.parent >= 0)
-      ++counts[joint.parent];
-  return counts;
-}
 
 /// The joint that moves the end of a limb that ends at `leaf`: the leaf if it moves anything (a wrist), else its parent (the leaf
 /// only marks a fingertip).

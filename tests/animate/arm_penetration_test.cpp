@@ -101,6 +101,29 @@ TEST(ArmPenetration, AnimateDoesItUnlessItIsTurnedOff) {
   EXPECT_EQ(animate(c, motion, options).dofs, motion.dofs);
 }
 
+/// A character that is simulated at 20000 frames a second.
+TEST(ArmPenetration, AnimateSaysThatItLeavesArmsAsTheyAre) {
+  Character c = with_arms();
+  Motion motion = into_the_thighs(c.actor.skeleton, 65);
+  motion.dofs = MatrixRM(motion.dofs.middleRows(40, 2));
+  AnimateOptions options;
+  options.high = options.body = false;
+  options.settle_seconds = 0;
+  std::string said;
+  Context context;
+  context.log = [&](const std::string &line) { said += line + "\n"; };
+  animate(c, motion, options, context);
+  EXPECT_EQ(said.find("arms are not cleared"), said.npos) << said;
+  c.solver.dt = 1.0 / 20000;
+  motion.fps = 20000;
+  EXPECT_EQ(animate(c, motion, options, context).dofs, motion.dofs);
+  EXPECT_NE(said.find("arms are not cleared of the body: no steps can be told at 20000 frames a second"), said.npos) << said;
+  options.resolve_arm_penetration = false;
+  said.clear();
+  animate(c, motion, options, context);
+  EXPECT_EQ(said, "");
+}
+
 TEST(ArmPenetration, ASkirtYieldsToAnArmThatIsPressedIntoIt) {
   const Character c = with_arms();
   const Skeleton &skeleton = c.actor.skeleton;

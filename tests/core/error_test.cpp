@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <type_traits>
+
 namespace doublet {
 namespace {
+
+// Who goes on without a file (catch (const Error &)) does not go on after Ctrl-C.
+static_assert(!std::is_base_of_v<Error, Cancelled>);
 
 TEST(ErrorTest, WhatIsLongLosesItsMiddleAndNotTheNameOfTheFile) {
   const std::string path = std::string(300, 'p') + ".json";

@@ -1,6 +1,7 @@
 #include "doublet/core/skeleton.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/skeleton_tree.h"
 #include "support/figure.h"
 
 #include <gtest/gtest.h>
@@ -63,6 +64,20 @@ TEST(Skeleton, LeavesAreWhereLimbsEnd) {
       leaves.push_back(s.joints[j].name);
   std::sort(leaves.begin(), leaves.end());
   EXPECT_EQ(leaves, (std::vector<std::string>{"head_top", "l_hand", "l_toe", "r_hand", "r_toe"}));
+}
+
+TEST(Skeleton, LimbsLeaveTheTrunkWhereAJointHasSeveralChildren) {
+  const Skeleton s = testing::figure_skeleton();
+  const std::vector<int> children = child_counts(s);
+  ASSERT_EQ(children.size(), s.joints.size());
+  int all = 0;
+  for (int j = 0; j < s.joint_count(); ++j) {
+    EXPECT_EQ(children[j] == 0, s.is_leaf(j)) << s.joints[j].name;
+    all += children[j];
+  }
+  EXPECT_EQ(all, s.joint_count() - 1); // all but the root
+  EXPECT_EQ(children[s.find("l_knee")], 1);
+  EXPECT_EQ(children[0], 3); // two legs and the spine
 }
 
 TEST(Skeleton, SortsParentsFirstWhateverTheOrder) {

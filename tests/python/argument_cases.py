@@ -309,8 +309,9 @@ ELSEWHERE = {
     "read_actor", "read_body", "read_calibration", "read_segmentation", "read_garment", "read_materials", "read_mesh",
     "measure_observations",
     "read_observations", "read_performance", "read_proxies", "read_simulated", "read_view", "write_template_suggestion",
-    "default_stages", "fit_together", "hash_files", "quality_findings", "quality_limits", "read_found_segmentation",
-    "read_segmentation_paint", "read_suggested_mask", "read_template_mask", "read_views", "write_template_mask",
+    "default_stages", "findings_to_json", "fit_together", "hash_files", "quality_findings", "quality_limits",
+    "read_found_segmentation", "read_segmentation_paint", "read_suggested_mask", "read_template_mask", "read_views",
+    "write_template_mask",
 }  # fmt: skip
 
 

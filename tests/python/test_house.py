@@ -86,6 +86,35 @@ def test_public_classes_own_what_they_keep(room):
         assert kept == (["data_"] if path.name == "geometry.h" else []), path.relative_to(ROOT)  # a VerticesView is a pointer
 
 
+def public_headers() -> dict[str, str]:
+    """Name -> text, of those that others include; not of a kit or of what is not promised."""
+    paths = [p for found in SOURCES.values() for p in found if "include" in p.parts and not {"testing", "detail"} & {*p.parts}]
+    return {str(p.relative_to(ROOT)): p.read_text(encoding="utf-8") for p in paths}
+
+
+def test_every_interface_says_what_is_called_from_several_threads():
+    """docs/architecture.md, "The shape of a stage"."""
+    classes = re.compile(r"((?:^///.*\n)*)^class (\w+)[^;{]*\{\n(.*?)^\};", re.MULTILINE | re.DOTALL)
+    interfaces = {
+        name: comment + body
+        for text in public_headers().values()
+        for comment, name, body in classes.findall(text)
+        if re.search(r"virtual [^;]*= 0;", body)
+    }
+    assert len(interfaces) == 14, sorted(interfaces)
+    assert [name for name, text in interfaces.items() if "Threads:" not in text] == []
+
+
+def test_public_headers_have_types_in_the_place_of_bytes_and_words():
+    """A mask is a Mask; a word of a few is an enumeration. Files in memory and free texts are what they are."""
+    headers = public_headers()
+    bytes_of = {name for name, text in headers.items() if "vector<std::uint8_t>" in text}
+    files = {"animate/character.h", "animate/parts/image_file.h", "core/image.h", "files/npz.h", "types/geometry.h"}
+    assert {name.partition("include/doublet/")[2] for name in bytes_of} == files
+    words = {word for text in headers.values() for word in re.findall(r"^ +std::string (\w+) = \"", text, re.MULTILINE)}
+    assert words == {"name", "licence", "units", "options"}
+
+
 @pytest.mark.parametrize("room", MAY_USE)
 def test_public_headers_show_no_third_party_types_but_eigens(room):
     for path in SOURCES[room]:

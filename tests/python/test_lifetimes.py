@@ -134,6 +134,20 @@ def test_parts_live_as_long_as_the_capture():
     assert seen() is None
 
 
+def test_an_objective_keeps_what_it_was_made_of():
+    """Nothing that its maker changes afterwards, or drops, changes an energy."""
+    world = World()
+    objective = d.MaterialObjective(world.simulator, world.performance, world.observations)
+    materials = [[d.Material(k_bend=0.3)]]
+    before = objective.energies(materials)
+    world.performance.dofs = world.performance.dofs + 0.5
+    world.performance.surface.frames = world.performance.surface.frames + 0.5
+    world.observations.views = []
+    del world
+    gc.collect()
+    np.testing.assert_array_equal(objective.energies(materials), before)
+
+
 def test_arrays_outlive_their_owner(world):
     mesh = d.Mesh(world.mesh.vertices, world.mesh.faces)
     vertices, expected = mesh.vertices, np.array(mesh.vertices)

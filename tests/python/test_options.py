@@ -3,6 +3,7 @@
 import argparse
 import copy
 import json
+import math
 import pickle
 import sys
 from pathlib import Path
@@ -196,3 +197,19 @@ def test_what_is_no_option_is_compared_and_pickled_too(tmp_path):
         pickle.dumps(options)
     with pytest.raises(TypeError, match="unhashable"):
         hash(options)
+
+
+UNITS = {"", "m", "m^2", "rad", "s", "px", "frames", "cameras", "octree levels", "1/m", "1/s", "m/s", "m/s^2"}
+
+
+def test_no_option_is_in_degrees_or_millimetres():
+    """docs/conventions.md; who gives an angle in degrees by habit hears of radians."""
+    assert {told["unit"] for c in CLASSES for told in c.described().values()} == UNITS
+    for options_class, name, degrees in (
+        (d.RestPoseOptions, "max_bend", 15),
+        (d.ViewScanOptions, "grazing_angle", 80),
+        (d.CalibrationRefinementOptions, "rotation", 0.5),
+    ):
+        assert getattr(options_class(), name) == degrees * math.pi / 180
+        with pytest.raises(ValueError, match=rf"{name}: expected a number in .* rad, found {degrees}"):
+            options_class(**{name: degrees})

@@ -1,5 +1,6 @@
 """Parts written in Python in the place of ours: cloth solvers, body models; and the kits that try them."""
 
+import inspect
 import runpy
 import sys
 import warnings
@@ -320,6 +321,13 @@ def test_what_a_typed_user_derives_keeps_the_rules(world):
     assert any(s.startswith("cloth falls: the solver threw") for s in testing.cloth_solver_violations(DERIVED["AsStiffAsSkin"]))
     found = d.minimise(DERIVED["Distance"](), DERIVED["solvers"]())
     np.testing.assert_allclose(found.parts[0].best, 0.6, atol=0.01)
+
+
+def test_a_typed_user_derives_every_interface():
+    """Each that has a kit."""
+    derived = {base.__name__ for of in DERIVED.values() if inspect.isclass(of) for base in of.__mro__[1:]}
+    kits = {name.removesuffix("_violations").title().replace("_", "") for name in testing.__all__}
+    assert len(kits) == 14 and kits <= derived, kits - derived
 
 
 def test_counts_of_a_film_are_properties_and_methods_are_old():

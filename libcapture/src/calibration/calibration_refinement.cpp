@@ -96,8 +96,8 @@ private:
   Unknowns expected(int view) const {
     const auto or_fixed = [](double deviation) { return deviation > 0 ? deviation : kStays; };
     Unknowns d;
-    d << Eigen::Vector3d::Constant(options_.rotation * std::numbers::pi / 180), Eigen::Vector3d::Constant(options_.position),
-        options_.focal, problem_.given[view].distorted() ? or_fixed(options_.distortion) : kStays,
+    d << Eigen::Vector3d::Constant(options_.rotation), Eigen::Vector3d::Constant(options_.position), options_.focal,
+        problem_.given[view].distorted() ? or_fixed(options_.distortion) : kStays,
         problem_.timed ? or_fixed(options_.late) : kStays, kBiasPixels;
     return d;
   }

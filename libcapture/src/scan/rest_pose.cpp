@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -55,7 +54,7 @@ bool seen_at(int v, const std::vector<Vertices> &frames, const MatrixRM &bends, 
              Eigen::RowVector3d &at) {
   std::vector<std::pair<double, int>> least;
   for (int t = 0; t < static_cast<int>(frames.size()); ++t)
-    if (bends(t, v) <= options.max_bend * std::numbers::pi / 180)
+    if (bends(t, v) <= options.max_bend)
       least.emplace_back(bends(t, v), t);
   const auto count = std::min<std::size_t>(options.frames, least.size());
   if (count == 0)
@@ -109,7 +108,7 @@ Vertices refine_rest_pose(const RiggedMesh &actor, const ReferencePerformance &p
   }
   if (!any_seen)
     throw Error("refine_rest_pose: expected skin on valid faces that some of " + std::to_string(frames.size()) +
-                " frames show bent by less than " + options::to_text(options.max_bend) + " degrees, found none");
+                " frames show bent by less than " + options::to_text(options.max_bend) + " rad, found none");
   return rest + solve_symmetric(entries, right, "the membrane of the rest pose's correction");
 }
 

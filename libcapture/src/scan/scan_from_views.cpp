@@ -8,7 +8,6 @@
 #include "visual_hull.h"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 namespace doublet {
@@ -31,7 +30,7 @@ void require_views(const CameraRig &rig, const std::vector<CameraView> &views) {
 Mesh without_sheets(const Mesh &surface, const CameraRig &rig, const std::vector<CameraView> &views, double grazing_angle,
                     const Context &context) {
   const RayScene scene(surface);
-  const double flattest = std::cos(grazing_angle * std::numbers::pi / 180);
+  const double flattest = std::cos(grazing_angle);
   std::vector<std::uint8_t> seen(surface.faces.rows(), 0);
   parallel_for(context, static_cast<int>(seen.size()), [&](int f) {
     const Eigen::Vector3d a = surface.vertices.row(surface.faces(f, 0)), b = surface.vertices.row(surface.faces(f, 1)),

@@ -31,13 +31,15 @@ CLASSES = {
 }
 #: Option groups: name on the command line (`--segment-diffusion`) -> class; of the rooms that are built.
 OPTION_GROUPS = {group: getattr(d, name) for group, name in CLASSES.items() if hasattr(d, name)}
-#: Set by the session, by --seed or by the command itself, not by an option of their own.
-DERIVED_FIELDS = {("energy", "dt"), ("fit", "seed"), ("annealing", "seed"), ("train", "command")}
+#: Set by the command itself, of groups that are no reconstruction's.
+SET_BY_COMMAND = {("train", "command")}
 
 
 def is_derived(group: str, name: str, value) -> bool:
-    """Also of options that are a group of their own, such as `annealing` in `limbs`."""
-    return (group, name) in DERIVED_FIELDS or type(value) is OPTION_GROUPS.get(name)
+    """Not set by an option of its own; also of options that are a group of their own, such as `annealing` in `limbs`."""
+    if (group, name) in SET_BY_COMMAND or type(value) is OPTION_GROUPS.get(name):
+        return True
+    return d.ReconstructionOptions.is_derived(group, name)
 
 
 def make_options(group: str, options_class: type, **chosen):

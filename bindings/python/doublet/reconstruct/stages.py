@@ -13,8 +13,7 @@ def run_check(job: d.Reconstruction) -> dict:
     checked = check.check_and_draw(job.session, frames, job.silhouettes, job.path("check.png"), job.context)
     if checked.start_text:
         job.announce(f"check: {checked.start_text}")
-    findings = [{"impossible": found.impossible, "text": found.text, "kind": found.kind} for found in checked.findings]
-    return {"findings": findings, "frame": checked.frame}
+    return {"findings": d.findings_to_json(checked.findings), "frame": checked.frame}
 
 
 def fit_and_show(job: d.Reconstruction) -> dict:

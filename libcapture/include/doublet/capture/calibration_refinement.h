@@ -7,6 +7,8 @@
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
 
+#include <numbers>
+
 namespace doublet {
 
 struct CalibrationRefinementOptions {
@@ -14,7 +16,7 @@ struct CalibrationRefinementOptions {
   int iterations = 20;
   int rims_per_view = 300;
   int raster_size = 512;
-  double rotation = 0.5;
+  double rotation = 0.5 * std::numbers::pi / 180;
   double position = 0.01;
   double focal = 0.005;
   double distortion = 0.01;
@@ -29,7 +31,8 @@ struct CalibrationRefinementOptions {
         option(&O::iterations, "iterations", at_least(1), "", "Number of renderings, each with new matches"),
         option(&O::rims_per_view, "rims_per_view", at_least(10), "", "Number of correspondences a view and direction"),
         option(&O::raster_size, "raster_size", at_least(64), "px", "Longest side of the renderings in which rims are found"),
-        option(&O::rotation, "rotation", above(0), "degrees", "Expected error of a camera's direction"),
+        option(&O::rotation, "rotation", Range{0, 0.1, Open::Below}, "rad", "Expected error of a camera's direction",
+               "The default is half a degree"),
         option(&O::position, "position", above(0), "m", "Expected error of a camera's position, on each axis"),
         option(&O::focal, "focal", above(0), "", "Expected error of a focal length, as a share of it"),
         option(&O::distortion, "distortion", at_least(0), "",

@@ -7,13 +7,14 @@
 #include "doublet/options/options.h"
 
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 namespace doublet {
 
 struct RestPoseOptions {
   int frames = 8;
-  double max_bend = 15;
+  double max_bend = 15 * std::numbers::pi / 180;
   double smoothing = 0.015;
   double fade_distance = 0.05;
   static constexpr auto describe() {
@@ -23,8 +24,9 @@ struct RestPoseOptions {
         "RestPoseOptions",
         option(&O::frames, "frames", Range{1, 1000}, "",
                "Number of least bent frames of which the median place of a vertex is taken"),
-        option(&O::max_bend, "max_bend", Range{0, 180}, "degrees",
-               "Frames tell nothing of a vertex whose joints are bent more, on average by skin weight"),
+        option(&O::max_bend, "max_bend", Range{0, std::numbers::pi}, "rad",
+               "Frames tell nothing of a vertex whose joints are bent more, on average by skin weight",
+               "The default is 15 degrees"),
         option(&O::smoothing, "smoothing", Range{0.001, 0.1}, "m",
                "Detail of the correction that is smaller than this is taken for noise"),
         option(&O::fade_distance, "fade_distance", Range{0.001, 1}, "m",

@@ -7,6 +7,7 @@
 #include "doublet/core/mesh.h"
 #include "doublet/options/options.h"
 
+#include <numbers>
 #include <vector>
 
 namespace doublet {
@@ -18,7 +19,7 @@ struct ViewScanOptions {
   double search_depth = 0.08;
   double patch = 0.035;
   double smoothness = 0.3;
-  double grazing_angle = 80;
+  double grazing_angle = 80 * std::numbers::pi / 180;
   static constexpr int kMaxMissingViews = 7;
   static constexpr auto describe() {
     using namespace options;
@@ -35,8 +36,9 @@ struct ViewScanOptions {
         option(&O::patch, "patch", Range{0.01, 0.3}, "m", "Side of the square of surface that two cameras compare"),
         option(&O::smoothness, "smoothness", above(0), "",
                "Correlation that a step of a centimetre between neighbours must gain"),
-        option(&O::grazing_angle, "grazing_angle", Range{10, 90}, "degrees",
-               "Downward surface is left out where every camera sees it flatter than this, or not at all", "Under a hem"),
+        option(&O::grazing_angle, "grazing_angle", Range{0.17, std::numbers::pi / 2}, "rad",
+               "Downward surface is left out where every camera sees it flatter than this, or not at all",
+               "Under a hem. The default is 80 degrees"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value

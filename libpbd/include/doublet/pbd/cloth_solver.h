@@ -55,7 +55,7 @@ struct ClothOptions {
         option(&O::stiffness, "stiffness", kStiffnessNames,
                "Meaning of k_bend and k_stretch: XPBD's compliance, or by sweeps as in the paper",
                "Under 'compliance' a material means the same whatever the sweeps and substeps"),
-        option(&O::over_relaxation, "over_relaxation", Range{1, 1.9}, "",
+        option(&O::over_relaxation, "over_relaxation", Range{1, 1.6}, "",
                "Factor of stretch corrections, at most 1 + 16^(-1/iterations); under 'compliance' alone",
                "The same sweeps come further"),
         option(&O::rest_curvature, "rest_curvature", Range{0, 1}, "",

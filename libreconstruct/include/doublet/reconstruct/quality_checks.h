@@ -33,5 +33,7 @@ std::span<const Limit> quality_limits();
 /// What is implausible in the summary (a JSON object as text, see Stage::run) of a stage that is done: what it found itself, and
 /// numbers beyond their limits. Throws Error if that is no such summary.
 std::vector<Finding> quality_findings(const std::string &stage, const std::string &summary);
+/// What a stage found, as "findings" of its summary: a JSON array as text.
+std::string findings_to_json(const std::vector<Finding> &findings);
 
 } // namespace doublet

@@ -1,0 +1,13 @@
+#pragma once
+// How the joints of a skeleton hang together.
+
+#include "doublet/core/skeleton.h"
+
+#include <vector>
+
+namespace doublet {
+
+/// (J) number of joints whose parent each is: 0 where a limb ends, more than 1 where limbs leave the trunk.
+std::vector<int> child_counts(const Skeleton &skeleton);
+
+} // namespace doublet
