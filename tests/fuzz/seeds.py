@@ -15,7 +15,7 @@ from doublet.evaluation.metrics import Truth
 from doublet.export import bone_map
 from doublet.export.clips import read_clip, read_motion
 from doublet.reconstruct import config
-from doublet.scan import keypoints
+from doublet.session import keypoints
 from PIL import Image
 
 FPS = 40.0
@@ -366,7 +366,7 @@ def read_in_python(folder: Path, world: World) -> dict:
     return {
         "paint": ([folder / "segmentation_paint.npz"], lambda path: d.read_segmentation_paint(path.parent, count)),
         "mask": (masks, lambda path: d.read_template_mask(path.parent)),
-        "keypoints": ([folder / "keypoints.json"], lambda path: keypoints.read_frame(path, 1)),
+        "keypoints": ([folder / "keypoints.json"], lambda path: keypoints.CameraKeypoints(path).of(1)),
         "options": ([folder / "options.toml"], config.read),
         "bone_map": ([folder / "map.toml"], lambda path: bone_map.read(path, clip)),
         "poses": ([folder / name for name in poses], lambda path: poses[path.name](path)),

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from doublet.common.images import counted
 from doublet.common.video import read_video
-from doublet.scan.keypoints import joints_of, read_frame
+from doublet.session.keypoints import CameraKeypoints, joints_of
 from doublet.session.external_masks import read_masks
 from doublet.session.new_session import Request, new_session
 from PIL import Image
@@ -345,10 +345,10 @@ def test_frames_without_key_points_are_left_out(tmp_path, form):
     else:
         path = tmp_path / "cam0.json"
         path.write_text(json.dumps({"instance_info": [{"frame_id": k + 1, **content} for k, content in frames.items()]}))
-    assert read_frame(path, 4)[0].tolist() == [4, 1, 0.9] and read_frame(path, 1)[0].tolist() == [1, 1, 0.9]
-    assert not read_frame(path, 2).any()
+    assert CameraKeypoints(path).of(4)[0].tolist() == [4, 1, 0.9] and CameraKeypoints(path).of(1)[0].tolist() == [1, 1, 0.9]
+    assert not CameraKeypoints(path).of(2).any()
     with pytest.raises(ValueError, match="expected keypoints of frame 6, found those of 4 frames"):
-        read_frame(path, 6)
+        CameraKeypoints(path).of(6)
 
 
 # --- examples

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kStep = 7; // of a CameraStep; distortion stays
 constexpr int kJointUnknowns = 3 * kCalibrationJoints;
-constexpr double kScale = 3;     // of Geman and McClure, in expected errors
-constexpr double kHeld = 1e12;   // weight of the first camera's place, which is the world's
+constexpr double kScale = 3;         // of Geman and McClure, in expected errors
+constexpr double kHeld = 1e12;       // weight of the first camera's place, which is the world's
 constexpr double kEnoughGain = 1e-3; // share by which the cost must fall
 constexpr double kMostDamped = 1e8;
 constexpr double kTangent = 0.004; // m, expected error of silhouettes where planes touch them

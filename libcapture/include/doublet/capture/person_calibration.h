@@ -57,7 +57,7 @@ std::vector<Eigen::Vector2d> silhouette_hull(const Image &mask);
 /// What became of one camera.
 struct PersonCamera {
   double agreeing = 0; ///< share of its keypoints that lie within three expected errors of where the cameras have the joint
-  double error = 0;    ///< px, median of these
+  double error = 0;    ///< px, median of these; NaN if none agrees
   /// m, median: how far the planes that touch her in this camera and in another are apart at her; NaN without silhouettes.
   double tangent_error = 0;
 };
