@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from doublet.common.images import counted
 from doublet.common.video import read_video
-from doublet.session.keypoints import CameraKeypoints, joints_of
 from doublet.session.external_masks import read_masks
+from doublet.session.keypoints import CameraKeypoints, joints_of
 from doublet.session.new_session import Request, new_session
 from PIL import Image
 

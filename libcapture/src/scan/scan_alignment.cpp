@@ -33,10 +33,10 @@ constexpr double kSpeck = 0.01;       // of the area: smaller pieces go
 constexpr double kFlat = 0.97;        // cosine to the upward direction from which a face is floor
 constexpr double kFloorShare = 0.1;   // of the area that is flat at the bottom, from which it is a floor and no soles
 constexpr int kHeadings = 36, kSamples = 600, kRounds = 40;
-constexpr double kKept = 0.8;          // share of the samples that counts: the nearest
-constexpr std::size_t kRefined = 6;    // placements that are refined
-constexpr double kLargestDistance = 0.03;      // m, mean distance to the hull from which on the scan is of something else
-constexpr double kSurroundings = 0.10; // m outside the hull from which on it is not the person
+constexpr double kKept = 0.8;             // share of the samples that counts: the nearest
+constexpr std::size_t kRefined = 6;       // placements that are refined
+constexpr double kLargestDistance = 0.03; // m, mean distance to the hull from which on the scan is of something else
+constexpr double kSurroundings = 0.10;    // m outside the hull from which on it is not the person
 
 // --- the mesh
 
