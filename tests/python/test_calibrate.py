@@ -11,6 +11,7 @@ import pytest
 from doublet.cli import main
 from doublet.common.images import ImageSeries
 from doublet.common.video import read_video
+from doublet.evaluation.cameras import compare, moved
 from doublet.session.calibrate import stated_focal
 from PIL import Image
 
@@ -46,33 +47,31 @@ def call(folder, out, *more, status=0):
     assert main([*command, *map(str, more)]) == status
 
 
-def similarity(source, target):
-    """Factor, rotation, shift (Umeyama 1991)."""
-    a, b = source - source.mean(0), target - target.mean(0)
-    u, s, v = np.linalg.svd(b.T @ a)
-    sign = np.diag([1, 1, np.linalg.det(u @ v)])
-    turn, factor = u @ sign @ v, (s * np.diag(sign)).sum() / (a**2).sum()
-    return factor, turn, target.mean(0) - factor * turn @ source.mean(0)
-
-
 def test_cameras_come_from_the_person(filmed, tmp_path, capsys):
     call(filmed, tmp_path / "new", "--calibrate", filmed / "keypoints", "--height", HEIGHT)
     said = capsys.readouterr().out
     assert "of its keypoints agree" in said and "calibrated by the person: 4 cameras" in said
-    session, truth = d.Session(tmp_path / "new"), {c.name: c for c in d.Session(EXAMPLE).rig}
+    truth = {camera.name: camera for camera in d.Session(EXAMPLE).rig}
     with np.load(EXAMPLE / "ground_truth" / "skeleton.npz") as arrays:
         joints = arrays["joints"][::8].reshape(-1, 3)
-    found = []
-    for joint in joints:
-        seen = np.array([[*truth[name].project(joint), 1.0] for name in CAMERAS])
-        found.append(d.triangulate([d.CalibratedCamera(c) for c in session.rig], seen))
-    assert all(point is not None for point in found)
-    factor, turn, shift = similarity(joints, np.array(found))
-    assert factor == pytest.approx(1, abs=0.04) and turn[1, 1] > np.cos(np.radians(2))  # as tall, and upright
-    for camera in session.rig:
-        there = joints @ (factor * turn).T + shift
-        apart = [camera.project(x) - truth[camera.name].project(y) for x, y in zip(there, joints)]
-        assert np.sqrt(np.mean(np.square(apart))) < 1.5, camera.name  # of 502 pixels; keypoints are off by 3
+    errors = compare(d.Session(tmp_path / "new").rig, [truth[name] for name in CAMERAS], joints)
+    assert errors.scale == pytest.approx(1, abs=0.04) and errors.tilt < np.radians(2)  # as tall, and upright
+    assert errors.pixels.max() < 1.5  # of 502 pixels; keypoints are off by 3
+
+
+def test_cameras_in_another_world_are_the_same_cameras():
+    rig = list(d.Session(EXAMPLE).rig)
+    angle, points = 0.4, np.random.default_rng(2).normal(0, 0.4, (40, 3)) + [0, 1, 0]
+    turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    elsewhere = [moved(camera, 0.8, turn, np.array([0.3, -0.2, 0.1])) for camera in rig]
+    errors = compare(elsewhere, rig, points)
+    assert errors.scale == pytest.approx(1 / 0.8) and errors.tilt == pytest.approx(angle)
+    assert errors.pixels.max() < 1e-6
+    np.testing.assert_allclose(errors.placed[3].t, rig[3].t, atol=1e-9)
+    elsewhere[2] = moved(rig[2], 1, np.eye(3), np.array([0, 0.02, 0]))  # 2 cm too low in a world of its own
+    assert compare([*rig[:2], elsewhere[2], *rig[3:]], rig, points).metres.argmax() == 2
+    with pytest.raises(ValueError, match="agree on at least three points, found 2"):
+        compare(rig, rig, points[:2])
 
 
 @pytest.mark.parametrize(

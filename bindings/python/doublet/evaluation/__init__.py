@@ -2,5 +2,5 @@
 
 from .._lazy import lazy_modules
 
-MODULES = ("metrics", "motion_metrics", "study", "synthesize")
+MODULES = ("cameras", "metrics", "motion_metrics", "study", "synthesize")
 __getattr__, __dir__ = lazy_modules(__name__, MODULES)
