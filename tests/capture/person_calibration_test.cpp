@@ -18,8 +18,8 @@ using namespace doublet;
 constexpr int kFrames = 60, kSize = 640;
 constexpr double kHeight = 1.7, kFocalShare = 1.5; // of camera_ring
 
-/// Walks about, turns, bends knees and elbows, swings the arms below the shoulders; stands upright.
-Eigen::VectorXd pose(const Skeleton &skeleton, int frame) {
+/// Walks about, turns, bends knees and elbows, swings the arms below the shoulders; stands upright, or leans forward (rad).
+Eigen::VectorXd pose(const Skeleton &skeleton, int frame, double lean) {
   const double t = 2 * std::numbers::pi * frame / kFrames;
   Eigen::VectorXd dofs = Eigen::VectorXd::Zero(skeleton.dof_count());
   const auto set = [&](const std::string &joint, int k, double value) {
@@ -28,6 +28,7 @@ Eigen::VectorXd pose(const Skeleton &skeleton, int frame) {
   set("pelvis", 0, 0.4 * std::sin(t));
   set("pelvis", 2, 0.3 * std::sin(2 * t));
   set("pelvis", 3, 1.5 * std::sin(t + 1));
+  set("pelvis", 4, lean);
   set("l_shoulder", 0, 0.5 * std::sin(3 * t));
   set("r_shoulder", 0, 0.4 * std::cos(4 * t));
   set("l_hip", 0, 0.3 * std::sin(2 * t));
@@ -43,7 +44,7 @@ struct Take {
   std::vector<PersonView> views;
 };
 
-Take film(CameraRig rig, bool silhouettes, double noise = 0, double swapped = 0) {
+Take film(CameraRig rig, bool silhouettes, double noise = 0, double swapped = 0, double lean = 0) {
   const RiggedMesh actor = doublet::testing::figure_actor(0.04);
   Take take;
   take.rig = std::move(rig);
@@ -53,7 +54,7 @@ Take film(CameraRig rig, bool silhouettes, double noise = 0, double swapped = 0)
   for (const Camera &camera : take.rig)
     take.views.push_back({camera.name, camera.width, camera.height, 0, {}, {}});
   for (int f = 0; f < kFrames; ++f) {
-    const Eigen::VectorXd dofs = pose(actor.skeleton, f);
+    const Eigen::VectorXd dofs = pose(actor.skeleton, f, lean);
     const Vertices all = joint_positions(actor.skeleton, forward_kinematics(actor.skeleton, dofs));
     Vertices joints(kCalibrationJoints, 3);
     for (int j = 0; j < kCalibrationJoints; ++j)
@@ -131,6 +132,13 @@ TEST(PersonCalibration, LeftAndRightExchangedAndNoiseAreOutvoted) {
   EXPECT_LT(image_error(take, calibrate_from_person(take.views, options())), 2.5);
 }
 
+TEST(PersonCalibration, WithoutSilhouettesBonesTellTheScale) {
+  const Take take = film(doublet::testing::camera_ring(4, kSize), false, 6.0);
+  const PersonCalibration found = calibrate_from_person(take.views, options());
+  const double across = (found.rig[0].centre() - found.rig[2].centre()).norm();
+  EXPECT_NEAR(across, (take.rig[0].centre() - take.rig[2].centre()).norm(), 0.12 * across);
+}
+
 TEST(PersonCalibration, SilhouettesMakeItFiner) {
   const Take without = film(doublet::testing::camera_ring(5, kSize), false, 4.0),
              with = film(doublet::testing::camera_ring(5, kSize), true, 4.0);
@@ -158,6 +166,13 @@ TEST(PersonCalibration, ACameraThatIsNotLevelDoesNotTiltTheWorld) {
   const PersonCalibration found = calibrate_from_person(take.views, options());
   for (size_t v = 0; v < rig.size(); ++v)
     EXPECT_NEAR(found.rig[v].R.row(0).y(), rig[v].R.row(0).y(), 0.02) << v;
+}
+
+TEST(PersonCalibration, LevelCamerasTellUpWhereSheLeans) {
+  const Take take = film(doublet::testing::camera_ring(6, kSize), true, 0, 0, 0.2);
+  const PersonCalibration found = calibrate_from_person(take.views, options());
+  for (size_t v = 0; v < take.rig.size(); ++v)
+    EXPECT_NEAR(found.rig[v].R(1, 1), take.rig[v].R(1, 1), 0.01) << v;
 }
 
 TEST(PersonCalibration, AnswersAreTheSameBitsOnAnyNumberOfThreads) {
