@@ -64,7 +64,7 @@ public:
     for (size_t m = 0; m < bundle.seen.size(); ++m) {
       for (int v = 0; v < views_; ++v)
         for (int j = 0; j < kCalibrationJoints; ++j)
-          if (const Keypoint &seen = bundle.seen[m][v][j]; is_confident(seen)) {
+          if (const Keypoint &seen = bundle.seen[m][v][j]; seen.counts()) {
             const auto &joint = bundle.joints[m][j];
             const double r = joint ? keypoint_residual(bundle.rig[v], seen, *joint, bundle.keypoint_error)
                                    : std::numeric_limits<double>::infinity();
@@ -192,7 +192,7 @@ private:
       for (int j = 0; j < kCalibrationJoints; ++j) {
         const Keypoint &seen = bundle.seen[moment][v][j];
         const auto &joint = bundle.joints[moment][j];
-        if (!joint || !is_confident(seen) || camera.depth(*joint) <= 0)
+        if (!joint || !seen.counts() || camera.depth(*joint) <= 0)
           continue;
         const Eigen::Vector2d residual = (camera.project(*joint) - seen.pixel) / error;
         const double weight = robust_weight(residual.squaredNorm());

@@ -69,10 +69,5 @@ struct PersonBundle {
 double keypoint_residual(const Camera &camera, const Keypoint &seen, const Eigen::Vector3d &joint, double keypoint_error);
 /// Within which a keypoint agrees with a joint, in expected errors.
 inline constexpr double kAgreeing = 3;
-/// Above which a keypoint counts.
-inline constexpr double kConfidentKeypoint = 0.3;
-inline bool is_confident(const Keypoint &seen) {
-  return seen.confidence >= kConfidentKeypoint && seen.pixel.allFinite();
-}
 
 } // namespace doublet::detail

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 #include <set>
@@ -46,7 +47,7 @@ std::vector<int> choose_moments(const std::vector<PersonView> &views, int count)
   for (int f = 0; f < frames; ++f) {
     const auto sees = [&](const PersonView &view) {
       const auto first = view.seen.begin() + f * kCalibrationJoints;
-      return 2 * std::count_if(first, first + kCalibrationJoints, detail::is_confident) >= kCalibrationJoints;
+      return 2 * std::count_if(first, first + kCalibrationJoints, std::mem_fn(&Keypoint::counts)) >= kCalibrationJoints;
     };
     if (std::count_if(views.begin(), views.end(), sees) >= 2)
       useful.push_back(f);
@@ -100,7 +101,7 @@ std::vector<PersonCamera> describe(const PersonBundle &bundle) {
     for (size_t m = 0; m < bundle.seen.size(); ++m)
       for (int j = 0; j < kCalibrationJoints; ++j) {
         const Keypoint &seen = bundle.seen[m][v][j];
-        if (!detail::is_confident(seen))
+        if (!seen.counts())
           continue;
         all += 1;
         if (const auto &joint = bundle.joints[m][j])

@@ -69,7 +69,7 @@ CameraPair relative_pose(const PersonBundle &bundle, int first, int second) {
   const Camera &one = bundle.rig[first], &other = bundle.rig[second];
   for (const auto &moment : bundle.seen)
     for (int j = 0; j < kCalibrationJoints; ++j)
-      if (is_confident(moment[first][j]) && is_confident(moment[second][j])) {
+      if (moment[first][j].counts() && moment[second][j].counts()) {
         a.push_back(on_unit_plane(one, moment[first][j].pixel));
         b.push_back(on_unit_plane(other, moment[second][j].pixel));
       }
@@ -136,7 +136,7 @@ int add_camera(PersonBundle &whole, const PersonBundle &part, const std::vector<
     std::vector<cv::Point2d> pixels;
     for (size_t m = 0; m < whole.seen.size(); ++m)
       for (int j = 0; j < kCalibrationJoints; ++j)
-        if (const auto &x = part.joints[m][j]; x && is_confident(whole.seen[m][c][j])) {
+        if (const auto &x = part.joints[m][j]; x && whole.seen[m][c][j].counts()) {
           points.emplace_back(x->x(), x->y(), x->z());
           pixels.push_back(on_unit_plane(whole.rig[c], whole.seen[m][c][j].pixel));
         }

@@ -9,9 +9,8 @@
 namespace doublet {
 namespace {
 
-constexpr double kConfident = 0.3; // of a keypoint
-constexpr double kAgree = 0.02;    // of the image's larger side, within which cameras agree on a point
-constexpr double kTooNear = 1e-3;  // m, depth from which on no step is made
+constexpr double kAgree = 0.02;   // of the image's larger side, within which cameras agree on a point
+constexpr double kTooNear = 1e-3; // m, depth from which on no step is made
 constexpr int kSteps = 4;
 
 using Cameras = std::vector<CalibratedCamera>;
@@ -65,7 +64,7 @@ std::optional<Eigen::Vector3d> triangulate(const Cameras &cameras, const Keypoin
     validate_camera(cameras[i].camera, "triangulate: camera " + std::to_string(i));
   std::vector<int> sure;
   for (int i = 0; i < static_cast<int>(seen.size()); ++i)
-    if (seen[i].confidence >= kConfident && seen[i].pixel.allFinite())
+    if (seen[i].counts())
       sure.push_back(i);
   std::vector<int> best;
   double least = std::numeric_limits<double>::infinity(); // mean error of the best

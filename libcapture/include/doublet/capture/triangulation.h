@@ -11,7 +11,8 @@ namespace doublet {
 /// A point of the person as a program finds it in an image, such as a joint.
 struct Keypoint {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero(); ///< in the image as it was filmed
-  double confidence = 0;                           ///< in [0, 1]; below 0.3 it does not count
+  double confidence = 0;                           ///< in [0, 1]
+  bool counts() const { return confidence >= 0.3 && pixel.allFinite(); }
 };
 
 /// The point (m) that the most cameras agree on to 2 % of their image's larger side, in least squares of pixels over these; none
