@@ -26,6 +26,7 @@ import numpy as np
 from doublet.cli.common_flags import DOUBTFUL
 from doublet.common.video import VideoWriter
 from doublet.evaluation.cameras import compare
+from doublet.session.keypoints import JOINTS
 from doublet.session.new_session import new_session
 from doublet.session.request import Request
 from PIL import Image, ImageFilter
@@ -208,7 +209,7 @@ def calibrated_by_person(source: Path, folder: Path, rig: list[d.Camera], person
     keypoints = person.keypoints or folder / "keypoints"
     for camera in rig if not person.keypoints else []:
         seen = np.zeros((len(joints), 17, 3))  # in COCO's order
-        exact = [[camera.project(joint) for joint in frame[[names.index(n) for n in d.CALIBRATION_JOINTS]]] for frame in joints]
+        exact = [[camera.project(joint) for joint in frame[[names.index(n) for n in JOINTS]]] for frame in joints]
         error = KEYPOINT_ERROR * max(camera.width, camera.height)
         seen[:, 5:] = np.dstack([np.array(exact) + random.normal(0, error, (len(joints), 12, 2)), np.ones((len(joints), 12))])
         keypoints.mkdir(exist_ok=True)

@@ -134,11 +134,11 @@ PersonView person_view(const std::string &name, std::pair<int, int> size,
 
 void bind_person_calibration(py::module_ &m) {
   OptionsClass<PersonCalibrationOptions>(m, "Options of calibrate_from_person.");
-  m.attr("CALIBRATION_JOINTS") = py::cast(kCalibrationJointNames);
   Class<PersonView>(m, "PersonView", "What one camera saw of a person.")
       .def(py::init(&person_view), py::arg("name"), py::arg("size"), py::arg("seen"), py::arg("focal") = 0.0,
            py::arg("silhouettes") = std::vector<std::vector<Eigen::Vector2d>>{},
-           "size: width and height, px. seen: (T, 12, 3) pixel and confidence of CALIBRATION_JOINTS. focal: px, 0 = not known. "
+           "size: width and height, px. seen: (T, 12, 3) pixel and confidence of doublet.session.keypoints.JOINTS. focal: px, 0 "
+           "= not known. "
            "silhouettes: of each frame corners of a hull (n, 2), none where it is not known.")
       .def_property_readonly(
           "name", [](const PersonView &view) { return view.name; }, "of the camera");

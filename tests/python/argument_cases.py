@@ -113,6 +113,11 @@ def calls(world, folder) -> dict:
         ),
         "align_scan": (d.align_scan, {"scan": w.mesh, "hull": w.mesh}),
         "triangulate": (d.triangulate, {"cameras": ring_of_discs()["rig"], "seen": np.full((4, 3), 47.5)}),
+        "calibrate_from_person": (
+            lambda seen: d.calibrate_from_person([d.PersonView("first", (96, 96), seen, 180.0), *seen_walking()[1:]]),
+            {"seen": seen_joints(ring_of_discs()["rig"][0])},
+        ),
+        "silhouette_hull": (d.silhouette_hull, {"mask": ring_of_discs()["masks"][0]}),
         "build_template": (lambda scan: d.build_template(scan, d.TemplateOptions(poisson_depth=6)), {"scan": w.mesh}),
         "cloth_prior": (d.cloth_prior, {"actor": w.actor, "pose": w.mesh}),
         "summarise_segmentation": (
@@ -329,6 +334,24 @@ def ring_of_discs() -> dict:
         camera.t = -camera.R @ (3 * back)
         rig.append(camera)
     return {"rig": rig, "masks": [disc] * 4}
+
+
+def seen_joints(camera: d.Camera) -> np.ndarray:
+    """(20, 12, 3) of a person of 1.2 m who sways and swings."""
+    sides = np.array(
+        [[x * s, y, 0] for x, y in ((0.13, 1), (0.15, 0.8), (0.16, 0.6), (0.07, 0.6), (0.07, 0.3), (0.08, 0)) for s in (1, -1)]
+    )
+    frames = []
+    for t in range(20):
+        swing = np.zeros((12, 3))
+        swing[[2, 4, 9, 11], 2], swing[[3, 5, 8, 10], 2] = 0.1 * np.sin(t), -0.1 * np.sin(t)
+        joints = sides + swing + [0.2 * np.sin(0.3 * t), -0.5, 0.2 * np.cos(0.7 * t)]
+        frames.append([[*camera.project(joint), 1.0] for joint in joints])
+    return np.array(frames)
+
+
+def seen_walking() -> list[d.PersonView]:
+    return [d.PersonView(camera.name, (96, 96), seen_joints(camera), 180.0) for camera in ring_of_discs()["rig"]]
 
 
 class Discs(d.FrameSource):

@@ -13,6 +13,7 @@ from doublet.common.images import ImageSeries
 from doublet.common.video import read_video
 from doublet.evaluation.cameras import compare, moved
 from doublet.session.calibrate import stated_focal
+from doublet.session.keypoints import JOINTS
 from PIL import Image
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "data" / "session"
@@ -29,7 +30,7 @@ def filmed(tmp_path_factory):
     (folder / "keypoints").mkdir()
     with np.load(EXAMPLE / "ground_truth" / "skeleton.npz") as truth:
         joints, names = truth["joints"], truth["joint_names"].tolist()
-    chosen = [names.index(name) for name in d.CALIBRATION_JOINTS]
+    chosen = [names.index(name) for name in JOINTS]
     for camera in d.Session(EXAMPLE).rig:
         if camera.name not in CAMERAS:
             continue

@@ -12,7 +12,8 @@ from ..common.files import read_json
 from ..common.images import counted, last_number
 from .camera_files import CameraFile, match
 
-JOINTS = list(d.CALIBRATION_JOINTS)
+#: In the order of kCalibrationJointNames (doublet/capture/person_calibration.h).
+JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
 #: Index of JOINTS in the lists that programs write, told apart by their length.
 _COCO = (5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
 LAYOUTS = {
