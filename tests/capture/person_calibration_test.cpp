@@ -186,6 +186,15 @@ TEST(PersonCalibration, AnswersAreTheSameBitsOnAnyNumberOfThreads) {
     EXPECT_EQ(a.rig[v].R, b.rig[v].R);
 }
 
+TEST(PersonCalibration, StopsWhenItIsAskedTo) {
+  const Take take = film(doublet::testing::camera_ring(4, kSize), false);
+  Context context;
+  bool stop = false;
+  context.progress = [&](const std::string &, double share) { stop = share > 0; };
+  context.cancelled = [&] { return stop; };
+  EXPECT_THROW(calibrate_from_person(take.views, options(), context), Cancelled);
+}
+
 TEST(PersonCalibration, ACameraOfAnotherTimeIsNamed) {
   Take take = film(doublet::testing::camera_ring(5, kSize), false);
   std::rotate(take.views[3].seen.begin(), take.views[3].seen.begin() + 25 * kCalibrationJoints, take.views[3].seen.end());

@@ -144,7 +144,6 @@ PersonCalibration calibrate_from_person(const std::vector<PersonView> &views, co
   options.validate();
   validate(views);
   const std::vector<int> frames = choose_moments(views, options.moments);
-  context.report_progress("calibration", 0);
   PersonBundle bundle = detail::begin_bundle(views, frames, options, context);
   for (int round = 0; round < kBundleRounds; ++round) {
     context.report_progress("calibration", 0.5 + 0.5 * round / kBundleRounds);

@@ -243,9 +243,14 @@ PersonBundle begin_bundle(const std::vector<PersonView> &views, const std::vecto
   if (starts.empty())
     throw Error("calibration from a person: expected two cameras with " + std::to_string(kLeastCommon) +
                 " keypoints that go together, found none; are they of one person, and of the same time?");
-  parallel_for(context, static_cast<int>(starts.size()),
-               [&](int k) { starts[k].cost = begin_with(starts[k].bundle, starts[k].pair, options.height, starts[k].lost); });
-  context.throw_if_cancelled();
+  const int count = static_cast<int>(starts.size()), together = context.thread_count();
+  for (int first = 0; first < count; first += together) { // some seconds each: whoever waits may stop them in between
+    context.report_progress("calibration", 0.5 * first / count);
+    parallel_for(context, std::min(together, count - first), [&](int k) {
+      Start &start = starts[first + k];
+      start.cost = begin_with(start.bundle, start.pair, options.height, start.lost);
+    });
+  }
   const auto best =
       std::min_element(starts.begin(), starts.end(), [](const Start &a, const Start &b) { return a.cost < b.cost; });
   if (!std::isfinite(best->cost))
