@@ -7,8 +7,9 @@ every camera turned by N(0, 0.2 degrees), its focal length off by N(0, 0.2 %); `
 camera films a frame late, and nobody says so; `masks`, calib and flicker, with blur, noise, other exposures and a strong
 compression; `room`, the same before clutter, with clean plates in the place of masks; `eight` and `four`, without scan and joints
 (`doublet scan`), with all cameras and with every second one; `person` and `person4`, the same without a calibration: cameras by
-`new-session --calibrate` (keypoints: --keypoints, otherwise the true joints with an error of 0.6 % of the image), the world that
-was found laid over the true one. Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again.
+`new-session --calibrate`, the world that was found laid over the true one. --keypoints: those of the session's videos, as a program
+found them; otherwise the true joints with an error of 0.6 % of the image. `--tracked-keypoints`: every room has them, and tracking
+goes by them. Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ import numpy as np
 from doublet.cli.common_flags import DOUBTFUL
 from doublet.common.video import VideoWriter
 from doublet.evaluation.cameras import compare
-from doublet.session.keypoints import JOINTS
+from doublet.session.keypoints import JOINTS, filmed_keypoints, write_keypoints
 from doublet.session.new_session import new_session
 from doublet.session.request import Request
 from PIL import Image, ImageFilter
@@ -61,6 +62,7 @@ class Person:
 
     height: float  # m
     keypoints: Path | None  # None: the true joints, with an error
+    tracked: bool  # the session keeps them
 
 
 FILMED = {"turn": 0.2, "blur": 0.7, "noise": 4, "exposure": 0.08, "crf": 26}
@@ -197,15 +199,26 @@ def make_session(source: Path, flaws: Flaws, folder: Path, seed: int, person: Pe
     description["cameras"] = [film(session, camera, flaws, folder, random) for camera in cameras]
     d.write_calibration(folder / "calibration.yml", rig)
     description["calibration"] = "calibration.yml"
+    if person.tracked or not flaws.calibrated:
+        keypoints = keypoints_for(source, folder, session.rig[:: flaws.every], person, random)
     if not flaws.calibrated:
-        d.write_calibration(folder / "calibration.yml", calibrated_by_person(source, folder, rig, person, random))
+        d.write_calibration(folder / "calibration.yml", calibrated_by_person(source, folder, rig, keypoints, person))
+    if person.tracked:
+        names = [camera.name for camera in rig]
+        numbers = [np.maximum(np.arange(session.frame_count) - int(flaws.late and index % 2), 0) for index in range(len(names))]
+        description["keypoints"] = write_keypoints(folder, names, filmed_keypoints(keypoints, names, numbers))
     (folder / "session.json").write_text(json.dumps(description, indent=1), encoding="utf-8")  # last: it is complete
 
 
-def calibrated_by_person(source: Path, folder: Path, rig: list[d.Camera], person: Person, random) -> list[d.Camera]:
-    """The cameras that are found for the session's videos, in the true world."""
+def true_joints(source: Path) -> tuple[np.ndarray, list[str]]:
+    """(T, J, 3) m, and their names."""
     with np.load(source / "ground_truth" / "skeleton.npz") as truth:
-        joints, names = truth["joints"], truth["joint_names"].tolist()
+        return truth["joints"], truth["joint_names"].tolist()
+
+
+def keypoints_for(source: Path, folder: Path, rig: list[d.Camera], person: Person, random) -> Path:
+    """A folder with those of these cameras alone."""
+    joints, names = true_joints(source)
     keypoints = person.keypoints or folder / "keypoints"
     for camera in rig if not person.keypoints else []:
         seen = np.zeros((len(joints), 17, 3))  # in COCO's order
@@ -218,8 +231,14 @@ def calibrated_by_person(source: Path, folder: Path, rig: list[d.Camera], person
     chosen.mkdir()
     for camera in rig:
         (chosen / f"{camera.name}.json").symlink_to((keypoints / f"{camera.name}.json").absolute())
+    return chosen
+
+
+def calibrated_by_person(source: Path, folder: Path, rig: list[d.Camera], keypoints: Path, person: Person) -> list[d.Camera]:
+    """The cameras that are found for the session's videos, in the true world."""
+    joints, _ = true_joints(source)
     videos, found = [folder / "videos" / f"{camera.name}.mp4" for camera in rig], folder / "found"
-    new_session(Request(videos=videos, calibration=None, out=found, keypoints=chosen, height=person.height, sync="none"))
+    new_session(Request(videos=videos, calibration=None, out=found, keypoints=keypoints, height=person.height, sync="none"))
     errors = compare(d.Session(found).rig, rig, joints[::8].reshape(-1, 3))
     shutil.rmtree(found)
     print(
@@ -259,11 +278,13 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--height", type=float, default=1.68, help="m, of the person, who calibrates")
     parser.add_argument("--keypoints", type=Path, help="of the person for each camera, as a program found them")
+    parser.add_argument("--tracked-keypoints", action="store_true", help="tracking goes by keypoints, too")
     options = parser.parse_args()
+    person = Person(options.height, options.keypoints, options.tracked_keypoints)
     print("| | " + " | ".join(f"`{name}`" for name in METRICS) + " |")
     print("| --- |" + " --- |" * len(METRICS))
     for room in options.rooms:
-        values = measured(options.session, room, options.out, options.seed, Person(options.height, options.keypoints))
+        values = measured(options.session, room, options.out, options.seed, person)
         row = [f"{values[name]:.1f}" if name.endswith("mm") else f"{values[name]:.3f}" for name in METRICS]
         print(f"| {room} | " + " | ".join(row) + " |", flush=True)
 

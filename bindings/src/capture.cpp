@@ -32,6 +32,21 @@ public:
   }
 };
 
+/// (n, 3) pixel and confidence.
+std::vector<Keypoint> to_keypoints(const Vertices &rows) {
+  std::vector<Keypoint> keypoints;
+  for (const auto &row : rows.rowwise())
+    keypoints.push_back({row.head<2>(), row.z()});
+  return keypoints;
+}
+
+Vertices to_rows(const std::vector<Keypoint> &keypoints) {
+  Vertices rows(keypoints.size(), 3);
+  for (std::size_t i = 0; i < keypoints.size(); ++i)
+    rows.row(static_cast<Eigen::Index>(i)) << keypoints[i].pixel.transpose(), keypoints[i].confidence;
+  return rows;
+}
+
 class PyFrameSource : public FrameSource {
 public:
   int frame_count() const override { return count("frame_count"); }
@@ -40,6 +55,13 @@ public:
     return call_override<Image>(this, "FrameSource.image", "a uint8 array (H, W, 3), or (0, 0) for none", camera, frame);
   }
   Image mask(int camera, int frame) override { return call_override<Image>(this, "FrameSource.mask", kMask, camera, frame); }
+  std::vector<Keypoint> keypoints(int camera, int frame) override {
+    const py::gil_scoped_acquire gil;
+    if (!py::get_override(static_cast<const FrameSource *>(this), "keypoints"))
+      return FrameSource::keypoints(camera, frame);
+    const char *expected = "a float array (12, 3), or (0, 3) for none";
+    return to_keypoints(call_override<Vertices>(this, "FrameSource.keypoints", expected, camera, frame));
+  }
 
 private:
   /// A property of the subclass.
@@ -102,10 +124,7 @@ void bind_calibration(py::module_ &m) {
   m.def(
       "triangulate",
       [](const std::vector<CalibratedCamera> &cameras, const Vertices &seen) {
-        std::vector<Keypoint> keypoints;
-        for (const auto &row : seen.rowwise())
-          keypoints.push_back({row.head<2>(), row.z()});
-        return triangulate(cameras, keypoints);
+        return triangulate(cameras, to_keypoints(seen));
       },
       py::arg("cameras"), py::arg("seen"), Release(),
       "(3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; "
@@ -122,12 +141,12 @@ void bind_calibration(py::module_ &m) {
 PersonView person_view(const std::string &name, std::pair<int, int> size,
                        const py::array_t<double, py::array::c_style | py::array::forcecast> &seen, double focal,
                        std::vector<std::vector<Eigen::Vector2d>> silhouettes) {
-  if (seen.ndim() != 3 || seen.shape(1) != kCalibrationJoints || seen.shape(2) != 3)
-    throw std::invalid_argument("PersonView: seen: expected an array (T, " + std::to_string(kCalibrationJoints) + ", 3)");
+  if (seen.ndim() != 3 || seen.shape(1) != kKeypoints || seen.shape(2) != 3)
+    throw std::invalid_argument("PersonView: seen: expected an array (T, " + std::to_string(kKeypoints) + ", 3)");
   PersonView view{name, size.first, size.second, focal, {}, std::move(silhouettes)};
   const auto at = seen.template unchecked<3>();
   for (py::ssize_t t = 0; t < seen.shape(0); ++t)
-    for (py::ssize_t j = 0; j < kCalibrationJoints; ++j)
+    for (py::ssize_t j = 0; j < kKeypoints; ++j)
       view.seen.push_back({{at(t, j, 0), at(t, j, 1)}, at(t, j, 2)});
   return view;
 }
@@ -186,7 +205,8 @@ void bind_session(py::module_ &m) {
       .def_readwrite("markers", &Session::markers, "joints.json, absolute; empty if there is none")
       .def_readwrite("joints", &Session::joints, "JointMarks of joints.json")
       .def_readwrite("landmarks", &Session::landmarks, "name -> (3) m, clicked on the body's surface")
-      .def_readwrite("new_motion", &Session::new_motion, "absolute; empty if there is none");
+      .def_readwrite("new_motion", &Session::new_motion, "absolute; empty if there is none")
+      .def_readwrite("keypoints", &Session::keypoints, "keypoints.npz, absolute; empty if there is none");
   Class<FrameSource, PyFrameSource> source(m, "FrameSource", "Swap point: where the images and masks come from.");
   const py::cpp_function init_subclass(&make_counts_properties, py::name("__init_subclass__"));
   source.attr("__init_subclass__") = py::reinterpret_steal<py::object>(PyClassMethod_New(init_subclass.ptr()));
@@ -196,7 +216,11 @@ void bind_session(py::module_ &m) {
       .def_property_readonly("frame_count", &FrameSource::frame_count, "of each camera")
       .def_property_readonly("camera_count", &FrameSource::camera_count, "of the session")
       .def("image", &FrameSource::image, py::arg("camera"), py::arg("frame"), Release(), "(H, W, 3) uint8, BGR")
-      .def("mask", &FrameSource::mask, py::arg("camera"), py::arg("frame"), Release(), "(H, W) uint8, 255 = actor");
+      .def("mask", &FrameSource::mask, py::arg("camera"), py::arg("frame"), Release(), "(H, W) uint8, 255 = actor")
+      .def(
+          "keypoints", [](FrameSource &frames, int camera, int frame) { return to_rows(frames.keypoints(camera, frame)); },
+          py::arg("camera"), py::arg("frame"), Release(),
+          "(12, 3) pixel and confidence of doublet.session.keypoints.JOINTS; (0, 3) where nobody has looked for them.");
   OptionsClass<ChromaKeyOptions>(m, "Options of the built-in SilhouetteExtractor.");
   OptionsClass<BackgroundOptions>(m, "Options of silhouettes by the difference to a background.");
   OptionsClass<SilhouetteOptions>(m, "How silhouettes of a session are found.");
@@ -364,6 +388,8 @@ void bind_performance(py::module_ &m) {
   Class<CaptureSummary>(m, "CaptureSummary", "What can disappoint about a capture.")
       .def(py::init<>())
       .def_readwrite("rim_px", &CaptureSummary::rim_px, "(T) mean residual of the outlines, pixels")
+      .def_readwrite("keypoint_distance", &CaptureSummary::keypoint_distance,
+                     "(T) m, mean of the joints that keypoints show from there; NaN where there are none")
       .def_readwrite("sift_px", &CaptureSummary::sift_px, "(T) mean residual of the features, pixels")
       .def_readwrite("silhouette_iou", &CaptureSummary::silhouette_iou, "(T) mean over cameras, against the measured masks")
       .def_numbers_readwrite("views", &CaptureSummary::views, "(T) cameras that took part")

@@ -126,6 +126,10 @@ void bind_problems(py::module_ &m) {
           "barycentric", [](const SurfaceTrack &track) { return track.surface.barycentric; }, "(3) of that face's corners")
       .def_readonly("pixel", &SurfaceTrack::pixel, "(2) where the point is seen")
       .def_readonly("weight", &SurfaceTrack::weight, "against the other tracks");
+  Class<SeenPoint>(m, "SeenPoint", "A point that moves with a joint of the skeleton, and where it was seen.")
+      .def_readonly("joint", &SeenPoint::joint, "index of the joint that moves it")
+      .def_readonly("rest", &SeenPoint::rest, "(3) m, in the rest pose")
+      .def_readonly("seen", &SeenPoint::seen, "(3) m, in the world");
   Class<PoseProblem>(m, "PoseProblem", "What one frame says about the pose. Lives as long as the call it was given to.")
       .def_property_readonly(
           "actor", [](const PoseProblem &p) { return pointed(p.actor); }, "a copy")
@@ -134,6 +138,7 @@ void bind_problems(py::module_ &m) {
       .def_property_readonly(
           "outlines", [](const PoseProblem &p) { return pointed(p.outlines); }, "measured, one a camera; empty = no part")
       .def_readonly("tracks", &PoseProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
+      .def_readonly("points", &PoseProblem::points, "SeenPoints: joints that keypoints show")
       .def_readonly("offset", &PoseProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
       .def_readonly("reliability", &PoseProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &PoseProblem::predicted, "(D)")
@@ -199,7 +204,8 @@ void bind_limbs(py::module_ &m) {
           "masks", [](const LimbProblem &p) { return pointed(p.masks); }, "measured, one a camera; empty = no part")
       .def_readonly("offset", &LimbProblem::offset, "(V, 3) m, rest pose, carried over from the frame before")
       .def_readonly("reliability", &LimbProblem::reliability, "(V) in [0, 1], low on loose cloth")
-      .def_readonly("predicted", &LimbProblem::predicted, "(D)");
+      .def_readonly("predicted", &LimbProblem::predicted, "(D)")
+      .def_readonly("points", &LimbProblem::points, "SeenPoints: joints that keypoints show");
   Class<LimbSearch, PyLimbSearch>(m, "LimbSearch", "Swap point: a pose with lost limbs -> a better one.")
       .def(py::init<>())
       .def_static("create", &LimbSearch::create, py::arg("options") = LimbSearchOptions{},

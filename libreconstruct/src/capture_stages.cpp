@@ -35,6 +35,12 @@ double mean(const std::vector<double> &values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+/// Of those that are not NaN; NaN if all are.
+double mean_known(std::vector<double> values) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double x) { return std::isnan(x); }), values.end());
+  return mean(values);
+}
+
 double rounded(double value, int decimals) {
   const double unit = std::pow(10.0, decimals);
   return std::round(unit * value) / unit;
@@ -120,6 +126,8 @@ Json capture_numbers(const CaptureResult &result) {
                {"cameras_refined", summary.cameras_refined},
                {"cameras", Json::array()},
                {"seconds_per_frame", summary.seconds_per_frame}};
+  if (const double distance = mean_known(summary.keypoint_distance); std::isfinite(distance))
+    numbers["keypoint_mm"] = kMillimetres * distance;
   for (const JointVisibility &joint : summary.joints) {
     if (joint.inferred)
       numbers["frames_inferred"][joint.joint] = joint.inferred;

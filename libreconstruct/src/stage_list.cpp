@@ -40,7 +40,7 @@ std::vector<Stage> default_stages() {
        .continues_from = {kCaptureCheckpoint},
        .option_groups = {"silhouette", "key", "background", "capture", "features", "pose", "limbs", "annealing", "surface",
                          "calibration"},
-       .session_inputs = {"calibration", "images"},
+       .session_inputs = {"calibration", "images", "keypoints"},
        .uses_seed = true,
        .run = as_text(run_performance)},
       {.name = "segment",
@@ -91,8 +91,11 @@ std::vector<Path> session_files(const Session &session, const std::string &kind)
     return if_any(session.calibration);
   if (kind == "joints")
     return if_any(session.markers);
+  if (kind == "keypoints")
+    return if_any(session.keypoints);
   if (kind != "images")
-    throw std::invalid_argument("Stage: session_inputs: expected description, scan, calibration, joints or images, found '" +
+    throw std::invalid_argument("Stage: session_inputs: expected description, scan, calibration, joints, keypoints or images, "
+                                "found '" +
                                 kind + "'");
   std::vector<Path> files;
   for (const SessionCamera &camera : session.cameras)

@@ -56,14 +56,14 @@ Take film(CameraRig rig, bool silhouettes, double noise = 0, double swapped = 0,
   for (int f = 0; f < kFrames; ++f) {
     const Eigen::VectorXd dofs = pose(actor.skeleton, f, lean);
     const Vertices all = joint_positions(actor.skeleton, forward_kinematics(actor.skeleton, dofs));
-    Vertices joints(kCalibrationJoints, 3);
-    for (int j = 0; j < kCalibrationJoints; ++j)
-      joints.row(j) = all.row(actor.skeleton.find(kCalibrationJointNames[j]));
+    Vertices joints(kKeypoints, 3);
+    for (int j = 0; j < kKeypoints; ++j)
+      joints.row(j) = all.row(actor.skeleton.find(kKeypointNames[j]));
     take.joints.push_back(joints);
     const Vertices surface = pose_surface(actor, dofs, Vertices(0, 3)).vertices;
     for (size_t v = 0; v < take.rig.size(); ++v) {
       const bool swap = uniform(random) < swapped;
-      for (int j = 0; j < kCalibrationJoints; ++j)
+      for (int j = 0; j < kKeypoints; ++j)
         take.views[v].seen.push_back(
             {take.rig[v].project(joints.row(swap ? j ^ 1 : j)) + noise * Eigen::Vector2d(normal(random), normal(random)), 0.9});
       std::vector<Eigen::Vector2d> outline;
@@ -78,9 +78,9 @@ Take film(CameraRig rig, bool silhouettes, double noise = 0, double swapped = 0,
 /// Pixels by which the joints appear elsewhere, RMS, when the world is laid over the true one (Umeyama 1991).
 double image_error(const Take &take, const PersonCalibration &found) {
   const auto moments = static_cast<Eigen::Index>(found.frames.size());
-  Vertices truth(moments * kCalibrationJoints, 3);
+  Vertices truth(moments * kKeypoints, 3);
   for (Eigen::Index m = 0; m < moments; ++m)
-    truth.middleRows(m * kCalibrationJoints, kCalibrationJoints) = take.joints[found.frames[m]];
+    truth.middleRows(m * kKeypoints, kKeypoints) = take.joints[found.frames[m]];
   const Eigen::Matrix4d world = Eigen::umeyama(truth.transpose(), found.joints.transpose(), true);
   double sum = 0;
   for (size_t v = 0; v < take.rig.size(); ++v)
@@ -197,7 +197,7 @@ TEST(PersonCalibration, StopsWhenItIsAskedTo) {
 
 TEST(PersonCalibration, ACameraOfAnotherTimeIsNamed) {
   Take take = film(doublet::testing::camera_ring(5, kSize), false);
-  std::rotate(take.views[3].seen.begin(), take.views[3].seen.begin() + 25 * kCalibrationJoints, take.views[3].seen.end());
+  std::rotate(take.views[3].seen.begin(), take.views[3].seen.begin() + 25 * kKeypoints, take.views[3].seen.end());
   try {
     calibrate_from_person(take.views, options());
     FAIL() << "expected an error";

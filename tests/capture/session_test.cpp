@@ -2,6 +2,7 @@
 #include "doublet/capture/session.h"
 #include "doublet/core/error.h"
 #include "doublet/files/files.h"
+#include "doublet/files/npz.h"
 #include "support/temp_folder.h"
 
 #include <algorithm>
@@ -176,6 +177,44 @@ TEST_F(SessionFiles, VideoWithTooFewFrames) {
 TEST_F(SessionFiles, UnknownParentOfAJoint) {
   replace("joints.json", "\"parent\": \"l_knee\"", "\"parent\": \"l_kneee\"");
   expect_failure({"joints.json", "l_ankle", "l_kneee"});
+}
+
+TEST_F(SessionFiles, KeypointsAreWhereThePinholeSeesThem) {
+  replace("session.json", "\"name\": \"cam1\"", "\"first_frame\": 2, \"name\": \"cam1\"");
+  replace("session.json", "\"frame_count\": 128", "\"frame_count\": 100, \"keypoints\": \"keypoints.npz\"");
+  replace("calibration.yml", "cam2_K:", "cam2_lens: fisheye\ncam2_K:");
+  replace("calibration.yml", R"(cam2_distortion: !!opencv-matrix\s+rows: 1\s+cols: 5\s+dt: d\s+data: \[[^\]]*\])",
+          "cam2_distortion: !!opencv-matrix\n  rows: 1\n  cols: 4\n  dt: d\n  data: [0.1, 0.01, 0., 0.]");
+  const auto write = [&](int frames, int joints) {
+    Npz file;
+    for (const char *name : {"cam0", "cam1", "cam2"}) {
+      std::vector<double> values;
+      for (int i = 0; i < frames * joints; ++i)
+        values.insert(values.end(), {100.0 + i / joints, 200.0 + i % joints, 0.9});
+      file.set_f4(name, {frames, joints, 3}, values);
+    }
+    file.write(folder / "keypoints.npz");
+  };
+  expect_failure<FileNotFound>({"session.json", "keypoints.npz"});
+  write(101, kKeypoints);
+  expect_failure({"keypoints.npz", "102 frames of camera 'cam1'", "found 101"});
+  write(102, 5);
+  expect_failure({"keypoints.npz", "cam0", "(102, 5, 3)"});
+  write(102, kKeypoints);
+  const Session session = read_session(folder.path());
+  const auto frames = FrameSource::open(session);
+  EXPECT_EQ(frames->keypoints(0, 7).at(3).pixel, Eigen::Vector2d(107, 203));
+  EXPECT_NEAR(frames->keypoints(0, 7).at(3).confidence, 0.9, 1e-6);
+  EXPECT_EQ(frames->keypoints(1, 7).at(3).pixel, Eigen::Vector2d(109, 203)); // it begins two frames later
+  EXPECT_TRUE(frames->keypoints(3, 7).empty());
+  const Eigen::Vector2d pinhole = frames->keypoints(2, 7).at(3).pixel;
+  const Camera &camera = session.rig[2];
+  const Eigen::Vector3d ray = camera.K.inverse() * pinhole.homogeneous();
+  const CalibratedCamera filmed{camera, session.lenses[2], 0};
+  EXPECT_LT((filmed.project(camera.R.transpose() * (ray - camera.t)) - Eigen::Vector2d(107, 203)).norm(), 1e-3);
+  EXPECT_GT((pinhole - Eigen::Vector2d(107, 203)).norm(), 1);
+  Npz().write(folder / "keypoints.npz");
+  expect_failure({"keypoints.npz", "an array of each one's name, found none"});
 }
 
 TEST_F(SessionFiles, BadJoints) {

@@ -13,7 +13,7 @@ from doublet.common.images import ImageSeries
 from doublet.common.video import read_video
 from doublet.evaluation.cameras import compare, moved
 from doublet.session.calibrate import stated_focal
-from doublet.session.keypoints import JOINTS
+from doublet.session.keypoints import JOINTS, CameraKeypoints
 from PIL import Image
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "data" / "session"
@@ -58,6 +58,24 @@ def test_cameras_come_from_the_person(filmed, tmp_path, capsys):
     errors = compare(d.Session(tmp_path / "new").rig, [truth[name] for name in CAMERAS], joints)
     assert errors.scale == pytest.approx(1, abs=0.04) and errors.tilt < np.radians(2)  # as tall, and upright
     assert errors.pixels.max() < 1.5  # of 502 pixels; keypoints are off by 3
+    frames = d.FrameSource.open(d.Session(tmp_path / "new"))  # the session keeps them, for the scan and for tracking
+    assert np.abs(frames.keypoints(2, 100) - keypoints_of(filmed, "cam4")[100]).max() < 1e-3
+
+
+def keypoints_of(folder, camera: str) -> np.ndarray:
+    keypoints = CameraKeypoints(folder / "keypoints" / f"{camera}.json")
+    return np.stack([keypoints.of(frame) for frame in range(keypoints.count)])
+
+
+def test_a_calibrated_session_keeps_keypoints(filmed, tmp_path, capsys):
+    more = ["--calibration", EXAMPLE / "calibration.yml", "--without", "cam1", "cam3", "cam5", "cam7", "--keypoints"]
+    call(filmed, tmp_path / "new", *more, filmed / "keypoints", "--start", "0.1", "--offset", "cam2=0.05")
+    session = d.Session(tmp_path / "new")
+    frames = d.FrameSource.open(session)
+    for index, camera in enumerate(session.cameras):
+        assert camera.first_frame == (4 if camera.name == "cam2" else 6)
+        seen = keypoints_of(filmed, camera.name)[camera.first_frame + 50]
+        assert np.abs(frames.keypoints(index, 50) - seen).max() < 1e-3
 
 
 def test_cameras_in_another_world_are_the_same_cameras():
@@ -82,6 +100,8 @@ def test_cameras_in_another_world_are_the_same_cameras():
         (("--calibration", EXAMPLE / "calibration.yml", "--height", 1.7), "--height: expected --calibrate"),
         (("--calibrate", "keypoints", "--height", 170), "--height: expected a number in [0.3, 3], found 170"),
         (("--calibrate", "keypoints", "--field-of-view", 0), "--field-of-view: expected a number in [1, 170], found 0"),
+        (("--calibration", EXAMPLE / "calibration.yml", "--calibrate", "keypoints"), "--calibrate: expected no --calibration"),
+        (("--keypoints", "keypoints"), "--keypoints: expected --calibration FILE beside it, found none"),
         (("--calibrate", "nothing"), "expected a folder with the keypoints of each camera, found none"),
     ],
 )

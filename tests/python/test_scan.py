@@ -193,11 +193,21 @@ def test_keypoints_of_all_cameras_are_triangulated(model, tmp_path, kind):
     person = Person(model, 0.7, 3)
     session = d.Session(write_session(tmp_path / "session", person, cameras=5))
     write_keypoints(tmp_path / "keypoints", session, person, kind)
-    found = keypoints.triangulated(session, tmp_path / "keypoints", 0)
+    found, messages = keypoints.triangulated(keeping(session, tmp_path / "keypoints"), 0), []
     assert found.keys() == set(keypoints.JOINTS)
     assert max(person.errors_mm(found).values()) < 1
-    with pytest.raises(ValueError, match="expected keypoints of frame 1, found those of 1 frames"):
-        keypoints.triangulated(session, tmp_path / "keypoints", 1)
+    with pytest.raises(ValueError, match=r"keypoints: frame 1: expected at least 6 joints .* found 0"):
+        keypoints.adopt_keypoints(session, tmp_path / "keypoints", 1, messages)
+    assert len(messages) == 5 and messages[0].endswith("keypoints of 1 of 2 frames")
+
+
+def keeping(session: d.Session, path) -> d.Session:
+    """The session once it has adopted these keypoints."""
+    file = session.folder / "session.json"
+    described = json.loads(file.read_text(encoding="utf-8"))
+    described["keypoints"] = keypoints.adopt_keypoints(session, path, 0, [])
+    file.write_text(json.dumps(described), encoding="utf-8")
+    return d.Session(session.folder)
 
 
 def test_lenses_do_not_bend_what_is_triangulated(model, tmp_path):
@@ -206,7 +216,7 @@ def test_lenses_do_not_bend_what_is_triangulated(model, tmp_path):
     rig = [bent(camera) for camera in d.Session(folder).rig]
     d.write_calibration(folder / "calibration.yml", rig)
     write_keypoints(tmp_path / "keypoints", d.Session(folder), person, "mediapipe")
-    found = keypoints.triangulated(d.Session(folder), tmp_path / "keypoints", 0)
+    found = keypoints.triangulated(keeping(d.Session(folder), tmp_path / "keypoints"), 0)
     assert max(person.errors_mm(found).values()) < 1
 
 
@@ -223,6 +233,11 @@ def test_joints_come_from_keypoints_where_arms_hang(model, tmp_path, capsys):
     assert main(["scan", str(folder), *FAST, "--keypoints", str(tmp_path / "keypoints")]) in (0, 3)
     errors = person.errors_mm({mark.name: mark.position for mark in d.Session(folder).joints})
     assert np.mean(list(errors.values())) < 25 and errors["l_knee"] < 1, errors
+    capsys.readouterr()
+    assert main(["scan", str(folder), *FAST, "--keypoints", str(tmp_path / "keypoints")]) in (0, 3)  # anew, beside what is there
+    assert capsys.readouterr().out.split("\n")[0] == str(folder / "keypoints.npz")
+    assert main(["scan", str(folder), "--refine", str(folder), "--keypoints", str(tmp_path / "keypoints")]) == 1
+    assert "--keypoints: expected no --refine beside it" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -233,25 +248,29 @@ def test_joints_come_from_keypoints_where_arms_hang(model, tmp_path, capsys):
         ('{"a": 1}', "expected keypoints (a list of frames"),
         ("[[[1, 2, 1], [3, 4, 1]]]", "expected 17, 18, 25, 26, 33, 133 keypoints of x, y and confidence, found (2, 3)"),
         ('[[["x", 2, 1]]]', "expected 17, 18, 25"),
-        ("[null]", "expected at least 6 joints that two cameras agree on at frame 0, found 0"),
+        ("[null]", "frame 0: expected at least 6 joints that two cameras agree on, found 0"),
     ],
 )
 def test_wrong_keypoints_are_named(model, tmp_path, content, words):
     session = d.Session(write_session(tmp_path / "session", Person(model, 0.0, 5), cameras=3))
+
+    def adopt(name: str) -> None:
+        keypoints.adopt_keypoints(session, tmp_path / name, 0, [])
+
     with pytest.raises(FileNotFoundError, match="expected a folder with the keypoints"):
-        keypoints.triangulated(session, tmp_path / "nowhere", 0)
+        adopt("nowhere")
     (tmp_path / "keypoints").mkdir()
     with pytest.raises(FileNotFoundError, match="expected a JSON file, or a folder of them"):
-        keypoints.triangulated(session, tmp_path / "keypoints", 0)
+        adopt("keypoints")
     for camera in session.cameras:
         (tmp_path / "keypoints" / f"{camera.name}.json").write_text(content)
     with pytest.raises((RuntimeError, ValueError), match=re.escape(words)):
-        keypoints.triangulated(session, tmp_path / "keypoints", 0)
+        adopt("keypoints")
     (tmp_path / "keypoints" / f"{session.cameras[0].name}.json").unlink()
     with pytest.raises(
         ValueError, match="expected one file or folder of keypoints for each camera, by name, found none for cam0"
     ):
-        keypoints.triangulated(session, tmp_path / "keypoints", 0)
+        adopt("keypoints")
 
 
 def tracked(session: d.Session, out, outwards: float) -> None:

@@ -46,7 +46,7 @@ struct MomentSystem {
 };
 
 /// How the outline of the actor appears in a camera, for telling how far cameras have moved.
-struct SeenPoint {
+struct OutlinePoint {
   Eigen::Vector3d x;
   double metres_per_pixel;
 };
@@ -263,7 +263,7 @@ private:
   }
 
   /// The actor's outline as each camera sees it at all moments.
-  void look(std::vector<std::vector<SeenPoint>> &seen) const {
+  void look(std::vector<std::vector<OutlinePoint>> &seen) const {
     for (size_t m = 0; m < poses_.size(); ++m) {
       const Vertices vertices = show(static_cast<int>(m), 0).vertices;
       for (int v = 0; v < views_; ++v)
@@ -358,7 +358,7 @@ private:
   ViewSums sum_view(int view, const Camera &from, const Eigen::Vector3d &centre) const {
     ViewSums sums;
     const double share = 1 / static_cast<double>(std::max<size_t>(1, seen_[view].size()));
-    for (const SeenPoint &point : seen_[view]) {
+    for (const OutlinePoint &point : seen_[view]) {
       const Eigen::Matrix<double, 2, kStep> step = point.metres_per_pixel * step_jacobian(rig_[view], point.x);
       const Eigen::Vector2d moved = point.metres_per_pixel * (rig_[view].project(point.x) - from.project(point.x));
       Eigen::Matrix<double, 2, 6> world;
@@ -377,8 +377,8 @@ private:
   Eigen::Vector3d centre_of_actor() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     double count = 0;
-    for (const std::vector<SeenPoint> &points : seen_)
-      for (const SeenPoint &point : points) {
+    for (const std::vector<OutlinePoint> &points : seen_)
+      for (const OutlinePoint &point : points) {
         sum += point.x;
         count += 1;
       }
@@ -425,7 +425,7 @@ private:
   std::vector<Unknowns> unknowns_; // against the given cameras
   std::vector<Eigen::VectorXd> poses_, start_poses_;
   std::vector<std::vector<std::unique_ptr<OutlineIndex>>> indices_;
-  std::vector<std::vector<SeenPoint>> seen_;
+  std::vector<std::vector<OutlinePoint>> seen_;
   Eigen::MatrixXd covariance_;
 };
 

@@ -11,7 +11,7 @@ namespace doublet::detail {
 namespace {
 
 constexpr int kStep = 7; // of a CameraStep; distortion stays
-constexpr int kJointUnknowns = 3 * kCalibrationJoints;
+constexpr int kJointUnknowns = 3 * kKeypoints;
 constexpr double kScale = 3;         // of Geman and McClure, in expected errors
 constexpr double kHeld = 1e12;       // weight of the first camera's place, which is the world's
 constexpr double kEnoughGain = 1e-3; // share by which the cost must fall
@@ -63,7 +63,7 @@ public:
     double sum = 0;
     for (size_t m = 0; m < bundle.seen.size(); ++m) {
       for (int v = 0; v < views_; ++v)
-        for (int j = 0; j < kCalibrationJoints; ++j)
+        for (int j = 0; j < kKeypoints; ++j)
           if (const Keypoint &seen = bundle.seen[m][v][j]; seen.counts()) {
             const auto &joint = bundle.joints[m][j];
             const double r = joint ? keypoint_residual(bundle.rig[v], seen, *joint, bundle.keypoint_error)
@@ -138,7 +138,7 @@ public:
       return false;
     for (size_t k = 0; k < equations.size(); ++k) {
       const Eigen::VectorXd moved = -factors[k].solve(equations[k].joint_gradient + equations[k].coupling * change);
-      for (int j = 0; j < kCalibrationJoints; ++j)
+      for (int j = 0; j < kKeypoints; ++j)
         if (bundle.joints[k][j])
           *bundle.joints[k][j] += moved.segment<3>(3 * j);
     }
@@ -189,7 +189,7 @@ private:
     for (int v = 0; v < views_; ++v) {
       const Camera &camera = bundle.rig[v];
       const double error = bundle.keypoint_error * std::max(camera.width, camera.height);
-      for (int j = 0; j < kCalibrationJoints; ++j) {
+      for (int j = 0; j < kKeypoints; ++j) {
         const Keypoint &seen = bundle.seen[moment][v][j];
         const auto &joint = bundle.joints[moment][j];
         if (!joint || !seen.counts() || camera.depth(*joint) <= 0)
@@ -248,7 +248,7 @@ void PersonBundle::triangulate_joints() {
     cameras.push_back({camera, {}});
   std::vector<Keypoint> one(rig.size());
   for (size_t m = 0; m < seen.size(); ++m)
-    for (int j = 0; j < kCalibrationJoints; ++j) {
+    for (int j = 0; j < kKeypoints; ++j) {
       for (size_t v = 0; v < rig.size(); ++v)
         one[v] = seen[m][v][j];
       joints[m][j] = triangulate(cameras, one);

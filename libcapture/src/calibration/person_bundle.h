@@ -9,7 +9,7 @@
 
 namespace doublet::detail {
 
-/// A bone between two joints of kCalibrationJointNames; `length` counts the bones that are alike, left and right.
+/// A bone between two joints of kKeypointNames; `length` counts the bones that are alike, left and right.
 struct CalibrationBone {
   int from, to, length;
 };
@@ -43,7 +43,7 @@ inline constexpr std::array<CalibrationLength, 7> kCalibrationLengths{{{0.146, 0
 inline constexpr int kBoneLengths = static_cast<int>(kCalibrationLengths.size());
 
 /// Where the joints are in one frame; none where cameras do not agree.
-using JointPoints = std::array<std::optional<Eigen::Vector3d>, kCalibrationJoints>;
+using JointPoints = std::array<std::optional<Eigen::Vector3d>, kKeypoints>;
 
 /// What is estimated, and what was seen of it.
 struct PersonBundle {

@@ -29,13 +29,13 @@ void validate(const std::vector<PersonView> &views) {
     if (view.width <= 0 || view.height <= 0 || !(view.focal >= 0) || !std::isfinite(view.focal))
       throw std::invalid_argument("calibrate_from_person: view '" + view.name +
                                   "': expected a size above 0 and a focal length of at least 0");
-    if (view.seen.size() != views[0].seen.size() || view.seen.size() % kCalibrationJoints)
+    if (view.seen.size() != views[0].seen.size() || view.seen.size() % kKeypoints)
       throw std::invalid_argument("calibrate_from_person: view '" + view.name + "': expected " +
-                                  std::to_string(views[0].seen.size()) + " keypoints, " + std::to_string(kCalibrationJoints) +
+                                  std::to_string(views[0].seen.size()) + " keypoints, " + std::to_string(kKeypoints) +
                                   " a frame, found " + std::to_string(view.seen.size()));
-    if (!view.silhouettes.empty() && view.silhouettes.size() * kCalibrationJoints != view.seen.size())
+    if (!view.silhouettes.empty() && view.silhouettes.size() * kKeypoints != view.seen.size())
       throw std::invalid_argument("calibrate_from_person: view '" + view.name + "': expected silhouettes of " +
-                                  std::to_string(view.seen.size() / kCalibrationJoints) + " frames or none, found " +
+                                  std::to_string(view.seen.size() / kKeypoints) + " frames or none, found " +
                                   std::to_string(view.silhouettes.size()));
   }
 }
@@ -43,11 +43,11 @@ void validate(const std::vector<PersonView> &views) {
 /// Frames in which two cameras see half of the joints: so many, spread evenly, and all that have silhouettes.
 std::vector<int> choose_moments(const std::vector<PersonView> &views, int count) {
   std::vector<int> useful;
-  const int frames = static_cast<int>(views[0].seen.size()) / kCalibrationJoints;
+  const int frames = static_cast<int>(views[0].seen.size()) / kKeypoints;
   for (int f = 0; f < frames; ++f) {
     const auto sees = [&](const PersonView &view) {
-      const auto first = view.seen.begin() + f * kCalibrationJoints;
-      return 2 * std::count_if(first, first + kCalibrationJoints, std::mem_fn(&Keypoint::counts)) >= kCalibrationJoints;
+      const auto first = view.seen.begin() + f * kKeypoints;
+      return 2 * std::count_if(first, first + kKeypoints, std::mem_fn(&Keypoint::counts)) >= kKeypoints;
     };
     if (std::count_if(views.begin(), views.end(), sees) >= 2)
       useful.push_back(f);
@@ -82,7 +82,7 @@ Eigen::Vector3d centre_of(const PersonBundle &bundle) {
 std::vector<detail::TangentPair> find_tangents(const std::vector<PersonView> &views, const PersonBundle &bundle) {
   std::vector<detail::TangentPair> all;
   const Eigen::Vector3d centre = centre_of(bundle);
-  for (size_t f = 0; f * kCalibrationJoints < views[0].seen.size(); ++f) {
+  for (size_t f = 0; f * kKeypoints < views[0].seen.size(); ++f) {
     std::vector<const std::vector<Eigen::Vector2d> *> hulls;
     for (const PersonView &view : views)
       hulls.push_back(f < view.silhouettes.size() ? &view.silhouettes[f] : nullptr);
@@ -99,7 +99,7 @@ std::vector<PersonCamera> describe(const PersonBundle &bundle) {
     std::vector<double> errors, apart;
     double all = 0;
     for (size_t m = 0; m < bundle.seen.size(); ++m)
-      for (int j = 0; j < kCalibrationJoints; ++j) {
+      for (int j = 0; j < kKeypoints; ++j) {
         const Keypoint &seen = bundle.seen[m][v][j];
         if (!seen.counts())
           continue;
@@ -165,12 +165,12 @@ PersonCalibration calibrate_from_person(const std::vector<PersonView> &views, co
   detail::stand_upright(views, frames, options.height, bundle);
   result.rig = bundle.rig;
   result.frames = frames;
-  result.joints = Vertices::Constant(static_cast<Eigen::Index>(frames.size()) * kCalibrationJoints, 3,
+  result.joints = Vertices::Constant(static_cast<Eigen::Index>(frames.size()) * kKeypoints, 3,
                                      std::numeric_limits<double>::quiet_NaN());
   for (size_t m = 0; m < frames.size(); ++m)
-    for (int j = 0; j < kCalibrationJoints; ++j)
+    for (int j = 0; j < kKeypoints; ++j)
       if (const auto &joint = bundle.joints[m][j])
-        result.joints.row(static_cast<Eigen::Index>(m) * kCalibrationJoints + j) = *joint;
+        result.joints.row(static_cast<Eigen::Index>(m) * kKeypoints + j) = *joint;
   context.report_progress("calibration", 1);
   return result;
 }

@@ -43,7 +43,7 @@ PersonBundle gather(const std::vector<PersonView> &views, const std::vector<int>
   for (const int frame : frames) {
     bundle.seen.emplace_back();
     for (const PersonView &view : views)
-      bundle.seen.back().push_back(&view.seen[static_cast<size_t>(frame) * kCalibrationJoints]);
+      bundle.seen.back().push_back(&view.seen[static_cast<size_t>(frame) * kKeypoints]);
   }
   bundle.joints.resize(frames.size());
   for (int k = 0; k < kBoneLengths; ++k)
@@ -68,7 +68,7 @@ CameraPair relative_pose(const PersonBundle &bundle, int first, int second) {
   std::vector<cv::Point2d> a, b;
   const Camera &one = bundle.rig[first], &other = bundle.rig[second];
   for (const auto &moment : bundle.seen)
-    for (int j = 0; j < kCalibrationJoints; ++j)
+    for (int j = 0; j < kKeypoints; ++j)
       if (moment[first][j].counts() && moment[second][j].counts()) {
         a.push_back(on_unit_plane(one, moment[first][j].pixel));
         b.push_back(on_unit_plane(other, moment[second][j].pixel));
@@ -135,7 +135,7 @@ int add_camera(PersonBundle &whole, const PersonBundle &part, const std::vector<
     std::vector<cv::Point3d> points;
     std::vector<cv::Point2d> pixels;
     for (size_t m = 0; m < whole.seen.size(); ++m)
-      for (int j = 0; j < kCalibrationJoints; ++j)
+      for (int j = 0; j < kKeypoints; ++j)
         if (const auto &x = part.joints[m][j]; x && whole.seen[m][c][j].counts()) {
           points.emplace_back(x->x(), x->y(), x->z());
           pixels.push_back(on_unit_plane(whole.rig[c], whole.seen[m][c][j].pixel));

@@ -21,7 +21,7 @@ constexpr int kLevelSteps = 10;
 Eigen::Vector3d middle(const JointPoints &joints, int left) {
   return (*joints[left] + *joints[left + 1]) / 2;
 }
-constexpr int kShoulders = 0, kWrists = 4, kHips = 6, kAnkles = 10; // the left ones of kCalibrationJointNames
+constexpr int kShoulders = 0, kWrists = 4, kHips = 6, kAnkles = 10; // the left ones of kKeypointNames
 
 bool has(const JointPoints &joints, std::initializer_list<int> pairs) {
   return std::all_of(pairs.begin(), pairs.end(), [&](int left) { return joints[left] && joints[left + 1]; });

@@ -1,6 +1,7 @@
 #include "doublet/capture/session.h"
 #include "doublet/core/error.h"
 #include "frame_reader.h"
+#include "keypoint_file.h"
 #include "lens_map.h"
 
 #include <opencv2/imgproc.hpp>
@@ -30,7 +31,10 @@ Image to_mask(const cv::Mat &bgr) {
 class SessionFrames : public FrameSource {
 public:
   explicit SessionFrames(const Session &session)
-      : session_(session), maps_(session.cameras.size()), videos_(session.cameras.size()), masks_(session.cameras.size()) {}
+      : session_(session), maps_(session.cameras.size()), videos_(session.cameras.size()), masks_(session.cameras.size()) {
+    if (!session.keypoints.empty())
+      keypoints_ = detail::read_keypoints(session.keypoints, session.cameras, session.frame_count);
+  }
 
   int frame_count() const override { return session_.frame_count; }
   int camera_count() const override { return static_cast<int>(session_.cameras.size()); }
@@ -53,6 +57,20 @@ public:
       return {};
     const detail::LensMap *lens = lens_of(camera);
     return to_mask(lens ? lens->mask(mat) : mat);
+  }
+
+  std::vector<Keypoint> keypoints(int camera, int frame) override {
+    check(camera, frame);
+    const int number = in_file(camera, frame);
+    if (keypoints_.empty() || keypoints_[camera].empty() || number < 0)
+      return {};
+    const auto first = keypoints_[camera].begin() + std::ptrdiff_t{number} * kKeypoints;
+    std::vector<Keypoint> found(first, first + kKeypoints);
+    if (const detail::LensMap *lens = lens_of(camera))
+      for (Keypoint &keypoint : found)
+        if (keypoint.counts())
+          keypoint.pixel = lens->pixel(keypoint.pixel);
+    return found;
   }
 
 private:
@@ -101,9 +119,14 @@ private:
   Session session_;
   std::vector<std::optional<detail::LensMap>> maps_;                 // made when first needed
   std::vector<std::unique_ptr<detail::FrameReader>> videos_, masks_; // opened when first asked for
+  std::vector<std::vector<Keypoint>> keypoints_;                     // [cameras] of the frames of its file; none if there are none
 };
 
 } // namespace
+
+std::vector<Keypoint> FrameSource::keypoints(int, int) {
+  return {};
+}
 
 std::unique_ptr<FrameSource> FrameSource::open(const Session &session) {
   if (session.rig.size() != session.cameras.size())

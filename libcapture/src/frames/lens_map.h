@@ -14,8 +14,11 @@ public:
   cv::Mat image(const cv::Mat &filmed) const;
   /// What the lens did not see is not the actor.
   cv::Mat mask(const cv::Mat &filmed) const;
+  Eigen::Vector2d pixel(const Eigen::Vector2d &filmed) const;
 
 private:
+  cv::Matx33d K_;
+  Lens lens_;
   cv::Mat x_y_, fraction_; // cv::remap's fixed-point maps
 };
 

@@ -5,6 +5,7 @@
 #include "doublet/files/files.h"
 #include "doublet/options/options.h"
 #include "frame_reader.h"
+#include "keypoint_file.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -273,6 +274,10 @@ Session read_session(const fs::path &folder) {
     session.cameras[c].video_fps = check_frames(session.cameras[c].video, needed, session.rig[c]);
     check_frames(session.cameras[c].masks, needed, session.rig[c]);
     check_plates(session.cameras[c].background, session.rig[c]);
+  }
+  if (const std::string keypoints = text_or(json, "keypoints", where); !keypoints.empty()) {
+    session.keypoints = existing(session.folder, keypoints, "file of keypoints", source);
+    detail::read_keypoints(session.keypoints, session.cameras, session.frame_count);
   }
   return session;
 }

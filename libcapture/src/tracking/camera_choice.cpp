@@ -13,6 +13,7 @@ public:
   int camera_count() const override { return static_cast<int>(cameras_.size()); }
   Image image(int camera, int frame) override { return all_.image(cameras_.at(camera), frame); }
   Image mask(int camera, int frame) override { return all_.mask(cameras_.at(camera), frame); }
+  std::vector<Keypoint> keypoints(int camera, int frame) override { return all_.keypoints(cameras_.at(camera), frame); }
 
 private:
   FrameSource &all_;

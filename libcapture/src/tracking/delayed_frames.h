@@ -15,6 +15,9 @@ public:
   int camera_count() const override { return all_.camera_count(); }
   Image image(int camera, int frame) override { return filmed(camera, frame) ? all_.image(camera, at(camera, frame)) : Image(); }
   Image mask(int camera, int frame) override { return filmed(camera, frame) ? all_.mask(camera, at(camera, frame)) : Image(); }
+  std::vector<Keypoint> keypoints(int camera, int frame) override {
+    return filmed(camera, frame) ? all_.keypoints(camera, at(camera, frame)) : std::vector<Keypoint>();
+  }
 
 private:
   int at(int camera, int frame) const { return frame + delays_.at(static_cast<std::size_t>(camera)); }

@@ -14,8 +14,9 @@ void say_lost(const TrackingJob &job, const LostLimb &lost) {
 } // namespace
 
 FrameTracker::FrameTracker(const TrackingJob &job, const TrackingOrder &order, const TakeMeasurements &measured,
-                           const SurfaceMemory &memory, SurfaceTracks &tracks, CaptureResult &result)
-    : job_(job), order_(order), measured_(measured), memory_(memory), tracks_(tracks), result_(result),
+                           const SurfaceMemory &memory, const KeypointPlaces &places, SurfaceTracks &tracks,
+                           CaptureResult &result)
+    : job_(job), order_(order), measured_(measured), memory_(memory), places_(places), tracks_(tracks), result_(result),
       limbs_(find_limbs(job.actor.skeleton)) {
   forget_limbs();
 }
@@ -40,6 +41,7 @@ void FrameTracker::find_pose(int t, TrackedFrame &found) {
   problem.first = t == order_.start && !order_.again;
   problem.predicted = problem.first ? start_pose_ : predict(t);
   problem.start = problem.predicted;
+  problem.points = places_.points(measured_.joints());
   tracks_.lift(t);
   problem.tracks = tracks_.find(problem.predicted, memory_.expected(), t);
   PoseEstimate estimate;
@@ -73,7 +75,8 @@ void FrameTracker::recover_limbs(const PoseProblem &problem, PoseEstimate &estim
   constexpr int kLongestWait = 10; // frames
   const Stopwatch watch(result_.summary.limb_seconds);
   auto &[misses, next_search, steady_since] = found.limbs;
-  const LimbProblem limbs{&job_.actor, &job_.rig, &measured_.masks(), memory_.expected(), problem.reliability, problem.predicted};
+  const LimbProblem limbs{&job_.actor, &job_.rig, &measured_.masks(), memory_.expected(), problem.reliability, problem.predicted,
+                           problem.points};
   const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, job_.options.limbs, job_.context);
   std::vector<Limb> sought;
   for (size_t l = 0; l < limbs_.size(); ++l)

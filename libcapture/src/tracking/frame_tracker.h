@@ -13,7 +13,7 @@ class FrameTracker {
 public:
   /// `result`: poses of the frames before, and seconds.
   FrameTracker(const TrackingJob &job, const TrackingOrder &order, const TakeMeasurements &measured, const SurfaceMemory &memory,
-               SurfaceTracks &tracks, CaptureResult &result);
+               const KeypointPlaces &places, SurfaceTracks &tracks, CaptureResult &result);
   /// The pose that the search at the start begins with.
   void begin_with(Eigen::VectorXd dofs) { start_pose_ = std::move(dofs); }
   /// Pose, limbs, residuals, surface and mapped features of frame index t.
@@ -37,6 +37,7 @@ private:
   const TrackingOrder &order_;
   const TakeMeasurements &measured_;
   const SurfaceMemory &memory_;
+  const KeypointPlaces &places_;
   SurfaceTracks &tracks_;
   CaptureResult &result_;
   std::vector<Limb> limbs_;

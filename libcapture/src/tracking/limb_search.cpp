@@ -160,6 +160,26 @@ Eigen::VectorXd mean_over_corners(const Eigen::VectorXd &values, const Faces &fa
   return mean;
 }
 
+/// m, mean over the points that keypoints show, each at most `most`; 0 if there are none.
+double distance_to(const std::vector<SeenPoint> &points, const Skeleton &skeleton, const Eigen::VectorXd &dofs, double most) {
+  if (points.empty())
+    return 0;
+  const Transforms world_from_rest = forward_kinematics(skeleton, dofs);
+  double sum = 0;
+  for (const SeenPoint &point : points)
+    sum += std::min(most, (world_from_rest.at(point.joint) * point.rest - point.seen).norm());
+  return sum / static_cast<double>(points.size());
+}
+
+/// Those of the points that move with a limb.
+std::vector<SeenPoint> points_of(const std::vector<SeenPoint> &points, const Limb &limb) {
+  std::vector<SeenPoint> own;
+  for (const SeenPoint &point : points)
+    if (std::find(limb.joints.begin(), limb.joints.end(), point.joint) != limb.joints.end())
+      own.push_back(point);
+  return own;
+}
+
 void require_complete(const LimbProblem &problem, const Eigen::VectorXd &dofs) {
   if (!problem.actor || !problem.rig || !problem.masks || problem.masks->size() != problem.rig->size())
     throw std::invalid_argument("limb search: the problem needs an actor, a rig and one mask a camera");
@@ -220,7 +240,7 @@ public:
   LimbEnergy(const LimbProblem &problem, const std::vector<SmallView> &views, const Eigen::VectorXd &dofs, const Limb &limb,
              const LimbSearchOptions &options, const Context &context)
       : problem_(problem), views_(views), dofs_(dofs), limb_(limb), options_(options), context_(context),
-        offset_(problem.offset) {
+        offset_(problem.offset), points_(points_of(problem.points, limb)) {
     std::vector<std::uint8_t> stays;
     part_ = moved_part(*problem.actor, limb.dofs, stays, offset_);
     const Vertices surface = pose_surface(*problem.actor, dofs, problem.offset).vertices;
@@ -238,8 +258,8 @@ public:
       area_ += p;
   }
 
-  /// For samples (n, limb dofs): pixels that are wrong because of the limb, against its area, plus the smoothness prior. Constant
-  /// terms are left out.
+  /// For samples (n, limb dofs): pixels that are wrong because of the limb, against its area, plus the smoothness prior and how far
+  /// its joints are from where keypoints show them. Constant terms are left out.
   Eigen::VectorXd operator()(const Eigen::MatrixXd &samples) const {
     Eigen::VectorXd energies(samples.rows());
     parallel_for(context_, static_cast<int>(samples.rows()), [&](int i) { energies[i] = energy(samples.row(i)); });
@@ -264,7 +284,8 @@ private:
           if (drawn.face[p] >= 0 && !rest_[v].data[p]) // explains a pixel, or is wrong there
             wrong += views_[v].mask.data[p] ? -1 : 1;
       }
-    return wrong / std::max(1.0, area_) + options_.smoothness * prior;
+    const double off = distance_to(points_, problem_.actor->skeleton, dofs, options_.max_error) / options_.max_error;
+    return wrong / std::max(1.0, area_) + options_.smoothness * prior + options_.keypoint_weight * off;
   }
 
   const LimbProblem &problem_;
@@ -274,6 +295,7 @@ private:
   const LimbSearchOptions &options_;
   const Context &context_;
   Vertices offset_;
+  std::vector<SeenPoint> points_; // of this limb
   RiggedMesh part_;
   std::vector<Image> rest_; // silhouettes of what stays
   double area_ = 0;
@@ -354,7 +376,12 @@ Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &d
     sum.error += part.error;
     sum.pixels += part.pixels;
   }
-  return sum.error.cwiseQuotient(sum.pixels.cwiseMax(1));
+  Eigen::VectorXd errors = sum.error.cwiseQuotient(sum.pixels.cwiseMax(1));
+  for (size_t l = 0; l < limbs.size(); ++l) {
+    const std::vector<SeenPoint> points = points_of(problem.points, limbs[l]);
+    errors[l] = std::max(errors[l], options.keypoint_error * distance_to(points, actor.skeleton, dofs, options.max_error));
+  }
+  return errors;
 }
 
 double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, const LimbSearchOptions &options,
@@ -378,7 +405,8 @@ double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, c
       sum += wrong[v] / inside[v];
       count += 1;
     }
-  return count > 0 ? sum / count : 0;
+  const double off = distance_to(problem.points, problem.actor->skeleton, dofs, options.max_error) / options.max_error;
+  return (count > 0 ? sum / count : 0) + options.keypoint_weight * off;
 }
 
 std::unique_ptr<LimbSearch> LimbSearch::create(const LimbSearchOptions &options) {

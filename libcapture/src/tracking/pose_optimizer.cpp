@@ -73,6 +73,10 @@ private:
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
       throw std::invalid_argument("PoseOptimizer: the problem needs an actor, a rig and one outline a camera");
     actor_ = problem.actor;
+    for (const SeenPoint &point : problem.points)
+      if (point.joint < 0 || point.joint >= actor_->skeleton.joint_count() || !point.rest.allFinite() || !point.seen.allFinite())
+        throw std::invalid_argument("PoseOptimizer: a seen point must have a joint of the skeleton and finite places");
+    moved_ = dof_moves_joint(actor_->skeleton);
     influence_ = dof_influence(*actor_); // anew: another actor may be at the same address
     views_ = static_cast<int>(problem.rig->size());
     indices_.clear();
@@ -122,6 +126,7 @@ private:
     NormalEquations sum(size);
     for (const NormalEquations &part : parts)
       sum.add(part);
+    add_points(problem, dofs, twists, derivatives, sum);
     add_prior(problem, dofs, sum);
     return sum;
   }
@@ -169,6 +174,29 @@ private:
     const double robust = weight * geman_mcclure_weight(residual.squaredNorm(), scale_);
     for (int axis = 0; axis < 2; ++axis)
       rows.add(jacobian.row(axis).transpose(), residual[axis], robust);
+  }
+
+  void add_points(const PoseProblem &problem, const Eigen::VectorXd &dofs, const std::vector<DofTwist> &twists, bool derivatives,
+                  NormalEquations &system) const {
+    if (problem.points.empty())
+      return;
+    const Transforms world_from_rest = forward_kinematics(actor_->skeleton, dofs);
+    const double weight = options_.keypoint_weight / (kUnit * kUnit), scale = options_.keypoint_scale;
+    WeightedRows rows(system.hessian, system.gradient);
+    for (const SeenPoint &point : problem.points) {
+      const Eigen::Vector3d x = world_from_rest[point.joint] * point.rest, off = x - point.seen;
+      system.energy += weight * scale * scale * geman_mcclure(off.squaredNorm(), scale);
+      if (!derivatives)
+        continue;
+      Eigen::Matrix3Xd jacobian = Eigen::Matrix3Xd::Zero(3, dofs.size());
+      for (int d = 0; d < dofs.size(); ++d)
+        if (moved_(d, point.joint))
+          jacobian.col(d) = twists[d].angular.cross(x) + twists[d].linear;
+      const double robust = weight * geman_mcclure_weight(off.squaredNorm(), scale);
+      for (int axis = 0; axis < 3; ++axis)
+        rows.add(jacobian.row(axis).transpose(), off[axis], robust);
+    }
+    rows.finish();
   }
 
   /// Pull to the prediction, and walls at the joint limits.
@@ -231,6 +259,7 @@ private:
   PoseOptions options_;
   const RiggedMesh *actor_ = nullptr;
   MatrixRM influence_;
+  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> moved_; // (D, J)
   int views_ = 0;
   std::vector<OutlineIndex> indices_;
   std::vector<RimMatches> matches_;

@@ -14,13 +14,15 @@ namespace {
               "); do scan, calibration and videos belong together? start_frame names a frame that is near the scan's pose");
 }
 
-FoundPose pose_in(const TrackingJob &job, TakeMeasurements &measurements, const Eigen::VectorXd &reliability, int video_frame) {
+FoundPose pose_in(const TrackingJob &job, TakeMeasurements &measurements, const Eigen::VectorXd &reliability,
+                  const KeypointPlaces &places, int video_frame) {
   const std::vector<ViewMeasurement> views = measurements.look(video_frame - job.options.first_frame, nullptr);
   const std::vector<Image> masks = masks_of(views);
   std::vector<Outline> outlines;
   for (const ViewMeasurement &view : views)
     outlines.push_back(view.outline);
-  const StartProblem problem{&job.actor, &job.rig, &outlines, &masks, reliability};
+  const StartProblem problem{&job.actor,  &job.rig,    &outlines,
+                             &masks,      reliability, places.points(seen_joints(views, job.rig))};
   return search_pose(problem, *job.parts.pose, *job.parts.limbs, job.options.limbs, job.context);
 }
 
@@ -34,13 +36,13 @@ void begin_at(const TrackingJob &job, int video_frame, const Eigen::VectorXd &do
 /// The pose in the first of the frames where it is beyond doubt which way the actor faces, or in the one that leaves the least.
 /// What a garment hides is where the scan has it, so that the most alike comes first.
 void search_pose_in(const TrackingJob &job, TakeMeasurements &measurements, const Eigen::VectorXd &reliability,
-                    const std::vector<LikelyStart> &likely, StartPose &start) {
+                    const KeypointPlaces &places, const std::vector<LikelyStart> &likely, StartPose &start) {
   constexpr double kUsable = 0.35; // wrong pixels against those of the actor: a wide skirt that flies has 0.2
   constexpr double kDoubt = 0.85;  // wrong against rival; 0.3 to 0.7 where the actor faces the right way
   FoundPose best;
   double doubt = 2, least_wrong = 1;
   for (const LikelyStart &one : likely) {
-    const FoundPose found = pose_in(job, measurements, reliability, one.frame);
+    const FoundPose found = pose_in(job, measurements, reliability, places, one.frame);
     least_wrong = std::min(least_wrong, found.wrong);
     if (found.wrong > kUsable || found.wrong / found.rival >= doubt)
       continue;
@@ -63,7 +65,7 @@ void search_pose_in(const TrackingJob &job, TakeMeasurements &measurements, cons
 } // namespace
 
 StartPose find_start_pose(const TrackingJob &job, TakeMeasurements &measurements, const Eigen::VectorXd &reliability,
-                          double &seconds) {
+                          const KeypointPlaces &places, double &seconds) {
   constexpr int kTries = 3;
   const int first = job.options.first_frame;
   const bool given = job.options.start_frame >= 0;
@@ -90,7 +92,7 @@ StartPose find_start_pose(const TrackingJob &job, TakeMeasurements &measurements
     begin_at(job, likely.front().frame, likely.front().placed.dofs, start);
     job.say("frame %d is (overlap %.2f); it goes on from there, and back", job.frame(start.t), best);
   } else {
-    search_pose_in(job, measurements, reliability, likely, start);
+    search_pose_in(job, measurements, reliability, places, likely, start);
   }
   return start;
 }

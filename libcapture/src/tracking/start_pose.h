@@ -19,6 +19,6 @@ struct StartPose {
 /// it fits nowhere, the pose is searched in the frames that come nearest. `reliability` (V): before anything was seen. Throws
 /// Error if there is none.
 StartPose find_start_pose(const TrackingJob &job, TakeMeasurements &measurements, const Eigen::VectorXd &reliability,
-                          double &seconds);
+                          const KeypointPlaces &places, double &seconds);
 
 } // namespace doublet::detail

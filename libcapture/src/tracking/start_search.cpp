@@ -161,7 +161,7 @@ public:
 
 private:
   LimbProblem about(const Eigen::VectorXd &expected) const {
-    return {problem_.actor, problem_.rig, problem_.masks, no_offset_, problem_.reliability, expected};
+    return {problem_.actor, problem_.rig, problem_.masks, no_offset_, problem_.reliability, expected, problem_.points};
   }
 
   Found optimized(const Eigen::VectorXd &placed, const Eigen::VectorXd &start) const {
@@ -171,6 +171,7 @@ private:
     pose.outlines = problem_.outlines;
     pose.offset = no_offset_;
     pose.reliability = problem_.reliability;
+    pose.points = problem_.points;
     pose.predicted = pose.start = start;
     pose.first = true;
     const Eigen::VectorXd dofs = optimizer_.optimize(pose, context_).dofs;

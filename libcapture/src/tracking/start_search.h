@@ -34,6 +34,7 @@ struct StartProblem {
   const std::vector<Outline> *outlines = nullptr;
   const std::vector<Image> *masks = nullptr;
   Eigen::VectorXd reliability; ///< (V)
+  std::vector<SeenPoint> points = {};
 };
 
 /// The scan pose at headings all around, each optimised, its lost limbs sought (Gall et al. 2009) and optimised again: the one

@@ -34,7 +34,7 @@ std::vector<Image> masks_of(const std::vector<ViewMeasurement> &views) {
 }
 
 TakeMeasurements::TakeMeasurements(const TrackingJob &job, const TrackingOrder &order, CaptureResult &result)
-    : job_(job), order_(order), result_(result), kept_(job.count) {}
+    : job_(job), order_(order), result_(result), kept_(job.count), kept_joints_(job.count) {}
 
 std::vector<ViewMeasurement> TakeMeasurements::look(int t, const FeatureTracker *tracker) {
   const Stopwatch watch(result_.summary.measure_seconds);
@@ -135,6 +135,7 @@ void TakeMeasurements::keep(int t, std::vector<ViewMeasurement> current, const s
   }
   if (present == 0)
     throw Error("capture: no camera shows the actor at frame " + std::to_string(job_.frame(t)));
+  joints_ = kept_joints_[t] = seen_joints(current, job_.rig);
   latest_ = std::move(current);
   result_.summary.views[t] = present;
   kept_[t] = pack(masks_);
@@ -156,6 +157,7 @@ std::vector<FeatureMatch> TakeMeasurements::matches_at(int t, int view) const {
 void TakeMeasurements::recall(int t) {
   masks_ = unpack(kept_[t]);
   outlines_ = traced(masks_);
+  joints_ = kept_joints_[t];
 }
 
 std::vector<Outline> TakeMeasurements::outlines_at(int t) const {

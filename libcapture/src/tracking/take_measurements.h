@@ -1,7 +1,8 @@
 #pragma once
-// What the images show, frame by frame: masks, outlines, features and their matches.
+// What the images show, frame by frame: masks, outlines, keypoints, features and their matches.
 
 #include "packed_mask.h"
+#include "seen_joints.h"
 #include "tracked_frame.h"
 #include "tracking_job.h"
 #include "view_measurement.h"
@@ -33,6 +34,7 @@ public:
 
   const std::vector<Outline> &outlines() const { return outlines_; }
   const std::vector<Image> &masks() const { return masks_; }
+  const SeenJoints &joints() const { return joints_; }
   const std::vector<ViewMeasurement> &latest() const { return latest_; }
   std::vector<Outline> outlines_at(int t) const;
   /// Of the frame before, tracked before, that is, with this one.
@@ -59,7 +61,9 @@ private:
   std::vector<ViewMeasurement> latest_; // features of the latest frame
   std::vector<Outline> outlines_;
   std::vector<Image> masks_;
+  SeenJoints joints_;
   std::vector<std::vector<PackedMask>> kept_; // [frames][cameras] masks: an outline has ten times the bytes and is traced again
+  std::vector<SeenJoints> kept_joints_;       // [frames]
 };
 
 } // namespace doublet::detail

@@ -12,8 +12,8 @@ namespace doublet::detail {
 
 Tracking::Tracking(const TrackingJob &job, const Studio &studio, CaptureCheckpoint &checkpoint)
     : job_(job), studio_(studio), checkpoint_(checkpoint), order_{job.count}, measured_(job_, order_, result_),
-      memory_(job.actor, job.options.cloth_deviation_scale, job.options.offset_decay, job.count),
-      tracks_(job_, order_, measured_, result_.summary), tracker_(job_, order_, measured_, memory_, tracks_, result_),
+      memory_(job.actor, job.options.cloth_deviation_scale, job.options.offset_decay, job.count), places_(job.actor.skeleton),
+      tracks_(job_, order_, measured_, result_.summary), tracker_(job_, order_, measured_, memory_, places_, tracks_, result_),
       began_(now()) {
   make_room();
 }
@@ -29,7 +29,7 @@ void Tracking::make_room() {
     result_.performance.frames.push_back(job_.frame(t));
   result_.observations.frames = result_.performance.frames;
   CaptureSummary &summary = result_.summary;
-  for (std::vector<double> *of_frames : {&summary.rim_px, &summary.sift_px, &summary.silhouette_iou})
+  for (std::vector<double> *of_frames : {&summary.rim_px, &summary.sift_px, &summary.keypoint_distance, &summary.silhouette_iou})
     of_frames->assign(job_.count, 0);
   summary.views.assign(job_.count, 0);
   summary.cameras = studio_.found;
@@ -99,7 +99,7 @@ void Tracking::begin(const std::vector<TrackedFrame> &known) {
     order_.start = known.front().frame;
     searched_ = known.front().searched;
   } else {
-    StartPose start = find_start_pose(job_, measured_, memory_.reliability(), result_.summary.pose_seconds);
+    StartPose start = find_start_pose(job_, measured_, memory_.reliability(), places_, result_.summary.pose_seconds);
     order_.start = start.t;
     searched_ = start.searched;
     measured_.have_start(std::move(start.views));
@@ -192,10 +192,13 @@ void Tracking::take(int t, const TrackedFrame &found) {
   result_.performance.dofs.row(t) = found.dofs;
   summary.rim_px[t] = found.rim_px;
   summary.sift_px[t] = found.sift_px;
+  summary.keypoint_distance[t] = places_.distance(measured_.joints(), found.dofs);
   summary.lost_limbs.insert(summary.lost_limbs.end(), found.lost.begin(), found.lost.end());
   tracker_.take(found.limbs);
-  if (!order_.again)
+  if (!order_.again) {
     tracks_.remember(t, found.mapped);
+    places_.learn(measured_.joints(), found.dofs);
+  }
   const PosedSurface skinned = pose_surface(job_.actor, found.dofs, {});
   memory_.learn(t, found.surface, skinned);
   summary.silhouette_iou[t] = tracks_.take(found.surface);

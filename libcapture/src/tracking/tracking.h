@@ -53,6 +53,7 @@ private:
   TrackingOrder order_;
   TakeMeasurements measured_;
   SurfaceMemory memory_;
+  KeypointPlaces places_;
   SurfaceTracks tracks_;
   FrameTracker tracker_;
   bool searched_ = false; // the pose of the start, as it is not the scan's

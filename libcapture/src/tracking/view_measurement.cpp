@@ -19,6 +19,14 @@ void require_size(const Image &image, const Camera &camera, int frame, const cha
                 std::to_string(camera.width) + " x " + std::to_string(camera.height));
 }
 
+std::uint64_t fingerprint_of(const Image &image, const Image &mask, const std::vector<Keypoint> &keypoints) {
+  Fingerprint print;
+  print.add(image.data).add(mask.data);
+  for (const Keypoint &keypoint : keypoints)
+    print.add(keypoint.pixel).bytes(&keypoint.confidence, sizeof keypoint.confidence);
+  return print.value();
+}
+
 /// Trackers may come from outside.
 void require_usable(const Features &features, const Camera &camera, int frame) {
   const std::string where = "camera '" + camera.name + "': the features of frame " + std::to_string(frame);
@@ -37,7 +45,11 @@ ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Cam
                              const FeatureTracker *tracker) {
   ViewMeasurement measured;
   auto [image, mask] = read_view(frames, view, frame, extractor);
-  measured.fingerprint = Fingerprint().add(image.data).add(mask.data).value();
+  measured.keypoints = frames.keypoints(view, frame);
+  if (!measured.keypoints.empty() && measured.keypoints.size() != static_cast<std::size_t>(kKeypoints))
+    throw Error("camera '" + camera.name + "': frame " + std::to_string(frame) + " has " +
+                std::to_string(measured.keypoints.size()) + " keypoints, expected " + std::to_string(kKeypoints) + ", or none");
+  measured.fingerprint = fingerprint_of(image, mask, measured.keypoints);
   measured.mask = std::move(mask);
   measured.has_image = !image.empty();
   if (measured.has_image)

@@ -10,8 +10,9 @@ struct ViewMeasurement {
   Outline outline;
   Features features;
   bool has_image = false;
-  int height = 0;                ///< px; of the actor's bounding box
-  std::uint64_t fingerprint = 0; ///< of image and mask
+  int height = 0;                  ///< px; of the actor's bounding box
+  std::vector<Keypoint> keypoints; ///< kKeypoints, or none
+  std::uint64_t fingerprint = 0;   ///< of image, mask and keypoints
 };
 
 ViewMeasurement measure_view(FrameSource &frames, int view, int frame, const Camera &camera, const SilhouetteExtractor *extractor,

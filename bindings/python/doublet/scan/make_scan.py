@@ -13,7 +13,7 @@ from .. import _doublet as d
 from ..common.files import write_json
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
-from ..session.keypoints import triangulated
+from ..session.keypoints import adopt_keypoints, triangulated
 
 #: Option groups of the command.
 GROUPS = {
@@ -63,26 +63,33 @@ def scan_session(
     both. A session that has scan and joints is refused.
 
     frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found.
-    keypoints: of all cameras, see triangulated().
+    keypoints: of all cameras, see filmed_keypoints(); the session keeps them.
     given: a scan of the same pose, which is brought to where the cameras see it."""
     folder = job.session_folder
     description = read_description(folder)
     wanted = [key for key in ("scan", "markers") if force or not description.get(key)]
-    if not wanted:
+    if not wanted and not keypoints:
         raise RuntimeError(f"{folder / 'session.json'}: names a scan and joints already; --force makes them anew")
     if frame and "scan" not in wanted:
         raise RuntimeError(
             f"{folder / 'session.json'}: names a scan already, made at its frame 0; --force makes another at --frame"
         )
-    for flag, value, key in (("--given", given, "scan"), ("--keypoints", keypoints, "markers")):
-        if value and key not in wanted:
-            raise RuntimeError(f"{flag}: {folder / 'session.json'} names what it would make already; --force makes it anew")
-    made = []
+    if given and "scan" not in wanted:
+        raise RuntimeError(f"--given: {folder / 'session.json'} names a scan already; --force makes it anew")
+    made, chosen = [], 0
     if "scan" in wanted:
         chosen = best_frame(job) if frame == BEST else frame
         require_motion_after(job, chosen)
+    if keypoints:
+        messages: list[str] = []
+        description["keypoints"] = adopt_keypoints(job.session, keypoints, chosen, messages)
+        for message in messages:
+            job.console.say(message)
+        made.append(folder / description["keypoints"])
+        save(job, description)
+    if "scan" in wanted:
         options = options or d.ViewScanOptions()
-        mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen, keypoints)
+        mesh = aligned(job, given, chosen) if given else scan_of(job, options, chosen)
         d.write_mesh(require_free(folder / SCAN, force), mesh)
         made.append(folder / SCAN)
         description["scan"] = SCAN
@@ -90,16 +97,21 @@ def scan_session(
         save(job, description)
     rival = 0.0
     if "markers" in wanted:
-        rival = write_marks(job, keypoints, force, of_cameras="scan" in wanted and not given)
+        rival = write_marks(job, force, of_cameras="scan" in wanted and not given)
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
     return with_check_picture(job, made, rival)
 
 
-def write_marks(job: Job, keypoints: Path | None, force: bool, of_cameras: bool) -> float:
+def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
+    """name -> (3) m, of a session that has keypoints; none of others."""
+    return triangulated(job.session, frame) if job.session.keypoints.name else {}
+
+
+def write_marks(job: Job, force: bool, of_cameras: bool) -> float:
     """Writes joints.json; how nearly as likely the other facing is."""
-    seen = triangulated(job.session, keypoints, 0) if keypoints else {}
+    seen = seen_joints(job, 0)
     marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
     write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
     return marks.facing_ambiguity
@@ -111,7 +123,7 @@ def with_check_picture(job: Job, made: list[Path], rival: float) -> ScanResult:
     return ScanResult([*made, picture], [*facing_finding(rival), *checked.findings])
 
 
-def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None, keypoints: Path | None = None) -> ScanResult:
+def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -> ScanResult:
     """The session's scan corrected by what was tracked with it: `out` is a folder of `reconstruct`, or of its stages to
     `segment`. Skin goes where the frames nearest to the rest pose have it, cloth stays (refine_rest_pose). The scan before is
     kept as FIRST_SCAN, joints that this command had found are found anew."""
@@ -131,7 +143,7 @@ def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None, k
     d.write_mesh(path, d.Mesh(fine, scan.faces))
     made, rival = [path], 0.0
     if found_here(job.session_folder / MARKS):
-        rival = write_marks(job, keypoints, force=True, of_cameras=True)
+        rival = write_marks(job, force=True, of_cameras=True)
         made.append(job.session_folder / MARKS)
     return with_check_picture(job, made, rival)
 
@@ -214,9 +226,9 @@ def hull_of(job: Job, views: list[d.CameraView]) -> d.Mesh:
     return d.scan_from_views(job.session.rig, views, COARSE, job.context)
 
 
-def scan_of(job: Job, options: d.ViewScanOptions, frame: int, keypoints: Path | None) -> d.Mesh:
+def scan_of(job: Job, options: d.ViewScanOptions, frame: int) -> d.Mesh:
     """The surface that the cameras see around a body, which is first fitted to their hull."""
-    seen, views = triangulated(job.session, keypoints, frame) if keypoints else {}, views_of(job, frame)
+    seen, views = seen_joints(job, frame), views_of(job, frame)
     hull = hull_of(job, views)
     try:
         body = marks_of(job, hull, seen, of_cameras=True).fit.body

@@ -12,9 +12,7 @@ from .. import _doublet as d
 from ..common.console import Console
 from ..common.images import ImageSeries, read_image
 from ..common.video import VideoFile, probe
-from .camera_files import match
 from .import_calibration import camera_line, distances
-from .keypoints import CameraKeypoints, list_keypoints
 from .request import FilmedCamera, Request
 
 HEIGHT = 1.7  #: m, of a person of whom it is not said
@@ -27,7 +25,7 @@ DOUBTFUL_SHARE, DOUBTFUL_TANGENT = 0.6, 0.01  #: of keypoints that agree, below;
 
 
 def require_one_way(request: Request) -> None:
-    if (request.calibration is None) == (request.keypoints is None):
+    if request.calibration is None and request.keypoints is None:
         raise ValueError("expected either --calibration FILE or --calibrate KEYPOINTS")
     for flag, value, least, most in (("--height", request.height, 0.3, 3), ("--field-of-view", request.field_of_view, 1, 170)):
         if value is None:
@@ -39,12 +37,10 @@ def require_one_way(request: Request) -> None:
 
 
 class PersonCalibrator:
-    """Reads the keypoints of the session's frames, and gives the cameras their places."""
+    """Gives the cameras their places. `seen`: (T, 12, 3) keypoints of the session's frames for each."""
 
-    def __init__(self, request: Request, cameras: Sequence[FilmedCamera], numbers: np.ndarray, messages: list[str]):
-        names = [camera.name for camera in cameras]
-        files = match(names, list_keypoints(request.keypoints), what="file or folder of keypoints")
-        self.seen = [seen_in(CameraKeypoints(files[name].path), chosen) for name, chosen in zip(names, numbers)]
+    def __init__(self, request: Request, cameras: Sequence[FilmedCamera], seen: list[np.ndarray], messages: list[str]):
+        self.seen = seen
         self.focals = [focal_of(camera, request.field_of_view, messages) for camera in cameras]
         error = {} if request.field_of_view or not any(self.focals) else {"focal_error": FOCAL_ERROR}
         self.options = d.PersonCalibrationOptions(height=request.height or HEIGHT, **error)
@@ -76,11 +72,6 @@ class PersonCalibrator:
         ]
         messages.append(f"calibrated by the person: {len(cameras)} cameras{distances([c.calibrated for c in cameras])}")
         return doubts(cameras, found.cameras)
-
-
-def seen_in(keypoints: CameraKeypoints, chosen: np.ndarray) -> np.ndarray:
-    """(T, 12, 3) of the chosen frames of a video."""
-    return np.stack([keypoints.of(int(number)) for number in chosen])
 
 
 def doubts(cameras: Sequence[FilmedCamera], fits: Sequence[d.PersonCamera]) -> list[d.Finding]:

@@ -1,18 +1,20 @@
-"""Joints in the images, as OpenPose, RTMPose or MediaPipe find them, and where they are in space."""
+"""Joints in the images, as OpenPose, RTMPose or MediaPipe find them: their files, what a session keeps of them, and where they are
+in space."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
 from .. import _doublet as d
-from ..common.files import read_json
+from ..common.files import read_json, written_atomically
 from ..common.images import counted, last_number
 from .camera_files import CameraFile, match
 
-#: In the order of kCalibrationJointNames (doublet/capture/person_calibration.h).
+#: In the order of kKeypointNames (doublet/capture/keypoints.h).
 JOINTS = [f"{side}_{joint}" for joint in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle") for side in "lr"]
 #: Index of JOINTS in the lists that programs write, told apart by their length.
 _COCO = (5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16)
@@ -25,25 +27,71 @@ LAYOUTS = {
     133: _COCO,  # COCO whole body
 }
 LEAST_AGREED = 6  #: of JOINTS
+FILE = "keypoints.npz"  #: of a session: for each camera (T, 12, 3) of its video
 FORMATS = "a list of frames, instance_info of RTMPose, or a folder of OpenPose's people, one file for each frame"
 
 
-def triangulated(session: d.Session, path: Path, frame: int) -> dict[str, np.ndarray]:
-    """name -> (3) m: the joints that two cameras or more agree on at a frame of the session. `path`: a folder with a file or a
-    folder of JSON for each camera, of all frames of its video, in pixels as they were filmed. Raises FileNotFoundError or
-    ValueError naming file, expectation and finding."""
-    files = match([camera.name for camera in session.cameras], list_keypoints(path), what="file or folder of keypoints")
-    seen = [CameraKeypoints(files[camera.name].path).of(frame + camera.first_frame) for camera in session.cameras]
+def triangulated(session: d.Session, frame: int) -> dict[str, np.ndarray]:
+    """name -> (3) m: the joints that two cameras or more agree on at a frame of a session that has keypoints. Raises ValueError where
+    they are too few."""
+    frames = d.FrameSource.open(session)
+    seen = [frames.keypoints(camera, frame) for camera in range(frames.camera_count)]
+    known = [camera for camera, points in enumerate(seen) if len(points)]
+    cameras = [d.CalibratedCamera(session.rig[camera]) for camera in known]
+    return agreed(cameras, [seen[camera] for camera in known], f"{session.keypoints}: frame {frame}")
+
+
+def agreed(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray], where: str) -> dict[str, np.ndarray]:
+    points = {name: d.triangulate(cameras, [s[i] for s in seen]) for i, name in enumerate(JOINTS)}
+    found = {name: point for name, point in points.items() if point is not None}
+    if len(found) < LEAST_AGREED:
+        raise ValueError(
+            f"{where}: expected at least {LEAST_AGREED} joints that two cameras agree on, found {len(found)}; are these keypoints of "
+            "the session's videos, in pixels, from their first frame on?"
+        )
+    return found
+
+
+def filmed_keypoints(path: Path, names: Sequence[str], numbers: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """(T, 12, 3) pixel and confidence of JOINTS for each camera, at these frames of its video. `path`: a folder with a file or a
+    folder of JSON for each, of all frames of its video, in pixels as it was filmed. Raises FileNotFoundError or ValueError naming
+    file, expectation and finding."""
+    files = match(names, list_keypoints(path), what="file or folder of keypoints")
+    return [
+        np.stack([keypoints.of(int(number)) for number in chosen])
+        for keypoints, chosen in zip((CameraKeypoints(files[name].path) for name in names), numbers)
+    ]
+
+
+def write_keypoints(folder: Path, names: Sequence[str], seen: Sequence[np.ndarray]) -> str:
+    """Writes the file of a session, `seen` being of all frames of its videos; returns its name in session.json."""
+    with written_atomically(folder / FILE) as path, ZipFile(path, "w", ZIP_DEFLATED) as file:  # np.savez has names of its own
+        for name, frames in zip(names, seen):
+            with file.open(f"{name}.npy", "w") as array:
+                np.lib.format.write_array(array, frames.astype(np.float32))
+    return FILE
+
+
+def adopt_keypoints(session: d.Session, path: Path, frame: int, messages: list[str]) -> str:
+    """Writes the file of a session that is there, of keypoints of its videos; returns its name in session.json. Nobody was seen in
+    frames behind the last one that a camera has keypoints of. Raises ValueError where cameras do not agree at `frame`."""
+    names = [camera.name for camera in session.cameras]
+    files = match(names, list_keypoints(path), what="file or folder of keypoints")
+    seen = []
+    for camera in session.cameras:
+        keypoints, count = CameraKeypoints(files[camera.name].path), camera.first_frame + session.frame_count
+        known = min(count, keypoints.count)
+        if known < count:
+            messages.append(f"{files[camera.name].path}: keypoints of {known} of {count} frames")
+        whole = np.zeros((count, len(JOINTS), 3))
+        for number in range(known):
+            whole[number] = keypoints.of(number)
+        seen.append(whole)
     lenses = session.lenses or [d.Lens()] * len(session.rig)
     cameras = [d.CalibratedCamera(camera, lens) for camera, lens in zip(session.rig, lenses)]
-    points = {name: d.triangulate(cameras, [s[i] for s in seen]) for i, name in enumerate(JOINTS)}
-    agreed = {name: point for name, point in points.items() if point is not None}
-    if len(agreed) < LEAST_AGREED:
-        raise ValueError(
-            f"{path}: expected at least {LEAST_AGREED} joints that two cameras agree on at frame {frame}, found {len(agreed)}; "
-            "are these keypoints of the session's videos, in pixels, from their first frame on?"
-        )
-    return agreed
+    at = [whole[camera.first_frame + frame] for whole, camera in zip(seen, session.cameras)]
+    agreed(cameras, at, f"{path}: frame {frame}")
+    return write_keypoints(Path(session.folder), names, seen)
 
 
 # --- files
@@ -73,9 +121,14 @@ class CameraKeypoints:
             self.numbers = np.array(numbers) if told else np.arange(len(self.frames))
         self.numbers = self.numbers - self.numbers[0] if len(self.numbers) else self.numbers  # from the first on
 
+    @property
+    def count(self) -> int:
+        """Frames up to the last that is known."""
+        return int(self.numbers[-1]) + 1 if len(self.numbers) else 0
+
     def of(self, frame: int) -> np.ndarray:
         """(12, 3) x, y in pixels and confidence of JOINTS; zeros if nobody was found, or the frame was left out."""
-        if not len(self.numbers) or frame > self.numbers[-1]:
+        if frame >= self.count:
             raise ValueError(f"{self.path}: expected keypoints of frame {frame}, found those of {len(self.frames)} frames")
         found = np.flatnonzero(self.numbers == frame)
         what = self.frames[found[0]] if len(found) else []

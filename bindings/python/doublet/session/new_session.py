@@ -11,6 +11,7 @@ from ..common.console import Console
 from ..common.files import folder_written_atomically
 from . import calibrate, check, synchronise
 from .filmed_cameras import filmed_cameras
+from .keypoints import filmed_keypoints
 from .request import Request
 from .session_writer import write_cameras, write_session
 from .timing import common_rate, found_offsets, say_frames
@@ -40,9 +41,10 @@ def new_session(request: Request, console: Console | None = None) -> NewSession:
     names = [camera.name for camera in cameras]
     numbers = synchronise.frame_numbers(times, offsets, fps, request.start, request.frames, names)
     say_frames(cameras, times, offsets, numbers, fps, messages)
-    person = calibrate.PersonCalibrator(request, cameras, numbers, messages) if request.keypoints else None
+    seen = filmed_keypoints(request.keypoints, names, numbers) if request.keypoints else None
+    person = None if request.calibration else calibrate.PersonCalibrator(request, cameras, seen, messages)
     with folder_written_atomically(request.out) as folder:
-        write_session(folder, request, cameras, numbers, fps, console, messages)
+        write_session(folder, request, cameras, numbers, fps, seen, console, messages)
         session = d.Session(folder)
         context = d.Context(progress=console.progress, log=messages.append)
         frames = d.FrameSource.open(session)

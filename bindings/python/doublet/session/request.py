@@ -17,7 +17,7 @@ class Request:
     """What the user gave."""
 
     videos: list[Path]
-    calibration: Path | None  # None: from `keypoints`
+    calibration: Path | None  # None: made from `keypoints`
     out: Path
     keypoints: Path | None = None  # of the person, for each camera
     height: float | None = None  # m, of the person

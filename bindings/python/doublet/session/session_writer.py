@@ -18,6 +18,7 @@ from ..common.images import ImageSeries, read_image
 from ..common.video import VideoWriter, read_video
 from .external_masks import require_plausible, require_size
 from .filmed_cameras import SQUEEZED, common_factor
+from .keypoints import write_keypoints
 from .request import FilmedCamera, Request
 from .timing import SAME_RATE
 
@@ -32,9 +33,11 @@ def write_session(
     cameras: Sequence[FilmedCamera],
     numbers: np.ndarray,
     fps: float,
+    seen: Sequence[np.ndarray] | None,
     console: Console,
     messages: list[str],
 ) -> None:
+    """`numbers` (C, T): which frame of its video is which of the session; `seen`: keypoints (T, 12, 3) of these for each camera."""
     write_cameras(folder, cameras)
     described, kept = [], []
     for index, (camera, chosen) in enumerate(zip(cameras, numbers)):
@@ -66,6 +69,9 @@ def write_session(
         "cameras": described,
     }
     session["calibration"] = "calibration.yml"
+    if seen:
+        whole = [of_whole_file(*camera, fps) for camera in zip(seen, cameras, numbers, described)]
+        session["keypoints"] = write_keypoints(folder, [camera.name for camera in cameras], whole)
     for key, path in (("scan", request.scan), ("markers", request.joints)):
         if path:
             session[key] = ("scan" if key == "scan" else "joints") + path.suffix
@@ -88,6 +94,14 @@ def is_kept(camera: FilmedCamera, chosen: np.ndarray, fps: float) -> bool:
 def first_frame(camera: FilmedCamera, chosen: np.ndarray) -> int:
     """Of a file that is kept: the frame that is the session's frame 0."""
     return 0 if isinstance(camera.source, ImageSeries) else int(chosen[0])
+
+
+def of_whole_file(seen: np.ndarray, camera: FilmedCamera, chosen: np.ndarray, entry: dict, fps: float) -> np.ndarray:
+    """Keypoints of all frames of a camera's file in the session; nothing was seen before the session's first, nor where an image is
+    missing."""
+    seen = seen.copy()
+    seen[sorted(absent_frames(camera.source, chosen, fps))] = 0
+    return np.concatenate([np.zeros((entry.get("first_frame", 0), *seen.shape[1:])), seen])
 
 
 def absent_frames(source, chosen: np.ndarray, fps: float) -> set[int]:

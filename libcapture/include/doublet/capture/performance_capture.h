@@ -110,6 +110,7 @@ struct JointVisibility {
 
 struct CaptureSummary {
   std::vector<double> rim_px, sift_px;        ///< (T) mean residual per frame, pixels
+  std::vector<double> keypoint_distance;      ///< (T) m, mean of the joints that keypoints show from there; NaN where there are none
   std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
   std::vector<int> views;                     ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing

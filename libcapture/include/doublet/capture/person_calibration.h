@@ -4,18 +4,13 @@
 // (frontier points: Sinha, Pollefeys, McMillan 2004), which tells directions finer than joints do. Her bones keep their lengths,
 // which tells focal lengths; how tall she is tells the scale, how she stands which way is up.
 
-#include "doublet/capture/triangulation.h"
+#include "doublet/capture/keypoints.h"
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 #include "doublet/core/types.h"
 #include "doublet/options/options.h"
 
 namespace doublet {
-
-/// The joints whose images calibrate, in the order of keypoints.
-inline constexpr std::array kCalibrationJointNames{"l_shoulder", "r_shoulder", "l_elbow", "r_elbow", "l_wrist", "r_wrist",
-                                                   "l_hip",      "r_hip",      "l_knee",  "r_knee",  "l_ankle", "r_ankle"};
-inline constexpr int kCalibrationJoints = static_cast<int>(kCalibrationJointNames.size());
 
 struct PersonCalibrationOptions {
   double height = 1.7;
@@ -44,7 +39,7 @@ struct PersonView {
   std::string name;
   int width = 0, height = 0;  ///< px
   double focal = 0;           ///< px; 0 = not known, it is looked for
-  std::vector<Keypoint> seen; ///< T x kCalibrationJoints, frame after frame; all views have the same frames
+  std::vector<Keypoint> seen; ///< T x kKeypoints, frame after frame; all views have the same frames
   /// Of T frames, or of none: corners (px) of the convex hull of her silhouette, silhouette_hull(); empty = not known. A few
   /// dozen frames spread over the take are enough.
   std::vector<std::vector<Eigen::Vector2d>> silhouettes;
@@ -65,7 +60,7 @@ struct PersonCamera {
 struct PersonCalibration {
   CameraRig rig; ///< m, +Y up, the floor at y = 0 under the person's feet; no distortion, the principal point in the middle
   std::vector<PersonCamera> cameras;
-  Vertices joints;         ///< (moments x kCalibrationJoints, 3) m; NaN where no two cameras agree
+  Vertices joints;         ///< (moments x kKeypoints, 3) m; NaN where no two cameras agree
   std::vector<int> frames; ///< of the moments
 };
 

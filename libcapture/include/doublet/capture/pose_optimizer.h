@@ -18,12 +18,20 @@ struct SurfaceTrack {
   double weight = 1; ///< against the other tracks
 };
 
+/// A point that moves with a joint of the skeleton, and where it was seen, such as a joint that keypoints show.
+struct SeenPoint {
+  int joint = 0;        ///< that moves it
+  Eigen::Vector3d rest; ///< m, in the rest pose
+  Eigen::Vector3d seen; ///< m, in the world
+};
+
 /// What one frame says about the pose. Arrays over views have one entry a camera; a view with an empty outline takes no part.
 struct PoseProblem {
   const RiggedMesh *actor = nullptr;
   const CameraRig *rig = nullptr;
   const std::vector<Outline> *outlines = nullptr; ///< measured
   std::vector<SurfaceTrack> tracks;
+  std::vector<SeenPoint> points;
   Vertices offset;             ///< (V, 3) m, rest pose: non-rigid offset of the surface, carried over from the frame before
   Eigen::VectorXd reliability; ///< (V) in [0, 1]: how well a vertex tells the pose; low on loose cloth
   Eigen::VectorXd predicted;   ///< (D) pose expected from the frames before
@@ -46,6 +54,8 @@ struct PoseOptions {
   double gate_start = 0.15, gate_end = 0.06;
   double scale_start = 0.05, scale_end = 0.015;
   double sift_weight = 1.0;
+  double keypoint_weight = 20;
+  double keypoint_scale = 0.1;
   double prior_weight = 4.0;
   double prior_angle = 0.15;
   double prior_shift = 0.03;
@@ -68,6 +78,9 @@ struct PoseOptions {
                "The size of skinning errors"),
         option(&O::sift_weight, "sift_weight", at_least(0), "", "Weight of a feature track against one rim match",
                "At 5 a skirt's features, bound to the thigh, hold a leg back"),
+        option(&O::keypoint_weight, "keypoint_weight", at_least(0), "", "Weight of a joint that keypoints show against one rim match"),
+        option(&O::keypoint_scale, "keypoint_scale", above(0), "m", "Geman-McClure scale of the distance to such a joint",
+               "Programs that find joints are now and then wrong by a limb"),
         option(&O::prior_weight, "prior_weight", at_least(0), "",
                "Weight of the prediction against one rim match, at a deviation of prior_angle or prior_shift"),
         option(&O::prior_angle, "prior_angle", above(0), "rad", "Expected error of the predicted angles"),

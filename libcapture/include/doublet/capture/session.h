@@ -2,6 +2,7 @@
 // A capture session on disk (docs/formats.md): session.json, calibration, videos or image folders, masks, scan, joints.
 
 #include "doublet/capture/calibration_file.h"
+#include "doublet/capture/keypoints.h"
 #include "doublet/core/camera.h"
 #include "doublet/core/image.h"
 #include "doublet/core/skeleton.h"
@@ -38,6 +39,7 @@ struct Session {
   std::vector<JointAnnotation> joints;              ///< joints.json
   std::map<std::string, Eigen::Vector3d> landmarks; ///< joints.json, clicked on the body surface, m
   std::filesystem::path new_motion;                 ///< absolute; empty if not given
+  std::filesystem::path keypoints;                  ///< absolute; empty if there are none
 };
 
 /// Reads and checks a whole session within seconds, before any work: every file named exists, every camera is calibrated, every
@@ -65,6 +67,8 @@ public:
   virtual Image image(int camera, int frame) = 0;
   /// Ready mask (255 = actor); an empty image if the session has none and the image must be keyed.
   virtual Image mask(int camera, int frame) = 0;
+  /// kKeypoints of the actor, where the camera of the rig sees them; none if nobody has looked for them, as by default.
+  virtual std::vector<Keypoint> keypoints(int camera, int frame);
   static std::unique_ptr<FrameSource> open(const Session &session);
 };
 

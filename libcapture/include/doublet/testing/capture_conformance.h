@@ -87,6 +87,9 @@ inline std::vector<std::string> frame_source_violations(FrameSource &frames) {
       const auto wrong = detail::what_is_wrong(image, mask), wrong_later = detail::what_is_wrong(later, later_mask);
       for (const std::string &what : wrong.empty() ? wrong_later : wrong)
         broken.push_back(where + ": " + what);
+      if (const std::size_t n = frames.keypoints(camera, 0).size(); n != 0 && n != static_cast<std::size_t>(kKeypoints))
+        broken.push_back(where + ": frame 0 has " + std::to_string(n) + " keypoints, expected " + std::to_string(kKeypoints) +
+                         ", or none");
       if (!image.empty() && !later.empty() && (image.width != later.width || image.height != later.height))
         broken.push_back(where + ": frames differ in size");
       if (!detail::same(image, frames.image(camera, 0)) || !detail::same(mask, frames.mask(camera, 0)))

@@ -46,6 +46,8 @@ def register(commands) -> None:
     flag("--calibration", type=Path, metavar="FILE", help="any that import-calibration reads")
     text = "where there is no calibration: the person's keypoints for each camera, from which it is made"
     flag("--calibrate", type=Path, metavar="KEYPOINTS", help=text)
+    text = "of the person for each camera: tracking goes by them, too (with --calibrate: those)"
+    flag("--keypoints", type=Path, metavar="KEYPOINTS", help=text)
     flag("--height", type=float, metavar="M", help=f"with --calibrate: how tall the person is (default: {HEIGHT})")
     text = "with --calibrate: across the larger side of the images, where it is known (default: what the files say, or found)"
     flag("--field-of-view", type=float, metavar="DEGREES", help=text)
@@ -78,12 +80,17 @@ def request_of(arguments: argparse.Namespace) -> Request:
         names = [name for name, _ in pairs]
         if len(set(names)) < len(names):
             raise ValueError(f"{flag}: expected every camera once, found {', '.join(names)}")
+    if arguments.calibrate and (arguments.calibration or arguments.keypoints):
+        other = "--calibration" if arguments.calibration else "--keypoints"
+        raise ValueError(f"--calibrate: expected no {other} beside it, found {arguments.calibration or arguments.keypoints}")
+    if arguments.keypoints and not arguments.calibration:
+        raise ValueError("--keypoints: expected --calibration FILE beside it, found none; --calibrate calibrates by keypoints")
     same = ("videos", "calibration", "out", "scale_calibration", "without", "sync", "fps", "start", "frames", "masks")
     same += ("background", "scan", "joints", "name", "copy", "force", "height", "field_of_view")
     return Request(
         **{name: getattr(arguments, name) for name in same},
         **{name: dict(pairs) for name, pairs in named.items()},
-        keypoints=arguments.calibrate,
+        keypoints=arguments.calibrate or arguments.keypoints,
         calibration_options=calibration_options(arguments),
     )
 

@@ -35,7 +35,8 @@ def register(commands) -> None:
         "--keypoints",
         type=Path,
         metavar="FOLDER",
-        help="joints in the images, of OpenPose, RTMPose or MediaPipe: a JSON file or a folder of them for each camera",
+        help="joints in the images, of OpenPose, RTMPose or MediaPipe: a JSON file or a folder of them for each camera; "
+        "the session keeps them, and tracking goes by them, too",
     )
     scan.add_argument(
         "--given",
@@ -61,7 +62,9 @@ def run(arguments) -> int:
     console = make_console(arguments)
     job = Job(arguments.session, arguments.session, options, body_model=arguments.body_model, console=console)
     if arguments.refine:
-        made = refine_scan(job, arguments.refine, rest_options, arguments.keypoints)
+        if arguments.keypoints:
+            raise ValueError("--keypoints: expected no --refine beside it; give them first, the session keeps them")
+        made = refine_scan(job, arguments.refine, rest_options)
     else:
         made = scan_session(job, scan_options, arguments.force, arguments.frame, arguments.keypoints, arguments.given)
     console.finish()
