@@ -7,9 +7,9 @@ every camera turned by N(0, 0.2 degrees), its focal length off by N(0, 0.2 %); `
 camera films a frame late, and nobody says so; `masks`, calib and flicker, with blur, noise, other exposures and a strong
 compression; `room`, the same before clutter, with clean plates in the place of masks; `eight` and `four`, without scan and joints
 (`doublet scan`), with all cameras and with every second one; `person` and `person4`, the same without a calibration: cameras by
-`new-session --calibrate`, the world that was found laid over the true one. --keypoints: those of the session's videos, as a program
-found them; otherwise the true joints with an error of 0.6 % of the image. `--tracked-keypoints`: every room has them, and tracking
-goes by them. Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again.
+`new-session --calibrate`, the world that was found laid over the true one. --keypoints: those of the session's videos, as a
+program found them; otherwise the true joints with an error of 0.6 % of the image. --tracked-keypoints: every room has them, and
+tracking goes by them. Printed: a row of `doublet evaluate` each. What is in FOLDER already is not made again.
 """
 
 from __future__ import annotations

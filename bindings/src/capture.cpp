@@ -123,9 +123,7 @@ void bind_calibration(py::module_ &m) {
   py::implicitly_convertible<Camera, CalibratedCamera>();
   m.def(
       "triangulate",
-      [](const std::vector<CalibratedCamera> &cameras, const Vertices &seen) {
-        return triangulate(cameras, to_keypoints(seen));
-      },
+      [](const std::vector<CalibratedCamera> &cameras, const Vertices &seen) { return triangulate(cameras, to_keypoints(seen)); },
       py::arg("cameras"), py::arg("seen"), Release(),
       "(3) m: the point that the most cameras agree on, or None if no two do. seen: (C, 3) pixel and confidence in each camera; "
       "below 0.3 it does not count.");

@@ -129,7 +129,11 @@ void bind_problems(py::module_ &m) {
   Class<SeenPoint>(m, "SeenPoint", "A point that moves with a joint of the skeleton, and where it was seen.")
       .def_readonly("joint", &SeenPoint::joint, "index of the joint that moves it")
       .def_readonly("rest", &SeenPoint::rest, "(3) m, in the rest pose")
-      .def_readonly("seen", &SeenPoint::seen, "(3) m, in the world");
+      .def_readonly("seen", &SeenPoint::seen, "(3) m, in the world")
+      .def_readonly("tolerance", &SeenPoint::tolerance, "m; as far from there it may be");
+  Class<ViewTiming>(m, "ViewTiming", "Cameras that film between the frames of the others.")
+      .def_readonly("late", &ViewTiming::late, "(C) frames by which each shows an earlier moment; (0) = none does")
+      .def_readonly("velocity", &ViewTiming::velocity, "(V, 3) m a frame, of the surface");
   Class<PoseProblem>(m, "PoseProblem", "What one frame says about the pose. Lives as long as the call it was given to.")
       .def_property_readonly(
           "actor", [](const PoseProblem &p) { return pointed(p.actor); }, "a copy")
@@ -143,7 +147,8 @@ void bind_problems(py::module_ &m) {
       .def_readonly("reliability", &PoseProblem::reliability, "(V) in [0, 1], low on loose cloth")
       .def_readonly("predicted", &PoseProblem::predicted, "(D)")
       .def_readonly("start", &PoseProblem::start, "(D)")
-      .def_readonly("first", &PoseProblem::first, "nothing is known yet");
+      .def_readonly("first", &PoseProblem::first, "nothing is known yet")
+      .def_readonly("timing", &PoseProblem::timing, "a ViewTiming: cameras that film between the frames of others");
   Class<SurfaceProblem>(m, "SurfaceProblem", "What one frame says about the surface. Lives as long as the call.")
       .def_property_readonly(
           "actor", [](const SurfaceProblem &p) { return pointed(p.actor); }, "a copy")
@@ -154,7 +159,8 @@ void bind_problems(py::module_ &m) {
       .def_readonly("tracks", &SurfaceProblem::tracks, "SurfaceTracks: points of the surface and where they are seen")
       .def_readonly("base", &SurfaceProblem::base, "(V, 3) m, the surface expected")
       .def_readonly("skinned", &SurfaceProblem::skinned, "(V, 3) m, posed without any offset")
-      .def_readonly("reliability", &SurfaceProblem::reliability, "(V) in [0, 1], low on loose cloth");
+      .def_readonly("reliability", &SurfaceProblem::reliability, "(V) in [0, 1], low on loose cloth")
+      .def_readonly("timing", &SurfaceProblem::timing, "a ViewTiming: cameras that film between the frames of others");
 }
 
 void bind_pose(py::module_ &m) {

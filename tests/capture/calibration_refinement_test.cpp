@@ -239,6 +239,35 @@ TEST_F(RefinedCapture, LateCamerasAreWaitedFor) {
   EXPECT_EQ(result.summary.views.back(), 4); // the film of the late ones is over
 }
 
+/// Some cameras film between the frames of the others.
+class Between : public FrameSource {
+public:
+  Between(FrameSource &on, FrameSource &between) : on_(on), between_(between) {}
+  int frame_count() const override { return on_.frame_count(); }
+  int camera_count() const override { return on_.camera_count(); }
+  Image image(int camera, int frame) override { return of(camera).image(camera, frame); }
+  Image mask(int camera, int frame) override { return of(camera).mask(camera, frame); }
+
+private:
+  FrameSource &of(int camera) { return camera == 1 || camera == 3 ? between_ : on_; }
+  FrameSource &on_, &between_;
+};
+
+TEST_F(RefinedCapture, CamerasMayFilmBetweenTheFramesOfOthers) {
+  constexpr double kLate = 0.4;
+  const MatrixRM on_from = motion(actor, kFrames + 1);
+  const MatrixRM earlier = dofs - kLate * (on_from.bottomRows(kFrames) - on_from.topRows(kFrames));
+  Frames on(actor, rig, surfaces(actor, dofs)), before(actor, rig, surfaces(actor, earlier));
+  Between film_of_both(on, before);
+  const CaptureResult result = capture(rig, film_of_both);
+  options.calibration.late = 0;
+  const CaptureResult without = capture(rig, film_of_both);
+  EXPECT_NEAR(result.summary.cameras[1].late, kLate, 0.1);
+  EXPECT_NEAR(result.summary.cameras[0].late, 0, 0.1);
+  EXPECT_EQ(result.summary.cameras[1].delay, 0);
+  EXPECT_LT(joint_error(result), 0.7 * joint_error(without)) << log;
+}
+
 TEST_F(RefinedCapture, GoesOnToTheSameBitsWhereverItIsStopped) {
   Late late(film, {0, 1, 0, 1, 0, 0});
   const CameraRig given = disturbed(rig);

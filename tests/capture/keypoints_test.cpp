@@ -48,6 +48,27 @@ double worst_keypoint(const Scene &scene, const Eigen::VectorXd &found, const Ei
   return worst;
 }
 
+/// Masks, and what a program would find: joints with an error of 1 % of the image, beside where the skeleton has them.
+class MasksAndKeypoints : public Masks {
+public:
+  MasksAndKeypoints(const Scene &scene, const MatrixRM &truth)
+      : Masks(scene.actor, scene.rig, tracker_scene::surfaces(scene.actor, truth)) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> error(0, 0.01 * scene.rig[0].width);
+    for (size_t c = 0; c < scene.rig.size(); ++c)
+      for (int t = 0; t < truth.rows(); ++t) {
+        keypoints_.push_back(seen_by(scene.rig[c], scene.actor.skeleton, truth.row(t), kBeside));
+        for (Keypoint &keypoint : keypoints_.back())
+          keypoint.pixel += Eigen::Vector2d(error(random), error(random));
+      }
+  }
+  std::vector<Keypoint> keypoints(int camera, int frame) override {
+    return shown ? keypoints_[static_cast<size_t>(camera * frame_count() + frame)] : std::vector<Keypoint>();
+  }
+  bool shown = true;
+  std::vector<std::vector<Keypoint>> keypoints_; // [cameras * frames]
+};
+
 TEST(Keypoints, AloneGiveThePose) {
   Scene scene;
   Eigen::VectorXd truth = scene.truth;
@@ -90,40 +111,50 @@ TEST(Keypoints, OneThatIsWrongByALimbIsOutweighed) {
   EXPECT_LT(worst_keypoint(scene, PoseOptimizer::create()->optimize(problem, scene.context).dofs, scene.truth), 0.015);
 }
 
-/// A forearm that points at the trunk is in no silhouette.
-TEST(Keypoints, ShowALimbThatSilhouettesDoNot) {
+TEST(Keypoints, GuideTheSearchOfALimb) {
   Scene scene;
   Eigen::VectorXd wrong = scene.truth;
   wrong[scene.dof("l_shoulder.z")] += 40 * kDegree;
   LimbProblem problem = scene.problem();
-  for (Image &mask : scene.masks) // all of every image is the actor
+  for (Image &mask : scene.masks) // all of every image is the actor: silhouettes tell nothing
     std::fill(mask.data.begin(), mask.data.end(), std::uint8_t{255});
-  const auto arm = std::find_if(scene.limbs.begin(), scene.limbs.end(), [](const Limb &l) { return l.name == "l_clavicle"; });
-  const auto error = [&] {
-    return limb_errors(problem, wrong, scene.limbs, {}, scene.context)[arm - scene.limbs.begin()] -
-           limb_errors(problem, scene.truth, scene.limbs, {}, scene.context)[arm - scene.limbs.begin()];
-  };
-  const double without = error();
   const double energy = overlap_energy(problem, wrong, {}, scene.context);
   problem.points = points(scene.actor.skeleton, scene.truth);
-  EXPECT_GT(overlap_energy(problem, wrong, {}, scene.context), energy + 0.02);
-  LimbSearchOptions options;
   problem.predicted = wrong;
-  const Eigen::VectorXd found = LimbSearch::create(options)->search(problem, wrong, {*arm}, scene.context);
-  EXPECT_LT(worst_keypoint(scene, found, scene.truth), 0.3 * worst_keypoint(scene, wrong, scene.truth)) << without;
-  const std::vector<Image> clean = Scene().masks;
-  problem.masks = &clean; // what is seen agrees with silhouettes: nothing is lost
-  EXPECT_LT(limb_errors(problem, scene.truth, scene.limbs, {}, scene.context).maxCoeff(), 0.004);
-  problem.points[4].seen.y() += 0.5;
-  problem.points[2].seen.y() += 0.5;
-  EXPECT_GT(limb_errors(problem, scene.truth, scene.limbs, {}, scene.context)[arm - scene.limbs.begin()],
-            LimbSearchOptions().lost_error);
+  EXPECT_GT(overlap_energy(problem, wrong, {}, scene.context), energy + 0.02);
+  const auto arm = std::find_if(scene.limbs.begin(), scene.limbs.end(), [](const Limb &l) { return l.name == "l_clavicle"; });
+  const Eigen::VectorXd found = LimbSearch::create()->search(problem, wrong, {*arm}, scene.context);
+  EXPECT_LT(worst_keypoint(scene, found, scene.truth), 0.3 * worst_keypoint(scene, wrong, scene.truth));
+}
+
+/// Silhouettes that show a limb are believed, not a program that sees it elsewhere.
+TEST(Keypoints, ThatAreWrongCostNothing) {
+  const Scene scene;
+  const MatrixRM truth = MatrixRM::Zero(3, scene.truth.size());
+  struct Wrong : MasksAndKeypoints {
+    using MasksAndKeypoints::MasksAndKeypoints;
+    std::vector<Keypoint> keypoints(int camera, int frame) override {
+      std::vector<Keypoint> seen = MasksAndKeypoints::keypoints(camera, frame);
+      if (shown && frame > 0)
+        std::swap(seen[4], seen[5]); // left and right wrist, in all views
+      return seen;
+    }
+  } film(scene, truth);
+  CaptureOptions options;
+  options.refine_cameras = options.second_pass = false;
+  const auto capture = [&] {
+    return PerformanceCapture::create(options)->capture(scene.actor, scene.rig, film, nullptr, scene.context);
+  };
+  const CaptureResult with = capture();
+  film.shown = false;
+  EXPECT_LT((with.performance.dofs - capture().performance.dofs).cwiseAbs().maxCoeff(), 0.02);
+  EXPECT_TRUE(with.summary.lost_limbs.empty());
 }
 
 TEST(KeypointPlaces, LearnWhereAProgramSeesJoints) {
   const Scene scene;
   const Skeleton &skeleton = scene.actor.skeleton;
-  detail::KeypointPlaces places(skeleton);
+  detail::KeypointPlaces places(skeleton, 0.05);
   Eigen::VectorXd dofs = scene.truth;
   detail::SeenJoints seen;
   for (int t = 0; t < 9; ++t) {
@@ -146,9 +177,29 @@ TEST(KeypointPlaces, LearnWhereAProgramSeesJoints) {
     const Joint &joint = skeleton.joints[skeleton.find(kKeypointNames[k])];
     EXPECT_EQ(points[k].joint, joint.parent);
     EXPECT_LT((points[k].rest - joint.rest - kBeside).norm(), 1e-6) << kKeypointNames[k];
+    EXPECT_EQ(points[k].tolerance, 0.05);
   }
   EXPECT_LT(places.distance(seen, dofs), 1e-6);
   EXPECT_TRUE(std::isnan(places.distance({}, dofs)));
+}
+
+TEST(KeypointPlaces, AreLessSureWhereAProgramIsNotSteady) {
+  const Scene scene;
+  detail::KeypointPlaces places(scene.actor.skeleton, 0.05);
+  std::vector<ViewMeasurement> views(scene.rig.size());
+  for (size_t v = 0; v < views.size(); ++v)
+    views[v].keypoints = seen_by(scene.rig[v], scene.actor.skeleton, scene.truth);
+  const detail::SeenJoints exact = detail::seen_joints(views, scene.rig);
+  for (int t = 0; t < 41; ++t) {
+    detail::SeenJoints seen = exact;
+    *seen[9] += 0.08 * std::cos(2.0 * t) * Eigen::Vector3d::UnitX(); // a knee
+    places.learn(seen, scene.truth);
+  }
+  const std::vector<SeenPoint> points = places.points(exact);
+  EXPECT_NEAR(points[9].tolerance, 3 * 0.08 * std::sqrt(0.5), 0.02); // of a cosine: half of it is below
+  EXPECT_EQ(points[8].tolerance, 0.05);
+  EXPECT_EQ(points[9].beyond(points[9].seen + Eigen::Vector3d(0, points[9].tolerance / 2, 0)), 0);
+  EXPECT_NEAR(points[8].beyond(points[8].seen + Eigen::Vector3d(0, 0.15, 0)), 0.1, 1e-12);
 }
 
 TEST(SeenJoints, AreNoneWithoutTwoCameras) {
@@ -159,37 +210,30 @@ TEST(SeenJoints, AreNoneWithoutTwoCameras) {
     EXPECT_FALSE(joint);
 }
 
-/// Masks, and what a program would find: joints with an error of 1 % of the image, beside where the skeleton has them.
-class MasksAndKeypoints : public Masks {
+/// As if something wide hung about the person: every mask is that of all frames together, and does not tell where an arm is.
+class Hidden : public MasksAndKeypoints {
 public:
-  MasksAndKeypoints(const Scene &scene, const MatrixRM &truth)
-      : Masks(scene.actor, scene.rig, tracker_scene::surfaces(scene.actor, truth)) {
-    std::mt19937 random(1);
-    std::normal_distribution<double> error(0, 0.01 * scene.rig[0].width);
-    for (size_t c = 0; c < scene.rig.size(); ++c)
-      for (int t = 0; t < truth.rows(); ++t) {
-        keypoints_.push_back(seen_by(scene.rig[c], scene.actor.skeleton, truth.row(t), kBeside));
-        for (Keypoint &keypoint : keypoints_.back())
-          keypoint.pixel += Eigen::Vector2d(error(random), error(random));
-      }
+  using MasksAndKeypoints::MasksAndKeypoints;
+  Image mask(int camera, int) override {
+    Image all = Masks::mask(camera, 0);
+    for (int t = 1; t < frame_count(); ++t) {
+      const Image one = Masks::mask(camera, t);
+      std::transform(one.data.begin(), one.data.end(), all.data.begin(), all.data.begin(), [](auto a, auto b) { return a | b; });
+    }
+    return all;
   }
-  std::vector<Keypoint> keypoints(int camera, int frame) override {
-    return shown ? keypoints_[static_cast<size_t>(camera * frame_count() + frame)] : std::vector<Keypoint>();
-  }
-  bool shown = true;
-  std::vector<std::vector<Keypoint>> keypoints_; // [cameras * frames]
 };
 
-TEST(Keypoints, HoldALimbThatJumps) {
+TEST(Keypoints, TellWhatSilhouettesDoNot) {
   const Scene scene;
   const int frames = 6, wrist = scene.actor.skeleton.find("l_wrist");
   MatrixRM truth = MatrixRM::Zero(frames, scene.truth.size());
-  truth.bottomRows(4).col(scene.dof("l_shoulder.z")).setConstant(70 * kDegree); // the arm goes up between frames 1 and 2
-  MasksAndKeypoints film(scene, truth);
+  for (int t = 0; t < frames; ++t)
+    truth(t, scene.dof("l_shoulder.z")) = 10 * kDegree * t;
+  Hidden film(scene, truth);
   CaptureOptions options;
   options.smooth_window = 1;
-  options.second_pass = false;
-  options.find_lost_limbs = false; // by the term of the pose alone
+  options.refine_cameras = options.second_pass = options.find_lost_limbs = false;
   const auto capture = [&] {
     return PerformanceCapture::create(options)->capture(scene.actor, scene.rig, film, nullptr, scene.context);
   };
@@ -197,24 +241,25 @@ TEST(Keypoints, HoldALimbThatJumps) {
     return (result.performance.joints[t].row(wrist) - scene.joints(truth.row(t)).row(wrist)).norm();
   };
   const CaptureResult with = capture();
-  for (int t = 3; t < frames; ++t) {
-    EXPECT_LT(off(with, t), 0.03) << "frame " << t;
-    EXPECT_LT(with.summary.keypoint_distance[t], 0.04);
+  for (int t = 0; t < frames; ++t) {
+    EXPECT_LT(off(with, t), 0.15) << "frame " << t; // of which 6 cm are tolerated, and the silhouettes mislead
+    EXPECT_LT(with.summary.keypoint_distance[t], 0.07) << "frame " << t;
   }
   film.shown = false;
   const CaptureResult without = capture();
-  EXPECT_GT(off(without, frames - 1), 0.1); // else this test shows nothing
+  EXPECT_GT(off(without, frames - 1), 0.3); // else this test shows nothing
   EXPECT_TRUE(std::isnan(without.summary.keypoint_distance[0]));
 }
 
 TEST(Keypoints, ACaptureGoesOnByThemToTheSameBits) {
   const Scene scene;
-  MatrixRM truth = MatrixRM::Zero(5, scene.truth.size());
+  MatrixRM truth = MatrixRM::Zero(3, scene.truth.size());
   for (int t = 0; t < truth.rows(); ++t)
     truth(t, scene.dof("l_shoulder.z")) = 0.1 * t;
   MasksAndKeypoints film(scene, truth);
   const doublet::testing::TempFolder folder;
   CaptureOptions options;
+  options.refine_cameras = options.find_lost_limbs = false;
   const auto capture = [&](double until) {
     double reached = 0;
     std::string log;
@@ -226,15 +271,14 @@ TEST(Keypoints, ACaptureGoesOnByThemToTheSameBits) {
     return std::pair(MatrixRM(result.performance.dofs), log);
   };
   const MatrixRM whole = capture(1).first;
-  for (const double until : {0.35, 0.75}) { // in the first pass, in the second
+  for (const double until : {0.3, 0.6}) { // in the first pass, in the second
     options.checkpoint = folder / ("checkpoint" + std::to_string(until));
     EXPECT_THROW(capture(until), Cancelled);
     EXPECT_EQ(capture(1).first, whole) << until;
   }
   film.keypoints_[0][0].pixel.x() += 1;
-  const auto [dofs, log] = capture(1);
+  const std::string log = capture(1).second;
   EXPECT_NE(log.find("was made from other images; starting over"), std::string::npos) << log;
-  EXPECT_NE(dofs, whole);
 }
 
 TEST(Keypoints, AreTwelveOrNone) {

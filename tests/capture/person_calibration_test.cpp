@@ -230,6 +230,7 @@ TEST(PersonCalibration, AHullIsThatOfWholeSilhouettesAlone) {
   mask.at(39, 12) = 255; // goes on beyond the border
   EXPECT_TRUE(silhouette_hull(mask).empty());
   EXPECT_TRUE(silhouette_hull(Image(40, 30, 1)).empty());
+  EXPECT_THROW(silhouette_hull(Image(40, 30, 3)), std::invalid_argument);
 }
 
 } // namespace person_calibration_test

@@ -2,6 +2,7 @@
 
 #include "../weighted_rows.h"
 #include "doublet/capture/pose_optimizer.h"
+#include "doublet/core/parts/quantile.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -311,8 +312,19 @@ private:
     camera.shifted = unknowns_[view].segment<3>(3).norm();
     camera.focal = std::expm1(unknowns_[view][6]);
     camera.late = unknowns_[view][kLate];
-    camera.late_sure = std::sqrt(covariance_(view * kUnknowns + kLate, view * kUnknowns + kLate));
+    camera.late_sure = std::sqrt(std::max(0.0, variance_of_delay(view)));
     return camera;
+  }
+
+  /// frames^2, of a camera's delay against the mean of those that see the actor: how late all are together nobody can tell.
+  double variance_of_delay(int view) const {
+    Eigen::VectorXd against = Eigen::VectorXd::Zero(covariance_.rows());
+    const auto seen =
+        static_cast<double>(std::count_if(seen_.begin(), seen_.end(), [](const auto &points) { return !points.empty(); }));
+    for (int v = 0; v < views_; ++v)
+      if (!seen_[v].empty())
+        against[v * kUnknowns + kLate] = (v == view ? 1 : 0) - 1 / seen;
+    return against.dot(covariance_ * against);
   }
 
   PictureMotion picture_motion(const CameraRig &from) const {
@@ -395,21 +407,16 @@ private:
 
   /// Whose clock counts is open: that of the most cameras, of equally many that of the first one.
   static void take_off_common_delay(std::vector<RefinedCamera> &cameras) {
-    int most = 0;
-    double clock = 0;
+    std::vector<double> most;
     for (const RefinedCamera &candidate : cameras) {
-      double sum = 0;
-      int alike = 0;
+      std::vector<double> alike;
       for (const RefinedCamera &camera : cameras)
-        if (candidate.seen && camera.seen && std::abs(camera.late - candidate.late) < 0.5) {
-          sum += camera.late;
-          ++alike;
-        }
-      if (alike > most) {
-        most = alike;
-        clock = sum / alike;
-      }
+        if (candidate.seen && camera.seen && std::abs(camera.late - candidate.late) < 0.5)
+          alike.push_back(camera.late);
+      if (alike.size() > most.size())
+        most = std::move(alike);
     }
+    const double clock = most.empty() ? 0 : median(std::move(most));
     for (RefinedCamera &camera : cameras)
       if (camera.seen)
         camera.late -= clock;

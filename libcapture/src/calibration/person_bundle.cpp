@@ -1,6 +1,7 @@
 #include "person_bundle.h"
 
 #include "doublet/capture/calibration_refinement.h"
+#include "doublet/capture/triangulation.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -159,9 +160,8 @@ private:
   }
   static double focal_residual(const PersonBundle &bundle, int view) {
     const Camera &camera = bundle.rig[view];
-    const double expected = bundle.known_focal[view] > 0
-                                ? std::log(bundle.known_focal[view])
-                                : bundle.log_focal + std::log(static_cast<double>(std::max(camera.width, camera.height)));
+    const double expected =
+        bundle.known_focal[view] > 0 ? std::log(bundle.known_focal[view]) : bundle.log_focal + std::log(larger_side(camera));
     return (std::log(camera.K(0, 0)) - expected) / focal_deviation(bundle, view);
   }
   double length_residual(const PersonBundle &bundle, int k) const {
@@ -188,7 +188,7 @@ private:
   void add_keypoints(const PersonBundle &bundle, size_t moment, MomentEquations &to) const {
     for (int v = 0; v < views_; ++v) {
       const Camera &camera = bundle.rig[v];
-      const double error = bundle.keypoint_error * std::max(camera.width, camera.height);
+      const double error = bundle.keypoint_error * larger_side(camera);
       for (int j = 0; j < kKeypoints; ++j) {
         const Keypoint &seen = bundle.seen[moment][v][j];
         const auto &joint = bundle.joints[moment][j];
@@ -239,7 +239,7 @@ private:
 double keypoint_residual(const Camera &camera, const Keypoint &seen, const Eigen::Vector3d &joint, double keypoint_error) {
   if (!(camera.depth(joint) > 0))
     return std::numeric_limits<double>::infinity();
-  return (camera.project(joint) - seen.pixel).norm() / (keypoint_error * std::max(camera.width, camera.height));
+  return (camera.project(joint) - seen.pixel).norm() / (keypoint_error * larger_side(camera));
 }
 
 void PersonBundle::triangulate_joints() {

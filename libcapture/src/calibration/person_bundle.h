@@ -4,6 +4,7 @@
 #include "doublet/capture/person_calibration.h"
 #include "person_tangents.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -67,6 +68,10 @@ struct PersonBundle {
 
 /// In expected errors; infinite behind the camera.
 double keypoint_residual(const Camera &camera, const Keypoint &seen, const Eigen::Vector3d &joint, double keypoint_error);
+/// px, of what a camera or a view sees: what shares of an image are shares of.
+template <class Seen> double larger_side(const Seen &seen) {
+  return std::max(seen.width, seen.height);
+}
 /// Within which a keypoint agrees with a joint, in expected errors.
 inline constexpr double kAgreeing = 3;
 

@@ -107,7 +107,7 @@ std::vector<PersonCamera> describe(const PersonBundle &bundle) {
         if (const auto &joint = bundle.joints[m][j])
           if (const double r = detail::keypoint_residual(bundle.rig[v], seen, *joint, bundle.keypoint_error);
               r < detail::kAgreeing)
-            errors.push_back(r * bundle.keypoint_error * std::max(bundle.rig[v].width, bundle.rig[v].height));
+            errors.push_back(r * bundle.keypoint_error * detail::larger_side(bundle.rig[v]));
       }
     for (const detail::TangentPair &pair : bundle.tangents)
       if (pair.first == static_cast<int>(v) || pair.second == static_cast<int>(v))
@@ -124,6 +124,8 @@ std::vector<PersonCamera> describe(const PersonBundle &bundle) {
 } // namespace
 
 std::vector<Eigen::Vector2d> silhouette_hull(const Image &mask) {
+  if (mask.channels != 1 && !mask.empty())
+    throw std::invalid_argument("silhouette_hull: expected a mask of one channel, found " + std::to_string(mask.channels));
   const cv::Mat pixels(mask.height, mask.width, CV_8UC1, const_cast<std::uint8_t *>(mask.data.data()));
   std::vector<cv::Point> inside, corners;
   cv::findNonZero(pixels, inside);
@@ -165,8 +167,8 @@ PersonCalibration calibrate_from_person(const std::vector<PersonView> &views, co
   detail::stand_upright(views, frames, options.height, bundle);
   result.rig = bundle.rig;
   result.frames = frames;
-  result.joints = Vertices::Constant(static_cast<Eigen::Index>(frames.size()) * kKeypoints, 3,
-                                     std::numeric_limits<double>::quiet_NaN());
+  result.joints =
+      Vertices::Constant(static_cast<Eigen::Index>(frames.size()) * kKeypoints, 3, std::numeric_limits<double>::quiet_NaN());
   for (size_t m = 0; m < frames.size(); ++m)
     for (int j = 0; j < kKeypoints; ++j)
       if (const auto &joint = bundle.joints[m][j])

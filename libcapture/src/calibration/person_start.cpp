@@ -19,10 +19,6 @@ constexpr int kPairs = 3;                                   // of cameras that a
 constexpr int kLeastCommon = 40;                            // keypoints that two cameras must share, or one and the others
 constexpr int kStartIterations = 8;
 
-double larger_side(const PersonView &view) {
-  return std::max(view.width, view.height);
-}
-
 /// What all starts share, without cameras and joints.
 PersonBundle gather(const std::vector<PersonView> &views, const std::vector<int> &frames, double share,
                     const PersonCalibrationOptions &options) {
@@ -78,7 +74,7 @@ CameraPair relative_pose(const PersonBundle &bundle, int first, int second) {
   pair.second = second;
   if (static_cast<int>(a.size()) < kLeastCommon)
     return pair;
-  const double side = std::max({one.width, one.height, other.width, other.height});
+  const double side = std::max(larger_side(one), larger_side(other));
   const double error = 2 * bundle.keypoint_error * side / std::min(one.K(0, 0), other.K(0, 0));
   cv::Mat inside, R, t, points;
   const cv::Mat unit = cv::Mat::eye(3, 3, CV_64F);
@@ -150,8 +146,7 @@ int add_camera(PersonBundle &whole, const PersonBundle &part, const std::vector<
   if (best < 0)
     return -1;
   Camera &camera = whole.rig[best];
-  const auto error =
-      static_cast<float>(2 * kAgreeing * whole.keypoint_error * std::max(camera.width, camera.height) / camera.K(0, 0));
+  const auto error = static_cast<float>(2 * kAgreeing * whole.keypoint_error * larger_side(camera) / camera.K(0, 0));
   cv::Mat turn, shift, inside, R;
   if (!cv::solvePnPRansac(best_points, best_pixels, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, shift, false, 300, error,
                           0.99, inside, cv::SOLVEPNP_EPNP) ||

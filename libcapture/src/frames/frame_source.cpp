@@ -119,7 +119,7 @@ private:
   Session session_;
   std::vector<std::optional<detail::LensMap>> maps_;                 // made when first needed
   std::vector<std::unique_ptr<detail::FrameReader>> videos_, masks_; // opened when first asked for
-  std::vector<std::vector<Keypoint>> keypoints_;                     // [cameras] of the frames of its file; none if there are none
+  std::vector<std::vector<Keypoint>> keypoints_; // [cameras] of the frames of its file; none if there are none
 };
 
 } // namespace

@@ -12,6 +12,8 @@
 namespace doublet::detail {
 namespace {
 
+constexpr double kLeastPart = 0.1; // of a frame, in which a limb moves by millimetres
+
 CalibrationProblem calibration_problem(const CameraEvidence &evidence, const Eigen::VectorXd &reliability) {
   CalibrationProblem problem;
   problem.actor = &evidence.job.actor;
@@ -93,6 +95,24 @@ bool delayed(const CalibrationEstimate &found) {
                      [](const RefinedCamera &camera) { return std::abs(camera.late) > 0.5; });
 }
 
+Eigen::VectorXd parts_of_a_frame(const CalibrationEstimate &found) {
+  constexpr double kClearly = 3; // standard deviations
+  Eigen::VectorXd parts = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(found.cameras.size()));
+  for (Eigen::Index v = 0; v < parts.size(); ++v) {
+    const RefinedCamera &camera = found.cameras[static_cast<std::size_t>(v)];
+    const double part = camera.late - std::round(camera.late);
+    if (std::abs(part) > std::max(kLeastPart, kClearly * camera.late_sure))
+      parts[v] = part;
+  }
+  return parts.isZero(0) ? Eigen::VectorXd() : parts;
+}
+
+bool timed_otherwise(const CalibrationEstimate &found, const Studio &studio) {
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(found.cameras.size())),
+                        parts = parts_of_a_frame(found);
+  return ((parts.size() > 0 ? parts : none) - (studio.parts.size() > 0 ? studio.parts : none)).cwiseAbs().maxCoeff() > kLeastPart;
+}
+
 bool clearly_off(const CalibrationEstimate &found, const Studio &studio, double min_change) {
   constexpr double kClearly = 2; // standard deviations
   const auto seen = [](const RefinedCamera &camera) { return camera.seen; };
@@ -109,12 +129,15 @@ void move_cameras(Studio &studio, const CamerasMoved &moved, const Context &cont
   ++studio.refined;
   studio.by_take = studio.by_take || moved.by_take;
   studio.found = found.cameras;
+  studio.parts = parts_of_a_frame(found);
   std::string late;
   for (size_t v = 0; v < studio.rig.size(); ++v) {
+    const double part = studio.parts.size() > 0 ? studio.parts[static_cast<Eigen::Index>(v)] : 0;
     studio.delays[v] += static_cast<int>(std::lround(found.cameras[v].late));
-    if (studio.delays[v] != 0)
-      late += (late.empty() ? "" : ", ") + studio.rig[v].name + " by " + std::to_string(studio.delays[v]);
-    studio.found[v].late = studio.found[v].delay = studio.delays[v];
+    if (studio.delays[v] + part != 0)
+      late += (late.empty() ? "" : ", ") + studio.rig[v].name + " by " + options::to_text(studio.delays[v] + part, 3);
+    studio.found[v].delay = studio.delays[v];
+    studio.found[v].late = studio.delays[v] + part;
   }
   char line[160];
   std::snprintf(line, sizeof line, "the calibration is %.1f mm off on the actor (outlines %.2f px, %.2f when refined)",

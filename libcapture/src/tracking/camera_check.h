@@ -15,6 +15,7 @@ constexpr int kMostMoves = 4; // of the cameras, each of which begins all again
 struct Studio {
   CameraRig given, rig;
   std::vector<int> delays;          ///< whole frames, which the frames have made good
+  Eigen::VectorXd parts;            ///< (views) of a frame by which cameras are late besides; empty if none is
   int refined = 0;                  ///< how often
   bool moved = false;               ///< in one of these times, not only waited for
   bool by_take = false;             ///< one of these times by the whole take, which knows more than its first frame
@@ -49,6 +50,10 @@ CalibrationEstimate cameras_by_start(const CameraEvidence &evidence);
 CalibrationEstimate cameras_by_take(const CameraEvidence &evidence);
 /// Is one of them late by half a frame or more?
 bool delayed(const CalibrationEstimate &found);
+/// (views) what is left of the delays beside whole frames, where that is beyond doubt; empty if it is nowhere.
+Eigen::VectorXd parts_of_a_frame(const CalibrationEstimate &found);
+/// Are these others than those that all was tracked with?
+bool timed_otherwise(const CalibrationEstimate &found, const Studio &studio);
 /// A calibration that was mended once is not taken at its word any more: a smaller move will do.
 bool clearly_off(const CalibrationEstimate &found, const Studio &studio, double min_change);
 /// The cameras as they turned out to be, with what the log says of it.

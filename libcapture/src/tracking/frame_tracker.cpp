@@ -26,28 +26,30 @@ void FrameTracker::forget_limbs() {
   record_ = {none, none, std::vector<int>(job_.actor.skeleton.dof_count(), 0)};
 }
 
-void FrameTracker::track(int t, TrackedFrame &found) {
-  find_pose(t, found);
-  refine(t, found);
+void FrameTracker::track(int t, const ViewTiming &timing, TrackedFrame &found) {
+  find_pose(t, timing, found);
+  refine(t, timing, found);
 }
 
-void FrameTracker::find_pose(int t, TrackedFrame &found) {
+void FrameTracker::find_pose(int t, const ViewTiming &timing, TrackedFrame &found) {
   PoseProblem problem;
   problem.actor = &job_.actor;
   problem.rig = &job_.rig;
   problem.outlines = &measured_.outlines();
   problem.offset = memory_.expected();
   problem.reliability = memory_.reliability();
+  problem.timing = timing;
   problem.first = t == order_.start && !order_.again;
   problem.predicted = problem.first ? start_pose_ : predict(t);
   problem.start = problem.predicted;
-  problem.points = places_.points(measured_.joints());
   tracks_.lift(t);
   problem.tracks = tracks_.find(problem.predicted, memory_.expected(), t);
   PoseEstimate estimate;
   {
     const Stopwatch watch(result_.summary.pose_seconds);
     estimate = optimize(problem, t);
+    problem.points = places_.points(measured_.joints());
+    estimate = by_keypoints(problem, std::move(estimate), t);
   }
   found.limbs = record_;
   if (job_.options.find_lost_limbs)
@@ -55,6 +57,30 @@ void FrameTracker::find_pose(int t, TrackedFrame &found) {
   found.dofs = estimate.dofs;
   found.rim_px = estimate.rim_px;
   found.sift_px = estimate.sift_px;
+}
+
+/// Where keypoints show joints elsewhere, the pose is sought again from there, and taken if it is clearly better: silhouettes
+/// decide where they tell a limb, for keypoints may be wrong by one; keypoints where they do not, as before the trunk.
+PoseEstimate FrameTracker::by_keypoints(const PoseProblem &problem, PoseEstimate estimate, int t) {
+  constexpr double kClearly = 0.003; // of the actor's pixels
+  const Transforms world_from_rest = forward_kinematics(job_.actor.skeleton, estimate.dofs);
+  const auto elsewhere = [&](const SeenPoint &point) { return point.beyond(world_from_rest[point.joint] * point.rest) > 0; };
+  if (std::none_of(problem.points.begin(), problem.points.end(), elsewhere))
+    return estimate;
+  const LimbProblem limbs = limb_problem(problem);
+  const auto energy = [&](const PoseEstimate &of) { return overlap_energy(limbs, of.dofs, job_.options.limbs, job_.context); };
+  const std::vector<Outline> nothing(job_.rig.size());
+  PoseProblem there = problem, again = problem;
+  there.outlines = &nothing;
+  there.tracks.clear();
+  again.start = again.predicted = optimize(there, t).dofs;
+  again.tracks = tracks_.find(again.start, memory_.expected(), t);
+  const PoseEstimate other = optimize(again, t);
+  return energy(other) < energy(estimate) - kClearly ? other : estimate;
+}
+
+LimbProblem FrameTracker::limb_problem(const PoseProblem &problem) const {
+  return {&job_.actor, &job_.rig, &measured_.masks(), memory_.expected(), problem.reliability, problem.predicted, problem.points};
 }
 
 PoseEstimate FrameTracker::optimize(const PoseProblem &problem, int t) {
@@ -75,8 +101,7 @@ void FrameTracker::recover_limbs(const PoseProblem &problem, PoseEstimate &estim
   constexpr int kLongestWait = 10; // frames
   const Stopwatch watch(result_.summary.limb_seconds);
   auto &[misses, next_search, steady_since] = found.limbs;
-  const LimbProblem limbs{&job_.actor, &job_.rig, &measured_.masks(), memory_.expected(), problem.reliability, problem.predicted,
-                           problem.points};
+  const LimbProblem limbs = limb_problem(problem);
   const Eigen::VectorXd before = limb_errors(limbs, estimate.dofs, limbs_, job_.options.limbs, job_.context);
   std::vector<Limb> sought;
   for (size_t l = 0; l < limbs_.size(); ++l)
@@ -128,7 +153,7 @@ Eigen::VectorXd FrameTracker::predict(int t) const {
   return prediction.cwiseMax(job_.actor.skeleton.lower).cwiseMin(job_.actor.skeleton.upper);
 }
 
-void FrameTracker::refine(int t, TrackedFrame &found) {
+void FrameTracker::refine(int t, const ViewTiming &timing, TrackedFrame &found) {
   SurfaceProblem problem;
   problem.actor = &job_.actor;
   problem.rig = &job_.rig;
@@ -141,6 +166,7 @@ void FrameTracker::refine(int t, TrackedFrame &found) {
   problem.base = pose_surface(job_.actor, found.dofs, memory_.expected()).vertices;
   problem.skinned = pose_surface(job_.actor, found.dofs, {}).vertices;
   problem.reliability = memory_.reliability();
+  problem.timing = timing;
   found.surface = job_.parts.surface->refine(problem, job_.context).vertices;
   if (found.surface.rows() != problem.skinned.rows() || !found.surface.allFinite())
     throw Error("capture: the surface refiner returned " + std::to_string(found.surface.rows()) + " vertices at frame " +

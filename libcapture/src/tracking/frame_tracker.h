@@ -17,7 +17,7 @@ public:
   /// The pose that the search at the start begins with.
   void begin_with(Eigen::VectorXd dofs) { start_pose_ = std::move(dofs); }
   /// Pose, limbs, residuals, surface and mapped features of frame index t.
-  void track(int t, TrackedFrame &found);
+  void track(int t, const ViewTiming &timing, TrackedFrame &found);
   /// Where the limbs stand after a frame; of those after it depends when they are sought again.
   void take(const LimbRecord &limbs) { record_ = limbs; }
   /// Nothing is known of limbs, as at the start.
@@ -26,11 +26,13 @@ public:
   int track_count() const { return track_count_; } ///< features that the surface at hand was refined by
 
 private:
-  void find_pose(int t, TrackedFrame &found);
-  void refine(int t, TrackedFrame &found);
+  void find_pose(int t, const ViewTiming &timing, TrackedFrame &found);
+  void refine(int t, const ViewTiming &timing, TrackedFrame &found);
   PoseEstimate optimize(const PoseProblem &problem, int t);
+  PoseEstimate by_keypoints(const PoseProblem &problem, PoseEstimate estimate, int t);
   void require_pose(const Eigen::VectorXd &dofs, const std::string &piece, int t) const;
   void recover_limbs(const PoseProblem &problem, PoseEstimate &estimate, int t, TrackedFrame &found);
+  LimbProblem limb_problem(const PoseProblem &problem) const;
   Eigen::VectorXd predict(int t) const;
 
   const TrackingJob &job_;

@@ -160,14 +160,15 @@ Eigen::VectorXd mean_over_corners(const Eigen::VectorXd &values, const Faces &fa
   return mean;
 }
 
-/// m, mean over the points that keypoints show, each at most `most`; 0 if there are none.
+/// m, mean over the points that keypoints show of how far beyond their tolerance they are, each at most `most`; 0 if there are
+/// none.
 double distance_to(const std::vector<SeenPoint> &points, const Skeleton &skeleton, const Eigen::VectorXd &dofs, double most) {
   if (points.empty())
     return 0;
   const Transforms world_from_rest = forward_kinematics(skeleton, dofs);
   double sum = 0;
   for (const SeenPoint &point : points)
-    sum += std::min(most, (world_from_rest.at(point.joint) * point.rest - point.seen).norm());
+    sum += std::min(most, point.beyond(world_from_rest.at(point.joint) * point.rest));
   return sum / static_cast<double>(points.size());
 }
 
@@ -239,8 +240,8 @@ class LimbEnergy {
 public:
   LimbEnergy(const LimbProblem &problem, const std::vector<SmallView> &views, const Eigen::VectorXd &dofs, const Limb &limb,
              const LimbSearchOptions &options, const Context &context)
-      : problem_(problem), views_(views), dofs_(dofs), limb_(limb), options_(options), context_(context),
-        offset_(problem.offset), points_(points_of(problem.points, limb)) {
+      : problem_(problem), views_(views), dofs_(dofs), limb_(limb), options_(options), context_(context), offset_(problem.offset),
+        points_(points_of(problem.points, limb)) {
     std::vector<std::uint8_t> stays;
     part_ = moved_part(*problem.actor, limb.dofs, stays, offset_);
     const Vertices surface = pose_surface(*problem.actor, dofs, problem.offset).vertices;
@@ -258,8 +259,8 @@ public:
       area_ += p;
   }
 
-  /// For samples (n, limb dofs): pixels that are wrong because of the limb, against its area, plus the smoothness prior and how far
-  /// its joints are from where keypoints show them. Constant terms are left out.
+  /// For samples (n, limb dofs): pixels that are wrong because of the limb, against its area, plus the smoothness prior and how
+  /// far its joints are from where keypoints show them. Constant terms are left out.
   Eigen::VectorXd operator()(const Eigen::MatrixXd &samples) const {
     Eigen::VectorXd energies(samples.rows());
     parallel_for(context_, static_cast<int>(samples.rows()), [&](int i) { energies[i] = energy(samples.row(i)); });
@@ -376,12 +377,7 @@ Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &d
     sum.error += part.error;
     sum.pixels += part.pixels;
   }
-  Eigen::VectorXd errors = sum.error.cwiseQuotient(sum.pixels.cwiseMax(1));
-  for (size_t l = 0; l < limbs.size(); ++l) {
-    const std::vector<SeenPoint> points = points_of(problem.points, limbs[l]);
-    errors[l] = std::max(errors[l], options.keypoint_error * distance_to(points, actor.skeleton, dofs, options.max_error));
-  }
-  return errors;
+  return sum.error.cwiseQuotient(sum.pixels.cwiseMax(1));
 }
 
 double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, const LimbSearchOptions &options,

@@ -108,7 +108,9 @@ private:
   /// Tracks from the beginning each time that the cameras turn out to be others.
   CaptureResult track_until_cameras_stay(const RiggedMesh &actor, const CameraChoice &chosen, int count,
                                          CaptureCheckpoint &checkpoint, std::vector<TrackedFrame> known, const Context &context) {
-    Studio studio{chosen.rig(), chosen.rig(), std::vector<int>(chosen.rig().size(), 0), 0, false, false, {}};
+    Studio studio;
+    studio.given = studio.rig = chosen.rig();
+    studio.delays.assign(chosen.rig().size(), 0);
     std::array<double, 6> seconds{};
     double progress = 0, reached = 0;
     for (;;) {

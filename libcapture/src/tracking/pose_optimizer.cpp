@@ -73,9 +73,14 @@ private:
     if (!problem.actor || !problem.rig || !problem.outlines || problem.outlines->size() != problem.rig->size())
       throw std::invalid_argument("PoseOptimizer: the problem needs an actor, a rig and one outline a camera");
     actor_ = problem.actor;
+    if (problem.timing.late.size() > 0 && (problem.timing.late.size() != static_cast<Eigen::Index>(problem.rig->size()) ||
+                                           problem.timing.velocity.rows() != problem.actor->mesh.vertices.rows()))
+      throw std::invalid_argument("PoseOptimizer: the timing needs a delay a camera and a velocity a vertex");
     for (const SeenPoint &point : problem.points)
-      if (point.joint < 0 || point.joint >= actor_->skeleton.joint_count() || !point.rest.allFinite() || !point.seen.allFinite())
-        throw std::invalid_argument("PoseOptimizer: a seen point must have a joint of the skeleton and finite places");
+      if (point.joint < 0 || point.joint >= actor_->skeleton.joint_count() || !point.rest.allFinite() ||
+          !point.seen.allFinite() || !(point.tolerance >= 0))
+        throw std::invalid_argument(
+            "PoseOptimizer: a seen point must have a joint of the skeleton, finite places and a tolerance");
     moved_ = dof_moves_joint(actor_->skeleton);
     influence_ = dof_influence(*actor_); // anew: another actor may be at the same address
     views_ = static_cast<int>(problem.rig->size());
@@ -87,6 +92,7 @@ private:
 
   void match(const PoseProblem &problem, const Eigen::VectorXd &dofs, const Context &context) {
     const PosedSurface surface = pose_surface(*actor_, dofs, problem.offset);
+    const ShownSurface shown(surface.vertices, problem.timing);
     RimMatchOptions options;
     options.count = options_.rims_per_view;
     options.gate = gate_;
@@ -94,7 +100,7 @@ private:
       if ((*problem.outlines)[v].empty())
         return;
       const Camera &camera = (*problem.rig)[v];
-      const Rims rims = find_rims(surface.vertices, actor_->mesh.faces, actor_->face_valid, camera, options_.raster_size);
+      const Rims rims = find_rims(shown.in(v), actor_->mesh.faces, actor_->face_valid, camera, options_.raster_size);
       matches_[v] = match_rims(rims, (*problem.outlines)[v], indices_[v], v, camera, options);
     });
   }
@@ -121,8 +127,9 @@ private:
     const PosedSurface surface = pose_surface(*actor_, dofs, problem.offset);
     const std::vector<DofTwist> twists = dof_twists(actor_->skeleton, dofs);
     const int size = static_cast<int>(dofs.size());
+    const ShownSurface shown(surface.vertices, problem.timing);
     std::vector<NormalEquations> parts(views_, NormalEquations(size));
-    parallel_for(context, views_, [&](int v) { add_view(problem, v, surface.vertices, twists, derivatives, parts[v]); });
+    parallel_for(context, views_, [&](int v) { add_view(problem, v, shown.in(v), twists, derivatives, parts[v]); });
     NormalEquations sum(size);
     for (const NormalEquations &part : parts)
       sum.add(part);
@@ -181,18 +188,21 @@ private:
     if (problem.points.empty())
       return;
     const Transforms world_from_rest = forward_kinematics(actor_->skeleton, dofs);
-    const double weight = options_.keypoint_weight / (kUnit * kUnit), scale = options_.keypoint_scale;
+    const double weight = options_.keypoint_weight / (kUnit * kUnit),
+                 scale = options_.keypoint_scale * scale_ / options_.scale_end;
     WeightedRows rows(system.hessian, system.gradient);
     for (const SeenPoint &point : problem.points) {
-      const Eigen::Vector3d x = world_from_rest[point.joint] * point.rest, off = x - point.seen;
-      system.energy += weight * scale * scale * geman_mcclure(off.squaredNorm(), scale);
-      if (!derivatives)
+      const Eigen::Vector3d x = world_from_rest[point.joint] * point.rest;
+      const double residual = point.beyond(x);
+      system.energy += weight * scale * scale * geman_mcclure(residual * residual, scale);
+      if (!derivatives || residual == 0)
         continue;
       Eigen::Matrix3Xd jacobian = Eigen::Matrix3Xd::Zero(3, dofs.size());
       for (int d = 0; d < dofs.size(); ++d)
         if (moved_(d, point.joint))
           jacobian.col(d) = twists[d].angular.cross(x) + twists[d].linear;
-      const double robust = weight * geman_mcclure_weight(off.squaredNorm(), scale);
+      const Eigen::Vector3d off = residual * (x - point.seen).normalized(); // from the nearest place that is tolerated
+      const double robust = weight * geman_mcclure_weight(residual * residual, scale);
       for (int axis = 0; axis < 3; ++axis)
         rows.add(jacobian.row(axis).transpose(), off[axis], robust);
     }
@@ -235,11 +245,12 @@ private:
   /// Residuals of the last matches at the final pose.
   void measure(const PoseProblem &problem, PoseEstimate &estimate) const {
     const PosedSurface surface = pose_surface(*actor_, estimate.dofs, problem.offset);
+    const ShownSurface shown(surface.vertices, problem.timing);
     const Faces &faces = actor_->mesh.faces;
     double rim = 0, sift = 0, energy = 0, samples = 0, rims = 0;
     for (int v = 0; v < views_; ++v) {
       for (const RimConstraint &c : matches_[v].constraints) {
-        const double residual = std::abs(rim_residual(c, surface.vertices, faces, (*problem.rig)[v]));
+        const double residual = std::abs(rim_residual(c, shown.in(v), faces, (*problem.rig)[v]));
         const double metres = residual * c.metres_per_pixel, weight = at(problem.reliability, c.surface, faces);
         rim += residual;
         rims += 1;
@@ -250,7 +261,7 @@ private:
       samples += matches_[v].unmatched;
     }
     for (const SurfaceTrack &track : problem.tracks)
-      sift += ((*problem.rig)[track.view].project(track.surface.position(surface.vertices, faces)) - track.pixel).norm();
+      sift += ((*problem.rig)[track.view].project(track.surface.position(shown.in(track.view), faces)) - track.pixel).norm();
     estimate.rim_px = rims > 0 ? rim / rims : 0;
     estimate.sift_px = problem.tracks.empty() ? 0 : sift / problem.tracks.size();
     estimate.energy = samples > 0 ? energy / samples : 1;
@@ -271,6 +282,11 @@ private:
 std::unique_ptr<PoseOptimizer> PoseOptimizer::create(const PoseOptions &options) {
   options.validate();
   return std::make_unique<GaussNewtonPose>(options);
+}
+
+ShownSurface::ShownSurface(const Vertices &surface, const ViewTiming &timing) : surface_(surface) {
+  for (const double late : timing.late)
+    moved_.emplace_back(surface - late * timing.velocity);
 }
 
 PosedSurface pose_surface(const RiggedMesh &actor, const Eigen::VectorXd &dofs, const Vertices &offset) {

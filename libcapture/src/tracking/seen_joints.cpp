@@ -3,6 +3,8 @@
 #include "doublet/capture/triangulation.h"
 #include "doublet/core/parts/quantile.h"
 
+#include <algorithm>
+
 namespace doublet::detail {
 
 SeenJoints seen_joints(const std::vector<ViewMeasurement> &views, const CameraRig &rig) {
@@ -25,7 +27,7 @@ SeenJoints seen_joints(const std::vector<ViewMeasurement> &views, const CameraRi
   return joints;
 }
 
-KeypointPlaces::KeypointPlaces(const Skeleton &skeleton) : skeleton_(skeleton) {
+KeypointPlaces::KeypointPlaces(const Skeleton &skeleton, double tolerance) : skeleton_(skeleton), tolerance_(tolerance) {
   for (int k = 0; k < kKeypoints; ++k)
     for (const Joint &joint : skeleton.joints)
       if (joint.parent >= 0 && joint.name == kKeypointNames[static_cast<std::size_t>(k)])
@@ -46,8 +48,10 @@ void KeypointPlaces::learn(const SeenJoints &seen, const Eigen::VectorXd &dofs) 
 std::vector<SeenPoint> KeypointPlaces::points(const SeenJoints &seen) const {
   std::vector<SeenPoint> points;
   for (const Place &place : places_)
-    if (const auto &at = seen[static_cast<std::size_t>(place.keypoint)])
-      points.push_back({place.carrier, place.rest + usually_beside(place), *at});
+    if (const auto &at = seen[static_cast<std::size_t>(place.keypoint)]) {
+      const Eigen::Vector3d beside = usually_beside(place);
+      points.push_back({place.carrier, place.rest + beside, *at, tolerance_of(place, beside)});
+    }
   return points;
 }
 
@@ -61,7 +65,15 @@ double KeypointPlaces::distance(const SeenJoints &seen, const Eigen::VectorXd &d
   return sum / count;
 }
 
-Eigen::Vector3d KeypointPlaces::usually_beside(const Place &place) const {
+double KeypointPlaces::tolerance_of(const Place &place, const Eigen::Vector3d &usual) const {
+  constexpr double kMostly = 3; // of normal deviates 19 of 20 are within three times the median distance in space
+  std::vector<double> off;
+  for (const Eigen::Vector3d &beside : place.beside)
+    off.push_back((beside - usual).norm());
+  return off.empty() ? tolerance_ : std::max(tolerance_, kMostly * median(std::move(off)));
+}
+
+Eigen::Vector3d KeypointPlaces::usually_beside(const Place &place) {
   Eigen::Vector3d usual = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3 && !place.beside.empty(); ++axis) {
     std::vector<double> values;

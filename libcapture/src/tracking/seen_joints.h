@@ -14,10 +14,12 @@ using SeenJoints = std::array<std::optional<Eigen::Vector3d>, kKeypoints>;
 SeenJoints seen_joints(const std::vector<ViewMeasurement> &views, const CameraRig &rig);
 
 /// A program sees a joint beside where the skeleton has it, always in the same place of the bones: learnt as the frames come, the
-/// median of those in which the pose is not far off.
+/// median of those in which the pose is not far off. How sure the program is of it is learnt, too: a knee under a dress is a
+/// guess.
 class KeypointPlaces {
 public:
-  explicit KeypointPlaces(const Skeleton &skeleton);
+  /// `tolerance`: m, of a joint that the program is sure of.
+  KeypointPlaces(const Skeleton &skeleton, double tolerance);
   void learn(const SeenJoints &seen, const Eigen::VectorXd &dofs);
   /// Of the joints that the skeleton has.
   std::vector<SeenPoint> points(const SeenJoints &seen) const;
@@ -32,9 +34,11 @@ private:
     Eigen::Vector3d rest;
     std::vector<Eigen::Vector3d> beside; // m, rest pose, of every frame
   };
-  Eigen::Vector3d usually_beside(const Place &place) const;
+  static Eigen::Vector3d usually_beside(const Place &place);
+  double tolerance_of(const Place &place, const Eigen::Vector3d &usual) const;
 
   const Skeleton &skeleton_;
+  double tolerance_;
   std::vector<Place> places_;
 };
 

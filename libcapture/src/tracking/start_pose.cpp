@@ -21,8 +21,7 @@ FoundPose pose_in(const TrackingJob &job, TakeMeasurements &measurements, const 
   std::vector<Outline> outlines;
   for (const ViewMeasurement &view : views)
     outlines.push_back(view.outline);
-  const StartProblem problem{&job.actor,  &job.rig,    &outlines,
-                             &masks,      reliability, places.points(seen_joints(views, job.rig))};
+  const StartProblem problem{&job.actor, &job.rig, &outlines, &masks, reliability, places.points(seen_joints(views, job.rig))};
   return search_pose(problem, *job.parts.pose, *job.parts.limbs, job.options.limbs, job.context);
 }
 

@@ -164,21 +164,22 @@ private:
     options.gate = gate;
     const Faces &faces = actor_->mesh.faces;
     const int views = static_cast<int>(problem.rig->size());
+    const ShownSurface shown(estimate.vertices, problem.timing);
     parallel_for(context, views, [&](int v) {
       const Outline &measured = (*problem.outlines)[v];
       const Camera &camera = (*problem.rig)[v];
       if (measured.empty())
         return;
-      const Rims rims = find_rims(estimate.vertices, faces, actor_->face_valid, camera, options_.raster_size);
+      const Rims rims = find_rims(shown.in(v), faces, actor_->face_valid, camera, options_.raster_size);
       matches_[v] = match_rims(rims, measured, OutlineIndex(measured, camera.width, camera.height), v, camera, options);
     });
     std::vector<Pull> pulls;
     for (int v = 0; v < views; ++v)
       for (const RimConstraint &c : matches_[v].constraints)
-        add_pull(estimate.vertices, displacement, (*problem.rig)[v], c.surface, c.normal, c.target, scale, 1.0, pulls);
+        add_pull(shown.in(v), displacement, (*problem.rig)[v], c.surface, c.normal, c.target, scale, 1.0, pulls);
     for (const SurfaceTrack &track : problem.tracks)
       for (int axis = 0; axis < 2; ++axis)
-        add_pull(estimate.vertices, displacement, (*problem.rig)[track.view], track.surface, Eigen::Vector2d::Unit(axis),
+        add_pull(shown.in(track.view), displacement, (*problem.rig)[track.view], track.surface, Eigen::Vector2d::Unit(axis),
                  track.pixel, scale, options_.sift_weight * track.weight, pulls);
     return pulls;
   }
@@ -208,13 +209,14 @@ private:
   void measure(const SurfaceProblem &problem, SurfaceEstimate &estimate) const {
     double rim = 0, sift = 0;
     int rims = 0;
+    const ShownSurface shown(estimate.vertices, problem.timing);
     for (const RimMatches &matches : matches_)
       for (const RimConstraint &c : matches.constraints) {
-        rim += std::abs(rim_residual(c, estimate.vertices, actor_->mesh.faces, (*problem.rig)[c.view]));
+        rim += std::abs(rim_residual(c, shown.in(c.view), actor_->mesh.faces, (*problem.rig)[c.view]));
         ++rims;
       }
     for (const SurfaceTrack &track : problem.tracks)
-      sift += ((*problem.rig)[track.view].project(track.surface.position(estimate.vertices, actor_->mesh.faces)) - track.pixel)
+      sift += ((*problem.rig)[track.view].project(track.surface.position(shown.in(track.view), actor_->mesh.faces)) - track.pixel)
                   .norm();
     estimate.rim_px = rims > 0 ? rim / rims : 0;
     estimate.sift_px = problem.tracks.empty() ? 0 : sift / problem.tracks.size();

@@ -19,9 +19,10 @@ SurfaceTracks::SurfaceTracks(const TrackingJob &job, const TrackingOrder &order,
 void SurfaceTracks::lift(int t) {
   const Stopwatch watch(summary_.map_seconds);
   std::vector<std::vector<SurfaceTrack>> tracks(job_.rig.size());
+  const ShownSurface shown(surface_, timing_);
   if (t != order_.start)
     parallel_for(job_.context, job_.views(), [&](int v) {
-      tracks[v] = lift_matches(measured_.matches_at(t, v), v, surface_, job_.actor, job_.rig[v], visible_[v]);
+      tracks[v] = lift_matches(measured_.matches_at(t, v), v, shown.in(v), job_.actor, job_.rig[v], visible_[v]);
     });
   lifted_.clear();
   append(tracks, lifted_);
@@ -49,12 +50,14 @@ std::vector<SurfaceTrack> SurfaceTracks::mapped(const std::vector<SurfaceTrack> 
   return {found.begin() + static_cast<long>(lifted_.size()), found.end()};
 }
 
-double SurfaceTracks::take(const Vertices &surface) {
+double SurfaceTracks::take(const Vertices &surface, const ViewTiming &timing) {
   surface_ = surface;
+  timing_ = timing;
+  const ShownSurface shown(surface_, timing_);
   visible_.resize(job_.rig.size());
   std::vector<double> overlap(job_.rig.size(), -1);
   parallel_for(job_.context, job_.views(), [&](int v) {
-    visible_[v] = rasterize(surface_, job_.actor.mesh.faces, job_.rig[v]);
+    visible_[v] = rasterize(shown.in(v), job_.actor.mesh.faces, job_.rig[v]);
     if (!measured_.outlines()[v].empty())
       overlap[v] = mask_iou(silhouette(visible_[v]), measured_.masks()[v]);
   });
@@ -74,6 +77,7 @@ void SurfaceTracks::map(const Transforms &blend) {
 
 void SurfaceTracks::go_back_to(Vertices surface, std::vector<FaceBuffer> visible) {
   surface_ = std::move(surface);
+  timing_ = {}; // where tracking begins nothing moves yet, as far as is known
   visible_ = std::move(visible);
 }
 

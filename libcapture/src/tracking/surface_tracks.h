@@ -22,7 +22,7 @@ public:
   void remember(int t, std::vector<SurfaceTrack> mapped) { mapped_[t] = std::move(mapped); }
 
   /// The surface that was tracked at the frame at hand; returns the mean overlap of its silhouettes with the masks.
-  double take(const Vertices &surface);
+  double take(const Vertices &surface, const ViewTiming &timing);
   /// Features of the frame at hand, posed by `blend`, become the map.
   void map(const Transforms &blend);
   const Vertices &surface() const { return surface_; }
@@ -38,6 +38,7 @@ private:
   std::vector<SurfaceTrack> lifted_;
   std::vector<std::vector<SurfaceTrack>> mapped_; // by frame index: features that the map has found
   Vertices surface_;
+  ViewTiming timing_; // of that surface
   std::vector<FaceBuffer> visible_;
 };
 

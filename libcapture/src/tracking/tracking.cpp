@@ -12,9 +12,9 @@ namespace doublet::detail {
 
 Tracking::Tracking(const TrackingJob &job, const Studio &studio, CaptureCheckpoint &checkpoint)
     : job_(job), studio_(studio), checkpoint_(checkpoint), order_{job.count}, measured_(job_, order_, result_),
-      memory_(job.actor, job.options.cloth_deviation_scale, job.options.offset_decay, job.count), places_(job.actor.skeleton),
-      tracks_(job_, order_, measured_, result_.summary), tracker_(job_, order_, measured_, memory_, places_, tracks_, result_),
-      began_(now()) {
+      memory_(job.actor, job.options.cloth_deviation_scale, job.options.offset_decay, job.count),
+      places_(job.actor.skeleton, job.options.keypoint_tolerance), tracks_(job_, order_, measured_, result_.summary),
+      tracker_(job_, order_, measured_, memory_, places_, tracks_, result_), began_(now()) {
   make_room();
 }
 
@@ -145,7 +145,7 @@ void Tracking::look_at_cameras(int step, std::vector<TrackedFrame> &known) {
   job_.say(by_start ? "cameras by the first frame: %.2f mm off on the actor, sure to %.2f mm, outlines %.2f px before, %.2f after"
                     : "cameras by the take: %.2f mm off on the actor, sure to %.2f mm, outlines %.2f px before, %.2f after",
            1000 * found.change, 1000 * found.sure, found.before_px, found.after_px);
-  const bool late = delayed(found);
+  const bool late = delayed(found) || (!by_start && timed_otherwise(found, studio_));
   if (!late && !clearly_off(found, studio_, job_.options.calibration.min_change))
     return;
   const size_t of_this_run = std::min(known.size(), static_cast<size_t>(step) + 1);
@@ -163,6 +163,7 @@ void Tracking::go_over(int t, const TrackedFrame &found, bool latest) {
     measured_.recall(t);
   else
     measured_.measure_again(t, found, t == order_.start || latest);
+  timing_ = timing_at(t);
   take(t, found);
   set_seconds(found.seconds);
 }
@@ -176,13 +177,31 @@ void Tracking::go_on(int t) {
     measured_.recall(t);
   else
     measured_.measure(t, found);
-  tracker_.track(t, found);
+  timing_ = timing_at(t);
+  tracker_.track(t, timing_, found);
   take(t, found);
   found.seconds = seconds();
   checkpoint_.append(found);
   ++done_;
   if (t % 20 == 0 || t + 1 == job_.count)
     log(t, seconds().back() / done_);
+}
+
+/// How the surface moves: in the second pass from the frame before to the one after, as either pass has it; in the first from the
+/// last frame but one to the last.
+ViewTiming Tracking::timing_at(int t) const {
+  if (studio_.parts.size() == 0)
+    return {};
+  int from = order_.again ? std::max(t - 1, 0) : order_.before(t, 2),
+      to = order_.again ? std::min(t + 1, job_.count - 1) : order_.before(t, 1);
+  if (!order_.again && order_.age(t) < 2)
+    from = to = order_.start;
+  const auto surface_at = [&](int s) -> Vertices {
+    return pose_surface(job_.actor, result_.performance.dofs.row(s), memory_.offsets()[s]).vertices;
+  };
+  if (from == to)
+    return {studio_.parts, Vertices::Zero(job_.actor.mesh.vertices.rows(), 3)};
+  return {studio_.parts, (surface_at(to) - surface_at(from)) / (to - from)};
 }
 
 /// Learns from a frame what the later ones depend on.
@@ -201,7 +220,7 @@ void Tracking::take(int t, const TrackedFrame &found) {
   }
   const PosedSurface skinned = pose_surface(job_.actor, found.dofs, {});
   memory_.learn(t, found.surface, skinned);
-  summary.silhouette_iou[t] = tracks_.take(found.surface);
+  summary.silhouette_iou[t] = tracks_.take(found.surface, timing_);
   if (t == order_.start && order_.start > 0)
     at_start_ = {measured_.latest(), tracks_.surface(), tracks_.visible(), memory_.expected()};
   if (t == order_.start && !order_.again && job_.options.use_sift && job_.options.use_feature_map)

@@ -35,6 +35,7 @@ private:
   void begin(const std::vector<TrackedFrame> &known);
   void go_through(std::vector<TrackedFrame> known);
   void say_where_it_goes_on() const;
+  ViewTiming timing_at(int t) const;
   void look_at_cameras(int step, std::vector<TrackedFrame> &known);
   void go_over(int t, const TrackedFrame &found, bool latest);
   void go_on(int t);
@@ -56,6 +57,7 @@ private:
   KeypointPlaces places_;
   SurfaceTracks tracks_;
   FrameTracker tracker_;
+  ViewTiming timing_;     // of the frame at hand
   bool searched_ = false; // the pose of the start, as it is not the scan's
   struct AtStart {
     std::vector<ViewMeasurement> views;

@@ -1,5 +1,5 @@
-"""Joints in the images, as OpenPose, RTMPose or MediaPipe find them: their files, what a session keeps of them, and where they are
-in space."""
+"""Joints in the images, as OpenPose, RTMPose or MediaPipe find them: their files, what a session keeps of them, and where they
+are in space."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ FORMATS = "a list of frames, instance_info of RTMPose, or a folder of OpenPose's
 
 
 def triangulated(session: d.Session, frame: int) -> dict[str, np.ndarray]:
-    """name -> (3) m: the joints that two cameras or more agree on at a frame of a session that has keypoints. Raises ValueError where
-    they are too few."""
+    """name -> (3) m: the joints that two cameras or more agree on at a frame of a session that has keypoints. Raises ValueError
+    where they are too few."""
     frames = d.FrameSource.open(session)
     seen = [frames.keypoints(camera, frame) for camera in range(frames.camera_count)]
     known = [camera for camera, points in enumerate(seen) if len(points)]
@@ -46,8 +46,8 @@ def agreed(cameras: Sequence[d.CalibratedCamera], seen: Sequence[np.ndarray], wh
     found = {name: point for name, point in points.items() if point is not None}
     if len(found) < LEAST_AGREED:
         raise ValueError(
-            f"{where}: expected at least {LEAST_AGREED} joints that two cameras agree on, found {len(found)}; are these keypoints of "
-            "the session's videos, in pixels, from their first frame on?"
+            f"{where}: expected at least {LEAST_AGREED} joints that two cameras agree on, found {len(found)}; are these "
+            "keypoints of the session's videos, in pixels, from their first frame on?"
         )
     return found
 
@@ -73,8 +73,8 @@ def write_keypoints(folder: Path, names: Sequence[str], seen: Sequence[np.ndarra
 
 
 def adopt_keypoints(session: d.Session, path: Path, frame: int, messages: list[str]) -> str:
-    """Writes the file of a session that is there, of keypoints of its videos; returns its name in session.json. Nobody was seen in
-    frames behind the last one that a camera has keypoints of. Raises ValueError where cameras do not agree at `frame`."""
+    """Writes the file of a session that is there, of keypoints of its videos; returns its name in session.json. Nobody was seen
+    in frames behind the last one that a camera has keypoints of. Raises ValueError where cameras do not agree at `frame`."""
     names = [camera.name for camera in session.cameras]
     files = match(names, list_keypoints(path), what="file or folder of keypoints")
     seen = []

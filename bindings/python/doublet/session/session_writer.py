@@ -37,7 +37,7 @@ def write_session(
     console: Console,
     messages: list[str],
 ) -> None:
-    """`numbers` (C, T): which frame of its video is which of the session; `seen`: keypoints (T, 12, 3) of these for each camera."""
+    """`numbers` (C, T): which frame of its video is which of the session; `seen`: keypoints (T, 12, 3) of these, by camera."""
     write_cameras(folder, cameras)
     described, kept = [], []
     for index, (camera, chosen) in enumerate(zip(cameras, numbers)):
@@ -97,8 +97,8 @@ def first_frame(camera: FilmedCamera, chosen: np.ndarray) -> int:
 
 
 def of_whole_file(seen: np.ndarray, camera: FilmedCamera, chosen: np.ndarray, entry: dict, fps: float) -> np.ndarray:
-    """Keypoints of all frames of a camera's file in the session; nothing was seen before the session's first, nor where an image is
-    missing."""
+    """Keypoints of all frames of a camera's file in the session; nothing was seen before the session's first, nor where an image
+    is missing."""
     seen = seen.copy()
     seen[sorted(absent_frames(camera.source, chosen, fps))] = 0
     return np.concatenate([np.zeros((entry.get("first_frame", 0), *seen.shape[1:])), seen])

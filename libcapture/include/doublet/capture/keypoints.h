@@ -1,6 +1,6 @@
 #pragma once
-// The person's joints as a program finds them in the images (OpenPose, RTMPose, MediaPipe): evidence that a session may have beside
-// its silhouettes.
+// The person's joints as a program finds them in the images (OpenPose, RTMPose, MediaPipe): evidence that a session may have
+// beside its silhouettes.
 
 #include "doublet/types/geometry.h"
 

@@ -43,7 +43,6 @@ struct LimbSearchOptions {
   double max_error = 0.3;
   double deviation = 0.7;
   double smoothness = 0.02;
-  double keypoint_error = 0.2;
   double keypoint_weight = 0.3;
   ParticleAnnealingOptions annealing;
   static constexpr auto describe() {
@@ -59,11 +58,9 @@ struct LimbSearchOptions {
         option(&O::deviation, "deviation", above(0), "rad", "Standard deviation of the first particles around the prediction"),
         option(&O::smoothness, "smoothness", at_least(0), "",
                "Weight of (angle - prediction)^2 / deviation^2 against the share of the limb's area"),
-        option(&O::keypoint_error, "keypoint_error", at_least(0), "",
-               "Share of the distance to the joints that keypoints show which counts as a limb's error",
-               "The end of an arm 30 degrees off is 20 to 30 cm off, its outlines 4"),
         option(&O::keypoint_weight, "keypoint_weight", at_least(0), "",
-               "Weight of joints that are max_error off where keypoints show them, against the pixels that are wrong"),
+               "Weight of joints that are max_error beyond where keypoints show them, against the pixels that are wrong",
+               "They decide where silhouettes do not: a limb that is a hand's width wrong has more wrong pixels"),
         option(&O::annealing, "annealing", "Options of the particles"),
     };
   }
@@ -73,13 +70,12 @@ struct LimbSearchOptions {
 /// Error (limbs), m, of each limb in the pose `dofs` (D): how far its rendered pixels lie outside the masks, plus how far mask
 /// pixels that nothing explains lie from the rendering, summed and divided by the limb's pixels. What is not explained is
 /// counted, a connected piece at a time, for the limb whose bones pass nearest in the image. Pixels count by reliability: cloth
-/// that flies loses no limb. Where keypoints show joints of the limb that are farther off, LimbSearchOptions::keypoint_error of
-/// their mean distance.
+/// that flies loses no limb.
 Eigen::VectorXd limb_errors(const LimbProblem &problem, const Eigen::VectorXd &dofs, const std::vector<Limb> &limbs,
                             const LimbSearchOptions &options, const Context &context);
 
 /// Overlap energy of a pose: pixels rendered outside the masks, and mask pixels not covered, over the mask pixels; mean over the
-/// views. 0 = silhouettes agree, and joints are where keypoints show them.
+/// views; and LimbSearchOptions::keypoint_weight for joints that are not where keypoints show them. 0 = all agrees.
 double overlap_energy(const LimbProblem &problem, const Eigen::VectorXd &dofs, const LimbSearchOptions &options,
                       const Context &context);
 

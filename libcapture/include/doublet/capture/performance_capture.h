@@ -34,6 +34,7 @@ struct CaptureOptions {
   bool second_pass = true;
   bool use_feature_map = true;
   double map_search_radius = 0.05;
+  double keypoint_tolerance = 0.06;
   double velocity_damping = 0.8;
   double acceleration = 0.3;
   double offset_decay = 0.95;
@@ -73,6 +74,9 @@ struct CaptureOptions {
                "Tracks from frame to frame alone drift"),
         option(&O::map_search_radius, "map_search_radius", above(0), "",
                "Distance within which a mapped feature is sought, as a share of the silhouette's height"),
+        option(&O::keypoint_tolerance, "keypoint_tolerance", at_least(0), "m",
+               "Distance of a joint from where keypoints show it that tells nothing, and more where they are less steady",
+               "Programs are 2 to 3 cm off on what they see, twice that under clothes"),
         option(
             &O::velocity_damping, "velocity_damping", Range{0, 1}, "",
             "Share of the last velocity that is expected again; 0 = stay, 1 = go on at the same speed",
@@ -109,10 +113,10 @@ struct JointVisibility {
 };
 
 struct CaptureSummary {
-  std::vector<double> rim_px, sift_px;        ///< (T) mean residual per frame, pixels
-  std::vector<double> keypoint_distance;      ///< (T) m, mean of the joints that keypoints show from there; NaN where there are none
-  std::vector<double> silhouette_iou;         ///< (T) mean over cameras, of the refined surface against the measured masks
-  std::vector<int> views;                     ///< (T) cameras that took part
+  std::vector<double> rim_px, sift_px;   ///< (T) mean residual per frame, pixels
+  std::vector<double> keypoint_distance; ///< (T) m, mean of the joints that keypoints show from there; NaN where there are none
+  std::vector<double> silhouette_iou;    ///< (T) mean over cameras, of the refined surface against the measured masks
+  std::vector<int> views;                ///< (T) cameras that took part
   double jitter_before = 0, jitter_after = 0; ///< rad; mean |second difference| of the joint angles before and after smoothing
   std::vector<LostLimb> lost_limbs;           ///< in the order of frames
   int start_frame = 0;                        ///< video frame number: tracking went from it to the last, then to the first

@@ -5,6 +5,7 @@
 // which tells focal lengths; how tall she is tells the scale, how she stands which way is up.
 
 #include "doublet/capture/keypoints.h"
+#include "doublet/core/camera.h"
 #include "doublet/core/context.h"
 #include "doublet/core/image.h"
 #include "doublet/core/types.h"
@@ -46,7 +47,7 @@ struct PersonView {
 };
 
 /// Corners (px) of the convex hull of a silhouette, around its pixels; empty if there is none, or if it touches a border of the
-/// image, beyond which nobody knows.
+/// image, beyond which nobody knows. Throws std::invalid_argument unless the mask has one channel.
 std::vector<Eigen::Vector2d> silhouette_hull(const Image &mask);
 
 /// What became of one camera.

@@ -6,6 +6,7 @@
 #include "doublet/core/stage_values.h"
 #include "doublet/options/options.h"
 
+#include <algorithm>
 #include <memory>
 
 namespace doublet {
@@ -23,6 +24,26 @@ struct SeenPoint {
   int joint = 0;        ///< that moves it
   Eigen::Vector3d rest; ///< m, in the rest pose
   Eigen::Vector3d seen; ///< m, in the world
+  double tolerance = 0; ///< m; as far from there it may be: the error of whoever saw it
+  /// m: how far beyond that it is, 0 within.
+  double beyond(const Eigen::Vector3d &place) const { return std::max(0.0, (place - seen).norm() - tolerance); }
+};
+
+/// Cameras that film between the frames of the others.
+struct ViewTiming {
+  Eigen::VectorXd late; ///< (views) frames by which each shows an earlier moment; empty = none does
+  Vertices velocity;    ///< (V, 3) m a frame, of the surface
+};
+
+/// (V, 3) m: the surface as each camera shows it, if some film between the frames of the others. Refers to what it is made from.
+class ShownSurface {
+public:
+  ShownSurface(const Vertices &surface, const ViewTiming &timing);
+  const Vertices &in(int view) const { return moved_.empty() ? surface_ : moved_[static_cast<std::size_t>(view)]; }
+
+private:
+  const Vertices &surface_;
+  std::vector<Vertices> moved_; // [views], or none
 };
 
 /// What one frame says about the pose. Arrays over views have one entry a camera; a view with an empty outline takes no part.
@@ -37,6 +58,7 @@ struct PoseProblem {
   Eigen::VectorXd predicted;   ///< (D) pose expected from the frames before
   Eigen::VectorXd start;       ///< (D) where to begin
   bool first = false;          ///< nothing is known yet: wider gates, more iterations, no pull to the prediction
+  ViewTiming timing;           ///< of its cameras
 };
 
 struct PoseEstimate {
@@ -54,7 +76,7 @@ struct PoseOptions {
   double gate_start = 0.15, gate_end = 0.06;
   double scale_start = 0.05, scale_end = 0.015;
   double sift_weight = 1.0;
-  double keypoint_weight = 20;
+  double keypoint_weight = 100;
   double keypoint_scale = 0.1;
   double prior_weight = 4.0;
   double prior_angle = 0.15;
@@ -78,9 +100,11 @@ struct PoseOptions {
                "The size of skinning errors"),
         option(&O::sift_weight, "sift_weight", at_least(0), "", "Weight of a feature track against one rim match",
                "At 5 a skirt's features, bound to the thigh, hold a leg back"),
-        option(&O::keypoint_weight, "keypoint_weight", at_least(0), "", "Weight of a joint that keypoints show against one rim match"),
-        option(&O::keypoint_scale, "keypoint_scale", above(0), "m", "Geman-McClure scale of the distance to such a joint",
-               "Programs that find joints are now and then wrong by a limb"),
+        option(&O::keypoint_weight, "keypoint_weight", at_least(0), "",
+               "Weight of a joint that is beyond the tolerance of where keypoints show it, against one rim match"),
+        option(&O::keypoint_scale, "keypoint_scale", above(0), "m",
+               "Geman-McClure scale of how far it is beyond, in the last iteration",
+               "Programs that find joints are now and then wrong by a limb. It is wider in the first ones, as scale_start is"),
         option(&O::prior_weight, "prior_weight", at_least(0), "",
                "Weight of the prediction against one rim match, at a deviation of prior_angle or prior_shift"),
         option(&O::prior_angle, "prior_angle", above(0), "rad", "Expected error of the predicted angles"),

@@ -16,6 +16,7 @@ struct SurfaceProblem {
   Vertices base;               ///< (V, 3) m; the surface expected: posed, with the non-rigid offset carried from the frame before
   Vertices skinned;            ///< (V, 3) m; posed without any offset
   Eigen::VectorXd reliability; ///< (V) in [0, 1]: 1 = moves with the skeleton, 0 = loose cloth
+  ViewTiming timing;           ///< of its cameras
 };
 
 struct SurfaceEstimate {
