@@ -5,8 +5,8 @@ doublet synthesize trousers.glb --motion CLIP.bvh --camera-count 8 --image-size 
 doublet capture session -o out && doublet segment out && doublet evaluate out --truth session/ground_truth
 
 The body is the shipped model's, in a random shape; the garment is a layer of cloth around it that hangs from a band at its top,
-with folds. Along the bones that are --snug it clings to the body, which carries it. Body and garment have patterns of their own, so
-that there is something to track.
+with folds. Along the bones that are --snug it clings to the body, which carries it. Body and garment have patterns of their own,
+so that there is something to track.
 """
 
 from __future__ import annotations
@@ -189,7 +189,7 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--ease", type=float, default=0.03, help="m, how far the cloth stands off the body")
     parser.add_argument("--shape", type=int, default=1, help="seed of the person and the folds")
-    parser.add_argument("--snug", nargs="+", default=(), metavar="BONE", help="along which it clings to the body: pelvis, hip ...")
+    parser.add_argument("--snug", nargs="+", default=(), metavar="BONE", help="along which it clings to the body: pelvis, hip")
     options = parser.parse_args()
     cut = replace(GARMENTS[options.garment], snug=tuple(options.snug))
     character = dressed_character(cut, options.ease, options.shape)

@@ -141,9 +141,10 @@ Json run_garment(Reconstruction &reconstruction) {
   const ReferencePerformance performance = results.performance();
   const Mesh body = results.body().body;
   Segmentation segmentation = results.segmentation();
-  segmentation.slack = cloth_slack(body, canonical_frames(actor, performance, reconstruction.context()), reconstruction.context());
-  const Garment garment = mesh_garment(actor, segmentation, body, performance.surface, reconstruction.options.garment,
-                                       reconstruction.context());
+  segmentation.slack =
+      cloth_slack(body, canonical_frames(actor, performance, reconstruction.context()), reconstruction.context());
+  const Garment garment =
+      mesh_garment(actor, segmentation, body, performance.surface, reconstruction.options.garment, reconstruction.context());
   write_garment(reconstruction.path("garment.npz"), garment);
   const GarmentSummary found = summarise_garment(garment);
   std::vector<double> areas;

@@ -7,8 +7,8 @@
 
 namespace doublet::detail {
 
-/// (V) in [0, 1]: 1 where the cloth's slack is below `snug_slack`, so that the body carries it, 0 where it hangs free; pieces smaller
-/// than `min_piece_area` go with what is around them. 0 everywhere if the slack was not measured.
+/// (V) in [0, 1]: 1 where the cloth's slack is below `snug_slack`, so that the body carries it, 0 where it hangs free; pieces
+/// smaller than `min_piece_area` go with what is around them. 0 everywhere if the slack was not measured.
 Eigen::VectorXd attachment_of(const RiggedMesh &actor, const Segmentation &segmentation, const GarmentOptions &options);
 
 /// [R] of which regions anything hangs free.

@@ -1,12 +1,12 @@
 #include "doublet/segment/garment_mesher.h"
 
+#include "attachment.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/boundary_loops.h"
 #include "doublet/core/parts/closest_point.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/options/options.h"
 #include "doublet/rays/ray_scene.h"
-#include "attachment.h"
 #include "garment_field.h"
 #include "handles.h"
 #include "isotropic.h"
@@ -33,6 +33,8 @@ constexpr double kOffCount = 0.1; // of the wanted number of vertices
 constexpr double kHandle = 0.25; // m around: longer than what joins folds, shorter than a sleeve
 
 constexpr double kPinhole = 0.12; // m around: shorter than a child's wrist
+
+constexpr double kRounding = 1e-9; // of barycentric coordinates: what is carried has a clothness of 0, not nearly so
 
 constexpr double kEnds = 0.2; // mean cosine along an edge: there the garment ends, whatever is behind it
 
@@ -446,8 +448,9 @@ public:
         garment.replaced_faces[f] = !is_waistband(actor, segmentation, fields[r], f);
       ++garment.region_count;
     }
-    const Eigen::VectorXd carried = interpolate_to_garment(garment, actor.mesh.faces, garment.attachment);
-    garment.clothness = garment.clothness.cwiseMin((1 - carried.array()).cwiseMax(0.0).matrix());
+    const Eigen::ArrayXd carried = interpolate_to_garment(garment, actor.mesh.faces, garment.attachment).array();
+    const Eigen::ArrayXd loose = (carried > 1 - kRounding).select(0.0, 1 - carried);
+    garment.clothness = garment.clothness.cwiseMin(loose.matrix());
     const std::vector<char> scraps = detail::scraps(actor, garment.replaced_faces, segmentation, body, options_.min_piece_area);
     for (std::size_t f = 0; f < scraps.size() && garment.region_count > 0; ++f)
       garment.replaced_faces[f] |= scraps[f];

@@ -33,8 +33,7 @@ Eigen::VectorXd cloth_slack(const Mesh &body, const std::vector<Vertices> &canon
   MatrixRM distances(count, static_cast<Eigen::Index>(canonical.size()));
   for (Eigen::Index t = 0; t < distances.cols(); ++t) {
     context.throw_if_cancelled();
-    parallel_for(context, count,
-                 [&](int v) { distances(v, t) = distance_outside(scene, body, normals, canonical[t].row(v)); });
+    parallel_for(context, count, [&](int v) { distances(v, t) = distance_outside(scene, body, normals, canonical[t].row(v)); });
   }
   Eigen::VectorXd slack(count);
   for (int v = 0; v < count; ++v)

@@ -17,7 +17,8 @@ struct Garment {
   Eigen::VectorXi actor_face;   ///< (G) the place of each vertex on the actor: face ...
   Vertices barycentric;         ///< (G, 3) ... and weights of its corners
   Mask replaced_faces;          ///< (F) faces of the actor that the garment stands for
-  /// (V) in [0, 1] of the actor's cloth: 1 = carried by the body, which it follows as skin does, 0 = hangs free; empty = all free.
+  /// (V) in [0, 1] of the actor's cloth: 1 = carried by the body, which it follows as skin does, 0 = hangs free; empty = all
+  /// free.
   Eigen::VectorXd attachment = {};
   int region_count = 0;
 };
