@@ -39,7 +39,7 @@ Segmentation corrected(Reconstruction &reconstruction, const Mesh &pose, const S
 }
 
 std::string percent(double share) {
-  return options::to_text(100 * share, 2) + " %";
+  return options::to_text(100 * share, 3) + " %";
 }
 
 std::vector<Finding> end_findings(const std::vector<ClothEnd> &ends) {
@@ -77,15 +77,16 @@ std::vector<RegionShare> region_shares(const RiggedMesh &actor, const Segmentati
   return shares;
 }
 
-/// Regions that make no garment, for the body carries them.
+/// Regions that make no garment: the body carries them, or they hang on nothing.
 std::vector<Finding> carried_findings(const std::vector<RegionShare> &regions) {
   std::vector<Finding> findings;
   for (std::size_t r = 0; r < regions.size(); ++r)
     if (regions[r].cloth > 0 && regions[r].carried >= regions[r].cloth)
       findings.push_back({false,
-                          "expected cloth that hangs free, found region " + std::to_string(r) + ", " + percent(regions[r].cloth) +
-                              " of the surface, within " + options::to_text(1000 * regions[r].slack, 2) +
-                              " mm of the body: it clings, and is not simulated",
+                          "expected cloth that hangs from the body, found region " + std::to_string(r) + ", " +
+                              percent(regions[r].cloth) + " of the surface and on average within " +
+                              options::to_text(1000 * regions[r].slack, 3) +
+                              " mm of the body, to be carried as skin is: it is not simulated",
                           "carried"});
   return findings;
 }
@@ -154,6 +155,9 @@ Json run_garment(Reconstruction &reconstruction) {
   double carried = 0;
   for (const RegionShare &region : regions)
     carried += region.carried;
+  if (carried > 0)
+    reconstruction.announce("garment: " + percent(carried) +
+                            " of the surface is cloth that the body carries; it is not simulated");
   return {{"findings", to_json(carried_findings(regions))},
           {"carried_area", carried},
           {"vertices", found.vertices},
