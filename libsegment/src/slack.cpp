@@ -28,6 +28,7 @@ Eigen::VectorXd cloth_slack(const Mesh &body, const std::vector<Vertices> &canon
     throw std::invalid_argument("cloth_slack: expected at least one canonical frame, found none");
   const int count = static_cast<int>(canonical[0].rows());
   require_frames(canonical, count, "cloth_slack: a canonical frame");
+  require_usable(body, "cloth_slack: body");
   const RayScene scene(body);
   const Vertices normals = vertex_normals(body.vertices, body.faces);
   MatrixRM distances(count, static_cast<Eigen::Index>(canonical.size()));
