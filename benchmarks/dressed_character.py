@@ -1,17 +1,18 @@
 """A character in trousers, a shirt or an open jacket, for sessions with known truth of garments that nobody filmed for us.
 
-python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [--shape 3]
+python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [--shape 3] [--snug pelvis hip]
 doublet synthesize trousers.glb --motion CLIP.bvh --camera-count 8 --image-size 502 --frame-count 80 -o session
 doublet capture session -o out && doublet segment out && doublet evaluate out --truth session/ground_truth
 
 The body is the shipped model's, in a random shape; the garment is a layer of cloth around it that hangs from a band at its top,
-with folds. Body and garment have patterns of their own, so that there is something to track.
+with folds. Along the bones that are --snug it clings to the body, which carries it. Body and garment have patterns of their own,
+so that there is something to track.
 """
 
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import doublet as d
@@ -22,6 +23,7 @@ from doublet.evaluation.synthesize import ring_of_cameras
 FPS = 40.0
 BAND = 0.04  # m, of the cloth that is fastened
 SLIT = 0.04  # m, half the width of the open front
+CLINGING = 0.003  # m, from the body to cloth that clings to it
 LEGS, ARMS = ("hip", "knee"), ("shoulder", "elbow")
 TRUNK = ("pelvis", "spine1", "spine2", "chest", "clavicle")
 
@@ -33,12 +35,15 @@ class Cut:
     covers: dict[str, float]
     fastened: tuple[str, ...]
     is_open: bool = False  # in front
+    snug: tuple[str, ...] = ()  # bones along which it clings to the body
 
 
 WHOLE = np.inf  # of a bone, and what its weights move beyond the next joint
 WAIST, NECK = ("spine1", "spine2"), ("neck", "head")
 GARMENTS = {
     "trousers": Cut(dict.fromkeys(("pelvis", *LEGS), WHOLE), WAIST),
+    "shorts": Cut({"pelvis": WHOLE, "hip": 0.7}, WAIST),
+    "tee": Cut({**dict.fromkeys(TRUNK, 1.0), "shoulder": 0.6}, NECK),
     "shirt": Cut(dict.fromkeys((*TRUNK, *ARMS), WHOLE), NECK),
     "jacket": Cut(dict.fromkeys((*TRUNK, *ARMS), WHOLE), NECK, True),
 }
@@ -100,7 +105,7 @@ def distance_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def dressed(person: Person, cut: Cut, ease: float, random: np.random.Generator):
-    """(vertices, faces, clothness, weights) of skin and cloth."""
+    """(vertices, faces, clothness, is_fabric, weights) of skin and cloth; clothness is 0 of fabric that is fastened or clings."""
     body, faces = person.vertices, person.faces
     cover = person.covered(cut)
     if cut.is_open:
@@ -109,15 +114,19 @@ def dressed(person: Person, cut: Cut, ease: float, random: np.random.Generator):
     normals = smooth_normals(body, faces)
     wave = np.sin(body @ random.normal(0, 40, (3, 4)) + random.uniform(0, 6, 4)).mean(axis=1)
     _, gap = d.RayScene(d.Mesh(body, faces)).cast(body, normals, 0.002)
+    snug = person.weights[:, np.isin([without_side(n) for n in person.names], cut.snug)].sum(axis=1)
     wide = np.minimum(ease * (0.75 + 0.5 * wave), 0.3 * gap)  # the cloth of a leg does not enter that of the other
+    wide = snug * np.minimum(CLINGING, wide) + (1 - snug) * wide
     band = distance_to(body, body[np.isin(person.bone, cut.fastened)]) < BAND
     cloth = body + np.where(band, 0.3 * wide, wide)[:, None] * normals
+    clings = snug > 0.5
     index = np.arange(len(body))[:, None] * [1.0, 0, 0]  # which vertex of the body each is, carried through join()
     inside = cover[faces].all(axis=1)
     used, kept_faces, is_cloth = join([(index, faces[~cover[faces].any(axis=1)], 0.0), (index, faces[inside], 1.0)])
     of = used[:, 0].round().astype(int)
     vertices = np.where(is_cloth[:, None] > 0, cloth[of], body[of])
-    return vertices, kept_faces, np.where(is_cloth * ~band[of] > 0, 1.0, 0.0), person.weights[of]
+    is_fabric = (is_cloth > 0) & (clings | ~band)[of]  # what is fastened looks like skin
+    return vertices, kept_faces, (is_fabric & ~clings[of]).astype(float), is_fabric, person.weights[of]
 
 
 def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
@@ -135,14 +144,16 @@ def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
     return colour
 
 
-def picture(character: d.Character, camera: d.Camera, seed: int, cloth_tint, contrast: float) -> tuple[np.ndarray, np.ndarray]:
-    """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, and where it is."""
-    mesh, cloth = character.actor.mesh, np.asarray(character.segmentation.clothness)
+def picture(
+    character: d.Character, is_fabric: np.ndarray, camera: d.Camera, seed: int, cloth_tint, contrast: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, is_fabric (V) of its vertices, and where it is."""
+    mesh = character.actor.mesh
     face, depth = d.rasterize(mesh.vertices, mesh.faces, camera)
     rows, columns = np.nonzero(face >= 0)
     rays = np.stack([columns, rows, np.ones(len(rows))], axis=1) @ np.linalg.inv(camera.K).T
     points = (rays * depth[rows, columns][:, None] - np.asarray(camera.t).ravel()) @ np.asarray(camera.R)
-    garment = cloth[mesh.faces[face[rows, columns]]].max(axis=1) > 0
+    garment = is_fabric[mesh.faces[face[rows, columns]]].any(axis=1)
     cell = np.where(garment, CELL[True], CELL[False])
     colours = pattern(points, cell, seed)
     tint = np.where(garment[:, None], cloth_tint, SKIN_TINT)  # no green: the screen is
@@ -154,7 +165,7 @@ def picture(character: d.Character, camera: d.Camera, seed: int, cloth_tint, con
 
 def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT, contrast: float = 0.5) -> d.Character:
     person, random = Person(shape), np.random.default_rng(shape)
-    vertices, faces, clothness, weights = dressed(person, cut, ease, random)
+    vertices, faces, clothness, is_fabric, weights = dressed(person, cut, ease, random)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, person.skeleton())
     region = np.where(clothness > 0, 0, -1).astype(np.int32)
     segmentation = d.Segmentation(np.zeros(len(vertices)), clothness, region)
@@ -164,9 +175,10 @@ def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT, 
     # A shank is thinner than what it moves in a quarter of a frame: the cloth would pass through it.
     material, solver = d.Material(**MATERIAL), d.SolverSettings(1 / FPS, d.ClothOptions(substeps=16))
     high_valid = [1] * len(faces)
-    character = d.make_character(actor, segmentation, fit, proxies, [material], solver, actor.mesh, high_valid)
+    materials = [material] * segmentation.region_count
+    character = d.make_character(actor, segmentation, fit, proxies, materials, solver, actor.mesh, high_valid)
     cameras = ring_of_cameras(character, d.Motion(FPS, np.zeros((1, len(actor.skeleton.dof_names)))), 12, 1400)
-    pictures = [picture(character, camera, shape, cloth_tint, contrast) for camera in cameras]
+    pictures = [picture(character, is_fabric, camera, shape, cloth_tint, contrast) for camera in cameras]
     d.texture_character(character, vertices, cameras, [p[0] for p in pictures], [p[1] for p in pictures])
     return character
 
@@ -177,8 +189,10 @@ def main() -> None:
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--ease", type=float, default=0.03, help="m, how far the cloth stands off the body")
     parser.add_argument("--shape", type=int, default=1, help="seed of the person and the folds")
+    parser.add_argument("--snug", nargs="+", default=(), metavar="BONE", help="along which it clings to the body: pelvis, hip")
     options = parser.parse_args()
-    character = dressed_character(GARMENTS[options.garment], options.ease, options.shape)
+    cut = replace(GARMENTS[options.garment], snug=tuple(options.snug))
+    character = dressed_character(cut, options.ease, options.shape)
     character.name = options.garment
     character.write(options.output)
 

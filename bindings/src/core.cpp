@@ -346,6 +346,7 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("clothness", &Segmentation::clothness, "(V) in [0, 1]")
       .def_readwrite("region", &Segmentation::region, "(V), -1 = rigid")
       .def_readwrite("probability", &Segmentation::probability, "(V) in [0, 1], of being cloth; empty = not told")
+      .def_readwrite("slack", &Segmentation::slack, "(V) m, how far the surface gets from the body; empty = not measured")
       .def_readwrite("rest", &Segmentation::rest, "(V, 3) m, the shape that lengths and masses come from; empty = the scan pose")
       .def_readwrite("region_count", &Segmentation::region_count, "cloth regions");
   Class<Garment>(m, "Garment", "All cloth of a character as a mesh of its own (garment.npz).")
@@ -359,6 +360,8 @@ void bind_stage_values(py::module_ &m) {
       .def_readwrite("widths", &Garment::widths,
                      "[K] (G, 3) m, rest shapes to choose from, the widest first; empty = `rest` alone")
       .def_readwrite("replaced_faces", &Garment::replaced_faces, "(F) faces of the actor that the garment stands for")
+      .def_readwrite("attachment", &Garment::attachment,
+                     "(V) of the actor's cloth: 1 = carried by the body, 0 = hangs free; empty = all free")
       .def_readwrite("region_count", &Garment::region_count, "cloth regions");
   m.def("choose_widths", &choose_widths, py::arg("garment"), py::arg("chosen") = std::vector<double>{}, Release(),
         "The garment in the widths that were chosen, a position (0 = the first, 0.5 = halfway to the second) a region; without, "

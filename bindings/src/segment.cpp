@@ -4,6 +4,7 @@
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
 #include "doublet/segment/garment_mesher.h"
+#include "doublet/segment/slack.h"
 #include "doublet/testing/cloth_segmenter_conformance.h"
 #include "doublet/testing/garment_mesher_conformance.h"
 
@@ -94,6 +95,17 @@ void bind_segment(py::module_ &m) {
         "What was found, with a person's corrections: painted (V) is -1 as found, 0 skin, 1 cloth, 2 a border between regions.");
   m.def("cloth_segmenter_violations", &testing::cloth_segmenter_violations, py::arg("segmenter"), Release(),
         "One sentence for each rule that a ClothSegmenter breaks: sizes, ranges, regions, the same bits twice, refusals.");
+  m.def(
+      "cloth_slack",
+      [](const Mesh &body, const py::array_t<double, py::array::c_style | py::array::forcecast> &canonical,
+         const Context &context) {
+        const std::vector<Vertices> frames = unstack(canonical, "canonical");
+        py::gil_scoped_release release;
+        return cloth_slack(body, frames, context);
+      },
+      py::arg("body"), py::arg("canonical"), py::arg("context") = interruptible_context(),
+      "(V) m: how far the captured surface, taken back to the scan pose (canonical_frames), gets from the body: exceeded in 5 % "
+      "of the frames.");
   OptionsClass<GarmentOptions>(m, "Options of GarmentMesher.");
   Class<GarmentMesher, PyGarmentMesher>(m, "GarmentMesher", "Stage: segmentation -> the garment's mesh. Subclass to replace it.")
       .def(py::init<>())

@@ -36,6 +36,34 @@ double position_of(const Garment &garment, double area) {
   return 0.5 * (low + high);
 }
 
+void require_attachment(const Garment &garment, Eigen::Index vertices, const std::string &what) {
+  if (garment.attachment.size() != 0 && garment.attachment.size() != vertices)
+    throw Error(what + ": array 'attachment': expected " + std::to_string(vertices) +
+                " entries, one a vertex of the actor, found " + std::to_string(garment.attachment.size()));
+  if (!(garment.attachment.array() >= 0 && garment.attachment.array() <= 1).all())
+    throw Error(what + ": array 'attachment': expected values in [0, 1], found others");
+}
+
+/// What of the cloth hangs free; a region of which nothing does is none.
+Segmentation without_carried(const Segmentation &segmentation, const Eigen::VectorXd &attachment) {
+  if (attachment.size() == 0)
+    return segmentation;
+  Segmentation free = segmentation;
+  free.clothness.array() *= 1 - attachment.array();
+  std::vector<int> number(segmentation.region_count, -1);
+  for (Eigen::Index v = 0; v < free.region.size(); ++v)
+    if (free.clothness[v] == 0)
+      free.region[v] = -1;
+    else if (free.region[v] >= 0)
+      number[free.region[v]] = 0;
+  free.region_count = 0;
+  for (int &region : number)
+    region = region < 0 ? -1 : free.region_count++;
+  for (int &region : free.region)
+    region = region < 0 ? -1 : number[region];
+  return free;
+}
+
 } // namespace
 
 void validate_garment(const Garment &garment, const RiggedMesh &actor, const std::string &what) {
@@ -59,6 +87,7 @@ void validate_garment(const Garment &garment, const RiggedMesh &actor, const std
   if (static_cast<Eigen::Index>(garment.replaced_faces.size()) != actor.mesh.faces.rows())
     throw Error(what + ": array 'covers': expected " + std::to_string(actor.mesh.faces.rows()) +
                 " entries, one a face of the actor, found " + std::to_string(garment.replaced_faces.size()));
+  require_attachment(garment, actor.mesh.vertices.rows(), what);
   for (Eigen::Index v = 0; v < count; ++v) {
     const auto fail = [&](const std::string &expected, double found) {
       throw Error(what + ": vertex " + std::to_string(v) + ": expected " + expected + ", found " + std::to_string(found));
@@ -148,8 +177,10 @@ MatrixRM interpolate_to_garment(const Garment &garment, const Faces &actor_faces
 DressedActor dress(const RiggedMesh &actor, const Segmentation &segmentation, const Garment &garment) {
   require_actor(actor, "dress");
   require_segmentation(segmentation, actor.mesh.vertices.rows(), "dress");
-  if (garment.region_count == 0)
-    return {actor, segmentation};
+  if (garment.region_count == 0) {
+    require_attachment(garment, actor.mesh.vertices.rows(), "garment");
+    return {actor, without_carried(segmentation, garment.attachment)};
+  }
   validate_garment(garment, actor, "garment");
   const Eigen::Index bare = actor.mesh.vertices.rows(), count = garment.mesh.vertices.rows(), faces = actor.mesh.faces.rows();
   DressedActor dressed;

@@ -63,6 +63,7 @@ void require_segmentation(const Segmentation &segmentation, Eigen::Index vertice
   expect(what + ": segmentation.region", segmentation.region.size(), vertices);
   expect_all(what + ": segmentation.sigma", segmentation.sigma.size(), vertices);
   expect_all(what + ": segmentation.probability", segmentation.probability.size(), vertices);
+  expect_all(what + ": segmentation.slack", segmentation.slack.size(), vertices);
   expect_all(what + ": segmentation.rest", segmentation.rest.rows(), vertices);
   if (!(segmentation.clothness.array() >= 0).all() || !(segmentation.clothness.array() <= 1).all())
     throw Error(what + ": segmentation.clothness: expected values in [0, 1], found others");
@@ -72,6 +73,7 @@ void require_segmentation(const Segmentation &segmentation, Eigen::Index vertice
     throw Error(what + ": segmentation.region: expected numbers from -1 to below region_count " +
                 std::to_string(segmentation.region_count) + ", found " + std::to_string(segmentation.region.minCoeff()) + " to " +
                 std::to_string(segmentation.region.maxCoeff()));
+  expect_finite(what + ": segmentation.slack", segmentation.slack);
   expect_finite(what + ": segmentation.rest", segmentation.rest);
 }
 

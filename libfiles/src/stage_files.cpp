@@ -107,6 +107,14 @@ Eigen::VectorXd read_vector(const Npz &npz, const std::string &name, std::int64_
   return npz.matrix(name).col(0);
 }
 
+/// (count) values in [0, 1]; -1 = of any length.
+Eigen::VectorXd read_shares(const Npz &npz, const std::string &name, std::int64_t count) {
+  const Eigen::VectorXd values = read_vector(npz, name, count);
+  if (!(values.array() >= 0 && values.array() <= 1).all())
+    throw Error(npz.source + ": array '" + name + "': expected values in [0, 1], found others");
+  return values;
+}
+
 /// Lists of different length, one behind the other, with the start of each.
 struct FlatLists {
   std::vector<double> values;
@@ -266,21 +274,15 @@ void write_segmentation(const Path &path, const Segmentation &segmentation) {
 Segmentation read_segmentation(const Path &path) {
   const Npz npz = Npz::read(path, {}, kFileFormat);
   Segmentation out;
-  out.clothness = read_vector(npz, "clothness", -1);
+  out.clothness = read_shares(npz, "clothness", -1);
   out.sigma = read_vector(npz, "sigma", out.clothness.size());
   npz.require_shape("region", {out.clothness.size()});
   const std::vector<int> region = npz.integers("region");
   out.region = Eigen::Map<const Eigen::VectorXi>(region.data(), region.size());
   for (const int r : region)
     out.region_count = std::max(out.region_count, r + 1);
-  const auto require_in_range = [&](const char *name, const Eigen::VectorXd &values) {
-    if (!(values.array() >= 0 && values.array() <= 1).all())
-      throw Error(npz.source + ": array '" + name + "': expected values in [0, 1], found others");
-  };
-  require_in_range("clothness", out.clothness);
   if (npz.has("probability"))
-    out.probability = read_vector(npz, "probability", out.clothness.size());
-  require_in_range("probability", out.probability);
+    out.probability = read_shares(npz, "probability", out.clothness.size());
   return out;
 }
 
@@ -308,6 +310,8 @@ void write_garment(const Path &path, const Garment &garment) {
   npz.set_i4("actor_face", {G}, {garment.actor_face.data(), garment.actor_face.data() + G});
   npz.set_f4("barycentric", {G, 3}, flat(garment.barycentric));
   npz.set_b1("covers", garment.replaced_faces);
+  if (garment.attachment.size() > 0)
+    npz.set_f4("attachment", {garment.attachment.size()}, flat(garment.attachment));
   npz.write(path, kFileFormat);
 }
 
@@ -339,6 +343,8 @@ Garment read_garment(const Path &path, const RiggedMesh &actor) {
   out.barycentric = npz.matrix("barycentric");
   for (int covered : npz.integers("covers"))
     out.replaced_faces.push_back(covered ? 1 : 0);
+  if (npz.has("attachment"))
+    out.attachment = read_shares(npz, "attachment", actor.mesh.vertices.rows());
   out.region_count = G > 0 ? out.region.maxCoeff() + 1 : 0;
   if (G > 0)
     validate_garment(out, actor, npz.source);

@@ -8,6 +8,7 @@
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
 #include "doublet/segment/garment_mesher.h"
+#include "doublet/segment/slack.h"
 #include "stages.h"
 
 namespace doublet::detail {
@@ -37,13 +38,56 @@ Segmentation corrected(Reconstruction &reconstruction, const Mesh &pose, const S
   return apply_corrections(pose, actor.face_valid, found, *painted);
 }
 
-std::vector<Finding> end_findings(const std::vector<std::string> &ends) {
+std::string percent(double share) {
+  return options::to_text(100 * share, 3) + " %";
+}
+
+std::vector<Finding> end_findings(const std::vector<ClothEnd> &ends) {
   std::vector<Finding> findings;
-  for (const std::string &joint : ends)
-    findings.push_back(
-        {joint == kCrown,
-         "expected a garment without sole, hand or head, found the cloth to include what ends at " + joint + "; look at it",
-         "cloth_ends"});
+  for (const ClothEnd &end : ends)
+    findings.push_back({end.joint == kCrown,
+                        "expected a garment without sole, hand or head, found " + percent(end.share) + " of what ends at " +
+                            end.joint + " to be cloth; look at it",
+                        "cloth_ends"});
+  return findings;
+}
+
+/// Cloth of a region, as shares of the surface.
+struct RegionShare {
+  double cloth = 0, carried = 0;
+  double slack = 0; ///< m, mean of the cloth's
+};
+
+/// [R] how much of each region the body carries.
+std::vector<RegionShare> region_shares(const RiggedMesh &actor, const Segmentation &segmentation,
+                                       const Eigen::VectorXd &attachment) {
+  const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, valid_faces(actor.mesh.faces, actor.face_valid));
+  std::vector<RegionShare> shares(segmentation.region_count);
+  for (Eigen::Index v = 0; v < areas.size(); ++v) {
+    if (segmentation.region[v] < 0 || segmentation.clothness[v] <= 0.5)
+      continue;
+    RegionShare &region = shares[segmentation.region[v]];
+    const double share = areas[v] / areas.sum();
+    region.cloth += share;
+    region.carried += attachment[v] >= 0.5 ? share : 0.0;
+    region.slack += share * segmentation.slack[v];
+  }
+  for (RegionShare &region : shares)
+    region.slack /= std::max(region.cloth, 1e-12);
+  return shares;
+}
+
+/// Regions that make no garment: the body carries them, or they hang on nothing.
+std::vector<Finding> carried_findings(const std::vector<RegionShare> &regions) {
+  std::vector<Finding> findings;
+  for (std::size_t r = 0; r < regions.size(); ++r)
+    if (regions[r].cloth > 0 && regions[r].carried >= regions[r].cloth)
+      findings.push_back({false,
+                          "expected cloth that hangs from the body, found region " + std::to_string(r) + ", " +
+                              percent(regions[r].cloth) + " of the surface and on average within " +
+                              options::to_text(1000 * regions[r].slack, 3) +
+                              " mm of the body, to be carried as skin is: it is not simulated",
+                          "carried"});
   return findings;
 }
 
@@ -63,13 +107,16 @@ Json run_segment(Reconstruction &reconstruction) {
   const SegmentSummary summary = summarise_segmentation(pose, actor.face_valid, result);
   const Eigen::VectorXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces);
   const Eigen::ArrayXd cloth = (result.clothness.array() > 0.5).select(areas.array(), 0.0);
-  const std::vector<std::string> ends = cloth_ends(actor, result);
+  const std::vector<ClothEnd> ends = cloth_ends(actor, result);
+  std::vector<std::string> joints;
+  for (const ClothEnd &end : ends)
+    joints.push_back(end.joint);
   return {{"findings", to_json(end_findings(ends))},
           {"noise_mm", 1000 * summary.noise},
           {"uncertain_area", summary.uncertain_area},
           {"corrections", painted ? "painted" : "none"},
           {"regions", result.region_count},
-          {"doubtful_ends", ends},
+          {"doubtful_ends", joints},
           {"cloth_area_m2", cloth.sum()}};
 }
 
@@ -91,14 +138,29 @@ Json run_body(Reconstruction &reconstruction) {
 
 Json run_garment(Reconstruction &reconstruction) {
   Results &results = reconstruction.results();
-  const Garment garment = mesh_garment(results.actor(), results.segmentation(), results.body().body,
-                                       results.performance().surface, reconstruction.options.garment, reconstruction.context());
+  const RiggedMesh &actor = results.actor();
+  const ReferencePerformance performance = results.performance();
+  const Mesh body = results.body().body;
+  Segmentation segmentation = results.segmentation();
+  segmentation.slack =
+      cloth_slack(body, canonical_frames(actor, performance, reconstruction.context()), reconstruction.context());
+  const Garment garment =
+      mesh_garment(actor, segmentation, body, performance.surface, reconstruction.options.garment, reconstruction.context());
   write_garment(reconstruction.path("garment.npz"), garment);
   const GarmentSummary found = summarise_garment(garment);
   std::vector<double> areas;
   for (const Garment &width : width_variants(garment))
     areas.push_back(face_areas(width.rest, garment.mesh.faces).sum());
-  return {{"vertices", found.vertices},
+  const std::vector<RegionShare> regions = region_shares(actor, segmentation, garment.attachment);
+  double carried = 0;
+  for (const RegionShare &region : regions)
+    carried += region.carried;
+  if (carried > 0)
+    reconstruction.announce("garment: " + percent(carried) +
+                            " of the surface is cloth that the body carries; it is not simulated");
+  return {{"findings", to_json(carried_findings(regions))},
+          {"carried_area", carried},
+          {"vertices", found.vertices},
           {"triangles", found.faces},
           {"regions", found.regions},
           {"boundary_loops", found.loops},

@@ -17,11 +17,11 @@
 namespace doublet {
 
 using detail::choose;
+using detail::snapped;
 using detail::Surface;
 
 namespace {
 
-constexpr double kSnap = 0.05;        // what diffusion leaves below / above this is noise: rigid / cloth
 constexpr double kStillest = 0.1;     // of the surface: everybody shows that much of head, hands or legs
 constexpr double kFinest = 0.0005;    // m, no capture is more exact
 constexpr double kMostFromMotion = 4; // log odds: however much a vertex moves, tracking may have failed there
@@ -88,12 +88,6 @@ LabellingEnergy labelling_energy(const Surface &surface, const Eigen::VectorXd &
     }
   }
   return energy;
-}
-
-/// (V) diffused values without what diffusion leaves far away; on no face, where it leaves NaN, 0.
-Eigen::VectorXd snapped(const Eigen::VectorXd &values) {
-  return values.unaryExpr(
-      [](double value) { return std::isfinite(value) ? std::clamp((value - kSnap) / (1 - 2 * kSnap), 0.0, 1.0) : 0.0; });
 }
 
 /// Clothness out of labels (V): 0 and 1 with a smooth border.
@@ -237,9 +231,9 @@ SegmentSummary summarise_segmentation(const Mesh &pose, const std::vector<std::u
   return summary;
 }
 
-std::vector<std::string> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation) {
+std::vector<ClothEnd> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation) {
   const Eigen::ArrayXd areas = vertex_areas(actor.mesh.vertices, actor.mesh.faces).array();
-  std::vector<std::string> ends;
+  std::vector<ClothEnd> ends;
   for (int j = 0; j < actor.skeleton.joint_count(); ++j) {
     const Joint &joint = actor.skeleton.joints[j];
     if (!actor.skeleton.is_leaf(j) || joint.parent < 0)
@@ -247,7 +241,7 @@ std::vector<std::string> cloth_ends(const RiggedMesh &actor, const Segmentation 
     const Eigen::ArrayXd area = areas * actor.weights.col(joint.parent).array();
     const double cloth = (segmentation.clothness.array() > 0.5).select(area, 0.0).sum();
     if (area.sum() > 0 && cloth > 0.5 * area.sum())
-      ends.push_back(joint.name);
+      ends.push_back({joint.name, cloth / area.sum()});
   }
   return ends;
 }

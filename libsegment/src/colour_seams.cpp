@@ -49,15 +49,6 @@ std::vector<char> second_kind(const Surface &surface, const std::vector<int> &me
   return second;
 }
 
-/// Patches of either kind that are smaller than a region go with what is around them.
-void merge_small(const Surface &surface, const std::vector<char> &member, double smallest, std::vector<char> &second) {
-  for (char kind : {0, 1})
-    for (const Patch &patch : connected_patches(surface, choose(surface, [&](int v) { return member[v] && second[v] == kind; })))
-      if (patch.area < smallest)
-        for (int v : patch.members)
-          second[v] = static_cast<char>(1 - kind);
-}
-
 /// (V) which of `member` look like its lowest vertices rather than its highest: where one garment ends, the next begins below it.
 std::vector<char> first_guess(const Surface &surface, const std::vector<char> &member, const Vertices &looks) {
   std::vector<int> members;

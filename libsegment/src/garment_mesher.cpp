@@ -1,5 +1,6 @@
 #include "doublet/segment/garment_mesher.h"
 
+#include "attachment.h"
 #include "doublet/core/error.h"
 #include "doublet/core/parts/boundary_loops.h"
 #include "doublet/core/parts/closest_point.h"
@@ -32,6 +33,8 @@ constexpr double kOffCount = 0.1; // of the wanted number of vertices
 constexpr double kHandle = 0.25; // m around: longer than what joins folds, shorter than a sleeve
 
 constexpr double kPinhole = 0.12; // m around: shorter than a child's wrist
+
+constexpr double kRounding = 1e-9; // of barycentric coordinates: what is carried has a clothness of 0, not nearly so
 
 constexpr double kEnds = 0.2; // mean cosine along an edge: there the garment ends, whatever is behind it
 
@@ -381,10 +384,12 @@ void check_inputs(const RiggedMesh &actor, const Segmentation &segmentation, con
     require_usable(body, "garment: body");
 }
 
-void say_what_falls(const Piece &whole, const Piece &hung, int region, const Context &context) {
+void say_what_falls(const Piece &whole, const Piece &hung, bool is_free, int region, const Context &context) {
   const std::string name = "garment: region " + std::to_string(region);
   const auto area = [](const Piece &piece) { return face_areas(piece.mesh.vertices, piece.mesh.faces).sum(); };
-  if (whole.mesh.faces.rows() == 0)
+  if (!is_free)
+    context.log_line(name + " lies on the body; it moves as skin");
+  else if (whole.mesh.faces.rows() == 0)
     context.log_line(name + " is too small or too thin for a mesh; it moves as skin");
   else if (hung.mesh.faces.rows() == 0)
     context.log_line(name + " does not touch skin and hangs on nothing; it moves as skin");
@@ -396,16 +401,19 @@ class IsotropicMesher : public GarmentMesher {
 public:
   explicit IsotropicMesher(const GarmentOptions &options) : options_(options) { options_.validate(); }
 
-  Garment mesh(const RiggedMesh &actor, const Segmentation &segmentation, const Mesh &body, const MeshSequence &captured,
+  Garment mesh(const RiggedMesh &actor, const Segmentation &found, const Mesh &body, const MeshSequence &captured,
                const Context &context) const override {
-    check_inputs(actor, segmentation, body, captured);
+    check_inputs(actor, found, body, captured);
     Garment garment;
+    garment.attachment = detail::attachment_of(actor, found, options_);
     garment.mesh = {Vertices(0, 3), Faces(0, 3)};
     garment.barycentric.resize(0, 3);
     garment.rest.resize(0, 3);
     garment.replaced_faces.assign(actor.mesh.faces.rows(), 0);
     if (!options_.remesh)
       return garment;
+    const std::vector<char> free = detail::free_regions(found, garment.attachment);
+    const Segmentation segmentation = detail::with_regions(found, free);
     const std::vector<char> sheet = detail::closing_sheet(actor);
     std::vector<char> excluded = detail::bare_ends(actor, sheet, segmentation, body);
     for (std::size_t f = 0; f < excluded.size(); ++f)
@@ -422,15 +430,17 @@ public:
       hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), detail::on_limbs(actor, whole),
                                        options_.min_edge_run));
       pieces.push_back(hanging_part(whole, hangs.back()));
-      say_what_falls(whole, pieces.back(), r, context);
+      say_what_falls(whole, pieces.back(), free[r], r, context);
       widest.push_back(widest_frame_of(actor, pieces.back(), captured));
       areas.push_back(face_areas(widest.back().mesh.vertices, widest.back().mesh.faces).sum());
     }
     const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
     for (int r = 0; r < segmentation.region_count; ++r) {
       context.report_progress("garment", static_cast<double>(r) / segmentation.region_count);
-      if (pieces[r].mesh.faces.rows() == 0)
+      if (pieces[r].mesh.faces.rows() == 0) {
+        garment.attachment = (found.region.array() == r).select(1.0, garment.attachment.array());
         continue;
+      }
       const Garment part = mesh_region(actor, captured, pieces[r], widest[r], hangs[r], garment.region_count,
                                        options_.vertices * areas[r] / area, options_);
       append(garment, part);
@@ -438,6 +448,9 @@ public:
         garment.replaced_faces[f] = !is_waistband(actor, segmentation, fields[r], f);
       ++garment.region_count;
     }
+    const Eigen::ArrayXd carried = interpolate_to_garment(garment, actor.mesh.faces, garment.attachment).array();
+    const Eigen::ArrayXd loose = (carried > 1 - kRounding).select(0.0, 1 - carried);
+    garment.clothness = garment.clothness.cwiseMin(loose.matrix());
     const std::vector<char> scraps = detail::scraps(actor, garment.replaced_faces, segmentation, body, options_.min_piece_area);
     for (std::size_t f = 0; f < scraps.size() && garment.region_count > 0; ++f)
       garment.replaced_faces[f] |= scraps[f];

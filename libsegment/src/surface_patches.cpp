@@ -4,6 +4,7 @@
 #include "doublet/core/parts/invalid_faces.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <iterator>
 #include <limits>
@@ -80,6 +81,20 @@ std::vector<Patch> connected_patches(const Surface &surface, const std::vector<c
   }
   std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
   return patches;
+}
+
+void merge_small(const Surface &surface, const std::vector<char> &member, double smallest, std::vector<char> &kinds) {
+  for (char kind : {0, 1})
+    for (const Patch &patch : connected_patches(surface, choose(surface, [&](int v) { return member[v] && kinds[v] == kind; })))
+      if (patch.area < smallest)
+        for (int v : patch.members)
+          kinds[v] = static_cast<char>(1 - kind);
+}
+
+Eigen::VectorXd snapped(const Eigen::VectorXd &values) {
+  constexpr double kSnap = 0.05;
+  return values.unaryExpr(
+      [](double value) { return std::isfinite(value) ? std::clamp((value - kSnap) / (1 - 2 * kSnap), 0.0, 1.0) : 0.0; });
 }
 
 std::vector<char> borders_of_regions(const Surface &surface, const Segmentation &segmentation) {

@@ -37,6 +37,13 @@ template <typename Predicate> std::vector<char> choose(const Surface &surface, P
   return chosen;
 }
 
+/// Patches of either kind, 0 or 1, of the vertices that are `member` (V), that are smaller than `smallest` (m^2) go with what is
+/// around them.
+void merge_small(const Surface &surface, const std::vector<char> &member, double smallest, std::vector<char> &kinds);
+
+/// (V) diffused values of labels, 0 or 1, without what diffusion leaves far away; on no face, where it leaves NaN, 0.
+Eigen::VectorXd snapped(const Eigen::VectorXd &values);
+
 /// Regions of `result` out of its clothness: connected sets of clothness > 0, which do not connect through vertices of `parting`
 /// (V, or empty = none). Those go with the region nearest along the cloth.
 void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result);

@@ -78,6 +78,26 @@ TEST(Dress, WithoutVerticesNothingChanges) {
   EXPECT_EQ(same.surface.frames[0], s.actor.mesh.vertices);
 }
 
+TEST(Dress, WhatTheBodyCarriesOfTheActorsOwnClothIsNoCloth) {
+  Scene s;
+  const Eigen::Index half = s.bare() / 2;
+  s.segmentation.region.tail(s.bare() - half).setOnes();
+  s.segmentation.region_count = 2;
+  Garment none = empty_garment(s.actor);
+  none.attachment = Eigen::VectorXd::Zero(s.bare());
+  none.attachment.head(half).setOnes();
+  none.attachment[half] = 0.25;
+  const Segmentation c = dress(s.actor, s.segmentation, none).segmentation;
+  EXPECT_EQ(c.region_count, 1);
+  EXPECT_EQ(c.clothness.head(half), Eigen::VectorXd::Zero(half));
+  EXPECT_EQ(c.region.head(half), Eigen::VectorXi::Constant(half, -1));
+  EXPECT_EQ(c.region.tail(s.bare() - half), Eigen::VectorXi::Zero(s.bare() - half)) << "numbered from 0";
+  EXPECT_EQ(c.clothness[half], 0.75);
+  EXPECT_EQ(c.clothness[half + 1], 1);
+  none.attachment.conservativeResize(3);
+  EXPECT_THROW(dress(s.actor, s.segmentation, none), Error);
+}
+
 TEST(Dress, APerformanceCarriesTheGarmentOnItsSurface) {
   const Scene s;
   ReferencePerformance performance;

@@ -41,6 +41,18 @@ TEST(GarmentFile, EmptyOneToo) {
   EXPECT_EQ(dress(s.actor, s.segmentation, back).actor.mesh.vertices, s.actor.mesh.vertices);
 }
 
+TEST(GarmentFile, SaysWhatIsCarriedIfItIsKnown) {
+  const TempFolder folder;
+  Scene s;
+  write_garment(folder / "older.npz", s.garment);
+  EXPECT_EQ(read_garment(folder / "older.npz", s.actor).attachment.size(), 0);
+  for (Garment garment : {s.garment, empty_garment(s.actor)}) {
+    garment.attachment = Eigen::VectorXd::LinSpaced(s.bare(), 0, 1);
+    write_garment(folder / "garment.npz", garment);
+    EXPECT_TRUE(read_garment(folder / "garment.npz", s.actor).attachment.isApprox(garment.attachment, 1e-7));
+  }
+}
+
 TEST(GarmentFile, DamagedOnesAreRefusedByName) {
   const TempFolder folder;
   const Scene s;
@@ -62,6 +74,8 @@ TEST(GarmentFile, DamagedOnesAreRefusedByName) {
   contains(said([](Npz &npz) { npz.set_f4("barycentric", {6, 2}, std::vector<double>(12, 0.5)); }), "barycentric");
   contains(said([](Npz &npz) { npz.set_i4("actor_face", {6}, std::vector<int>(6, 1 << 30)); }), "vertex 0");
   contains(said([](Npz &npz) { npz.set_i4("faces", {1, 3}, {0, 1, 6}); }), "bad.npz");
+  contains(said([](Npz &npz) { npz.set_f4("attachment", {2}, {0, 1}); }), "attachment");
+  contains(said([&](Npz &npz) { npz.set_f4("attachment", {s.bare()}, std::vector<double>(s.bare(), 2)); }), "attachment");
   contains(said([](Npz &npz) { npz.set_b1("covers", std::vector<std::uint8_t>(3, 0)); }), "covers");
   EXPECT_THROW(read_garment(folder / "none.npz", s.actor), FileNotFound);
 }

@@ -137,6 +137,7 @@ def calls(world, folder) -> dict:
             d.apply_corrections,
             {"pose": w.mesh, "face_valid": valid, "found": w.segmentation, "painted": np.full(len(v), -1)},
         ),
+        "cloth_slack": (d.cloth_slack, {"body": w.body.body, "canonical": np.stack([v, v])}),
         "mesh_garment": (
             lambda **given: d.mesh_garment(**given, options=small), dict(**clothed, body=w.body.body, captured=sequence),
         ),

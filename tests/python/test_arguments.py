@@ -51,13 +51,14 @@ MAY = (
     ("rig_template", "surface", "high.*"),  # is not rigged
     ("texture_character|sample_colours", "images|masks", "first: empty"),  # that camera has none
     ("texture_character_from_take", "surfaces", "shorter|longer"),  # any number of frames
+    ("cloth_slack", "canonical", "shorter|longer"),  # likewise
     ("scan_from_views", "masks", "first: empty"),  # likewise: it takes no part
     ("SilhouetteExtractor.*|Features", ".*", "(first: )?(shorter|longer|empty|a column less)"),  # images of any size
     ("orbit_camera", "azimuth|elevation", "-1"),
     ("RayScene.cast|FeatureTracker.match|visible_vertices", "min_distance|reach|tolerance", "-1|inf"),
     ("SourceMotion", "joint_parents", "first: -1"),  # as it was
     # handed on
-    ("choose_widths", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|replaced_faces|mesh vertices) .*"),
+    ("choose_widths", "garment", "(mesh faces|clothness|rest|actor_face|barycentric|replaced_faces|attachment|mesh vertices) .*"),
     ("FitFinding", "value|low|high", "-1"),
     ("stiffness_of_spring", "constant", "inf"),  # rigid
 )  # fmt: skip

@@ -235,6 +235,7 @@ PROLOGUES = {
         f"{VALUES} doublet/segment/garment_mesher.h doublet/fit/material_estimator.h",
         [
             STAGES,
+            STAGES,
             "const doublet::Garment &garment, const doublet::FitResult &fit",
             "",
         ],

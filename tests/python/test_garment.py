@@ -1,6 +1,8 @@
 """The garment stage from Python: a mesher of one's own, the dressed actor, what the report shows."""
 
 import json
+import re
+from types import SimpleNamespace
 
 import doublet as d
 import numpy as np
@@ -89,6 +91,33 @@ def test_the_pipeline_wears_what_the_file_says(bell):
     shown = Shown()
     shown.job = job
     assert "No mesh of its own" in report.garment(shown)
+
+
+def test_cloth_that_lies_on_the_body_is_carried_and_the_run_says_so(skirt, tmp_path):
+    """The body is the surface itself, 3 mm smaller: nothing is simulated."""
+    actor, clothness = skirt
+    performance = d.ReferencePerformance()
+    performance.frames, performance.dofs, performance.joints = [0, 1], np.zeros((2, 6)), np.zeros((2, 1, 3))
+    performance.surface = d.MeshSequence(actor.mesh.faces, np.stack([actor.mesh.vertices] * 2))
+    body = d.BodyFit()
+    body.body = d.Mesh(actor.mesh.vertices * [0.99, 1, 0.99], actor.mesh.faces)
+    d.write_actor(tmp_path / "actor.npz", actor)
+    d.write_segmentation(tmp_path / "segmentation.npz", clothness)
+    d.write_performance(tmp_path / "performance.npz", performance)
+    d.write_body(tmp_path / "body.npz", body)
+    job = reconstruct.Job(tmp_path, tmp_path)
+    numbers = next(s for s in reconstruct.STAGES if s.name == "garment").run(job)
+    assert numbers["regions"] == 0 and numbers["carried_area"] == pytest.approx(0.55, abs=0.05)
+    (finding,) = d.quality_findings("garment", numbers)
+    assert finding.kind == "carried" and re.search(
+        r"region 0, 5\d(\.\d)? % of the surface and on average within [23](\.\d+)? mm", finding.text
+    )
+    assert finding.kind in report.ADVICE
+    assert job.results.dressed.segmentation.region_count == 0
+    assert not np.any(job.results.dressed.segmentation.clothness)
+    shown = SimpleNamespace(job=job, actor=actor, faces=actor.mesh.faces)
+    text = report.garment(shown)
+    assert "not simulated" in text and "there is no garment" in text and text.count("<img") == 2
 
 
 def area_of(garment) -> float:

@@ -37,13 +37,24 @@ Segmentation cloth_at(const std::vector<int> &vertices) {
 
 using Names = std::vector<std::string>;
 
+Names named(const std::vector<int> &cloth) {
+  Names names;
+  for (const ClothEnd &end : cloth_ends(limbs(), cloth_at(cloth)))
+    names.push_back(end.joint);
+  return names;
+}
+
 } // namespace
 
 TEST(ClothEnds, AFootOrAHandOfClothIsNamed) {
-  EXPECT_EQ(cloth_ends(limbs(), cloth_at({})), Names{});
-  EXPECT_EQ(cloth_ends(limbs(), cloth_at({0, 1, 2, 3})), Names{}) << "a third of the foot";
-  EXPECT_EQ(cloth_ends(limbs(), cloth_at({3, 4})), Names{"toe"});
-  EXPECT_EQ(cloth_ends(limbs(), cloth_at({0, 1, 2, 3, 4, 5, 6, 7, 8})), (Names{"toe", "hand"}));
+  EXPECT_EQ(named({}), Names{});
+  EXPECT_EQ(named({0, 1, 2, 3}), Names{}) << "a third of the foot";
+  EXPECT_EQ(named({3, 4}), Names{"toe"});
+  EXPECT_EQ(named({0, 1, 2, 3, 4, 5, 6, 7, 8}), (Names{"toe", "hand"}));
+}
+
+TEST(ClothEnds, SaysHowMuchOfItIsCloth) {
+  EXPECT_NEAR(cloth_ends(limbs(), cloth_at({3, 4}))[0].share, 2 / 3.0, 1e-12);
 }
 
 } // namespace doublet

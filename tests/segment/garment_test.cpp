@@ -315,6 +315,7 @@ TEST(GarmentMesher, AGarmentThatHangsOnNothingMovesAsSkin) {
   EXPECT_EQ(none.region_count, 0);
   EXPECT_EQ(none.mesh.vertices.rows(), 0);
   EXPECT_EQ(*std::max_element(none.replaced_faces.begin(), none.replaced_faces.end()), 0);
+  EXPECT_EQ(dress(person.actor, person.segmentation, none).segmentation.region_count, 0);
 }
 
 /// Two pieces of one region, of which one hangs on nothing: it would fall.

@@ -124,13 +124,27 @@ def segmentation(shown: Shown) -> str:
     return pictures + table(["region", "area, m²"], rows)
 
 
+def carried(shown: Shown) -> str:
+    """What of the cloth the body carries, as a picture; empty if nothing is."""
+    attachment, cloth = shown.job.results.garment.attachment, shown.job.results.segmentation().clothness
+    is_carried = (attachment >= 0.5) & (cloth > 0.5) if len(attachment) else np.zeros(len(cloth), bool)
+    if not is_carried.any():
+        return ""
+    mesh = shown.actor.mesh
+    colours = np.where(is_carried[:, None], drawing.PROXY, drawing.cloth_colours(cloth))
+    surface = d.RenderMesh(mesh.vertices, shown.faces, colours=colours)
+    sides = {"front": 0.0, "back": np.pi}
+    text = "<p>Blue: cloth that lies on the body, which carries it; it is not simulated.</p>"
+    return text + row([figure(drawing.shade([surface], drawing.around(mesh.vertices, turn)), s) for s, turn in sides.items()])
+
+
 def garment(shown: Shown) -> str:
-    """The garment's mesh in the scan pose and in its rest shape."""
+    """What of the cloth is carried; the garment's mesh in the scan pose and in its rest shape."""
     worn = shown.job.results.garment
     if not shown.job.results.dressed.segmentation.region_count:
-        return "<p>No cloth, so there is no garment.</p>"
+        return carried(shown) + "<p>No cloth that hangs free, so there is no garment.</p>"
     if not worn.region_count:
-        return "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
+        return carried(shown) + "<p>No mesh of its own: the cloth is what of the template is loose.</p>"
     faces, colours = worn.mesh.faces, drawing.cloth_colours(worn.clothness)
     shapes = (("scan pose", worn.mesh.vertices), ("rest shape", worn.rest))
     camera, figures = drawing.around(np.vstack([vertices for _, vertices in shapes]), 0.0, size=800), []  # at one scale
@@ -139,10 +153,10 @@ def garment(shown: Shown) -> str:
         drawn = drawing.draw_outline(solid, drawing.edges(vertices, faces, camera), (90, 50, 50))
         figures.append(figure(drawn[drawing.crop_box(vertices, camera)], name))
     summary = shown.job.record.data["stages"].get("garment", {}).get("summary", {})
-    rows = [[k.replace("_", " "), v] for k, v in summary.items()]
+    rows = [[k.replace("_", " "), v] for k, v in summary.items() if k != "findings"]
     rows += [[f"area in the {name}, m²", float(d.face_areas(vertices, faces).sum())] for name, vertices in shapes]
     text = "<p>Lengths and masses come from the rest shape. Light: what hangs on the skeleton.</p>"
-    return text + row(figures) + table(["number", "value"], rows)
+    return carried(shown) + text + row(figures) + table(["number", "value"], rows)
 
 
 def body(shown: Shown) -> str:
@@ -298,6 +312,8 @@ ADVICE = {
     "tells it (fast turns tell drag, cloth pressed against the body friction).",
     "seeds": "Let the search go on: the same command with a larger --fit-max-evaluations.",
     "lost": "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help.",
+    "carried": "Cloth that clings moves as skin does. If it should hang free, film a motion in which it flies, or simulate all "
+    "that is cloth (--garment-snug-slack 0).",
     "cloth_ends": "Look at what is red under Cloth below; doublet edit-segmentation corrects it.",
 }
 ADVICE["upper_bound"] = ADVICE["lower_bound"]

@@ -17,6 +17,9 @@ struct Garment {
   Eigen::VectorXi actor_face;   ///< (G) the place of each vertex on the actor: face ...
   Vertices barycentric;         ///< (G, 3) ... and weights of its corners
   Mask replaced_faces;          ///< (F) faces of the actor that the garment stands for
+  /// (V) in [0, 1] of the actor's cloth: 1 = carried by the body, which it follows as skin does, 0 = hangs free; empty = all
+  /// free.
+  Eigen::VectorXd attachment = {};
   int region_count = 0;
 };
 
@@ -42,8 +45,8 @@ std::vector<std::vector<double>> common_widths(const std::vector<Garment> &garme
 
 /// The actor in the garment: vertices [0, V) are the actor's, [V, V + G) the garment's, which have the skin weights of their
 /// place; those of the actor's faces that it covers count as invalid. Everything that
-/// takes an actor and a segmentation takes these. A garment without vertices leaves both as they are: the cloth is the loose part
-/// of the actor's own mesh.
+/// takes an actor and a segmentation takes these. With a garment without vertices the cloth is the loose part of the actor's own
+/// mesh, but for what is carried by the body (Garment::attachment): that is no cloth any more.
 struct DressedActor {
   RiggedMesh actor;          ///< V + G vertices, F + H faces
   Segmentation segmentation; ///< (V + G), cloth on the garment alone

@@ -71,10 +71,11 @@ struct Segmentation {
   /// (V, 3) m: the shape that lengths and masses of the cloth come from (see Garment::rest); empty = the mesh in the scan pose.
   Vertices rest = Vertices(0, 3);
   Eigen::VectorXd probability = {}; ///< (V) in [0, 1], of being cloth; empty = not told
+  Eigen::VectorXd slack = {};       ///< (V) m, how far the surface gets from the body (cloth_slack); empty = not measured
 };
 
-/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, probability and rest for all vertices or
-/// none, the last finite. Throws as require_actor.
+/// clothness (V) in [0, 1], region (V) from -1 to below region_count; sigma, probability, slack and rest for all vertices or
+/// none, the last two finite. Throws as require_actor.
 void require_segmentation(const Segmentation &segmentation, Eigen::Index vertices, const std::string &what);
 
 /// Two spheres and the cone between them, carried rigidly by a joint. File: proxies.json.

@@ -108,9 +108,13 @@ struct SegmentSummary {
 };
 SegmentSummary summarise_segmentation(const Mesh &pose, const Mask &face_valid, const Segmentation &segmentation);
 
-/// Joints at the ends of limbs (toes, hands, top of the head) with more cloth than skin on the bone that ends there, in the order
-/// of the skeleton: a glove or a boot, or a mistake.
-std::vector<std::string> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation);
+/// The end of a limb (toes, a hand, the top of the head) that is cloth.
+struct ClothEnd {
+  std::string joint;
+  double share = 0; ///< of the surface on the bone that ends there, over a half
+};
+/// Ends of limbs with more cloth than skin, in the order of the skeleton: a glove or a boot, or a mistake.
+std::vector<ClothEnd> cloth_ends(const RiggedMesh &actor, const Segmentation &segmentation);
 
 // Deprecated names.
 template <class... A> [[deprecated("use segmentation_pose")]] decltype(auto) segmented_pose(A &&...a) {
