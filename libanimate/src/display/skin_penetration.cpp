@@ -70,12 +70,10 @@ std::vector<Cover> cover_of_skin(const Character &c, const detail::GarmentPart &
   const Eigen::VectorXd along = edge_distances(c.high.vertices, neighbours, ends, kBeyondHem);
   const RayScene cloth({c.high.vertices, c.high.faces.bottomRows(part.fine.faces.rows())});
   for (Eigen::Index v = 0; v < scan; ++v) {
-    if (!(along[v] < kBeyondHem))
-      continue;
     const ClosestPoint at = cloth.closest(c.high.vertices.row(v));
-    if (along[v] < kUnderSeam && at.distance < kAsWorn && at.barycentric.minCoeff() > kAtEdge)
+    if (at.distance < kAsWorn && at.barycentric.minCoeff() > kAtEdge)
       cover[v] = Cover::Worn;
-    else if (std::isfinite(beyond[v]))
+    else if (along[v] < kBeyondHem && std::isfinite(beyond[v]))
       cover[v] = Cover::BeyondHem;
   }
   return cover;
