@@ -4,8 +4,8 @@ python benchmarks/display_hem.py CHARACTER.glb MOTION [--seconds 4] [--every 8]
 
 Through: whatever is drawn of the person, skin of the scan and hidden body alike, in front of the garment's outer side, with that
 side less than 6 cm behind; cm^2 across the line of sight, in that of 8 views around which has most of it. That counts a waist
-before a skirt that flares up behind it, too; within: only where the garment's outer side lies between the person's front and back.
-Arms that hang before a skirt without touching it would count, too: of arms, only what is within (docs/animation.md).
+before a skirt that flares up behind it, too; within: only where the garment's outer side lies between the person's front and
+back. Arms that hang before a skirt without touching it would count, too: of arms, only what is within (docs/animation.md).
 """
 
 import argparse
@@ -130,12 +130,12 @@ class Drawn:
             before = np.where(both, cloth_depth, 0) - np.where(both, depth, 0)
             of_arm = self.of_arms[np.maximum(front, 0)]
 
-            def within(limbs: np.ndarray) -> np.ndarray:
-                back, back_depth = d.rasterize(vertices, self.person[limbs & turned_away], camera)
-                return (before > 0) & (back >= 0) & (cloth_depth < back_depth)
-
+            inside = [
+                (before > 0) & (cloth_depth < d.rasterize(vertices, self.person[limbs & turned_away], camera)[1])
+                for limbs in (self.of_arms, ~self.of_arms)
+            ]
             near = (before > 0) & (before < THROUGH) & ~of_arm
-            found = near, within(self.of_arms) & of_arm, near & within(~self.of_arms)
+            found = near, inside[0] & of_arm, near & inside[1]
             pixel_areas = 1e4 * (np.where(both, depth, 0) / camera.K[0, 0]) ** 2
             areas[view] = [pixel_areas[pixels].sum() for pixels in found]
         return areas

@@ -22,10 +22,10 @@ constexpr double kReachOut = 0.03;                       // m
 // Skin that no garment covers in the scan pose, as of a back over which a skirt is thrown: m; only where the cloth lies within
 // it, which is where the way to it goes inwards (cosine), not beside it.
 constexpr double kDeepBare = 0.002, kReachBare = 0.015, kBeside = 0.3, kWithin = 0.7;
-constexpr double kBeyondHem = 0.30;                  // m along the skin
-constexpr double kSlope = 1;                         // m out for each beyond a free edge
-constexpr double kAtEdge = 1e-9;                     // a barycentric coordinate
-constexpr double kUnderSeam = 0.10, kAsWorn = 0.010; // m along the skin from the body; from the garment in the scan pose
+constexpr double kBeyondHem = 0.30; // m along the skin
+constexpr double kSlope = 1;        // m out for each beyond a free edge
+constexpr double kAtEdge = 1e-9;    // a barycentric coordinate
+constexpr double kAsWorn = 0.010;   // m from the garment in the scan pose
 // Cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out.
 constexpr double kFacing = 0.2;
 constexpr double kStandsOut = 1e-4;            // m
