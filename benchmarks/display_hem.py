@@ -130,10 +130,8 @@ class Drawn:
             before = np.where(both, cloth_depth, 0) - np.where(both, depth, 0)
             of_arm = self.of_arms[np.maximum(front, 0)]
 
-            inside = [
-                (before > 0) & (cloth_depth < d.rasterize(vertices, self.person[limbs & turned_away], camera)[1])
-                for limbs in (self.of_arms, ~self.of_arms)
-            ]
+            backs = [d.rasterize(vertices, self.person[limbs & turned_away], camera) for limbs in (self.of_arms, ~self.of_arms)]
+            inside = [(before > 0) & (face >= 0) & (cloth_depth < back) for face, back in backs]
             near = (before > 0) & (before < THROUGH) & ~of_arm
             found = near, inside[0] & of_arm, near & inside[1]
             pixel_areas = 1e4 * (np.where(both, depth, 0) / camera.K[0, 0]) ** 2
