@@ -5,8 +5,8 @@ python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 skin: frames in which over 2 cm^2 of the person (without arms) come through the garment in the worst of 8 views, and the most of
 it; within: the same where the garment lies between the person's front and back (display_hem.py); stretch: the most that an edge
 of the drawn garment is longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges
-ever are over 3 times as long; floor: the lowest point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest
-point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose,
+ever are over 3 times as long; floor: the lowest point of the feet over the floor, lowest and highest over the frames;
+slide: speed of a foot's lowest point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose,
 held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold
 ends.
 """
