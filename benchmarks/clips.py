@@ -6,9 +6,9 @@ skin: frames in which over 2 cm^2 of the person (without arms) come through the 
 it; within: the same where the garment lies between the person's front and back (display_hem.py); stretch: the most that an edge
 of the drawn garment is longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges
 ever are over 3 times as long; floor: the lowest point of the feet over the floor, lowest and highest over the frames;
-slide: speed of a foot's lowest point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose,
-held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold
-ends.
+slide: speed of a foot's lowest point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last
+half second of the last pose, held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the
+motion ends and when the hold ends.
 """
 
 from __future__ import annotations
