@@ -40,8 +40,8 @@ constexpr double kOfBoth = 0.1;                // skin weight, above which the g
 /// (V, 3) share of the skin weights (V, J) that the rest of the person, left and right arm have.
 MatrixRM limb_shares(const MatrixRM &weights, const std::vector<int> &arms) {
   MatrixRM shares = MatrixRM::Zero(weights.rows(), 3);
-  for (std::size_t j = 0; j < arms.size(); ++j)
-    shares.col(arms[j]) += weights.col(static_cast<Eigen::Index>(j));
+  for (Eigen::Index j = 0; j < weights.cols(); ++j) // none without a body
+    shares.col(arms[j]) += weights.col(j);
   return shares;
 }
 
