@@ -8,6 +8,7 @@
 #include "doublet/animate/character_file.h"
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/parts/body_penetration.h"
+#include "doublet/animate/parts/garment_penetration.h"
 #include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/animate/retarget.h"
 
@@ -134,6 +135,24 @@ void part_tuck(benchmark::State &state) {
     tuck.apply(frame.surface, body);
   }
 }
+void part_lift_garment(benchmark::State &state) {
+  if (!GarmentPenetrationFix::applies_to(scene().character)) {
+    state.SkipWithError("the character has no garment of its own");
+    return;
+  }
+  Player player(scene().character);
+  GarmentPenetrationFix lift(scene().character);
+  std::size_t t = 0;
+  player.reset(pose_at(0));
+  for (auto unused : state) {
+    (void)unused;
+    state.PauseTiming();
+    const AnimationFrame &frame = player.step(pose_at(++t));
+    Vertices surface = frame.surface;
+    state.ResumeTiming();
+    lift.apply(frame.body, surface);
+  }
+}
 void part_tuck_skin(benchmark::State &state) {
   AnimateOptions options;
   options.body = false;
@@ -159,6 +178,7 @@ BENCHMARK(part_pose)->Unit(benchmark::kMillisecond);
 BENCHMARK(part_cloth)->Unit(benchmark::kMillisecond)->Iterations(300);
 BENCHMARK(part_transfer)->Unit(benchmark::kMillisecond);
 BENCHMARK(part_body)->Unit(benchmark::kMillisecond);
+BENCHMARK(part_lift_garment)->Unit(benchmark::kMillisecond)->Iterations(300);
 BENCHMARK(part_tuck_skin)->Unit(benchmark::kMillisecond)->Iterations(300);
 BENCHMARK(part_tuck)->Unit(benchmark::kMillisecond)->Iterations(100);
 BENCHMARK(crowd)->Arg(1)->Arg(4)->Arg(16)->Unit(benchmark::kMillisecond)->Iterations(100);

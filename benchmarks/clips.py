@@ -3,12 +3,12 @@
 python benchmarks/clips.py CHARACTER.glb CLIP... [--hold 3] [--every 8]
 
 skin: frames in which over 2 cm^2 of the person (without arms) come through the garment in the worst of 8 views, and the most of
-it (display_hem.py); stretch: the most that an edge of the drawn garment is
-longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges ever are over 3 times as
-long; floor: the lowest point of the feet over the floor, lowest and highest over the frames; slide: speed of a foot's lowest
-point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last half second of the last pose,
-held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the motion ends and when the hold
-ends.
+it; within: the same where the garment lies between the person's front and back (display_hem.py); stretch: the most that an edge
+of the drawn garment is longer than in the garment's rest shape (2 mm if it is shorter there), the frame, and how many edges
+ever are over 3 times as long; floor: the lowest point of the feet over the floor, lowest and highest over the frames;
+slide: speed of a foot's lowest point along the floor while it is within 1 cm of it, 95 %; rest: speed of the garment in the last
+half second of the last pose, held, 95 % of vertices; crossing: faces of the simulated garment that pass through others, when the
+motion ends and when the hold ends.
 """
 
 from __future__ import annotations
@@ -92,9 +92,9 @@ class Watcher:
         at, half = int(np.argmax(self.stretch)), int(self.fps / 2)
         rest = np.percentile(np.concatenate(self.speeds[-half:]), 95)
         self.crossing.append(self.count_crossing(self.last))
-        skin = worst_view(self.through)[:, 0]
+        skin, _, within = worst_view(self.through).T
         return [
-            f"{(skin > SEEN).mean():.0%}, {skin.max():.1f} cm2",
+            *(f"{(areas > SEEN).mean():.1%}, {areas.max():.1f} cm2" for areas in (skin, within)),
             f"{self.stretch[at]:.1f} ({at}), {self.over.sum()}",
             f"{100 * min(self.lowest):.1f}, {100 * max(self.lowest):.1f}",
             f"{100 * np.percentile(self.slides, 95):.0f}" if self.slides else "-",
@@ -112,8 +112,8 @@ def main() -> None:
     chosen = parser.parse_args()
     character, console = d.Character.read(chosen.character), Console()
     drawn = Drawn(character)
-    print("| clip | frames | skin | stretch (frame), over 3 | floor, cm | slide, cm/s | rest, mm/s | crossing |")
-    print("| --- " * 8 + "|")
+    print("| clip | frames | skin | within | stretch (frame), over 3 | floor, cm | slide, cm/s | rest, mm/s | crossing |")
+    print("| --- " * 9 + "|")
     for clip in chosen.clips:
         retargeting = d.RetargetOptions(fps=1 / character.solver.dt)
         motion = d.retarget(d.SourceMotion.read(clip), character.actor.skeleton, retargeting)

@@ -3,6 +3,7 @@
 #include "doublet/animate/display_surface.h"
 #include "doublet/animate/motion.h"
 #include "doublet/animate/parts/body_penetration.h"
+#include "doublet/animate/parts/garment_penetration.h"
 #include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
@@ -78,6 +79,7 @@ struct Player::Shared {
   AnimateOptions options;
   CharacterSimulator simulator;
   std::optional<DisplaySurface> display;
+  bool lifts_garment = false;
   std::optional<SkinBinding> body;
   std::vector<std::vector<Eigen::Vector2i>> watched; ///< [region] some of its edges
 
@@ -87,7 +89,8 @@ struct Player::Shared {
     options.validate();
     if (options.high && character.high.faces.rows() > 0)
       display.emplace(character);
-    if (options.body && character.body.faces.rows() > 0)
+    lifts_garment = display && options.resolve_body_penetration && GarmentPenetrationFix::applies_to(character);
+    if ((options.body || lifts_garment) && character.body.faces.rows() > 0)
       body.emplace(character.body.vertices, character.body_weights);
     for (const ClothRegion &region : simulator.regions()) {
       const std::vector<Eigen::Vector2i> edges = edge_topology(region.model->faces()).edges;
@@ -105,7 +108,10 @@ struct Player::Playing {
     const Character &character = shared.character;
     if (!shared.options.resolve_body_penetration)
       return;
-    if (shared.body && std::any_of(character.body_shown.begin(), character.body_shown.end(), [](auto f) { return f != 0; }))
+    if (shared.lifts_garment)
+      lift_garment.emplace(character);
+    if (shared.options.body && shared.body &&
+        std::any_of(character.body_shown.begin(), character.body_shown.end(), [](auto f) { return f != 0; }))
       tuck_body.emplace(character);
     if (shared.display && character.garment_subdivisions >= 0)
       tuck_skin.emplace(character);
@@ -295,10 +301,15 @@ struct Player::Playing {
     frame.dofs = dofs;
     frame.world_from_rest = posed.world_from_rest;
     joint_positions(character.actor.skeleton, posed.world_from_rest, frame.joints);
-    if (shared.display)
-      shared.display->apply(frame.surface, posed.joints, frame.high, display);
+    Vertices &body = shared.options.body ? frame.body : unseen_body;
     if (shared.body)
-      shared.body->pose(posed.joints, frame.body);
+      shared.body->pose(posed.joints, body);
+    if (lift_garment) {
+      lifted = frame.surface;
+      lift_garment->apply(body, lifted);
+    }
+    if (shared.display)
+      shared.display->apply(lift_garment ? lifted : frame.surface, posed.joints, frame.high, display);
     if (tuck_body)
       tuck_body->apply(frame.surface, frame.body);
     if (tuck_skin)
@@ -322,6 +333,9 @@ struct Player::Playing {
   Eigen::VectorXd between;
   StepBuffers buffers;
   DisplayBuffers display;
+  Vertices unseen_body; ///< posed, where the frame has none
+  Vertices lifted;      ///< M, the garment lifted off the body
+  std::optional<GarmentPenetrationFix> lift_garment;
   std::optional<BodyPenetrationFix> tuck_body;
   std::optional<SkinPenetrationFix> tuck_skin;
   AnimationFrame frame;

@@ -81,20 +81,44 @@ double chain_length(const Skeleton &skeleton, int root, int end) {
   return length;
 }
 
+/// m, from where cloth hangs to its farthest point; 0 where nothing hangs.
+double cloth_length(const RiggedMesh &actor, const Segmentation &segmentation) {
+  const Vertices &vertices = actor.mesh.vertices;
+  const Eigen::VectorXd &clothness = segmentation.clothness;
+  std::vector<int> attached;
+  for (int f = 0; f < actor.mesh.faces.rows(); ++f)
+    for (int k = 0; k < 3 && actor.face_valid[f]; ++k) {
+      const Eigen::RowVector3i corners = actor.mesh.faces.row(f);
+      if (clothness[corners[k]] == 0 && std::any_of(corners.begin(), corners.end(), [&](int v) { return clothness[v] > 0; }))
+        attached.push_back(corners[k]);
+    }
+  double longest = 0;
+  for (Eigen::Index v = 0; v < vertices.rows() && !attached.empty(); ++v) {
+    if (!(clothness[v] > 0))
+      continue;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (int a : attached)
+      nearest = std::min(nearest, (vertices.row(v) - vertices.row(a)).norm());
+    longest = std::max(longest, nearest);
+  }
+  return longest;
+}
+
 /// The other bones of limbs that are long enough to touch cloth with: arms and hands that hang or swing beside a skirt.
 std::vector<std::uint8_t> reaching_bones(const Anatomy &anatomy, const RiggedMesh &actor, const Segmentation &segmentation) {
   const Skeleton &skeleton = actor.skeleton;
   const std::vector<int> children = child_counts(skeleton);
   std::vector<std::uint8_t> reaching(anatomy.bones.size(), 0);
+  const double length = cloth_length(actor, segmentation);
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const Bone &bone = anatomy.bones[b];
     const int root = limb_root(skeleton, children, bone);
-    if (bone.chosen || root < 0)
+    if (bone.chosen)
       continue;
-    const double reach = chain_length(skeleton, root, bone.end);
+    const Eigen::Vector3d &from = skeleton.joints[root < 0 ? bone.joint : root].rest;
+    const double reach = root < 0 ? length : chain_length(skeleton, root, bone.end);
     for (Eigen::Index v = 0; v < actor.mesh.vertices.rows() && !reaching[b]; ++v)
-      reaching[b] =
-          segmentation.clothness[v] > 0 && (actor.mesh.vertices.row(v).transpose() - skeleton.joints[root].rest).norm() < reach;
+      reaching[b] = segmentation.clothness[v] > 0 && (actor.mesh.vertices.row(v).transpose() - from).norm() < reach;
   }
   return reaching;
 }

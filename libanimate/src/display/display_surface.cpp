@@ -367,40 +367,33 @@ DisplaySurface::DisplaySurface(const Character &c) : coarse_vertices_(c.actor.me
   scan_vertices_ = skin_vertices_ - static_cast<Eigen::Index>(c.high_body.size());
   const Mesh scan = c.high_body.empty() ? skin : scan_of(skin, scan_vertices_);
   skin_.emplace(c.actor.mesh, valid, scan, std::vector<std::uint8_t>{});
-  const Mesh cloth{c.high.vertices.bottomRows(smooth.rows()), part.fine.faces};
-  const Seam seam(cloth, clothness_of(garment_vertices_, subdivide_, c.segmentation));
-  std::vector<char> under(skin_vertices_);
-  for (Eigen::Index v = 0; v < scan_vertices_; ++v)
-    under[v] = seam.place(skin.vertices.row(v)).side == Seam::Side::Under;
   if (!c.high_body.empty())
-    carry(c, valid, skin, under);
-  std::vector<int> faces;
-  for (int f = 0; f < scan.faces.rows(); ++f)
-    if (under[scan.faces(f, 0)] || under[scan.faces(f, 1)] || under[scan.faces(f, 2)])
-      faces.push_back(f);
-  if (faces.empty())
-    return;
-  under_garment_.emplace(cloth, std::vector<std::uint8_t>{}, submesh(scan, faces, &under_vertices_), std::vector<std::uint8_t>{});
-  for (int &v : under_vertices_)
-    v = under[v] ? v : -1;
+    carry(c, valid, skin, part);
 }
 
-/// What goes with the body's weights: the body, and the scan's skin beside it more and more.
+/// What goes with the body's weights: the body, and the scan's skin beside it more and more; below a seam from the seam on, where
+/// it has the garment's.
 void DisplaySurface::carry(const Character &c, const std::vector<std::uint8_t> &valid, const Mesh &skin,
-                           const std::vector<char> &under) {
-  std::vector<int> weld;
+                           const detail::GarmentPart &part) {
+  const Mesh cloth{c.high.vertices.bottomRows(part.fine.weights.rows()), part.fine.faces};
+  const Seam seam(cloth, clothness_of(garment_vertices_, subdivide_, c.segmentation));
+  std::vector<double> below(scan_vertices_, 0); // m from the seam; 0 = not under the garment that hangs there
+  for (Eigen::Index v = 0; v < scan_vertices_; ++v)
+    if (const Seam::Place at = seam.place(skin.vertices.row(v)); at.side == Seam::Side::Under)
+      below[v] = at.below;
+  std::vector<int> weld_below, weld_elsewhere;
   for (int v : detail::weld_vertices(skin.faces, scan_vertices_))
-    if (!under[v])
-      weld.push_back(v);
-  const Eigen::VectorXd away =
-      edge_distances(skin.vertices, vertex_neighbours(skin.faces, static_cast<int>(skin_vertices_)), weld, kCarried);
+    (below[v] > 0 ? weld_below : weld_elsewhere).push_back(v);
+  const auto neighbours = vertex_neighbours(skin.faces, static_cast<int>(skin_vertices_));
+  const Eigen::VectorXd to_weld_below = edge_distances(skin.vertices, neighbours, weld_below, kHidden),
+                        away = edge_distances(skin.vertices, neighbours, weld_elsewhere, kCarried);
   const RayScene body(c.body);
   std::vector<Eigen::RowVectorXd> weights;
   for (Eigen::Index v = 0; v < skin_vertices_; ++v) {
     const bool of_body = v >= scan_vertices_;
-    if (!of_body && (under[v] || !(away[v] < kCarried)))
+    const double left = of_body ? 1 : below[v] > 0 ? below[v] / (below[v] + to_weld_below[v]) : 1 - away[v] / kCarried;
+    if (!(left > 0))
       continue;
-    const double left = of_body ? 1 : 1 - away[v] / kCarried;
     carried_.push_back({static_cast<int>(v), left * left * (3 - 2 * left)});
     if (of_body)
       weights.emplace_back(c.body_weights.row(c.high_body[v - scan_vertices_]));
@@ -493,13 +486,6 @@ void DisplaySurface::apply(const Vertices &surface, const std::vector<DualQuater
     b.cloth.row(v) += (length > 0 ? heights_[v] / length : 0.0) * b.cloth_normals.row(v);
   }
   high.bottomRows(subdivide_.rows()) = b.cloth;
-  if (!under_garment_)
-    return;
-  b.under.resize(static_cast<Eigen::Index>(under_vertices_.size()), 3);
-  under_garment_->apply(b.cloth, b.under, b.under_rows);
-  for (std::size_t i = 0; i < under_vertices_.size(); ++i)
-    if (under_vertices_[i] >= 0)
-      high.row(under_vertices_[i]) = b.under.row(static_cast<Eigen::Index>(i));
 }
 
 MatrixRM DisplaySurface::sample(const MatrixRM &values) const {

@@ -13,14 +13,19 @@
 namespace doublet {
 namespace {
 
+using Cover = SkinPenetrationFix::Cover;
+
 constexpr double kDeep = 0.020; // m: faces are flat where the cloth folds inward between their corners ...
 constexpr double kDeepAtHem = 0.010, kDeepPerWay = 0.25; // ... from m, by m for each from a free edge
 constexpr double kDeepAtSeam = 0.001, kDeepBend = 10;    // m, 1/m: it must not show as a step where the garment hangs
-constexpr double kReachOut = 0.06;                       // m
-constexpr double kBeyondHem = 0.30;                      // m along the skin
-constexpr double kSlope = 1;                             // m out for each beyond a free edge
-constexpr double kAtEdge = 1e-9;                         // a barycentric coordinate
-constexpr double kUnderSeam = 0.10, kAsWorn = 0.010;     // m along the skin from the body; from the garment in the scan pose
+constexpr double kReachOut = 0.03;                       // m
+// Skin that no garment covers in the scan pose, as of a back over which a skirt is thrown: m; only where the cloth lies within
+// it, which is where the way to it goes inwards (cosine), not beside it.
+constexpr double kDeepBare = 0.002, kReachBare = 0.015, kBeside = 0.3, kWithin = 0.7;
+constexpr double kBeyondHem = 0.30; // m along the skin
+constexpr double kSlope = 1;        // m out for each beyond a free edge
+constexpr double kAtEdge = 1e-9;    // a barycentric coordinate
+constexpr double kAsWorn = 0.010;   // m from the garment in the scan pose
 // Cosine between the normals of skin and garment: less is moved less, none of what the cloth lies on inside out.
 constexpr double kFacing = 0.2;
 constexpr double kStandsOut = 1e-4;            // m
@@ -35,8 +40,8 @@ constexpr double kOfBoth = 0.1;                // skin weight, above which the g
 /// (V, 3) share of the skin weights (V, J) that the rest of the person, left and right arm have.
 MatrixRM limb_shares(const MatrixRM &weights, const std::vector<int> &arms) {
   MatrixRM shares = MatrixRM::Zero(weights.rows(), 3);
-  for (std::size_t j = 0; j < arms.size(); ++j)
-    shares.col(arms[j]) += weights.col(static_cast<Eigen::Index>(j));
+  for (Eigen::Index j = 0; j < weights.cols(); ++j) // none without a body
+    shares.col(arms[j]) += weights.col(j);
   return shares;
 }
 
@@ -46,35 +51,32 @@ int largest(const MatrixRM &shares, Eigen::Index v) {
   return static_cast<int>(limb);
 }
 
-/// What of the person's skin may come to lie under the garment; at_seam: those of the scan that end under it where it hangs.
-std::vector<int> skin_near(const Character &c, const detail::GarmentPart &part, std::vector<std::uint8_t> &at_seam) {
+/// (skin) how the garment lies in the scan pose on M_high's skin: the scan's, and the body that goes on under it.
+std::vector<Cover> cover_of_skin(const Character &c, const detail::GarmentPart &part) {
   const Faces skin = c.high.faces.topRows(part.skin_faces);
   const auto neighbours = vertex_neighbours(skin, static_cast<int>(part.skin_vertices));
   const Eigen::Index scan = part.skin_vertices - static_cast<Eigen::Index>(c.high_body.size());
+  std::vector<Cover> cover(static_cast<std::size_t>(part.skin_vertices), Cover::Bare);
   std::vector<int> ends;
-  for (Eigen::Index v = scan; v < part.skin_vertices; ++v)
+  for (Eigen::Index v = scan; v < part.skin_vertices; ++v) {
+    cover[v] = Cover::Worn;
     ends.push_back(static_cast<int>(v));
+  }
   const std::vector<double> beyond = detail::beyond_free_edges(c);
   const std::vector<double> away = detail::from_the_seam(c, beyond);
   for (Eigen::Index v = 0; v < scan && c.high_body.empty(); ++v)
     if (away[v] == 0)
       ends.push_back(static_cast<int>(v));
   const Eigen::VectorXd along = edge_distances(c.high.vertices, neighbours, ends, kBeyondHem);
-  std::vector<int> near = std::move(ends);
-  at_seam.assign(static_cast<std::size_t>(part.skin_vertices), 0);
   const RayScene cloth({c.high.vertices, c.high.faces.bottomRows(part.fine.faces.rows())});
   for (Eigen::Index v = 0; v < scan; ++v) {
-    if (!(along[v] > 0 && along[v] < kBeyondHem))
-      continue;
     const ClosestPoint at = cloth.closest(c.high.vertices.row(v));
-    const bool worn = along[v] < kUnderSeam && at.distance < kAsWorn && at.barycentric.minCoeff() > kAtEdge;
-    if (std::isfinite(beyond[v]) || worn)
-      near.push_back(static_cast<int>(v));
-    at_seam[v] = !std::isfinite(beyond[v]) && worn;
+    if (at.distance < kAsWorn && at.barycentric.minCoeff() > kAtEdge)
+      cover[v] = Cover::Worn;
+    else if (along[v] < kBeyondHem && std::isfinite(beyond[v]))
+      cover[v] = Cover::BeyondHem;
   }
-  for (int v : detail::weld_vertices(skin, scan)) // goes in with the body
-    at_seam[v] = 0;
-  return near;
+  return cover;
 }
 
 } // namespace
@@ -84,9 +86,9 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c) : faces_(detail::garm
   const std::vector<int> arms = detail::arms_of_joints(c.actor.skeleton);
   const MatrixRM of_skin = limb_shares(DisplaySurface(c).skin_weights(c.actor.weights), arms),
                  of_body = limb_shares(c.body_weights, arms);
-  std::vector<std::uint8_t> at_seam;
-  for (int v : skin_near(c, part, at_seam))
-    skin_.vertices.push_back({v, at_seam[v] != 0, largest(of_skin, v)});
+  const std::vector<Cover> cover = cover_of_skin(c, part);
+  for (std::size_t v = 0; v < cover.size(); ++v)
+    skin_.vertices.push_back({static_cast<int>(v), cover[v], largest(of_skin, static_cast<Eigen::Index>(v))});
   skin_.bound(c.high.faces.topRows(part.skin_faces), part.skin_vertices);
   const Faces shown = valid_faces(c.body.faces, c.body_shown);
   std::vector<std::uint8_t> drawn(c.body.vertices.rows(), 0);
@@ -94,7 +96,7 @@ SkinPenetrationFix::SkinPenetrationFix(const Character &c) : faces_(detail::garm
     drawn[v] = 1;
   for (std::size_t v = 0; v < drawn.size(); ++v)
     if (drawn[v])
-      body_.vertices.push_back({static_cast<int>(v), false, largest(of_body, static_cast<Eigen::Index>(v))});
+      body_.vertices.push_back({static_cast<int>(v), Cover::Worn, largest(of_body, static_cast<Eigen::Index>(v))});
   body_.bound(shown, c.body.vertices.rows());
 
   Eigen::VectorXd coarse(part.garment.vertices.size());
@@ -158,7 +160,7 @@ void SkinPenetrationFix::Part::bound(const Faces &all, Eigen::Index mesh_vertice
   edges = edge_topology(faces).edges;
 }
 
-/// What is bound to the cloth at the seam crumples with it, and has no say in the normals of what lies beside it.
+/// By area alone: the angles of vertex_normals() cost as much as all else here.
 void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
   for (Tucked &tucked : vertices)
     tucked.own.setZero();
@@ -166,10 +168,8 @@ void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
     Tucked *const corners[] = {&vertices[faces(f, 0)], &vertices[faces(f, 1)], &vertices[faces(f, 2)]};
     const Eigen::Vector3d a = positions.row(corners[0]->vertex), b = positions.row(corners[1]->vertex),
                           c = positions.row(corners[2]->vertex), across = (b - a).cross(c - a);
-    const bool crumpled = corners[0]->at_seam || corners[1]->at_seam || corners[2]->at_seam;
     for (Tucked *corner : corners)
-      if (!crumpled || corner->at_seam)
-        corner->own += across;
+      corner->own += across;
   }
   for (Tucked &tucked : vertices)
     tucked.own.normalize(); // none stays none
@@ -185,8 +185,9 @@ void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vert
 }
 
 SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals,
-                                                      int &last) const {
-  const std::optional<MovingSurface::Point> at = sheet.surface->closest(point, kReachOut, last);
+                                                      Cover cover, const Eigen::Vector3d &own, int &last) const {
+  const bool bare = cover == Cover::Bare;
+  const std::optional<MovingSurface::Point> at = sheet.surface->closest(point, bare ? kReachBare : kReachOut, last);
   last = at ? at->face : -1;
   Beside found;
   if (!at)
@@ -198,41 +199,43 @@ SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Sheet &sheet, const 
     found.normal += at->barycentric[k] * normals.row(v).transpose();
     deep += at->barycentric[k] * depths_[v];
     const Edge edge = sheet.edges[at->face][k];
-    if (edge != Edge::Inner && at->barycentric[k] < kAtEdge) {
+    if (edge != Edge::Inner && !(cover == Cover::Worn && edge == Edge::Seam) && at->barycentric[k] < kAtEdge) {
       found.covered = false;
       if (edge != Edge::Free)
         return found; // above the garment, or where it goes on over another limb
     }
   }
   found.normal.normalize();
-  const double out = (point - at->point).dot(found.normal);
+  const Eigen::Vector3d away = point - at->point;
+  const double out = away.dot(found.normal);
+  deep = bare ? std::min(deep, kDeepBare) : deep;
   const double way = found.covered ? 0.0 : kSlope * std::sqrt(std::max(0.0, at->distance * at->distance - out * out));
   found.out = std::max(0.0, out + deep - way);
+  if (bare)
+    found.out *= std::clamp((away.dot(own) / std::max(at->distance, kStandsOut) - kBeside) / (kWithin - kBeside), 0.0, 1.0);
+  found.covered = found.covered && (!bare || found.out > 0);
   return found;
 }
 
-/// Straight inwards: along the garment's normal what lies under one side of a fold would come out of the other. At the seam,
-/// where nothing is far out, along that normal.
+/// Straight inwards: along the garment's normal what lies under one side of a fold would come out of the other.
 void SkinPenetrationFix::find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const {
   tucked.in = 0;
-  tucked.way = tucked.own;
   tucked.covered = false;
   const Sheet &sheet = sheets_[tucked.limb];
   if (!sheet.surface)
     return;
   int last = tucked.last;
-  for (int look = 0; look < (tucked.at_seam ? 1 : kLooks) && tucked.in < kDeepestTuck; ++look) {
-    const Beside at = beside(sheet, positions.row(tucked.vertex).transpose() - tucked.in * tucked.way, normals, last);
+  for (int look = 0; look < kLooks && tucked.in < kDeepestTuck; ++look) {
+    const Beside at =
+        beside(sheet, positions.row(tucked.vertex).transpose() - tucked.in * tucked.own, normals, tucked.cover, tucked.own, last);
     const double facing = tucked.own.dot(at.normal);
     if (look == 0) {
       tucked.last = last;
       tucked.covered = at.covered;
-      if (tucked.at_seam)
-        tucked.way = at.normal;
     }
     if (!(at.out > kStandsOut) || facing <= 0)
       break;
-    tucked.in += std::min(1.0, facing / kFacing) * at.out / (tucked.at_seam ? 1 : std::max(facing, kOblique));
+    tucked.in += std::min(1.0, facing / kFacing) * at.out / std::max(facing, kOblique);
     if (facing > kFlat && tucked.in < kShallow)
       break; // no other fold lies there
   }
@@ -244,7 +247,7 @@ void SkinPenetrationFix::take_neighbours_along(Part &part, const Vertices &posit
     for (const Eigen::Vector2i &edge : part.edges) {
       Tucked &a = part.vertices[edge[0]], &b = part.vertices[edge[1]], &less = a.in < b.in ? a : b;
       const double most = std::max(a.in, b.in);
-      if (less.covered && !less.at_seam && most > less.in)
+      if (less.covered && most > less.in)
         less.in = std::max(less.in, most - kWall * (positions.row(a.vertex) - positions.row(b.vertex)).norm());
     }
 }
@@ -255,7 +258,7 @@ void SkinPenetrationFix::tuck(const Vertices &normals, Part &part, Vertices &pos
     find_way_in(normals, positions, tucked);
   take_neighbours_along(part, positions);
   for (const Tucked &tucked : part.vertices)
-    positions.row(tucked.vertex) -= tucked.in * tucked.way.transpose();
+    positions.row(tucked.vertex) -= tucked.in * tucked.own.transpose();
 }
 
 } // namespace doublet

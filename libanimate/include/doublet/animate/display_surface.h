@@ -13,6 +13,9 @@
 namespace doublet {
 
 struct Character;
+namespace detail {
+struct GarmentPart;
+}
 
 struct DisplayMesh {
   Mesh mesh;  ///< (VH, 3) m in the scan pose, (FH, 3)
@@ -28,8 +31,8 @@ DisplayMesh build_display_mesh(const RiggedMesh &actor, const Segmentation &segm
 
 /// Memory of DisplaySurface::apply().
 struct DisplayBuffers {
-  PaddedRows skin_rows, garment_rows, under_rows;
-  Vertices garment, garment_normals, cloth, cloth_normals, under, carried;
+  PaddedRows skin_rows, garment_rows;
+  Vertices garment, garment_normals, cloth, cloth_normals, carried;
   std::vector<DualQuaternion> joints;
 };
 
@@ -57,12 +60,10 @@ public:
   MatrixRM skin_weights(const MatrixRM &weights) const;
 
 private:
-  void carry(const Character &character, const Mask &valid, const Mesh &skin, const std::vector<char> &under);
+  void carry(const Character &character, const Mask &valid, const Mesh &skin, const detail::GarmentPart &part);
   void joints_of(const Vertices &surface, std::vector<DualQuaternion> &joints) const;
 
-  std::optional<SurfaceTransfer> skin_;          ///< of the vertices before the garment's; none = no such vertices
-  std::optional<SurfaceTransfer> under_garment_; ///< the skin below the seam follows the garment as it is drawn
-  std::vector<int> under_vertices_;              ///< of M_high, for each that it carries; -1 = it stays with the skin
+  std::optional<SurfaceTransfer> skin_; ///< of the vertices before the garment's; none = no such vertices
   Eigen::Index skin_vertices_ = 0, scan_vertices_ = 0, coarse_vertices_ = 0; ///< the scan's are the first of the skin's
   std::optional<SkinBinding> binding_;  ///< of the body in M_high, and of the scan's skin beside it ...
   std::vector<WeightedVertex> carried_; ///< ... of M_high, which go so far with it

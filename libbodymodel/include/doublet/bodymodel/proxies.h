@@ -29,8 +29,8 @@ struct ProxyOptions {
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
-/// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, and the next bones down the
-/// chain. Empty if nothing is cloth.
+/// Tapered capsules for the bones where cloth can touch: bones with cloth over their body surface, the next bones down the chain,
+/// limbs that reach cloth, and bones of the trunk that hanging cloth can be thrown over. Empty if nothing is cloth.
 std::vector<TaperedCapsule> fit_proxies(const BodyFit &fit, const RiggedMesh &actor, const Segmentation &segmentation,
                                         const ProxyOptions &options = {});
 

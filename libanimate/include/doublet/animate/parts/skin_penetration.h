@@ -9,15 +9,18 @@
 
 namespace doublet {
 
-/// Brings what is drawn of the person near a garment under it, where it stands out by up to 6 cm: the hidden body, and the scan's
+/// Brings what is drawn of the person near a garment under it, where it stands out by up to 3 cm: the hidden body, and the scan's
 /// skin up to 30 cm beyond the garment's free edges along itself, as legs below a hem; 20 mm deep, less at the
 /// garment's edges. Beyond a free edge it may stand out by as much as it is away from it, so that no fringe of skin covers the
-/// edge. Of the garment only what is worn over the same limb counts, arms and the rest: a hand before a skirt is not under it,
-/// nor a hip under a sleeve. It goes straight inwards, and what lies beside it under the garment goes along, so that no triangle
-/// bridges a fold. Skin on which the garment lies inside out stays. Capsules, which keep the simulated cloth off, are simpler
-/// than legs. A matter of display only.
+/// edge. Other skin, as of a back over which a skirt is thrown, goes 2 mm under cloth that lies up to 15 mm within it. Of the
+/// garment only what is worn over the same limb counts, arms and the rest: a hand before a skirt is not under it, nor a hip under
+/// a sleeve. It goes straight inwards, and what lies beside it under the garment goes along, so that no triangle bridges a fold.
+/// Skin on which the garment lies inside out stays. A matter of display only; a garment that lies deeper in the body is to be
+/// lifted off it first, see GarmentPenetrationFix.
 class SkinPenetrationFix {
 public:
+  /// How a garment lies on skin in the scan pose: over it, with its free edge not far away, or neither.
+  enum class Cover : std::uint8_t { Worn, BeyondHem, Bare };
   /// The character must have M_high with a garment, else Error.
   explicit SkinPenetrationFix(const Character &character);
   /// `drawn` and `high` as DisplaySurface::apply() has left them, `body` (B, 3) or empty; once warm, nothing is allocated.
@@ -27,13 +30,12 @@ private:
   enum class Edge : std::uint8_t { Inner, Free, Seam, Cut };
   struct Tucked {
     int vertex;
-    bool at_seam;                                  ///< of the scan's skin, where it ends under the garment that hangs there
+    Cover cover;
     int limb;                                      ///< number of its sheet
     int last = -1;                                 ///< the face of the garment that was closest before; -1 = none
     bool covered = false;                          ///< it has garment before it, not merely beside it
     double in = 0;                                 ///< m, how far it goes inwards
     Eigen::Vector3d own = Eigen::Vector3d::Zero(); ///< its own normal
-    Eigen::Vector3d way = Eigen::Vector3d::Zero(); ///< out, of length 1
   };
   struct Part {
     std::vector<Tucked> vertices;
@@ -54,7 +56,8 @@ private:
     std::vector<std::array<Edge, 3>> edges; ///< (F) opposite each corner
   };
   void add_sheet(const Vertices &cloth, const Eigen::VectorXd &share, const std::vector<std::array<Edge, 3>> &edges);
-  Beside beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals, int &last) const;
+  Beside beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals, Cover cover,
+                const Eigen::Vector3d &own, int &last) const;
   void find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const;
   static void take_neighbours_along(Part &part, const Vertices &positions);
   void tuck(const Vertices &normals, Part &part, Vertices &positions) const;

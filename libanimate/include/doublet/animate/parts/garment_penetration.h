@@ -1,0 +1,38 @@
+#pragma once
+// The garment, kept from being drawn inside the body.
+
+#include "doublet/animate/character.h"
+#include "doublet/core/parts/moving_surface.h"
+
+namespace doublet {
+
+/// Lifts a garment that lies inside the fitted body onto it, and 4 mm above: straight out of up to 2 cm, less of what is deeper,
+/// not out of more than 4 cm; what lies beside it in the garment goes along, and what it hangs by stays. Capsules, which keep the
+/// simulated cloth off, are simpler than a body, most of all where it bends. Arms, and bones without a capsule, lift nothing. A
+/// matter of display only.
+class GarmentPenetrationFix {
+public:
+  /// Has the character a garment with a mesh of its own, and a body of which some faces lift it?
+  static bool applies_to(const Character &character);
+  /// Throws Error where it does not apply.
+  explicit GarmentPenetrationFix(const Character &character);
+  /// body (B, 3) in a pose, surface (V, 3) M in the same; once warm, nothing is allocated.
+  void apply(const Vertices &body, Vertices &surface);
+
+private:
+  struct Lifted {
+    int vertex;                                   ///< of M
+    bool hangs;                                   ///< the garment hangs there
+    int last = -1;                                ///< the face of the body that was closest before; -1 = none
+    Eigen::Vector3d by = Eigen::Vector3d::Zero(); ///< m
+  };
+  void find_way_out(const Vertices &body, const Vertices &surface, Lifted &lifted) const;
+  void take_neighbours_along(const Vertices &surface);
+
+  std::vector<Lifted> garment_;
+  std::vector<Eigen::Vector2i> edges_; ///< between them
+  Faces body_faces_;
+  MovingSurface body_;
+};
+
+} // namespace doublet

@@ -1,0 +1,102 @@
+#include "doublet/animate/parts/garment_penetration.h"
+
+#include "arms.h"
+#include "doublet/core/error.h"
+#include "garment_part.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace doublet {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kAbove = 0.004;                // m: triangles are flat where the body is round
+constexpr double kReach = 0.04, kSurely = 0.02; // m: how deep it may lie; up to where it is lifted all the way
+constexpr double kTouches = 1e-4;               // m, so near the way out is the body's normal
+constexpr double kSlope = 0.7;                  // m less for each along the garment
+constexpr int kGoAlong = 3;                     // times over all edges
+
+/// The body's faces that the cloth collides with: of bones with a capsule, and not of arms.
+Mask faces_that_lift(const Character &c) {
+  const std::vector<int> arms = detail::arms_of_joints(c.actor.skeleton);
+  std::vector<std::uint8_t> lifts(arms.size(), 0);
+  for (const TaperedCapsule &capsule : c.proxies)
+    lifts[capsule.joint] = arms[capsule.joint] == 0;
+  Mask chosen(static_cast<std::size_t>(c.body.faces.rows()), 0);
+  for (Eigen::Index f = 0; f < c.body.faces.rows(); ++f) {
+    Eigen::Index joint;
+    c.body_weights.row(c.body.faces(f, 0)).maxCoeff(&joint);
+    chosen[f] = lifts[joint];
+  }
+  return chosen;
+}
+
+const Character &checked(const Character &c) {
+  validate_character(c);
+  if (!GarmentPenetrationFix::applies_to(c))
+    throw Error("GarmentPenetrationFix: expected a character with a garment's own mesh and a body with capsules, found none");
+  return c;
+}
+
+} // namespace
+
+GarmentPenetrationFix::GarmentPenetrationFix(const Character &c)
+    : body_faces_(checked(c).body.faces), body_(c.body, faces_that_lift(c)) {
+  const detail::Worn worn = detail::worn_garment(c.actor, c.segmentation);
+  for (int v : worn.vertices)
+    garment_.push_back({v, c.segmentation.clothness[v] == 0});
+  edges_ = edge_topology(worn.mesh.faces).edges;
+}
+
+bool GarmentPenetrationFix::applies_to(const Character &c) {
+  const Mask lifting = faces_that_lift(c);
+  return c.garment_subdivisions >= 0 && std::find(lifting.begin(), lifting.end(), 1) != lifting.end();
+}
+
+void GarmentPenetrationFix::find_way_out(const Vertices &body, const Vertices &surface, Lifted &lifted) const {
+  lifted.by.setZero();
+  if (lifted.hangs)
+    return;
+  const Vector3d p = surface.row(lifted.vertex);
+  const std::optional<MovingSurface::Point> at = body_.closest(p, kReach, lifted.last);
+  lifted.last = at ? at->face : -1;
+  if (!at)
+    return;
+  const Vector3d a = body.row(body_faces_(at->face, 0)), b = body.row(body_faces_(at->face, 1)),
+                 c = body.row(body_faces_(at->face, 2)), across = (b - a).cross(c - a), away = p - at->point;
+  const bool inside = away.dot(across) < 0;
+  const double above = inside ? -at->distance : at->distance;
+  if (!(above < kAbove) || !(across.norm() > 0))
+    return;
+  const Vector3d out = at->distance > kTouches ? Vector3d(away / above) : Vector3d(across.normalized());
+  lifted.by = std::min(1.0, (kReach - at->distance) / (kReach - kSurely)) * (kAbove - above) * out;
+}
+
+void GarmentPenetrationFix::take_neighbours_along(const Vertices &surface) {
+  for (int ring = 0; ring < kGoAlong; ++ring)
+    for (const Eigen::Vector2i &edge : edges_) {
+      Lifted &a = garment_[edge[0]], &b = garment_[edge[1]];
+      const bool first = a.by.squaredNorm() > b.by.squaredNorm();
+      const Vector3d most = first ? a.by : b.by;
+      Lifted &less = first ? b : a;
+      if (less.hangs || most.isZero(0))
+        continue;
+      const double length = most.norm(), wanted = length - kSlope * (surface.row(a.vertex) - surface.row(b.vertex)).norm();
+      if (wanted > less.by.norm())
+        less.by = wanted / length * most;
+    }
+}
+
+void GarmentPenetrationFix::apply(const Vertices &body, Vertices &surface) {
+  body_.move_to(body);
+  for (Lifted &lifted : garment_)
+    find_way_out(body, surface, lifted);
+  take_neighbours_along(surface);
+  for (const Lifted &lifted : garment_)
+    surface.row(lifted.vertex) += lifted.by.transpose();
+}
+
+} // namespace doublet
