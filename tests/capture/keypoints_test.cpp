@@ -210,17 +210,16 @@ TEST(SeenJoints, AreNoneWithoutTwoCameras) {
     EXPECT_FALSE(joint);
 }
 
-/// As if something wide hung about the person: every mask is that of all frames together, and does not tell where an arm is.
+/// Behind the first frame as if she went behind a wide sheet: masks that tell nothing of her.
 class Hidden : public MasksAndKeypoints {
 public:
   using MasksAndKeypoints::MasksAndKeypoints;
-  Image mask(int camera, int) override {
-    Image all = Masks::mask(camera, 0);
-    for (int t = 1; t < frame_count(); ++t) {
-      const Image one = Masks::mask(camera, t);
-      std::transform(one.data.begin(), one.data.end(), all.data.begin(), all.data.begin(), [](auto a, auto b) { return a | b; });
-    }
-    return all;
+  Image mask(int camera, int frame) override {
+    Image mask = Masks::mask(camera, frame);
+    constexpr int kBorder = 20; // px
+    for (int y = kBorder; frame > 0 && y < mask.height - kBorder; ++y)
+      std::fill_n(mask.data.begin() + y * mask.width + kBorder, mask.width - 2 * kBorder, std::uint8_t{255});
+    return mask;
   }
 };
 
@@ -229,7 +228,7 @@ TEST(Keypoints, TellWhatSilhouettesDoNot) {
   const int frames = 6, wrist = scene.actor.skeleton.find("l_wrist");
   MatrixRM truth = MatrixRM::Zero(frames, scene.truth.size());
   for (int t = 0; t < frames; ++t)
-    truth(t, scene.dof("l_shoulder.z")) = 15 * kDegree * t;
+    truth(t, scene.dof("l_shoulder.z")) = 10 * kDegree * t;
   Hidden film(scene, truth);
   CaptureOptions options;
   options.smooth_window = 1;
@@ -242,7 +241,7 @@ TEST(Keypoints, TellWhatSilhouettesDoNot) {
   };
   const CaptureResult with = capture();
   for (int t = 0; t < frames; ++t) {
-    EXPECT_LT(off(with, t), 0.15) << "frame " << t; // of which 6 cm are tolerated, and the silhouettes mislead
+    EXPECT_LT(off(with, t), 0.15) << "frame " << t; // of which 6 cm are tolerated
     EXPECT_LT(with.summary.keypoint_distance[t], 0.07) << "frame " << t;
   }
   film.shown = false;
