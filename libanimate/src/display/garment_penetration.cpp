@@ -13,11 +13,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kAbove = 0.004;                // m: triangles are flat where the body is round
-constexpr double kReach = 0.04, kSurely = 0.02; // m: how deep it may lie; up to where it is lifted all the way
-constexpr double kTouches = 1e-4;               // m, so near the way out is the body's normal
-constexpr double kSlope = 0.7;                  // m less for each along the garment
-constexpr int kGoAlong = 3;                     // times over all edges
+constexpr double kLiftAbove = 0.004;                    // m: triangles are flat where the body is round
+constexpr double kLiftReach = 0.04, kLiftSurely = 0.02; // m: how deep it may lie; up to where it is lifted all the way
+constexpr double kLiftTouches = 1e-4;                   // m, so near the way out is the body's normal
+constexpr double kLiftSlope = 0.7;                      // m less for each along the garment
+constexpr int kLiftRings = 3;                           // times over all edges
 
 /// The body's faces that the cloth collides with: of bones with a capsule, and not of arms.
 Mask faces_that_lift(const Character &c) {
@@ -61,7 +61,7 @@ void GarmentPenetrationFix::find_way_out(const Vertices &body, const Vertices &s
   if (lifted.hangs)
     return;
   const Vector3d p = surface.row(lifted.vertex);
-  const std::optional<MovingSurface::Point> at = body_.closest(p, kReach, lifted.last);
+  const std::optional<MovingSurface::Point> at = body_.closest(p, kLiftReach, lifted.last);
   lifted.last = at ? at->face : -1;
   if (!at)
     return;
@@ -69,14 +69,14 @@ void GarmentPenetrationFix::find_way_out(const Vertices &body, const Vertices &s
                  c = body.row(body_faces_(at->face, 2)), across = (b - a).cross(c - a), away = p - at->point;
   const bool inside = away.dot(across) < 0;
   const double above = inside ? -at->distance : at->distance;
-  if (!(above < kAbove) || !(across.norm() > 0))
+  if (!(above < kLiftAbove) || !(across.norm() > 0))
     return;
-  const Vector3d out = at->distance > kTouches ? Vector3d(away / above) : Vector3d(across.normalized());
-  lifted.by = std::min(1.0, (kReach - at->distance) / (kReach - kSurely)) * (kAbove - above) * out;
+  const Vector3d out = at->distance > kLiftTouches ? Vector3d(away / above) : Vector3d(across.normalized());
+  lifted.by = std::min(1.0, (kLiftReach - at->distance) / (kLiftReach - kLiftSurely)) * (kLiftAbove - above) * out;
 }
 
 void GarmentPenetrationFix::take_neighbours_along(const Vertices &surface) {
-  for (int ring = 0; ring < kGoAlong; ++ring)
+  for (int ring = 0; ring < kLiftRings; ++ring)
     for (const Eigen::Vector2i &edge : edges_) {
       Lifted &a = garment_[edge[0]], &b = garment_[edge[1]];
       const bool first = a.by.squaredNorm() > b.by.squaredNorm();
@@ -84,7 +84,7 @@ void GarmentPenetrationFix::take_neighbours_along(const Vertices &surface) {
       Lifted &less = first ? b : a;
       if (less.hangs || most.isZero(0))
         continue;
-      const double length = most.norm(), wanted = length - kSlope * (surface.row(a.vertex) - surface.row(b.vertex)).norm();
+      const double length = most.norm(), wanted = length - kLiftSlope * (surface.row(a.vertex) - surface.row(b.vertex)).norm();
       if (wanted > less.by.norm())
         less.by = wanted / length * most;
     }
