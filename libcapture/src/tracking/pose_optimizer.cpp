@@ -1,6 +1,7 @@
 #include "doublet/capture/pose_optimizer.h"
 
 #include "../weighted_rows.h"
+#include "shown_surface.h"
 
 #include "doublet/core/skinning.h"
 
@@ -13,6 +14,7 @@
 namespace doublet {
 namespace {
 
+using detail::ShownSurface;
 using detail::WeightedRows;
 
 constexpr double kUnit = 0.01; // m; residual that costs one unit, so that prior weights count correspondences
@@ -282,11 +284,6 @@ private:
 std::unique_ptr<PoseOptimizer> PoseOptimizer::create(const PoseOptions &options) {
   options.validate();
   return std::make_unique<GaussNewtonPose>(options);
-}
-
-ShownSurface::ShownSurface(const Vertices &surface, const ViewTiming &timing) : surface_(surface) {
-  for (const double late : timing.late)
-    moved_.emplace_back(surface - late * timing.velocity);
 }
 
 PosedSurface pose_surface(const RiggedMesh &actor, const Eigen::VectorXd &dofs, const Vertices &offset) {

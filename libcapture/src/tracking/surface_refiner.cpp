@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "preconditioner.h"
+#include "shown_surface.h"
 
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -13,6 +14,7 @@ namespace doublet {
 namespace {
 
 using detail::Preconditioner;
+using detail::ShownSurface;
 using Sparse = Eigen::SparseMatrix<double>;
 
 /// bending * |D^-1 L u|^2 + stretching * u^T L u / mean(D), L = the cotangent Laplacian of the rest pose, D its diagonal.

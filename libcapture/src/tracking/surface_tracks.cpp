@@ -1,5 +1,7 @@
 #include "surface_tracks.h"
 
+#include "shown_surface.h"
+
 #include <utility>
 
 namespace doublet::detail {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import json
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +13,7 @@ from .._doublet import __version__
 from ..common import drawing
 from ..common.files import arrays_of, write_text
 from . import fit_page
+from .doubts import ADVICE, doubts_of, good_of
 from .html_document import page, table
 
 FRAMES_LOOKED_AT = 32  # for the overlap with the silhouettes: all cameras of each are keyed
@@ -305,63 +305,13 @@ def timings(shown: Shown) -> str:
     return table(["stage", "seconds", "peak memory, MB"], rows) + table(["stage", "number", "value"], numbers)
 
 
-#: Kind of doubt -> what to do about it; those of quality_limits() bring their own advice.
-ADVICE = {
-    "lower_bound": "The box holds ordinary cloth: look whether scale, frame rate and the garment's rest shape are right.",
-    "guess": "A parameter that is a guess is not measured: keep an ordinary value (--space-fixed NAME=X), or film a motion that "
-    "tells it (fast turns tell drag, cloth pressed against the body friction).",
-    "seeds": "Let the search go on: the same command with a larger --fit-max-evaluations.",
-    "lost": "Look at the frames of the lost joint in the outlines below; more cameras, or a take without them, help.",
-    "carried": "Cloth that clings moves as skin does. If it should hang free, film a motion in which it flies, or simulate all "
-    "that is cloth (--garment-snug-slack 0).",
-    "cloth_ends": "Look at what is red under Cloth below; doublet edit-segmentation corrects it.",
-}
-ADVICE["upper_bound"] = ADVICE["lower_bound"]
-
-
-@dataclass(frozen=True)
-class Doubt:
-    """Something doubtful: in which stage, of which kind (a key of ADVICE, or none of them), and in words."""
-
-    stage: str
-    kind: str
-    text: str
-
-
-def doubts_of(shown: Shown) -> list[Doubt]:
-    stages = shown.job.record.data["stages"]
-    doubts = [
-        Doubt(name, finding.kind, finding.text)
-        for name, entry in stages.items()
-        for finding in d.quality_findings(name, entry.get("summary", {}))
-    ]
-    lost = stages.get("performance", {}).get("summary", {}).get("frames_lost", {})
-    doubts += [Doubt("performance", "lost", f"{joint} was lost in {count} frames") for joint, count in lost.items()]
-    fitted = shown.job.path("material.json")
-    material = json.loads(fitted.read_text(encoding="utf-8")) if fitted.exists() else {"regions": []}
-    if material.get("interrupted"):
-        doubts.append(Doubt("fit", "stopped", "the search was stopped before its end; the same command goes on with it"))
-    found = [d.FitFinding(**finding) for region in material["regions"] for finding in region.get("findings", [])]
-    return doubts + [Doubt("fit", finding.kind, finding.text()) for finding in found]
-
-
-def good_of(shown: Shown) -> list[str]:
-    """What was measured and is as it should be, with what it should be."""
-    stages = shown.job.record.data["stages"]
-    good = []
-    for limit in d.quality_limits():
-        value = stages.get(limit.stage, {}).get("summary", {}).get(limit.number)
-        good += [limit.passed(value)] if value is not None else []
-    return [text for text in good if text]
-
-
 def html_list(items: list[str]) -> str:
     return f"<ul>{''.join(f'<li>{item}</li>' for item in items)}</ul>"
 
 
 def verdict(shown: Shown) -> str:
     """In words: what is good, what is doubtful, and what to do about it."""
-    doubts, good = doubts_of(shown), good_of(shown)
+    doubts, good = doubts_of(shown.job), good_of(shown.job)
     todo = list(dict.fromkeys(ADVICE[doubt.kind] for doubt in doubts if doubt.kind in ADVICE))
     count = f"{len(doubts)} thing{'s' if len(doubts) > 1 else ''} in it {'are' if len(doubts) > 1 else 'is'} doubtful"
     parts = [f"<p><b>The reconstruction is complete; {count if doubts else 'nothing doubtful was found'}.</b></p>"]

@@ -35,17 +35,6 @@ struct ViewTiming {
   Vertices velocity;    ///< (V, 3) m a frame, of the surface
 };
 
-/// (V, 3) m: the surface as each camera shows it, if some film between the frames of the others. Refers to what it is made from.
-class ShownSurface {
-public:
-  ShownSurface(const Vertices &surface, const ViewTiming &timing);
-  const Vertices &in(int view) const { return moved_.empty() ? surface_ : moved_[static_cast<std::size_t>(view)]; }
-
-private:
-  const Vertices &surface_;
-  std::vector<Vertices> moved_; // [views], or none
-};
-
 /// What one frame says about the pose. Arrays over views have one entry a camera; a view with an empty outline takes no part.
 struct PoseProblem {
   const RiggedMesh *actor = nullptr;
