@@ -191,14 +191,14 @@ def write_keypoints(folder, session: d.Session, person: Person, kind: str) -> No
 @pytest.mark.parametrize("kind", ["openpose", "rtmpose", "mediapipe"])
 def test_keypoints_of_all_cameras_are_triangulated(model, tmp_path, kind):
     person = Person(model, 0.7, 3)
-    session = d.Session(write_session(tmp_path / "session", person, cameras=5))
+    session = d.Session(write_session(tmp_path / "session", person, cameras=5, before=[person.mesh]))
     write_keypoints(tmp_path / "keypoints", session, person, kind)
     found, messages = keypoints.triangulated(keeping(session, tmp_path / "keypoints"), 0), []
     assert found.keys() == set(keypoints.JOINTS)
     assert max(person.errors_mm(found).values()) < 1
     with pytest.raises(ValueError, match=r"keypoints: frame 1: expected at least 6 joints .* found 0"):
         keypoints.adopt_keypoints(session, tmp_path / "keypoints", 1, messages)
-    assert len(messages) == 5 and messages[0].endswith("keypoints of 1 of 2 frames")
+    assert len(messages) == 5 and messages[0].endswith("keypoints of 1 of 3 frames")
 
 
 def keeping(session: d.Session, path) -> d.Session:
