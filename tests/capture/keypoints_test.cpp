@@ -69,6 +69,18 @@ public:
   std::vector<std::vector<Keypoint>> keypoints_; // [cameras * frames]
 };
 
+/// Of the scene's actor, begun in its pose.
+PoseProblem pose_problem(const Scene &scene, const std::vector<Outline> &outlines, std::vector<SeenPoint> points) {
+  PoseProblem problem;
+  problem.actor = &scene.actor;
+  problem.rig = &scene.rig;
+  problem.outlines = &outlines;
+  problem.reliability = scene.problem().reliability;
+  problem.predicted = problem.start = scene.truth;
+  problem.points = std::move(points);
+  return problem;
+}
+
 TEST(Keypoints, AloneGiveThePose) {
   Scene scene;
   Eigen::VectorXd truth = scene.truth;
@@ -77,13 +89,7 @@ TEST(Keypoints, AloneGiveThePose) {
       truth[scene.dof(dof)] += 0.25;
   truth.head<3>() << 0.05, -0.02, 0.04;
   const std::vector<Outline> nothing(scene.rig.size());
-  PoseProblem problem;
-  problem.actor = &scene.actor;
-  problem.rig = &scene.rig;
-  problem.outlines = &nothing;
-  problem.reliability = constant(static_cast<int>(scene.actor.mesh.vertices.rows()), 1);
-  problem.predicted = problem.start = scene.truth;
-  problem.points = points(scene.actor.skeleton, truth);
+  PoseProblem problem = pose_problem(scene, nothing, points(scene.actor.skeleton, truth));
   problem.first = true; // no pull to the prediction to speak of
   const PoseEstimate found = PoseOptimizer::create()->optimize(problem, scene.context);
   EXPECT_GT(worst_keypoint(scene, scene.truth, truth), 0.1);
@@ -100,13 +106,7 @@ TEST(Keypoints, OneThatIsWrongByALimbIsOutweighed) {
   std::vector<Outline> outlines;
   for (const Image &mask : scene.masks)
     outlines.push_back(trace_outline(mask));
-  PoseProblem problem;
-  problem.actor = &scene.actor;
-  problem.rig = &scene.rig;
-  problem.outlines = &outlines;
-  problem.reliability = constant(static_cast<int>(scene.actor.mesh.vertices.rows()), 1);
-  problem.predicted = problem.start = scene.truth;
-  problem.points = points(scene.actor.skeleton, scene.truth);
+  PoseProblem problem = pose_problem(scene, outlines, points(scene.actor.skeleton, scene.truth));
   problem.points[4].seen.y() += 0.5; // the left wrist
   EXPECT_LT(worst_keypoint(scene, PoseOptimizer::create()->optimize(problem, scene.context).dofs, scene.truth), 0.015);
 }
