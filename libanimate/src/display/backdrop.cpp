@@ -16,6 +16,10 @@ constexpr float kSteepest = 1e-3f;           // sine of the angle under the hori
 constexpr float kFade = 12;                  // m, over which the floor goes over into the sky
 constexpr float kLine = 0.006f, kGap = 0.5f; // m, half width of the grid's lines, and from one to the next
 
+/// Beyond it nothing shows, and products of smaller exponentials are denormal numbers, for each of which x86 takes as long as for
+/// a hundred others.
+constexpr float kFaint = -20;
+
 /// The squared distance to the nearest line of the grid.
 template <class Values> auto to_line(const Values &x) {
   return (x - kGap * (x * (1 / kGap) + 0.5f).floor()).square();
@@ -52,7 +56,7 @@ FloorShadow::FloorShadow(const std::vector<const Vertices *> &meshes, double flo
 }
 
 float FloorShadow::at(float x, float z) const {
-  const double i = (x - x0_) / kShadowCell - 0.5, k = (z - z0_) / kShadowCell - 0.5;
+  const double i = (x - x0_) * (1 / kShadowCell) - 0.5, k = (z - z0_) * (1 / kShadowCell) - 0.5;
   if (cells_.empty() || !(i >= 0) || !(k >= 0) || i >= nx_ - 1 || k >= nz_ - 1)
     return 0;
   const int i0 = static_cast<int>(i), k0 = static_cast<int>(k);
@@ -105,11 +109,13 @@ const ArrayXf &Backdrop::row(float first, float step, float y, int count) {
   find_rays(first, step, y, count);
   along_ = (ray_x_.square() + ray_y_.square() + ray_z_.square()).sqrt(); // lengths
   meets_ = ray_y_ <= -kSteepest * along_;
-  x_ = drop_ / ray_y_.min(-kSteepest * along_); // ways to the floor, in lengths
-  along_ = (along_ * x_ * (-1 / kFade)).exp();  // what of the floor is left
+  if (!meets_.any())
+    return brightness_;
+  x_ = drop_ / ray_y_.min(-kSteepest * along_);            // ways to the floor, in lengths
+  along_ = (along_ * x_ * (-1 / kFade)).max(kFaint).exp(); // what of the floor is left
   z_ = eye_.z() + x_ * ray_z_;
   x_ = eye_.x() + x_ * ray_x_;
-  brightness_ = 0.86f - 0.10f * (to_line(x_).min(to_line(z_)) * (-1 / (2 * kLine * kLine))).exp();
+  brightness_ = 0.86f - 0.10f * (to_line(x_).min(to_line(z_)) * (-1 / (2 * kLine * kLine))).max(kFaint).exp();
   for (int i = 0; i < count; ++i)
     brightness_[i] *= 1 - std::min(0.75f, 1.6f * shadow_.at(x_[i], z_[i]));
   brightness_ = meets_.select(along_ * brightness_ + (1 - along_), 1.0f);

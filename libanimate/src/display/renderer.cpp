@@ -116,11 +116,16 @@ public:
       meshes.push_back(part.vertices);
     Backdrop backdrop(meshes, camera_, options_);
     const float middle = 0.5f * static_cast<float>(samples_ - 1);
+    const int left = seen_.x / samples_, right = (seen_.x + seen_.buffer.width + samples_ - 1) / samples_;
     for (int y = 0; y < image.height; ++y) {
       const Eigen::ArrayXf &behind =
           backdrop.row(middle, static_cast<float>(samples_), static_cast<float>(samples_ * y) + middle, image.width);
       for (int x = 0; x < image.width; ++x)
-        set_pixel(image, x, y, pixel(x, y, behind[x] * sky_));
+        set_pixel(image, x, y, behind[x] * sky_);
+      if (samples_ * (y + 1) <= seen_.y || samples_ * y >= seen_.y + seen_.buffer.height)
+        continue;
+      for (int x = left; x < right; ++x)
+        paint(image, x, y, behind[x] * sky_);
     }
     return image;
   }
@@ -128,43 +133,41 @@ public:
 private:
   /// What some samples of a pixel see, at their middle.
   struct Glimpse {
-    int face = -1, count = 0;
-    float x = 0, y = 0; ///< sums
+    int face, count;
+    float x, y; ///< sums
   };
   static constexpr int kMostSamples = 4;
 
   /// Samples that see one face, or faces beside it, share its colour half way between them.
-  Vector3f pixel(int x, int y, const Vector3f &behind) {
-    const int left = samples_ * x - seen_.x, top = samples_ * y - seen_.y;
-    const FaceBuffer &buffer = seen_.buffer;
-    if (left + samples_ <= 0 || top + samples_ <= 0 || left >= buffer.width || top >= buffer.height)
-      return behind;
+  void paint(Image &image, int x, int y, const Vector3f &behind) {
     std::array<Glimpse, kMostSamples> glimpses;
-    int kinds = 0, empty = 0;
-    for (int s = 0; s < samples_ * samples_; ++s) {
-      const int sx = left + s % samples_, sy = top + s / samples_;
-      const bool within = sx >= 0 && sy >= 0 && sx < buffer.width && sy < buffer.height;
-      const int face = within ? buffer.face_at(sx, sy) : -1;
-      if (face < 0) {
-        ++empty;
-        continue;
+    int kinds = 0, seen = 0;
+    for (int sy = samples_ * y; sy < samples_ * (y + 1); ++sy)
+      for (int sx = samples_ * x; sx < samples_ * (x + 1); ++sx) {
+        const int face = face_at(sx, sy);
+        if (face < 0)
+          continue;
+        ++seen;
+        int k = 0;
+        while (k < kinds && !goes_on(glimpses[k].face, face))
+          ++k;
+        if (k == kinds)
+          glimpses[kinds++] = {face, 0, 0, 0};
+        glimpses[k].x += static_cast<float>(sx), glimpses[k].y += static_cast<float>(sy), ++glimpses[k].count;
       }
-      int k = 0;
-      while (k < kinds && !goes_on(glimpses[k].face, face))
-        ++k;
-      if (k == kinds)
-        glimpses[kinds++].face = face;
-      glimpses[k].x += static_cast<float>(sx), glimpses[k].y += static_cast<float>(sy), ++glimpses[k].count;
-    }
-    if (kinds == 0)
-      return behind;
-    Vector3f sum = static_cast<float>(empty) * behind;
+    if (seen == 0)
+      return;
+    Vector3f sum = static_cast<float>(samples_ * samples_ - seen) * behind;
     for (int k = 0; k < kinds; ++k) {
       const auto count = static_cast<float>(glimpses[k].count);
-      sum += count * surface(facet(glimpses[k].face), glimpses[k].x / count + static_cast<float>(seen_.x),
-                             glimpses[k].y / count + static_cast<float>(seen_.y));
+      sum += count * surface(facet(glimpses[k].face), glimpses[k].x / count, glimpses[k].y / count);
     }
-    return sum / static_cast<float>(samples_ * samples_);
+    set_pixel(image, x, y, sum / static_cast<float>(samples_ * samples_));
+  }
+  int face_at(int x, int y) const {
+    x -= seen_.x, y -= seen_.y;
+    const bool within = x >= 0 && y >= 0 && x < seen_.buffer.width && y < seen_.buffer.height;
+    return within ? seen_.buffer.face_at(x, y) : -1;
   }
 
   /// Is this the same smooth surface, seen from the same side?
