@@ -110,7 +110,7 @@ TEST(Picture, EdgesBetweenSurfacesAreSmooth) {
 
 TEST(Picture, TextureFromAfarIsItsMean) {
   const RenderMesh mesh = chequered(512);
-  const double close = 200.0 * 512 / 2 / 8; // a texel is 8 px wide
+  const double close = 8 * 200.0 * 512 / 2; // px, focal length: a texel is 8 px wide
   const auto [black, white] = extremes(render({mesh}, look_at({0, 0, 200}, {0, 0, 0}, close, 40, 40), plain()));
   EXPECT_LT(black, 20);
   EXPECT_GT(white, 200);
