@@ -60,6 +60,9 @@ def main() -> None:
     first = d.Mesh(performance.surface.frames[0], made.actor.mesh.faces)
     colours = d.sample_colours(first, made.actor.face_valid, session.rig, views.images, views.masks)
     captured = np.array(performance.surface.frames)
+    dressed = d.dressed_all_over(made.actor, d.segmentation_pose(made.actor, performance))
+    model = d.BodyModel.read(d.body_model_path())
+    body = d.BodyFitter.create().fit(made.actor, dressed, model, session.landmarks).body
     true, cloth = carried(made, truth, cameras)
     area = np.asarray(d.vertex_areas(made.actor.mesh.vertices, made.faces))
     owner, joints = np.asarray(made.actor.weights).argmax(axis=1), made.actor.skeleton.joint_names
@@ -67,7 +70,7 @@ def main() -> None:
         frames = captured.copy()
         frames[:, taken] = true[:, taken]
         performance.surface.frames = list(frames)
-        made.clothness = d.segment_performance(made.actor, performance, segmenter, colours).clothness
+        made.clothness = d.segment_performance(made.actor, performance, segmenter, colours, body).clothness
         found = made.clothness > 0.5
         false, missed = area * (found & ~cloth), area * (cloth & ~found)
         print(f"{name:<11} cloth_iou {cloth_iou(made, truth, cameras):.3f}", end="")

@@ -36,13 +36,16 @@ void bind_segment(py::module_ &m) {
   Class<SegmentInputs>(m, "SegmentInputs", "What a ClothSegmenter is given; only the surface is needed.")
       .def(py::init([](MeshSequence surface, Mask face_valid,
                        const std::optional<py::array_t<double, py::array::c_style | py::array::forcecast>> &canonical,
-                       const std::optional<Vertices> &colours, Eigen::VectorXd prior) {
-             return SegmentInputs{std::move(surface), std::move(face_valid),
+                       const std::optional<Vertices> &colours, Eigen::VectorXd prior, Eigen::VectorXd gap) {
+             return SegmentInputs{std::move(surface),
+                                  std::move(face_valid),
                                   canonical ? unstack(*canonical, "canonical") : std::vector<Vertices>(),
-                                  colours.value_or(Vertices(0, 3)), std::move(prior)};
+                                  colours.value_or(Vertices(0, 3)),
+                                  std::move(prior),
+                                  std::move(gap)};
            }),
            py::arg("surface"), py::arg_v("face_valid", Mask{}, "[]"), py::arg("canonical") = std::nullopt,
-           py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd())
+           py::arg("colours") = std::nullopt, py::arg("prior") = Eigen::VectorXd(), py::arg("gap") = Eigen::VectorXd())
       .def_readwrite("surface", &SegmentInputs::surface, "MeshSequence as captured; the first frame is in the scan pose")
       .def_readwrite("face_valid", &SegmentInputs::face_valid, "(F) 0 = invented over a large hole; empty = all valid")
       .def_property(
@@ -53,9 +56,14 @@ void bind_segment(py::module_ &m) {
           "(T, V, 3) m: the frames brought back to the scan pose (canonical_frames), or empty; a copy")
       .def_readwrite("colours", &SegmentInputs::colours,
                      "(F k, 3) B G R, 0 to 255, of k points of every face (sample_colours), NaN = unseen; or empty.")
-      .def_readwrite("prior", &SegmentInputs::prior, "(V) log odds of cloth before anything is seen (cloth_prior); or empty");
+      .def_readwrite("prior", &SegmentInputs::prior, "(V) log odds of cloth before anything is seen (cloth_prior); or empty")
+      .def_readwrite(
+          "gap", &SegmentInputs::gap,
+          "(V) m, how far the scan stands off a body that fits into it (cloth_slack with it for the only frame); or empty");
   m.def("cloth_prior", &cloth_prior, py::arg("actor"), py::arg("pose"), Release(),
         "(V) log odds of loose cloth by place on the body: below 0 on hands, feet, head, and what hangs on no trunk.");
+  m.def("dressed_all_over", &dressed_all_over, py::arg("actor"), py::arg("pose"), Release(),
+        "All is cloth but hands, feet, head and what hangs on no trunk: a body that is fitted to it is within the surface.");
   Class<ClothSegmenter, PyClothSegmenter>(m, "ClothSegmenter", "Stage: captured surface -> segmentation. Subclass to replace it.")
       .def(py::init<>())
       .def_static("create", &ClothSegmenter::create, py::arg("options") = SegmentOptions{}, "The built-in segmenter (Sect. 5).")
@@ -74,13 +82,14 @@ void bind_segment(py::module_ &m) {
   m.def(
       "segment_performance",
       [](const RiggedMesh &actor, const ReferencePerformance &performance, const ClothSegmenter &segmenter,
-         const std::optional<Vertices> &colours, const Context &context) {
-        return segment_performance(actor, performance, segmenter, colours.value_or(Vertices(0, 3)), context);
+         const std::optional<Vertices> &colours, const std::optional<Mesh> &body, const Context &context) {
+        return segment_performance(actor, performance, segmenter, colours.value_or(Vertices(0, 3)), body.value_or(Mesh()),
+                                   context);
       },
       py::arg("actor"), py::arg("performance"), py::arg("segmenter"), py::arg("colours") = std::nullopt,
-      py::arg("context") = interruptible_context(), Release(),
+      py::arg("body") = std::nullopt, py::arg("context") = interruptible_context(), Release(),
       "The whole stage for a captured performance: canonical frames, prior, segmentation. colours of its first frame, as "
-      "SegmentInputs has them.");
+      "SegmentInputs has them; body: one that fits into the scan's surface (BodyFitter on dressed_all_over).");
   Class<SegmentSummary>(m, "SegmentSummary", "What a segmentation found.")
       .def_readonly("regions", &SegmentSummary::regions, "cloth regions")
       .def_readonly("cloth_area", &SegmentSummary::cloth_area, "m^2, clothness over a half")

@@ -5,6 +5,7 @@
 #include "doublet/bodymodel/body_model.h"
 #include "doublet/bodymodel/proxies.h"
 #include "doublet/reconstruct/corrections_file.h"
+#include "doublet/segment/cloth_prior.h"
 #include "doublet/segment/cloth_segmenter.h"
 #include "doublet/segment/corrections.h"
 #include "doublet/segment/garment_mesher.h"
@@ -24,6 +25,22 @@ Vertices first_colours(Reconstruction &reconstruction, const ReferencePerformanc
   const FrameViews views = read_views(session, performance.frames[0], reconstruction.silhouettes());
   const Mesh first{performance.surface.frames[0], actor.mesh.faces};
   return sample_colours(first, actor.face_valid, session.rig, views.images, views.masks, {}, reconstruction.context());
+}
+
+/// A body that fits into the surface wherever it may be dressed; empty, and said so, where the model does not know the skeleton.
+Mesh body_within(Reconstruction &reconstruction, const ReferencePerformance &performance) {
+  const RiggedMesh &actor = reconstruction.results().actor();
+  const Segmentation dressed = dressed_all_over(actor, segmentation_pose(actor, performance));
+  const auto model = BodyModel::read(reconstruction.options.body_model);
+  try {
+    return BodyFitter::create(reconstruction.options.body)
+        ->fit(actor, dressed, *model, reconstruction.session().landmarks, reconstruction.context())
+        .body;
+  } catch (const Error &error) {
+    reconstruction.announce(std::string("segment: no body was fitted, so that motion and colour alone tell what is cloth: ") +
+                            error.what());
+    return {};
+  }
 }
 
 /// As a person painted it, if anybody did; what was found is then kept beside it, for the page that edits it.
@@ -99,7 +116,8 @@ Json run_segment(Reconstruction &reconstruction) {
   const ReferencePerformance performance = reconstruction.results().performance();
   const auto segmenter = ClothSegmenter::create(options.segment);
   const Vertices colours = options.segment.colour > 0 ? first_colours(reconstruction, performance) : Vertices(0, 3);
-  const Segmentation found = segment_performance(actor, performance, *segmenter, colours, reconstruction.context());
+  const Mesh body = options.segment.gap_slope > 0 ? body_within(reconstruction, performance) : Mesh();
+  const Segmentation found = segment_performance(actor, performance, *segmenter, colours, body, reconstruction.context());
   const auto painted = read_segmentation_paint(reconstruction.out(), found.clothness.size());
   const Mesh pose = segmentation_pose(actor, performance);
   const Segmentation result = corrected(reconstruction, pose, found, painted);

@@ -15,6 +15,7 @@ using detail::Surface;
 // Log odds. Nobody's hands, feet and head hang loose, and a garment hangs from the trunk.
 constexpr double kExtremity = 5;
 constexpr double kUnattached = 4;
+constexpr double kSurelyNone = -2;
 
 /// The joint that moves the end of a limb that ends at `leaf`: the leaf if it moves anything (a wrist), else its parent (the leaf
 /// only marks a fingertip).
@@ -71,6 +72,16 @@ Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose) {
                                 std::to_string(pose.vertices.rows()) + " and " + std::to_string(pose.faces.rows()));
   const Surface surface = detail::surface_of(pose, actor.face_valid);
   return -kExtremity * extremities(actor, surface) - kUnattached * unattached(actor, surface);
+}
+
+Segmentation dressed_all_over(const RiggedMesh &actor, const Mesh &pose) {
+  const Eigen::ArrayXd prior = cloth_prior(actor, pose).array();
+  Segmentation dressed;
+  dressed.sigma = Eigen::VectorXd::Zero(prior.size());
+  dressed.clothness = (prior > kSurelyNone).cast<double>();
+  dressed.region = (prior > kSurelyNone).select(Eigen::VectorXi::Zero(prior.size()).array(), -1);
+  dressed.region_count = 1;
+  return dressed;
 }
 
 } // namespace doublet

@@ -6,6 +6,7 @@
 #include "doublet/core/parts/quantile.h"
 #include "doublet/segment/cloth_prior.h"
 #include "doublet/segment/parts/diffusion.h"
+#include "doublet/segment/slack.h"
 #include "surface_patches.h"
 
 #include <algorithm>
@@ -22,12 +23,14 @@ using detail::Surface;
 
 namespace {
 
-constexpr double kStillest = 0.1;     // of the surface: everybody shows that much of head, hands or legs
-constexpr double kFinest = 0.0005;    // m, no capture is more exact
-constexpr double kMostFromMotion = 4; // log odds: however much a vertex moves, tracking may have failed there
-constexpr int kColourRounds = 4;      // of learning what skin and cloth look like
-constexpr double kSurest = 6;         // log odds that count as certain
-constexpr int kMarginSteps = 25;      // odd: one of the shifts is 0, so that probabilities agree with the labels
+constexpr double kStillest = 0.1;  // of the surface: everybody shows that much of head, hands or legs
+constexpr double kFinest = 0.0005; // m, no capture is more exact
+// Log odds: however much a vertex moves, tracking may have failed there; and the body model does not know everybody.
+constexpr double kMostFromOne = 4;
+constexpr double kLeastFromGap = -2; // cloth rests on the body in places
+constexpr int kColourRounds = 4;     // of learning what skin and cloth look like
+constexpr double kSurest = 6;        // log odds that count as certain
+constexpr int kMarginSteps = 25;     // odd: one of the shifts is 0, so that probabilities agree with the labels
 
 Surface surface_of_inputs(const Mesh &pose, const std::vector<std::uint8_t> &face_valid, const Eigen::VectorXd &sigma) {
   require_usable(pose, "first frame of the mesh sequence");
@@ -49,10 +52,17 @@ double noise_of(const Eigen::VectorXd &sigma) {
 Eigen::VectorXd odds_of_motion(const Surface &surface, const Eigen::VectorXd &sigma, const SegmentOptions &options) {
   const double even = options.even_odds * std::max(noise_of(sigma), kFinest);
   Eigen::VectorXd odds = sigma.unaryExpr([&](double m) { // NaN stays
-    return std::isnan(m) ? m : std::clamp(options.slope * std::log(std::max(m, 1e-9) / even), -kMostFromMotion, kMostFromMotion);
+    return std::isnan(m) ? m : std::clamp(options.slope * std::log(std::max(m, 1e-9) / even), -kMostFromOne, kMostFromOne);
   });
   odds = diffuse_on_surface(surface.vertices, surface.faces, odds, 0.0);
   return odds.unaryExpr([](double value) { return std::isfinite(value) ? value : 0.0; });
+}
+
+/// (V) log odds of cloth by the distance from the body within: the same curve over its logarithm. 0 where that is not known.
+Eigen::VectorXd odds_of_gap(const Eigen::VectorXd &gap, const SegmentOptions &options) {
+  return gap.unaryExpr([&](double m) {
+    return std::clamp(options.gap_slope * std::log(std::max(m, 1e-9) / options.even_gap), kLeastFromGap, kMostFromOne);
+  });
 }
 
 double probability(double log_odds) {
@@ -118,6 +128,8 @@ Segmentation segmentation_of(const Mesh &pose, const SegmentInputs &inputs, cons
     Eigen::VectorXd odds = odds_of_motion(surface, sigma, options);
     if (inputs.prior.size() > 0)
       odds += inputs.prior;
+    if (inputs.gap.size() > 0)
+      odds += odds_of_gap(inputs.gap, options);
     if (options.colour > 0 && inputs.colours.rows() > 0)
       odds = with_colours(surface, inputs, odds, options);
     const LabellingEnergy energy = labelling_energy(surface, odds, options.border);
@@ -141,6 +153,13 @@ void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const Segment
                      " garments in the place of " + std::to_string(before));
 }
 
+void require_one_each(const Eigen::VectorXd &values, Eigen::Index vertices, const char *name, const char *what) {
+  if (values.size() > 0 && (values.size() != vertices || !values.allFinite()))
+    throw std::invalid_argument(std::string("segment: ") + name + ": expected " + std::to_string(vertices) + " finite " + what +
+                                ", one a vertex, found " + std::to_string(values.size()) +
+                                (values.allFinite() ? "" : ", some not finite"));
+}
+
 void require_inputs(const SegmentInputs &inputs) {
   const std::vector<Vertices> &frames = inputs.surface.frames;
   if (frames.size() < 2)
@@ -153,10 +172,8 @@ void require_inputs(const SegmentInputs &inputs) {
   if (inputs.colours.rows() % std::max<Eigen::Index>(inputs.surface.faces.rows(), 1) != 0)
     throw std::invalid_argument("segment: expected as many colours on each of " + std::to_string(inputs.surface.faces.rows()) +
                                 " faces, found " + std::to_string(inputs.colours.rows()) + " in all");
-  if (inputs.prior.size() > 0 && (inputs.prior.size() != frames.front().rows() || !inputs.prior.allFinite()))
-    throw std::invalid_argument("segment: prior: expected " + std::to_string(frames.front().rows()) +
-                                " finite log odds, one a vertex, found " + std::to_string(inputs.prior.size()) +
-                                (inputs.prior.allFinite() ? "" : ", some not finite"));
+  require_one_each(inputs.prior, frames.front().rows(), "prior", "log odds");
+  require_one_each(inputs.gap, frames.front().rows(), "gap", "distances in m");
 }
 
 class OppositeRaySegmenter : public ClothSegmenter {
@@ -278,10 +295,13 @@ Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &perf
 }
 
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
-                                 const ClothSegmenter &segmenter, const Vertices &colours, const Context &context) {
+                                 const ClothSegmenter &segmenter, const Vertices &colours, const Mesh &body,
+                                 const Context &context) {
   require_actor(actor, "segment_performance");
   SegmentInputs inputs{performance.surface, actor.face_valid, canonical_frames(actor, performance, context), colours,
                        cloth_prior(actor, segmentation_pose(actor, performance))};
+  if (body.faces.rows() > 0)
+    inputs.gap = cloth_slack(body, {actor.mesh.vertices}, context);
   if (!begins_in_scan_pose(actor.skeleton, performance)) {
     inputs.surface.frames.insert(inputs.surface.frames.begin(), actor.mesh.vertices);
     inputs.canonical.insert(inputs.canonical.begin(), actor.mesh.vertices);

@@ -264,7 +264,7 @@ TEST(Player, GoesBackToASavedState) {
 
 /// Copies of a player far from each other, each in another pose, some of them in a wind.
 void expect_together_as_alone(const Player &first, const std::vector<int> &counts) {
-  constexpr int kSteps = 5;
+  constexpr int kSteps = 4;
   const int most = *std::max_element(counts.begin(), counts.end());
   const MatrixRM dofs = march();
   const auto pose = [&](int k, int t) { return elsewhere(dofs.row(t + 2 * k), 0.1 * k, {2.0 * k, 0, 0}); };
@@ -303,7 +303,7 @@ TEST(Player, ManyTogetherMoveAsEachAlone) {
 }
 /// Lanes that are full and lanes that are not, one group and two.
 TEST(Player, AnyNumberTogetherMovesAsEachAlone) {
-  expect_together_as_alone(ready(), {1, 2, 3, 4, 6, 7, 8, 9});
+  expect_together_as_alone(ready(), {1, 8, 9});
 }
 
 TEST(Player, OneWhoseClothIsLostDoesNotHoldUpTheOthers) {

@@ -127,12 +127,12 @@ TEST(PersonCalibration, TheWorldIsUprightAndMetric) {
   EXPECT_NEAR(low, 0.08, 0.06); // an ankle
 }
 
-TEST(PersonCalibration, LeftAndRightExchangedAndNoiseAreOutvoted) {
+TEST(SlowPersonCalibration, LeftAndRightExchangedAndNoiseAreOutvoted) {
   const Take take = film(doublet::testing::camera_ring(6, kSize), false, 2.0, 0.15);
   EXPECT_LT(image_error(take, calibrate_from_person(take.views, options())), 2.5);
 }
 
-TEST(PersonCalibration, WithoutSilhouettesBonesTellTheScale) {
+TEST(SlowPersonCalibration, WithoutSilhouettesBonesTellTheScale) {
   const Take take = film(doublet::testing::camera_ring(4, kSize), false, 6.0);
   const PersonCalibration found = calibrate_from_person(take.views, options());
   const double across = (found.rig[0].centre() - found.rig[2].centre()).norm();
@@ -157,7 +157,7 @@ TEST(PersonCalibration, TwoCamerasWithKnownFocalLengthsAreEnough) {
   EXPECT_LT(image_error(take, calibrate_from_person(take.views, options())), 1.0);
 }
 
-TEST(PersonCalibration, ACameraThatIsNotLevelDoesNotTiltTheWorld) {
+TEST(SlowPersonCalibration, ACameraThatIsNotLevelDoesNotTiltTheWorld) {
   CameraRig rig = doublet::testing::camera_ring(6, kSize);
   rig[2].R = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()) * rig[2].R;
   const Eigen::Vector3d centre = doublet::testing::camera_ring(6, kSize)[2].centre();

@@ -51,3 +51,12 @@ TEST(ClothPrior, ASkeletonWithoutATrunkTellsNothingOfPieces) {
   person.actor.weights.col(person.actor.skeleton.find("l_knee")).setOnes();
   EXPECT_EQ(prior_at(cloth_prior(person.actor, person.actor.mesh), 12), 0);
 }
+
+TEST(ClothPrior, DressedAllOverIsSkinWhereNoGarmentIs) {
+  const skirt_person::Person person = person_on_a_leg();
+  const Segmentation dressed = dressed_all_over(person.actor, person.actor.mesh);
+  require_segmentation(dressed, person.actor.mesh.vertices.rows(), "dressed");
+  EXPECT_EQ(dressed.clothness[skirt_person::vertex(12, 5)], 0); // the shank hangs on no trunk
+  EXPECT_EQ(dressed.clothness[skirt_person::vertex(skirt_person::first_ring(0.8), 5)], 1);
+  EXPECT_EQ(dressed.region[skirt_person::vertex(12, 5)], -1);
+}

@@ -174,6 +174,28 @@ TEST(Segment, ThePriorKeepsAHeadThatMovesOutOfTheCloth) {
   EXPECT_EQ(segment_cloth(inputs).clothness, segment_cloth({sequence}).clothness);
 }
 
+TEST(Segment, WhatStandsOffTheBodyWithinIsClothThoughItMovesLittle) {
+  const MeshSequence little = moving(0.3, 0.7, 0.002, 0.001); // twice the noise is no evidence of cloth
+  const auto gap = [&](double between, double elsewhere) {
+    Eigen::VectorXd result(little.frames[0].rows());
+    for (Eigen::Index v = 0; v < result.size(); ++v)
+      result[v] = little.frames[0](v, 1) > 0.3 && little.frames[0](v, 1) < 0.7 ? between : elsewhere;
+    return result;
+  };
+  SegmentInputs inputs{little};
+  inputs.gap = gap(0.02, 0.003);
+  const Segmentation result = segment_cloth(inputs);
+  EXPECT_EQ(cloth_between(result, 0.33, 0.67), 1.0);
+  EXPECT_EQ(cloth_between(result, 0.0, 0.26) + cloth_between(result, 0.74, 1.0), 0.0);
+  SegmentOptions unasked;
+  unasked.gap_slope = 0;
+  EXPECT_EQ(segment_cloth(inputs, unasked).region_count, 0);
+  inputs.gap = gap(0.003, 0.003);
+  EXPECT_EQ(segment_cloth(inputs).region_count, 0);
+  inputs.surface = moving(0.3, 0.7, 0.02, 0.001); // what swings is cloth, though it lies on the body in the scan
+  EXPECT_EQ(cloth_between(segment_cloth(inputs), 0.33, 0.67), 1.0);
+}
+
 TEST(Segment, SmallPatchesAreNotWorthTheirBorder) {
   const Mesh pose = still_tube();
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(pose.vertices.rows(), 0.001);
@@ -229,6 +251,9 @@ TEST(Segment, RejectsInputsThatDoNotBelongToTheSequence) {
   inputs.prior = Eigen::VectorXd::Zero(vertices - 1);
   EXPECT_THROW(segment_cloth(inputs), std::invalid_argument);
   inputs.prior = Eigen::VectorXd::Constant(vertices, std::numeric_limits<double>::infinity());
+  EXPECT_THROW(segment_cloth(inputs), std::invalid_argument);
+  inputs.prior.resize(0);
+  inputs.gap = Eigen::VectorXd::Constant(vertices, std::numeric_limits<double>::quiet_NaN());
   EXPECT_THROW(segment_cloth(inputs), std::invalid_argument);
 }
 

@@ -11,4 +11,8 @@ namespace doublet {
 /// mesh, Error if it is unusable.
 Eigen::VectorXd cloth_prior(const RiggedMesh &actor, const Mesh &pose);
 
+/// All is cloth but what surely is none (cloth_prior(): hands, feet, head, what hangs on no trunk): to a body that is fitted to
+/// it nothing else is skin, so that it is within the surface and where the body model expects it to be. Throws as cloth_prior().
+Segmentation dressed_all_over(const RiggedMesh &actor, const Mesh &pose);
+
 } // namespace doublet

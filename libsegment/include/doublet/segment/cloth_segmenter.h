@@ -16,8 +16,10 @@ namespace doublet {
 
 struct SegmentOptions {
   double even_odds = 3;
-  double slope = 4;
-  double colour = 4.5;
+  double slope = 3;
+  double even_gap = 0.0068;
+  double gap_slope = 5;
+  double colour = 3;
   double border = 0.12;
   double min_region_area = 0.08;
   double diffusion = 0.03;
@@ -34,6 +36,10 @@ struct SegmentOptions {
                "Deviation of equal odds for cloth and skin, in deviations of the stillest tenth of the surface",
                "Captured skin is at 1.5 in the median and below 3 nearly everywhere, loose cloth at 5 and more"),
         option(&O::slope, "slope", at_least(0), "", "Log odds of cloth that are gained for each factor of e in the deviation"),
+        option(&O::even_gap, "even_gap", above(0), "m", "Distance of equal odds from a body that fits into the surface",
+               "Skin is within 10 mm of it nearly everywhere, as the body keeps inside what may be cloth"),
+        option(&O::gap_slope, "gap_slope", at_least(0), "",
+               "Log odds of cloth that are gained for each factor of e in the distance from that body", "0 = it is not asked"),
         option(&O::colour, "colour", at_least(0), "", "Weight of the log likelihood ratio of the colours; 0 = motion alone",
                "With 0 no video is opened"),
         option(&O::border, "border", at_least(0), "m",
@@ -62,6 +68,9 @@ struct SegmentInputs {
   /// (sample_colours() in texture_baker.h makes them). Empty = not known.
   Vertices colours = Vertices(0, 3);
   Eigen::VectorXd prior = {}; ///< (V) log odds of cloth before anything is seen (cloth_prior), or empty = 0
+  /// (V) m, how far the scan stands off a body that fits into it (cloth_slack with the scan for the only frame), or empty = not
+  /// known.
+  Eigen::VectorXd gap = {};
 };
 
 /// The swap point: captured surface in, what of it is cloth out.
@@ -73,9 +82,9 @@ public:
   /// an unusable mesh.
   virtual Segmentation segment(const SegmentInputs &inputs, const Context &context) const = 0;
   /// The minimum of one energy over skin and cloth: for each vertex its area times the log odds of cloth, from the prior, from
-  /// how much its distance to the opposite side varies (eq. 1) in units of what the stillest tenth of the surface does, and from
-  /// its colour; for each edge the length of border it stands for. What skin and cloth look like is learnt from the surface
-  /// itself. Segmentation::probability is the margin of the minimum as a probability.
+  /// how much its distance to the opposite side varies (eq. 1) in units of what the stillest tenth of the surface does, from how
+  /// far it stands off a body within, and from its colour; for each edge the length of border it stands for. What skin and cloth
+  /// look like is learnt from the surface itself. Segmentation::probability is the margin of the minimum as a probability.
   static std::unique_ptr<ClothSegmenter> create(const SegmentOptions &options = {});
 };
 
@@ -88,9 +97,10 @@ Mesh segmentation_pose(const RiggedMesh &actor, const ReferencePerformance &perf
 
 /// The whole stage for a captured performance: its frames are brought back to the scan pose, too (canonical_frames), after
 /// segmentation_pose() if that is none of them; the prior is cloth_prior(); `colours` as SegmentInputs::colours of the first
-/// captured frame, or empty. `segmenter` is asked. Throws as these do.
+/// captured frame, `body` one that fits into the actor's surface (as BodyFitter fits it to dressed_all_over()), or both empty.
+/// `segmenter` is asked. Throws as these do.
 Segmentation segment_performance(const RiggedMesh &actor, const ReferencePerformance &performance,
-                                 const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3),
+                                 const ClothSegmenter &segmenter, const Vertices &colours = Vertices(0, 3), const Mesh &body = {},
                                  const Context &context = {});
 
 /// Segmentation from a deviation (V, m, NaN = unknown) alone: the energy without prior and colours.
