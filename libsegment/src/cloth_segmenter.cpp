@@ -147,7 +147,7 @@ void part_by_colour(const Mesh &pose, const SegmentInputs &inputs, const Segment
                     Segmentation &result) {
   const Surface surface = surface_of_inputs(pose, inputs.face_valid, result.sigma);
   const int before = result.region_count;
-  detail::label_regions(surface, detail::colour_seams(surface, inputs, result, options), result);
+  detail::label_regions(surface, detail::colour_seams(surface, inputs, result, options), result, options.min_region_area);
   if (result.region_count > before)
     context.log_line("segment: cloth of two looks meets where it moves little: " + std::to_string(result.region_count) +
                      " garments in the place of " + std::to_string(before));

@@ -105,12 +105,20 @@ std::vector<char> borders_of_regions(const Surface &surface, const Segmentation 
   });
 }
 
-void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result) {
+void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result, double smallest) {
   const std::vector<char> cloth = choose(surface, [&](int i) { return result.clothness[i] > 0; });
   std::vector<char> inner = cloth;
   for (std::size_t i = 0; i < parting.size(); ++i)
     inner[i] = inner[i] && !parting[i];
   std::vector<Patch> patches = connected_patches(surface, inner);
+  const auto cut_off = [&](int v) {
+    return std::any_of(surface.neighbours[v].begin(), surface.neighbours[v].end(), [&](int w) { return cloth[w] && !inner[w]; });
+  };
+  const auto crumb = [&](const Patch &patch) {
+    return patch.area < smallest && std::any_of(patch.members.begin(), patch.members.end(), cut_off);
+  };
+  if (!patches.empty()) // the largest stays
+    patches.erase(std::remove_if(patches.begin() + 1, patches.end(), crumb), patches.end());
   share_out(surface, cloth, patches);
   std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
   result.region = Eigen::VectorXi::Constant(surface.size(), -1);

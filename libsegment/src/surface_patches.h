@@ -45,8 +45,9 @@ void merge_small(const Surface &surface, const std::vector<char> &member, double
 Eigen::VectorXd snapped(const Eigen::VectorXd &values);
 
 /// Regions of `result` out of its clothness: connected sets of clothness > 0, which do not connect through vertices of `parting`
-/// (V, or empty = none). Those go with the region nearest along the cloth.
-void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result);
+/// (V, or empty = none). Those go with the region nearest along the cloth, and so does what they cut off that is smaller than
+/// `smallest` (m^2).
+void label_regions(const Surface &surface, const std::vector<char> &parting, Segmentation &result, double smallest = 0);
 
 /// (V) vertices beside another region, which part both when they are labelled again.
 std::vector<char> borders_of_regions(const Surface &surface, const Segmentation &segmentation);

@@ -29,7 +29,7 @@ MAY = (
     (".*", ".*", r".*1e\+?300"),  # far away, but a number
     (".*", ".*", r"(.*vertices longer|.*faces (shorter|longer))"),  # a vertex more, a face less: still a mesh
     (".*", "vertices|faces|points|mask|image", "shorter|longer|empty|a column less"),  # as many as one likes
-    (".*", "(coarse_|fine_|high_|face_)?valid|colours|masks|offset|high|body|prior", "empty"),  # may be left out
+    (".*", "(coarse_|fine_|high_|face_)?valid|colours|masks|offset|high|body|prior|gap", "empty"),  # may be left out
     (".*", "proxies|capsules|cameras|meshes|marks|joints|materials|samples|images|contour|matches", "shorter|longer|empty"),
     (".*", "character", "proxies (shorter|longer|empty)"),
     (".*", "frames", "shorter|longer|empty|nan|-?inf"),  # of a MeshSequence: a stage looks at them

@@ -287,6 +287,12 @@ TEST(Segment, GarmentsOfTwoLooksThatTouchWhereTheyAreStillAreTwo) {
       EXPECT_EQ(two.region[i], below) << height(i);
     }
   }
+  SegmentInputs patched = dressed(0.5, blue); // with a patch at the waist of the other's fabric, around which the seam goes
+  for (int f = 0; f < patched.colours.rows(); ++f)
+    if (const int vertex = patched.surface.faces(f, 0), around = vertex % tube::kAround;
+        on_side(vertex) && around > 4 && around < 10 && height(vertex) > 0.5 && height(vertex) < 0.6)
+      patched.colours.row(f) = blue;
+  EXPECT_EQ(segment_cloth(patched).region_count, 2);            // and cuts nothing off that is no garment
   EXPECT_EQ(segment_cloth(dressed(0.5, red)).region_count, 1);  // of one fabric
   EXPECT_EQ(segment_cloth(dressed(0.7, blue)).region_count, 1); // a hem that flies before the other
   // A person's corrections keep what parts them, but where cloth is painted over it.
