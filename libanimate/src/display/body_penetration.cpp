@@ -1,21 +1,12 @@
 #include "doublet/animate/parts/body_penetration.h"
 
+#include "area_vectors.h"
+
 namespace doublet {
 namespace {
 
 // m; deeper under cloth, because the body's triangles are flat where the cloth folds inward between their corners
 constexpr double kDeepUnderSkin = 0.003, kDeepUnderCloth = 0.010, kReachUnderSkin = 0.012, kReachUnderCloth = 0.06;
-
-/// Normals, without the angles of vertex_normals(): they cost as much as all else here.
-void sum_area_vectors(const Vertices &vertices, const Faces &faces, Vertices &sums) {
-  sums.setZero(vertices.rows(), 3);
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    const Eigen::Vector3d a = vertices.row(faces(f, 0)), b = vertices.row(faces(f, 1)), c = vertices.row(faces(f, 2));
-    const Eigen::RowVector3d area = (b - a).cross(c - a);
-    for (int k = 0; k < 3; ++k)
-      sums.row(faces(f, k)) += area;
-  }
-}
 
 } // namespace
 
@@ -34,7 +25,7 @@ BodyPenetrationFix::BodyPenetrationFix(const Character &character)
 
 void BodyPenetrationFix::apply(const Vertices &surface, Vertices &body) {
   surface_.move_to(surface);
-  sum_area_vectors(surface, faces_, normals_);
+  detail::sum_area_vectors(surface, faces_, normals_);
   for (std::size_t i = 0; i < drawn_.size(); ++i) {
     const int v = drawn_[i];
     const Eigen::Vector3d p = body.row(v);

@@ -1,13 +1,17 @@
 #include "doublet/animate/renderer.h"
 
+#include "area_vectors.h"
+#include "backdrop.h"
 #include "doublet/animate/parts/image_file.h"
 #include "doublet/core/error.h"
 #include "doublet/core/rasterizer.h"
+#include "texture_pyramid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
-#include <numeric>
+#include <utility>
 
 namespace doublet {
 namespace {
@@ -15,376 +19,268 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr double kShadowCell = 0.03; // m
-constexpr double kShadowBlur = 0.09; // m
+using detail::Backdrop, detail::PictureRays, detail::TexturePyramid;
 
-void require_mesh(const RenderMesh &mesh, std::size_t index) {
+void require_mesh(const RenderMesh &mesh, const Vertices &vertices, std::size_t index) {
   const auto check = [&](bool good, const std::string &what) {
     if (!good)
       throw std::invalid_argument("render: mesh " + std::to_string(index) + ": " + what);
   };
-  check(mesh.vertices.allFinite(), "the vertices must be finite");
-  check(mesh.faces.rows() == 0 || (mesh.faces.minCoeff() >= 0 && mesh.faces.maxCoeff() < mesh.vertices.rows()),
+  check(vertices.allFinite(), "the vertices must be finite");
+  check(mesh.faces.rows() == 0 || (mesh.faces.minCoeff() >= 0 && mesh.faces.maxCoeff() < vertices.rows()),
         "a face names a vertex that is not there");
   check(mesh.face_valid.empty() || static_cast<Eigen::Index>(mesh.face_valid.size()) == mesh.faces.rows(),
         "face_valid must be one a face");
   check(mesh.colours.allFinite() && mesh.colour.allFinite(), "the colours must be finite");
-  check(mesh.colours.rows() == 0 || mesh.colours.rows() == mesh.vertices.rows(), "colours must be one a vertex");
+  check(mesh.colours.rows() == 0 || mesh.colours.rows() == vertices.rows(), "colours must be one a vertex");
   check(!mesh.texture ||
             (!mesh.texture->empty() && mesh.texture->channels == 3 && mesh.texcoords.rows() == 3 * mesh.faces.rows()),
         "a texture needs 3 channels and 3 texcoords a face");
 }
 
-/// Bilinear, clamped at the borders; R G B in [0, 1].
-Vector3f sample_texture(const Image &image, double u, double v) {
-  const double x = std::clamp(u * image.width - 0.5, 0.0, image.width - 1.0),
-               y = std::clamp(v * image.height - 0.5, 0.0, image.height - 1.0);
-  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-  const auto a = static_cast<float>(x - x0), b = static_cast<float>(y - y0);
-  const std::size_t row = 3 * static_cast<std::size_t>(image.width), right = x0 + 1 < image.width ? 3 : 0,
-                    below = y0 + 1 < image.height ? row : 0;
-  const std::uint8_t *at = image.data.data() + y0 * row + 3 * static_cast<std::size_t>(x0);
-  const auto texel = [](const std::uint8_t *p) { return Vector3f(p[2], p[1], p[0]); };
-  return ((1 - b) * ((1 - a) * texel(at) + a * texel(at + right)) +
-          b * ((1 - a) * texel(at + below) + a * texel(at + below + right))) /
-         255.0f;
+std::shared_ptr<const TexturePyramid> pyramid_of(const RenderMesh &mesh) {
+  return mesh.texture && !mesh.texture->empty() && mesh.texture->channels == 3
+             ? std::make_shared<const TexturePyramid>(*mesh.texture)
+             : nullptr; // none, or one that require_mesh() refuses
 }
 
-/// How much of the sky the meshes hide from each spot of the floor: their footprint, blurred, stronger where they are low.
-class FloorShadow {
-public:
-  FloorShadow(const std::vector<RenderMesh> &meshes, double floor) {
-    Vector3d low = Vector3d::Constant(1e30), high = -low;
-    for (const RenderMesh &mesh : meshes)
-      if (mesh.vertices.rows() > 0) {
-        low = low.cwiseMin(Vector3d(mesh.vertices.colwise().minCoeff()));
-        high = high.cwiseMax(Vector3d(mesh.vertices.colwise().maxCoeff()));
-      }
-    if (low.x() > high.x() || (high - low).maxCoeff() > 50)
-      return;
-    const double margin = 4 * kShadowBlur;
-    x0_ = low.x() - margin;
-    z0_ = low.z() - margin;
-    nx_ = static_cast<int>((high.x() - low.x() + 2 * margin) / kShadowCell) + 1;
-    nz_ = static_cast<int>((high.z() - low.z() + 2 * margin) / kShadowCell) + 1;
-    cells_.assign(static_cast<std::size_t>(nx_) * nz_, 0.0f);
-    for (const RenderMesh &mesh : meshes)
-      for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-        const double height = std::max(mesh.vertices(v, 1) - floor, 0.0);
-        const auto dark = static_cast<float>(std::exp(-height / 0.7)); // a contact is dark, a head 1.7 m up hardly
-        float &cell = cells_[index(mesh.vertices(v, 0), mesh.vertices(v, 2))];
-        cell = std::max(cell, dark);
-      }
-    for (int pass = 0; pass < 3; ++pass) { // three box filters are near enough to a Gaussian
-      blur(1, nx_, nx_, nz_);
-      blur(nx_, nz_, 1, nx_);
+/// A mesh of a picture.
+struct Drawn {
+  const RenderMesh *mesh;
+  const Vertices *vertices;                      ///< in the place of the mesh's
+  std::shared_ptr<const TexturePyramid> texture; ///< null = none
+  Eigen::Index first_vertex = 0, first_face = 0; ///< among those of all meshes
+};
+
+/// All meshes as one, for a z-buffer that they share.
+struct Scene {
+  explicit Scene(std::vector<Drawn> meshes) : parts(std::move(meshes)) {
+    Eigen::Index vertex_count = 0, face_count = 0;
+    for (Drawn &part : parts) {
+      part.first_vertex = std::exchange(vertex_count, vertex_count + part.vertices->rows());
+      part.first_face = std::exchange(face_count, face_count + part.mesh->faces.rows());
+    }
+    vertices.resize(vertex_count, 3);
+    faces.resize(face_count, 3);
+    shown.assign(static_cast<std::size_t>(face_count), 1);
+    for (const Drawn &part : parts) {
+      vertices.middleRows(part.first_vertex, part.vertices->rows()) = *part.vertices;
+      faces.middleRows(part.first_face, part.mesh->faces.rows()) = part.mesh->faces.array() + static_cast<int>(part.first_vertex);
+      std::copy(part.mesh->face_valid.begin(), part.mesh->face_valid.end(), shown.begin() + part.first_face);
     }
   }
-  float at(double x, double z) const {
-    const double i = (x - x0_) / kShadowCell - 0.5, k = (z - z0_) / kShadowCell - 0.5;
-    if (cells_.empty() || !(i >= 0) || !(k >= 0) || i >= nx_ - 1 || k >= nz_ - 1)
-      return 0;
-    const int i0 = static_cast<int>(i), k0 = static_cast<int>(k);
-    const auto a = static_cast<float>(i - i0), b = static_cast<float>(k - k0);
-    const float *c = &cells_[static_cast<std::size_t>(k0) * nx_ + i0];
-    return (1 - b) * ((1 - a) * c[0] + a * c[1]) + b * ((1 - a) * c[nx_] + a * c[nx_ + 1]);
+  const Drawn &part_of(int face) const {
+    std::size_t p = 0;
+    while (p + 1 < parts.size() && face >= parts[p + 1].first_face)
+      ++p;
+    return parts[p];
   }
 
-private:
-  std::size_t index(double x, double z) const {
-    return static_cast<std::size_t>((z - z0_) / kShadowCell) * nx_ + static_cast<std::size_t>((x - x0_) / kShadowCell);
-  }
-  /// Box filter along `length` cells `stride` apart, for `lines` lines `next` apart.
-  void blur(std::size_t stride, int length, std::size_t next, int lines) {
-    const int r = static_cast<int>(kShadowBlur / kShadowCell);
-    std::vector<float> line(length);
-    for (int l = 0; l < lines; ++l) {
-      float *start = cells_.data() + l * next;
-      for (int i = 0; i < length; ++i)
-        line[i] = start[i * stride];
-      for (int i = 0; i < length; ++i) {
-        float sum = 0;
-        for (int k = std::max(0, i - r); k <= std::min(length - 1, i + r); ++k)
-          sum += line[k];
-        start[i * stride] = sum / (2 * r + 1);
-      }
-    }
-  }
-  double x0_ = 0, z0_ = 0;
-  int nx_ = 0, nz_ = 0;
-  std::vector<float> cells_;
+  std::vector<Drawn> parts;
+  Vertices vertices;
+  Faces faces;
+  Mask shown;
 };
 
-/// Distance-dependent smooth step around a line every half metre.
-float grid_line(double value) {
-  const double d = std::abs(value - 0.5 * std::floor(2 * value + 0.5));
-  return d > 0.03 ? 0.0f : static_cast<float>(std::exp(-d * d / (2 * 0.006 * 0.006)));
+/// A face as its pixels ask for it.
+struct Facet {
+  std::array<Vector3f, 3> shares; ///< a ray times these: how much of each corner is where it meets the face
+  std::array<Vector3f, 3> normals;
+  std::array<Vector3f, 3> colours; ///< R G B of the corners, if there is no texture
+  std::array<Eigen::Vector2f, 3> texcoords;
+  const TexturePyramid *texture = nullptr;
+  int level = 0;       ///< of the texture
+  bool inside = false; ///< the inner side of cloth is seen
+};
+
+/// At barycentric coordinates of the corners.
+template <class Value> Value mix(const std::array<Value, 3> &values, const Vector3f &b) {
+  return b[0] * values[0] + b[1] * values[1] + b[2] * values[2];
 }
-
-/// Rays of a camera, whose length along its axis is 1. Of a pinhole camera they are linear in the pixel.
-class Rays {
-public:
-  explicit Rays(const Camera &camera) : camera_(camera), distorted_(camera.distorted()) {
-    const Vector3d corner = pinhole(0, 0);
-    origin_ = corner.cast<float>();
-    dx_ = (pinhole(1, 0) - corner).cast<float>();
-    dy_ = (pinhole(0, 1) - corner).cast<float>();
-  }
-  Vector3f at(float x, float y) const {
-    if (!distorted_)
-      return origin_ + x * dx_ + y * dy_;
-    const Vector3d direction = camera_.ray_direction({x, y});
-    return (direction / camera_.R.row(2).dot(direction)).cast<float>();
-  }
-
-private:
-  Vector3d pinhole(double x, double y) const {
-    const double v = (y - camera_.K(1, 2)) / camera_.K(1, 1), u = (x - camera_.K(0, 2) - camera_.K(0, 1) * v) / camera_.K(0, 0);
-    return camera_.R.transpose() * Vector3d(u, v, 1);
-  }
-  const Camera &camera_;
-  bool distorted_;
-  Vector3f origin_, dx_, dy_;
-};
-
-/// The part of the image in which a mesh is: a z-buffer of the whole image is mostly empty.
-struct Window {
-  int x0 = 0, y0 = 0, width = 0, height = 0;
-};
-
-Window window_of(const Vertices &vertices, const Camera &camera) {
-  const Window whole{0, 0, camera.width, camera.height};
-  if (vertices.rows() == 0 || camera.distorted())
-    return whole;
-  Eigen::Vector2d low(1e30, 1e30), high = -low;
-  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
-    const Vector3d point = vertices.row(v);
-    if (camera.depth(point) < 0.1)
-      return whole;
-    const Eigen::Vector2d pixel = camera.project(point);
-    low = low.cwiseMin(pixel), high = high.cwiseMax(pixel);
-  }
-  const auto bound = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, static_cast<double>(size))); };
-  Window window{bound(low.x() - 1, camera.width), bound(low.y() - 1, camera.height), 0, 0};
-  window.width = std::max(1, bound(high.x() + 2, camera.width) - window.x0);
-  window.height = std::max(1, bound(high.y() + 2, camera.height) - window.y0);
-  if (window.x0 == camera.width || window.y0 == camera.height)
-    return {0, 0, 1, 1};
-  return window;
-}
-
-Camera cropped(Camera camera, const Window &window) {
-  camera.K(0, 2) -= window.x0, camera.K(1, 2) -= window.y0;
-  camera.width = window.width, camera.height = window.height;
-  return camera;
-}
-
-struct Layer {
-  Window window;
-  FaceBuffer buffer;
-  std::vector<Vector3f> corners; ///< from the eye
-  std::vector<Vector3f> normals;
-
-  int face_at(int x, int y) const { return inside(x, y) ? buffer.face_at(x - window.x0, y - window.y0) : -1; }
-  float depth_at(int x, int y) const { return buffer.depth_at(x - window.x0, y - window.y0); }
-  /// Or beside it by a pixel of the image.
-  bool near(int x, int y) const {
-    return x + 2 >= window.x0 && y + 2 >= window.y0 && x <= window.x0 + window.width && y <= window.y0 + window.height;
-  }
-  bool inside(int x, int y) const {
-    return x >= window.x0 && y >= window.y0 && x < window.x0 + window.width && y < window.y0 + window.height;
-  }
-};
-
-/// What samples of a pixel see: a face of a mesh, or nothing (mesh -1).
-struct Seen {
-  int mesh = -1, face = -1;
-  bool operator==(const Seen &) const = default;
-};
 
 class Painter {
 public:
-  Painter(const std::vector<RenderMesh> &meshes, const Camera &camera, const RenderOptions &options)
-      : meshes_(meshes), rays_(camera), eye_(camera.centre()), options_(options), sky_(options.background.cast<float>()),
-        light_(options.light_direction.normalized().cast<float>()),
-        shadow_(options.floor ? meshes : std::vector<RenderMesh>{}, options.floor_height) {
-    for (const RenderMesh &mesh : meshes) {
-      const Window window = window_of(mesh.vertices, camera);
-      Layer layer{window, rasterize(mesh.vertices, mesh.faces, cropped(camera, window), mesh.face_valid), {}, {}};
-      const Vertices normals = vertex_normals(mesh.vertices, valid_faces(mesh.faces, mesh.face_valid));
-      for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
-        layer.corners.push_back((mesh.vertices.row(v).transpose() - eye_).cast<float>());
-        layer.normals.push_back(normals.row(v).cast<float>());
-      }
-      layers_.push_back(std::move(layer));
-    }
+  /// `samples`: each pixel is the mean of samples x samples of the camera's.
+  Painter(const Scene &scene, const Camera &camera, int samples, const RenderOptions &options)
+      : scene_(scene), camera_(camera), samples_(samples), rays_(camera), eye_(camera.centre()), options_(options),
+        sky_(options.background.cast<float>()), light_(options.light_direction.normalized().cast<float>()),
+        seen_(rasterize_window(scene.vertices, scene.faces, camera, scene.shown)),
+        facet_of_(static_cast<std::size_t>(scene.faces.rows()), -1) {
+    detail::sum_area_vectors(scene.vertices, scene.faces, normals_, scene.shown);
   }
 
-  /// Each pixel is the mean of samples x samples of the fine image. Samples that see one face share its colour half way between
-  /// them, and the ground, which is smooth, is worked out once for all that see it. Faces are painted in their order, in which
-  /// their corners and their part of the texture lie in memory.
-  Image picture(int width, int height, int samples) const {
-    Image image(width, height, 3);
-    Painting painting;
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x)
-        if (!gather(x, y, samples, painting, image))
-          set_pixel(image, y * width + x, middle_behind(x, y, samples));
-    for (const Glimpse &glimpse : in_order_of_faces(painting.glimpses))
-      painting.sums[glimpse.sum] += glimpse.share * surface(glimpse.seen, glimpse.x, glimpse.y);
-    for (std::size_t k = 0; k < painting.sums.size(); ++k)
-      set_pixel(image, painting.pixels[k], painting.sums[k] / static_cast<float>(samples * samples));
+  Image picture() {
+    Image image(camera_.width / samples_, camera_.height / samples_, 3);
+    std::vector<const Vertices *> meshes;
+    for (const Drawn &part : scene_.parts)
+      meshes.push_back(part.vertices);
+    Backdrop backdrop(meshes, camera_, options_);
+    const float middle = 0.5f * static_cast<float>(samples_ - 1);
+    const int left = seen_.x / samples_, right = (seen_.x + seen_.buffer.width + samples_ - 1) / samples_;
+    for (int y = 0; y < image.height; ++y) {
+      const Eigen::ArrayXf &behind =
+          backdrop.row(middle, static_cast<float>(samples_), static_cast<float>(samples_ * y) + middle, image.width);
+      for (int x = 0; x < image.width; ++x)
+        set_pixel(image, x, y, behind[x] * sky_);
+      if (samples_ * (y + 1) <= seen_.y || samples_ * y >= seen_.y + seen_.buffer.height)
+        continue;
+      for (int x = left; x < right; ++x)
+        paint(image, x, y, behind[x] * sky_);
+    }
     return image;
   }
 
 private:
   /// What some samples of a pixel see, at their middle.
   struct Glimpse {
-    Seen seen;
-    int sum = 0; ///< of Painting::sums
-    float x = 0, y = 0, share = 0;
+    int face, count;
+    float x, y; ///< sums
   };
-  struct Painting {
-    std::vector<Glimpse> glimpses;
-    std::vector<Vector3f> sums; ///< of the samples of each pixel that sees a mesh
-    std::vector<int> pixels;    ///< which that is
-  };
+  static constexpr int kMostSamples = 4;
 
-  /// False if a pixel sees no mesh.
-  bool gather(int x, int y, int samples, Painting &painting, const Image &image) const {
-    if (std::none_of(layers_.begin(), layers_.end(), [&](const Layer &layer) { return layer.near(samples * x, samples * y); }))
-      return false;
-    const std::size_t first = painting.glimpses.size();
-    const int sum = static_cast<int>(painting.sums.size());
-    int empty = 0;
-    for (int s = 0; s < samples * samples; ++s) {
-      const int fx = samples * x + s % samples, fy = samples * y + s / samples;
-      const Seen here = nearest(fx, fy);
-      if (here.mesh < 0) {
-        ++empty;
-        continue;
+  /// Samples that see one face, or faces beside it, share its colour half way between them.
+  void paint(Image &image, int x, int y, const Vector3f &behind) {
+    std::array<Glimpse, kMostSamples> glimpses;
+    int kinds = 0, seen = 0;
+    for (int sy = samples_ * y; sy < samples_ * (y + 1); ++sy)
+      for (int sx = samples_ * x; sx < samples_ * (x + 1); ++sx) {
+        const int face = face_at(sx, sy);
+        if (face < 0)
+          continue;
+        ++seen;
+        int k = 0;
+        while (k < kinds && !goes_on(glimpses[k].face, face))
+          ++k;
+        if (k == kinds)
+          glimpses[kinds++] = {face, 0, 0, 0};
+        glimpses[k].x += static_cast<float>(sx), glimpses[k].y += static_cast<float>(sy), ++glimpses[k].count;
       }
-      auto glimpse = painting.glimpses.begin() + static_cast<std::ptrdiff_t>(first);
-      while (glimpse != painting.glimpses.end() && !(glimpse->seen == here))
-        ++glimpse;
-      if (glimpse == painting.glimpses.end())
-        glimpse = painting.glimpses.insert(glimpse, {here, sum, 0, 0, 0});
-      glimpse->x += static_cast<float>(fx), glimpse->y += static_cast<float>(fy), glimpse->share += 1;
+    if (seen == 0)
+      return;
+    Vector3f sum = static_cast<float>(samples_ * samples_ - seen) * behind;
+    for (int k = 0; k < kinds; ++k) {
+      const auto count = static_cast<float>(glimpses[k].count);
+      sum += count * surface(facet(glimpses[k].face), glimpses[k].x / count, glimpses[k].y / count);
     }
-    if (painting.glimpses.size() == first)
+    set_pixel(image, x, y, sum / static_cast<float>(samples_ * samples_));
+  }
+  int face_at(int x, int y) const {
+    x -= seen_.x, y -= seen_.y;
+    const bool within = x >= 0 && y >= 0 && x < seen_.buffer.width && y < seen_.buffer.height;
+    return within ? seen_.buffer.face_at(x, y) : -1;
+  }
+
+  /// Is this the same smooth surface, seen from the same side?
+  bool goes_on(int face, int other) {
+    if (face == other)
+      return true;
+    const int *v = scene_.faces.data() + 3 * static_cast<Eigen::Index>(face),
+              *w = scene_.faces.data() + 3 * static_cast<Eigen::Index>(other);
+    if (std::find_first_of(v, v + 3, w, w + 3) == v + 3)
       return false;
-    for (std::size_t k = first; k < painting.glimpses.size(); ++k)
-      painting.glimpses[k].x /= painting.glimpses[k].share, painting.glimpses[k].y /= painting.glimpses[k].share;
-    painting.sums.push_back(Vector3f::Zero());
-    if (empty > 0)
-      painting.sums.back() = static_cast<float>(empty) * middle_behind(x, y, samples);
-    painting.pixels.push_back(y * image.width + x);
-    return true;
+    const bool inside = facet(face).inside;
+    return facet(other).inside == inside;
   }
 
-  std::vector<Glimpse> in_order_of_faces(const std::vector<Glimpse> &glimpses) const {
-    std::vector<std::size_t> bases{0}; // of each mesh's faces
-    for (const RenderMesh &mesh : meshes_)
-      bases.push_back(bases.back() + static_cast<std::size_t>(mesh.faces.rows()));
-    std::vector<std::size_t> next(bases.back() + 1);
-    for (const Glimpse &glimpse : glimpses)
-      ++next[bases[glimpse.seen.mesh] + glimpse.seen.face + 1];
-    std::partial_sum(next.begin(), next.end(), next.begin());
-    std::vector<Glimpse> ordered(glimpses.size());
-    for (const Glimpse &glimpse : glimpses)
-      ordered[next[bases[glimpse.seen.mesh] + glimpse.seen.face]++] = glimpse;
-    return ordered;
-  }
-
-  static void set_pixel(Image &image, int pixel, const Vector3f &rgb) {
-    std::uint8_t *at = image.data.data() + 3 * static_cast<std::size_t>(pixel);
+  static void set_pixel(Image &image, int x, int y, const Vector3f &rgb) {
+    std::uint8_t *at = &image.at(x, y);
     for (int c = 0; c < 3; ++c)
       at[c] = static_cast<std::uint8_t>(std::clamp(rgb[2 - c] * 255.0f + 0.5f, 0.0f, 255.0f));
   }
 
-  Seen nearest(int x, int y) const {
-    Seen best;
-    float depth = std::numeric_limits<float>::infinity();
-    for (std::size_t m = 0; m < layers_.size(); ++m) {
-      const int face = layers_[m].face_at(x, y);
-      if (face >= 0 && layers_[m].depth_at(x, y) < depth) {
-        depth = layers_[m].depth_at(x, y);
-        best = {static_cast<int>(m), face};
-      }
+  /// Made when the first pixel asks for it.
+  const Facet &facet(int face) {
+    if (facet_of_[face] < 0) {
+      facet_of_[face] = static_cast<int>(facets_.size());
+      facets_.push_back(made(face));
     }
-    return best;
+    return facets_[facet_of_[face]];
   }
-
-  /// What lies behind all meshes in the middle of a pixel.
-  Vector3f middle_behind(int x, int y, int samples) const {
-    const float middle = 0.5f * static_cast<float>(samples - 1);
-    return options_.floor ? ground(rays_.at(static_cast<float>(samples * x) + middle, static_cast<float>(samples * y) + middle))
-                          : sky_;
-  }
-
-  Vector3f surface(const Seen &seen, float x, float y) const {
-    const RenderMesh &mesh = meshes_[seen.mesh];
-    const Layer &layer = layers_[seen.mesh];
-    const int *v = mesh.faces.data() + 3 * static_cast<Eigen::Index>(seen.face);
-    const Vector3f &p0 = layer.corners[v[0]], &p1 = layer.corners[v[1]], &p2 = layer.corners[v[2]];
-    const Vector3f ray = rays_.at(x, y), flat = (p1 - p0).cross(p2 - p0);
+  Facet made(int face) const {
+    const Drawn &part = scene_.part_of(face);
+    const int *v = scene_.faces.data() + 3 * static_cast<Eigen::Index>(face);
+    std::array<Vector3f, 3> corners; // from the eye
+    Facet facet;
+    for (int k = 0; k < 3; ++k) {
+      corners[k] = (scene_.vertices.row(v[k]).transpose() - eye_).cast<float>();
+      facet.normals[k] = normals_.row(v[k]).normalized().cast<float>(); // none stays none
+    }
     // Volumes of the tetrahedra that the ray spans with each side: their shares are the coordinates.
-    Vector3f b(ray.dot(p1.cross(p2)), ray.dot(p2.cross(p0)), ray.dot(p0.cross(p1)));
+    for (int k = 0; k < 3; ++k)
+      facet.shares[k] = corners[(k + 1) % 3].cross(corners[(k + 2) % 3]);
+    const float volume = corners[0].dot(facet.shares[0]);
+    facet.inside = volume > 0;
+    const Eigen::Index in_part = face - part.first_face;
+    if (!part.texture) {
+      for (int k = 0; k < 3; ++k)
+        facet.colours[k] = part.mesh->colours.rows() > 0
+                               ? Vector3f(part.mesh->colours.row(v[k] - part.first_vertex).cast<float>())
+                               : Vector3f(part.mesh->colour.cast<float>());
+      return facet;
+    }
+    facet.texture = part.texture.get();
+    for (int k = 0; k < 3; ++k)
+      facet.texcoords[k] = part.mesh->texcoords.row(3 * in_part + k).cast<float>();
+    facet.level = facet.texture->level_for(texels_of(facet) / std::max(pixels_of(corners, volume), 1e-6f));
+    return facet;
+  }
+  /// Twice the area in the texture.
+  static float texels_of(const Facet &facet) {
+    const Eigen::Vector2f a = facet.texcoords[1] - facet.texcoords[0], b = facet.texcoords[2] - facet.texcoords[0];
+    return std::abs(a.x() * b.y() - a.y() * b.x()) * static_cast<float>(facet.texture->width()) *
+           static_cast<float>(facet.texture->height());
+  }
+  /// Twice the area in the picture, of a face whose corners from the eye span `volume`.
+  float pixels_of(const std::array<Vector3f, 3> &corners, float volume) const {
+    const Vector3f forward = camera_.R.row(2).cast<float>();
+    const float depths = corners[0].dot(forward) * corners[1].dot(forward) * corners[2].dot(forward),
+                focal = static_cast<float>(camera_.K(0, 0) * camera_.K(1, 1));
+    return std::abs(volume) * focal / (depths * static_cast<float>(samples_ * samples_));
+  }
+
+  Vector3f surface(const Facet &facet, float x, float y) const {
+    const Vector3f ray = rays_.at(x, y);
+    Vector3f b(ray.dot(facet.shares[0]), ray.dot(facet.shares[1]), ray.dot(facet.shares[2]));
     b = (std::abs(b.sum()) < 1e-18f ? Vector3f::Constant(1.0f / 3) : Vector3f(b / b.sum())).cwiseMax(0);
     b /= std::max(b.sum(), 1e-12f);
-    const bool inside = flat.dot(ray) > 0; // the inner side of cloth
-    Vector3f n = b[0] * layer.normals[v[0]] + b[1] * layer.normals[v[1]] + b[2] * layer.normals[v[2]];
-    n = (inside ? -n : n).normalized();
+    Vector3f n = mix(facet.normals, b);
+    n = (facet.inside ? -n : n).normalized();
     if (!n.allFinite())
       n = Vector3f::UnitY();
     const auto light = static_cast<float>(options_.light);
     const float sky = 0.65f + 0.35f * n.y(), key = std::max(0.0f, n.dot(light_));
     const float shade = (1 - light) * sky * 1.6f + light * (0.35f + 0.85f * key);
-    return colour_of(mesh, seen.face, b) * (inside ? 0.6f * shade : shade);
+    return (facet.inside ? 0.6f * shade : shade) * colour_at(facet, b);
+  }
+  static Vector3f colour_at(const Facet &facet, const Vector3f &b) {
+    if (!facet.texture)
+      return mix(facet.colours, b);
+    const Eigen::Vector2f at = mix(facet.texcoords, b);
+    return facet.texture->sample(facet.level, at.x(), at.y());
   }
 
-  static Vector3f mix(const Vertices &values, const int *v, const Vector3f &b) {
-    Vector3f sum = Vector3f::Zero();
-    for (int k = 0; k < 3; ++k)
-      sum += b[k] * values.row(v[k]).transpose().cast<float>();
-    return sum;
-  }
-
-  static Vector3f colour_of(const RenderMesh &mesh, int face, const Vector3f &b) {
-    if (mesh.texture) {
-      double u = 0, v = 0;
-      for (int k = 0; k < 3; ++k) {
-        u += b[k] * mesh.texcoords(3 * face + k, 0);
-        v += b[k] * mesh.texcoords(3 * face + k, 1);
-      }
-      return sample_texture(*mesh.texture, u, v);
-    }
-    return mesh.colours.rows() > 0 ? mix(mesh.colours, mesh.faces.data() + 3 * static_cast<Eigen::Index>(face), b)
-                                   : Vector3f(mesh.colour.cast<float>());
-  }
-
-  Vector3f ground(const Vector3f &ray) const {
-    const float length = ray.norm();
-    if (ray.y() > -1e-3f * length)
-      return sky_;
-    const float s = static_cast<float>(options_.floor_height - eye_.y()) / ray.y();
-    if (!(s > 0))
-      return sky_;
-    const double x = eye_.x() + s * ray.x(), z = eye_.z() + s * ray.z();
-    const float fade = std::exp(-s * length / 12); // into the background with distance
-    const float line = std::max(grid_line(x), grid_line(z));
-    const Vector3f floor = sky_ * ((0.86f - 0.10f * line) * (1 - std::min(0.75f, 1.6f * shadow_.at(x, z))));
-    return fade * floor + (1 - fade) * sky_;
-  }
-
-  const std::vector<RenderMesh> &meshes_;
-  Rays rays_;
+  const Scene &scene_;
+  const Camera &camera_;
+  int samples_;
+  PictureRays rays_;
   Vector3d eye_;
   const RenderOptions &options_;
   Vector3f sky_, light_;
-  FloorShadow shadow_;
-  std::vector<Layer> layers_;
+  FaceWindow seen_;
+  Vertices normals_;          ///< of the vertices, of any length
+  std::vector<Facet> facets_; ///< those that are seen ...
+  std::vector<int> facet_of_; ///< ... and which of them each face has; -1 = none yet
 };
+
+Image picture_of(const std::vector<Drawn> &meshes, const Camera &camera, const RenderOptions &options) {
+  options.validate();
+  validate_camera(camera, "render");
+  for (std::size_t m = 0; m < meshes.size(); ++m)
+    require_mesh(*meshes[m].mesh, *meshes[m].vertices, m);
+  const int samples = options.supersample ? 2 : 1;
+  const Camera fine = camera.resized(samples * camera.width, samples * camera.height);
+  return Painter(Scene(meshes), fine, samples, options).picture();
+}
 
 } // namespace
 
@@ -395,13 +291,10 @@ void RenderOptions::validate() const {
 }
 
 Image render(const std::vector<RenderMesh> &meshes, const Camera &camera, const RenderOptions &options) {
-  options.validate();
-  validate_camera(camera, "render");
-  for (std::size_t m = 0; m < meshes.size(); ++m)
-    require_mesh(meshes[m], m);
-  const int samples = options.supersample ? 2 : 1;
-  const Camera fine = camera.resized(samples * camera.width, samples * camera.height);
-  return Painter(meshes, fine, options).picture(camera.width, camera.height, samples);
+  std::vector<Drawn> drawn;
+  for (const RenderMesh &mesh : meshes)
+    drawn.push_back({&mesh, &mesh.vertices, pyramid_of(mesh)});
+  return picture_of(drawn, camera, options);
 }
 
 Camera orbit_camera(const Vector3d &target, double radius, double azimuth, double elevation, int width, int height) {
@@ -437,6 +330,7 @@ CharacterRenderer::CharacterRenderer(const Character &character) {
   if (!character.texture.empty()) {
     high_.texcoords = character.texcoords;
     high_.texture = std::make_shared<const Image>(decode_image(character.texture));
+    texture_ = pyramid_of(high_);
   }
   body_.vertices = character.body.vertices;
   body_.faces = character.body.faces;
@@ -444,27 +338,38 @@ CharacterRenderer::CharacterRenderer(const Character &character) {
   body_.colour = character.body_colour.array().pow(1 / 2.2); // the pictures are sRGB
 }
 
-std::vector<RenderMesh> CharacterRenderer::meshes(const Vertices &surface, const Vertices &high, const Vertices &body) const {
-  std::vector<RenderMesh> meshes;
-  const auto add = [&](const RenderMesh &rest, const Vertices &vertices, const char *what) {
+void CharacterRenderer::require_frame(const Vertices &surface, const Vertices &high, const Vertices &body) const {
+  const auto require = [](const RenderMesh &rest, const Vertices &vertices, const char *what) {
     if (vertices.rows() != rest.vertices.rows())
       throw std::invalid_argument(std::string("CharacterRenderer: ") + what + " has " + std::to_string(vertices.rows()) +
                                   " vertices, the character " + std::to_string(rest.vertices.rows()));
-    meshes.push_back(rest);
-    meshes.back().vertices = vertices;
   };
   if (high.rows() > 0)
-    add(high_, high, "high");
+    require(high_, high, "high");
   else
-    add(coarse_, surface, "surface");
+    require(coarse_, surface, "surface");
   if (body.rows() > 0)
-    add(body_, body, "body");
+    require(body_, body, "body");
+}
+
+std::vector<RenderMesh> CharacterRenderer::meshes(const Vertices &surface, const Vertices &high, const Vertices &body) const {
+  require_frame(surface, high, body);
+  std::vector<RenderMesh> meshes{high.rows() > 0 ? high_ : coarse_};
+  meshes[0].vertices = high.rows() > 0 ? high : surface;
+  if (body.rows() > 0) {
+    meshes.push_back(body_);
+    meshes[1].vertices = body;
+  }
   return meshes;
 }
 
 Image CharacterRenderer::render(const Vertices &surface, const Vertices &high, const Vertices &body, const Camera &camera,
                                 const RenderOptions &options) const {
-  return doublet::render(meshes(surface, high, body), camera, options);
+  require_frame(surface, high, body);
+  std::vector<Drawn> drawn{high.rows() > 0 ? Drawn{&high_, &high, texture_} : Drawn{&coarse_, &surface, nullptr}};
+  if (body.rows() > 0)
+    drawn.push_back({&body_, &body, nullptr});
+  return picture_of(drawn, camera, options);
 }
 
 } // namespace doublet

@@ -8,6 +8,10 @@
 
 namespace doublet {
 
+namespace detail {
+class TexturePyramid;
+}
+
 /// One mesh of a picture. The colour comes from `texture` if there is one, else from `colours`, else from `colour`.
 struct RenderMesh {
   Vertices vertices;                        ///< (V, 3) m
@@ -59,7 +63,10 @@ public:
                const RenderOptions &options = {}) const;
 
 private:
+  void require_frame(const Vertices &surface, const Vertices &high, const Vertices &body) const;
+
   RenderMesh coarse_, high_, body_;
+  std::shared_ptr<const detail::TexturePyramid> texture_; ///< of high_; null = none
 };
 
 } // namespace doublet

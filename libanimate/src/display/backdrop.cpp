@@ -1,0 +1,125 @@
+#include "backdrop.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace doublet::detail {
+namespace {
+
+using Eigen::ArrayXf;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kShadowCell = 0.03;         // m
+constexpr double kShadowBlur = 0.09;         // m
+constexpr float kSteepest = 1e-3f;           // sine of the angle under the horizon from which on a ray meets the floor
+constexpr float kFade = 12;                  // m, over which the floor goes over into the sky
+constexpr float kLine = 0.006f, kGap = 0.5f; // m, half width of the grid's lines, and from one to the next
+
+/// Beyond it nothing shows, and products of smaller exponentials are denormal numbers, for each of which x86 takes as long as for
+/// a hundred others.
+constexpr float kFaint = -20;
+
+/// The squared distance to the nearest line of the grid.
+template <class Values> auto to_line(const Values &x) {
+  return (x - kGap * (x * (1 / kGap) + 0.5f).floor()).square();
+}
+
+} // namespace
+
+FloorShadow::FloorShadow(const std::vector<const Vertices *> &meshes, double floor) {
+  Vector3d low = Vector3d::Constant(1e30), high = -low;
+  for (const Vertices *vertices : meshes)
+    if (vertices->rows() > 0) {
+      low = low.cwiseMin(Vector3d(vertices->colwise().minCoeff()));
+      high = high.cwiseMax(Vector3d(vertices->colwise().maxCoeff()));
+    }
+  if (low.x() > high.x() || (high - low).maxCoeff() > 50)
+    return;
+  const double margin = 4 * kShadowBlur;
+  x0_ = low.x() - margin;
+  z0_ = low.z() - margin;
+  nx_ = static_cast<int>((high.x() - low.x() + 2 * margin) / kShadowCell) + 1;
+  nz_ = static_cast<int>((high.z() - low.z() + 2 * margin) / kShadowCell) + 1;
+  cells_.assign(static_cast<std::size_t>(nx_) * nz_, 0.0f);
+  for (const Vertices *vertices : meshes)
+    for (Eigen::Index v = 0; v < vertices->rows(); ++v) {
+      const double height = std::max((*vertices)(v, 1) - floor, 0.0);
+      const auto dark = static_cast<float>(std::exp(-height / 0.7)); // a contact is dark, a head 1.7 m up hardly
+      float &cell = cells_[index((*vertices)(v, 0), (*vertices)(v, 2))];
+      cell = std::max(cell, dark);
+    }
+  for (int pass = 0; pass < 3; ++pass) { // three box filters are near enough to a Gaussian
+    blur(1, nx_, nx_, nz_);
+    blur(nx_, nz_, 1, nx_);
+  }
+}
+
+float FloorShadow::at(float x, float z) const {
+  const double i = (x - x0_) * (1 / kShadowCell) - 0.5, k = (z - z0_) * (1 / kShadowCell) - 0.5;
+  if (cells_.empty() || !(i >= 0) || !(k >= 0) || i >= nx_ - 1 || k >= nz_ - 1)
+    return 0;
+  const int i0 = static_cast<int>(i), k0 = static_cast<int>(k);
+  const auto a = static_cast<float>(i - i0), b = static_cast<float>(k - k0);
+  const float *c = &cells_[static_cast<std::size_t>(k0) * nx_ + i0];
+  return (1 - b) * ((1 - a) * c[0] + a * c[1]) + b * ((1 - a) * c[nx_] + a * c[nx_ + 1]);
+}
+
+std::size_t FloorShadow::index(double x, double z) const {
+  return static_cast<std::size_t>((z - z0_) / kShadowCell) * nx_ + static_cast<std::size_t>((x - x0_) / kShadowCell);
+}
+
+/// Box filter along `length` cells `stride` apart, for `lines` lines `next` apart.
+void FloorShadow::blur(std::size_t stride, int length, std::size_t next, int lines) {
+  const int r = static_cast<int>(kShadowBlur / kShadowCell);
+  std::vector<float> line(length);
+  for (int l = 0; l < lines; ++l) {
+    float *start = cells_.data() + l * next;
+    for (int i = 0; i < length; ++i)
+      line[i] = start[i * stride];
+    for (int i = 0; i < length; ++i) {
+      float sum = 0;
+      for (int k = std::max(0, i - r); k <= std::min(length - 1, i + r); ++k)
+        sum += line[k];
+      start[i * stride] = sum / (2 * r + 1);
+    }
+  }
+}
+
+Backdrop::Backdrop(const std::vector<const Vertices *> &meshes, const Camera &camera, const RenderOptions &options)
+    : rays_(camera), eye_(camera.centre().cast<float>()),
+      drop_(options.floor ? static_cast<float>(options.floor_height - camera.centre().y()) : 0.0f) {
+  if (drop_ < 0)
+    shadow_ = FloorShadow(meshes, options.floor_height);
+}
+
+void Backdrop::find_rays(float first, float step, float y, int count) {
+  for (ArrayXf *values : {&ray_x_, &ray_y_, &ray_z_})
+    values->resize(count);
+  for (int i = 0; i < count; ++i) {
+    const Vector3f ray = rays_.at(first + step * static_cast<float>(i), y);
+    ray_x_[i] = ray.x(), ray_y_[i] = ray.y(), ray_z_[i] = ray.z();
+  }
+}
+
+const ArrayXf &Backdrop::row(float first, float step, float y, int count) {
+  brightness_.setOnes(count);
+  if (!(drop_ < 0)) // no floor, or seen from below
+    return brightness_;
+  find_rays(first, step, y, count);
+  along_ = (ray_x_.square() + ray_y_.square() + ray_z_.square()).sqrt(); // lengths
+  meets_ = ray_y_ <= -kSteepest * along_;
+  if (!meets_.any())
+    return brightness_;
+  x_ = drop_ / ray_y_.min(-kSteepest * along_);            // ways to the floor, in lengths
+  along_ = (along_ * x_ * (-1 / kFade)).max(kFaint).exp(); // what of the floor is left
+  z_ = eye_.z() + x_ * ray_z_;
+  x_ = eye_.x() + x_ * ray_x_;
+  brightness_ = 0.86f - 0.10f * (to_line(x_).min(to_line(z_)) * (-1 / (2 * kLine * kLine))).max(kFaint).exp();
+  for (int i = 0; i < count; ++i)
+    brightness_[i] *= 1 - std::min(0.75f, 1.6f * shadow_.at(x_[i], z_[i]));
+  brightness_ = meets_.select(along_ * brightness_ + (1 - along_), 1.0f);
+  return brightness_;
+}
+
+} // namespace doublet::detail
