@@ -297,7 +297,7 @@ TEST(ReadyMasks, FarFromTheirOutlinesNothingChanges) {
   const auto extractor = frames.extractor(2.5);
   const Image image = frames.image(0, 4), nobody(240, 240, 1, 0);
   EXPECT_EQ(extractor->refine(0, image, nobody).data, nobody.data); // whoever is there, she is not the actor
-  Image wide = nobody; // she, and 20 pixels all around
+  Image wide = nobody;                                              // she, and 20 pixels all around
   const auto away = [](int x, int y) { return std::hypot(x - 0.48 * 240, y - 0.4 * 240); };
   for (int y = 0; y < 240; ++y)
     for (int x = 0; x < 240; ++x)
@@ -308,6 +308,26 @@ TEST(ReadyMasks, FarFromTheirOutlinesNothingChanges) {
       if (away(x, y) < 35 || away(x, y) > 44) {
         ASSERT_EQ(refined.at(x, y), wide.at(x, y)) << x << " " << y;
       }
+}
+
+/// The same masks; images that tell nothing.
+class MasksOfNoise : public ReadyMasks {
+public:
+  MasksOfNoise() : ReadyMasks(true) {}
+  Image image(int, int frame) override {
+    std::mt19937 random(static_cast<unsigned>(frame));
+    Image image(240, 240, 3);
+    for (std::uint8_t &value : image.data)
+      value = static_cast<std::uint8_t>(random() % 256);
+    return image;
+  }
+};
+
+TEST(ReadyMasks, StayWhereTheImageTellsNothing) {
+  MasksOfNoise frames;
+  const auto extractor = frames.extractor(2.5);
+  for (int f : {2, 4, 8})
+    EXPECT_GT(mask_iou(read_view(frames, 0, f, extractor.get()).mask, frames.mask(0, f)), 0.9) << f;
 }
 
 TEST(ReadyMasks, AreTakenAsTheyAreOnRequest) {

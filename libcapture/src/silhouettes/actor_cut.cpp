@@ -171,9 +171,8 @@ cv::Mat evidence_of(const cv::Mat &image, const Backdrop &backdrop, const Colour
   for (int y = 0; y < image.rows; ++y)
     for (int x = 0; x < image.cols; ++x) {
       const cv::Vec3f &colour = image.at<cv::Vec3f>(y, x);
-      evidence.at<float>(y, x) =
-          actor.log_density(colour) -
-          background.log_density(colour, backdrop.colours.at<cv::Vec3f>(y, x), backdrop.deviation.at<cv::Vec3f>(y, x));
+      evidence.at<float>(y, x) = actor.log_density(colour) - background.log_density(colour, backdrop.colours.at<cv::Vec3f>(y, x),
+                                                                                    backdrop.deviation.at<cv::Vec3f>(y, x));
     }
   return evidence;
 }

@@ -130,7 +130,8 @@ private:
 cv::Mat evidence_of(const cv::Mat &image, const Backdrop &backdrop, const ColourHistogram &actor,
                     const BackgroundColours &background);
 
-/// The most likely labelling (8UC1, 255 = actor). `smoothness`: log likelihood that an edge between two pixels of the same colour costs.
+/// The most likely labelling (8UC1, 255 = actor). `smoothness`: log likelihood that an edge between two pixels of the same colour
+/// costs.
 cv::Mat most_likely_mask(const cv::Mat &evidence, const cv::Mat &image, const Backdrop &backdrop, double smoothness);
 
 /// Pixels along the outline show both: one is the actor's if it is nearer to his colour beside it than to the background's. Where

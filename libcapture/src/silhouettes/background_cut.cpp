@@ -107,9 +107,10 @@ private:
   static void require_alike(int camera, const View &view, const Image &image) {
     require_colour(image);
     if (view.plate.colours.cols != image.width || view.plate.colours.rows != image.height)
-      throw std::invalid_argument("image: expected " + std::to_string(view.plate.colours.cols) + " x " + std::to_string(view.plate.colours.rows) +
-                                  " pixels as the background of camera " + std::to_string(camera) + " has, found " +
-                                  std::to_string(image.width) + " x " + std::to_string(image.height));
+      throw std::invalid_argument("image: expected " + std::to_string(view.plate.colours.cols) + " x " +
+                                  std::to_string(view.plate.colours.rows) + " pixels as the background of camera " +
+                                  std::to_string(camera) + " has, found " + std::to_string(image.width) + " x " +
+                                  std::to_string(image.height));
   }
 
   cv::Mat label(const cv::Mat &evidence, const cv::Mat &picture, const Backdrop &backdrop) const {

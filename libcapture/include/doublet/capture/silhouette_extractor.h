@@ -111,8 +111,9 @@ struct SilhouetteOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// A trained extractor for the cameras of a session that have no ready masks, or have images with them, whose outlines it refines;
-/// null if there are masks alone. Says for every camera which method it uses. Throws Error if the method asked for does not fit the session.
+/// A trained extractor for the cameras of a session that have no ready masks, or have images with them, whose outlines it
+/// refines; null if there are masks alone. Says for every camera which method it uses. Throws Error if the method asked for does
+/// not fit the session.
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context);
 
@@ -122,8 +123,8 @@ struct CameraView {
   Image mask;  ///< 255 = actor; empty = there is neither a ready one nor an image to make it from
 };
 
-/// The image, and the ready mask as the extractor refines it or, where there is none, the extractor's own. `extractor` may be null:
-/// then only ready masks, as they are.
+/// The image, and the ready mask as the extractor refines it or, where there is none, the extractor's own. `extractor` may be
+/// null: then only ready masks, as they are.
 CameraView read_view(FrameSource &frames, int camera, int frame, const SilhouetteExtractor *extractor);
 
 /// What all cameras of a session show at a frame: one image and one mask each, as CameraView has them.
