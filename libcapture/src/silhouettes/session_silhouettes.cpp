@@ -20,7 +20,10 @@ public:
   void add(int camera, detail::OutlineRefiner refiner) { refiners_.emplace(camera, std::move(refiner)); }
   void train(int camera, const std::vector<Image> &images) override { of(camera).train(camera, images); }
   void learn_actor(int camera, const std::vector<Image> &images) override { of(camera).learn_actor(camera, images); }
-  Image extract(int camera, const Image &image) const override { return of(camera).extract(camera, image); }
+  /// Nothing where a ready mask is missing: the camera drops out there.
+  Image extract(int camera, const Image &image) const override {
+    return refiners_.count(camera) > 0 ? Image() : of(camera).extract(camera, image);
+  }
   Image refine(int camera, const Image &image, const Image &mask) const override {
     const auto found = refiners_.find(camera);
     return found == refiners_.end() ? mask : found->second.refine(image, mask);
@@ -30,8 +33,7 @@ private:
   SilhouetteExtractor &of(int camera) const {
     const auto found = extractors_.find(camera);
     if (found == extractors_.end())
-      throw std::invalid_argument("camera: expected one without ready masks, or with one for every image, found " +
-                                  std::to_string(camera));
+      throw std::invalid_argument("camera: expected one that has no ready masks, found " + std::to_string(camera));
     return *found->second;
   }
   std::map<int, std::shared_ptr<SilhouetteExtractor>> extractors_;
@@ -96,18 +98,21 @@ public:
 private:
   std::string refine_masks(int camera, SessionSilhouettes &all) {
     std::vector<Image> images, masks;
+    int missing = 0;
     for (int frame : spread_frames(frames_, options_.median_frames)) {
       Image image = frames_.image(camera, frame), mask = frames_.mask(camera, frame);
+      missing += mask.empty();
       if (image.empty() || mask.empty())
         continue;
       images.push_back(std::move(image));
       masks.push_back(std::move(mask));
     }
     if (images.empty())
-      return "ready masks";
+      return "ready masks, none of which has an image";
     const double error = options_.mask_error * images[0].height / 1004;
     all.add(camera, detail::OutlineRefiner(error, options_.background, images, masks));
-    return "ready masks, their outlines as the images have them";
+    const std::string without = missing > 0 ? ", of which " + std::to_string(missing) + " frames looked at have none" : "";
+    return "ready masks" + without + ", their outlines as the images have them";
   }
 
   void learn_actor(int camera) { background_->learn_actor(camera, spread_images(frames_, camera, options_.actor_frames)); }
