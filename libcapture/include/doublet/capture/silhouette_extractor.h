@@ -85,7 +85,7 @@ struct SilhouetteOptions {
   SilhouetteMethod method = SilhouetteMethod::Auto;
   int median_frames = 25;
   int actor_frames = 8;
-  double mask_error = 4;
+  double mask_error = 0;
   ChromaKeyOptions key;
   BackgroundOptions background;
   static constexpr auto describe() {
