@@ -243,7 +243,8 @@ void bind_session(py::module_ &m) {
            "A ready mask (H, W), its outline brought to where the image has it; by default as it is.");
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "A trained extractor for cameras without ready masks, or with images beside them; None if there are masks alone.");
+        "A trained extractor for cameras without ready masks, or whose masks are refined (mask_error); None if no camera needs "
+        "one.");
   m.def("require_scanned", &require_scanned, py::arg("session"), "Raises if the session has no scan or no joints.");
   Class<CameraView>(m, "CameraView", "What a camera shows at a frame.")
       .def(py::init([](Image image, Image mask) {

@@ -111,9 +111,9 @@ struct SilhouetteOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// A trained extractor for the cameras of a session that have no ready masks, or have images with them, whose outlines it
-/// refines; null if there are masks alone. Says for every camera which method it uses. Throws Error if the method asked for does
-/// not fit the session.
+/// A trained extractor for the cameras of a session that have no ready masks, and with mask_error above 0 for those that have
+/// images with them, whose outlines it refines; null if no camera needs one. Says for every camera which method it uses. Throws
+/// Error if the method asked for does not fit the session.
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context);
 
