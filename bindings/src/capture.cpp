@@ -30,6 +30,12 @@ public:
   Image extract(int camera, const Image &image) const override {
     return call_override<Image>(this, "SilhouetteExtractor.extract", kMask, camera, image);
   }
+  Image refine(int camera, const Image &image, const Image &mask) const override {
+    const py::gil_scoped_acquire gil;
+    if (!py::get_override(static_cast<const SilhouetteExtractor *>(this), "refine"))
+      return mask;
+    return call_override<Image>(this, "SilhouetteExtractor.refine", kMask, camera, image, mask);
+  }
 };
 
 /// (n, 3) pixel and confidence.
@@ -232,10 +238,13 @@ void bind_session(py::module_ &m) {
            "Looks at images of one camera before the first mask is made.")
       .def("learn_actor", &SilhouetteExtractor::learn_actor, py::arg("camera"), py::arg("images"), Release(),
            "Looks at images of the take, after train(): an extractor may learn what the actor looks like.")
-      .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release(), "Mask (H, W), 255 = actor.");
+      .def("extract", &SilhouetteExtractor::extract, py::arg("camera"), py::arg("image"), Release(), "Mask (H, W), 255 = actor.")
+      .def("refine", &SilhouetteExtractor::refine, py::arg("camera"), py::arg("image"), py::arg("mask"), Release(),
+           "A ready mask (H, W), its outline brought to where the image has it; by default as it is.");
   m.def("session_silhouettes", &session_silhouettes, py::arg("session"), py::arg("frames"),
         py::arg("options") = SilhouetteOptions{}, py::arg("context") = interruptible_context(), Release(),
-        "A trained extractor for the cameras without ready masks; None if all have some.");
+        "A trained extractor for cameras without ready masks, or whose masks are refined (mask_error); None if no camera needs "
+        "one.");
   m.def("require_scanned", &require_scanned, py::arg("session"), "Raises if the session has no scan or no joints.");
   Class<CameraView>(m, "CameraView", "What a camera shows at a frame.")
       .def(py::init([](Image image, Image mask) {
@@ -247,7 +256,7 @@ void bind_session(py::module_ &m) {
       .def_property_readonly(
           "mask", [](const CameraView &view) { return view.mask; }, "(H, W) uint8, 255 = actor; (0, 0) = none");
   m.def("read_view", &read_view, py::arg("frames"), py::arg("camera"), py::arg("frame"), py::arg("extractor") = nullptr,
-        Release(), "The image, and the ready mask or, where there is none, the extractor's -> CameraView.");
+        Release(), "The image, and the ready mask, refined, or, where there is none, the extractor's -> CameraView.");
   Class<FrameViews>(m, "FrameViews", "What all cameras of a session show at a frame.")
       .def_readonly("images", &FrameViews::images, "(H, W, 3) uint8, BGR, or empty; one a camera")
       .def_readonly("masks", &FrameViews::masks, "(H, W) uint8, 255 = actor, or empty; one a camera");

@@ -245,5 +245,106 @@ TEST_F(ThreeCameras, ABlackFrameIsACameraThatDroppedOut) {
   EXPECT_FALSE(frames->image(2, 4).empty());
 }
 
+/// One camera with ready masks whose outlines are off by some pixels, another way in every frame.
+class ReadyMasks : public FrameSource {
+public:
+  explicit ReadyMasks(bool walks) : walks_(walks) {}
+  int frame_count() const override { return 9; }
+  int camera_count() const override { return 1; }
+  Image image(int, int frame) override { return room(true, static_cast<unsigned>(frame), nullptr, place(frame)); }
+  Image mask(int, int frame) override { return moved(truth(frame), frame % 3 - 1, 3 * (frame % 2) - 2); }
+  Image truth(int frame) const {
+    Image mask;
+    room(true, 0, &mask, place(frame));
+    return mask;
+  }
+  /// The session that it is of, and how it is refined.
+  std::unique_ptr<SilhouetteExtractor> extractor(double error) {
+    Session session;
+    session.cameras.resize(1);
+    session.cameras[0].video = "images";
+    session.cameras[0].masks = "masks";
+    SilhouetteOptions options;
+    options.mask_error = error * 1004 / 240;
+    return session_silhouettes(session, *this, options, {});
+  }
+
+private:
+  double place(int frame) const { return walks_ ? 0.2 + 0.07 * frame : 0.5; }
+  static Image moved(const Image &mask, int right, int down) {
+    Image result(mask.width, mask.height, 1, 0);
+    for (int y = 5; y < mask.height - 5; ++y)
+      for (int x = 5; x < mask.width - 5; ++x)
+        result.at(x, y) = mask.at(x - right, y - down);
+    return result;
+  }
+  bool walks_;
+};
+
+TEST(ReadyMasks, TheirOutlinesAreBroughtToTheImages) {
+  for (const bool walks : {true, false}) { // behind who stands still nobody sees the room
+    ReadyMasks frames(walks);
+    const auto extractor = frames.extractor(2.5);
+    for (int f : {2, 4, 8}) {
+      EXPECT_LT(mask_iou(frames.mask(0, f), frames.truth(f)), 0.93) << f;
+      EXPECT_GT(mask_iou(read_view(frames, 0, f, extractor.get()).mask, frames.truth(f)), 0.97) << f;
+    }
+  }
+}
+
+TEST(ReadyMasks, FarFromTheirOutlinesNothingChanges) {
+  ReadyMasks frames(true);
+  const auto extractor = frames.extractor(2.5);
+  const Image image = frames.image(0, 4), nobody(240, 240, 1, 0);
+  EXPECT_EQ(extractor->refine(0, image, nobody).data, nobody.data); // whoever is there, she is not the actor
+  Image wide = nobody;                                              // she, and 20 pixels all around
+  const auto away = [](int x, int y) { return std::hypot(x - 0.48 * 240, y - 0.4 * 240); };
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 240; ++x)
+      wide.at(x, y) = away(x, y) < 44 ? 255 : 0;
+  const Image refined = extractor->refine(0, image, wide);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 240; ++x)
+      if (away(x, y) < 35 || away(x, y) > 44) {
+        ASSERT_EQ(refined.at(x, y), wide.at(x, y)) << x << " " << y;
+      }
+}
+
+/// The same masks; images that tell nothing.
+class MasksOfNoise : public ReadyMasks {
+public:
+  MasksOfNoise() : ReadyMasks(true) {}
+  Image image(int, int frame) override {
+    std::mt19937 random(static_cast<unsigned>(frame));
+    Image image(240, 240, 3);
+    for (std::uint8_t &value : image.data)
+      value = static_cast<std::uint8_t>(random() % 256);
+    return image;
+  }
+};
+
+TEST(ReadyMasks, StayWhereTheImageTellsNothing) {
+  MasksOfNoise frames;
+  const auto extractor = frames.extractor(2.5);
+  for (int f : {2, 4, 8})
+    EXPECT_GT(mask_iou(read_view(frames, 0, f, extractor.get()).mask, frames.mask(0, f)), 0.9) << f;
+}
+
+TEST(ReadyMasks, AreTakenAsTheyAreOnRequest) {
+  ReadyMasks frames(true);
+  EXPECT_EQ(frames.extractor(0), nullptr);
+  EXPECT_EQ(read_view(frames, 0, 4, nullptr).mask.data, frames.mask(0, 4).data);
+  EXPECT_EQ(read_view(frames, 0, 4, SilhouetteExtractor::create().get()).mask.data, frames.mask(0, 4).data);
+}
+
+TEST(ReadyMasks, ThatDoNotFitTheImageAreRefused) {
+  ReadyMasks frames(true);
+  const auto extractor = frames.extractor(2.5);
+  EXPECT_THROW(extractor->refine(0, frames.image(0, 1), Image(5, 5, 1)), std::invalid_argument);
+  EXPECT_THROW(extractor->refine(0, Image(240, 240, 1), frames.mask(0, 1)), std::invalid_argument);
+  EXPECT_TRUE(extractor->extract(0, frames.image(0, 1)).empty()); // where the mask is missing the camera drops out
+  EXPECT_THROW(extractor->extract(1, frames.image(0, 1)), std::invalid_argument);
+}
+
 } // namespace background_test
 } // namespace doublet

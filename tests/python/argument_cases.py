@@ -96,6 +96,9 @@ def calls(world, folder) -> dict:
         "SilhouetteExtractor.extract": (
             lambda camera, image: [extractor.train(0, [green]), extractor.extract(camera, image)], {"camera": 0, "image": green},
         ),
+        "SilhouetteExtractor.refine": (
+            lambda image, mask: extractor.refine(0, image, mask), {"image": green, "mask": green[..., 1]},
+        ),
         "heat_weights": (d.heat_weights, {"mesh": w.mesh, "face_valid": valid, "skeleton": w.skeleton}),
         "summarise_template": (d.summarise_template, {"surface": template(w), "scan": w.mesh}),
         "rig_template": (d.rig_template, {"surface": template(w), "joints": w.marks}),

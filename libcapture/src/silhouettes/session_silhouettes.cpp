@@ -4,6 +4,7 @@
 #include "doublet/core/error.h"
 #include "frames/frame_reader.h"
 #include "frames/lens_map.h"
+#include "outline_refinement.h"
 
 #include <map>
 #include <set>
@@ -16,9 +17,17 @@ namespace {
 class SessionSilhouettes : public SilhouetteExtractor {
 public:
   void add(int camera, std::shared_ptr<SilhouetteExtractor> extractor) { extractors_[camera] = std::move(extractor); }
+  void add(int camera, detail::OutlineRefiner refiner) { refiners_.emplace(camera, std::move(refiner)); }
   void train(int camera, const std::vector<Image> &images) override { of(camera).train(camera, images); }
   void learn_actor(int camera, const std::vector<Image> &images) override { of(camera).learn_actor(camera, images); }
-  Image extract(int camera, const Image &image) const override { return of(camera).extract(camera, image); }
+  /// Nothing where a ready mask is missing: the camera drops out there.
+  Image extract(int camera, const Image &image) const override {
+    return refiners_.count(camera) > 0 ? Image() : of(camera).extract(camera, image);
+  }
+  Image refine(int camera, const Image &image, const Image &mask) const override {
+    const auto found = refiners_.find(camera);
+    return found == refiners_.end() ? mask : found->second.refine(image, mask);
+  }
 
 private:
   SilhouetteExtractor &of(int camera) const {
@@ -28,14 +37,19 @@ private:
     return *found->second;
   }
   std::map<int, std::shared_ptr<SilhouetteExtractor>> extractors_;
+  std::map<int, detail::OutlineRefiner> refiners_;
 };
 
-std::vector<Image> spread_images(FrameSource &frames, int camera, int count) {
+std::set<int> spread_frames(const FrameSource &frames, int count) {
   std::set<int> chosen;
   for (int i = 0; i < count; ++i)
     chosen.insert(count == 1 ? 0 : static_cast<int>(double(i) * (frames.frame_count() - 1) / (count - 1)));
+  return chosen;
+}
+
+std::vector<Image> spread_images(FrameSource &frames, int camera, int count) {
   std::vector<Image> images;
-  for (int frame : chosen)
+  for (int frame : spread_frames(frames, count))
     if (Image image = frames.image(camera, frame); !image.empty())
       images.push_back(std::move(image));
   return images;
@@ -51,6 +65,8 @@ public:
   std::string train(int camera, SessionSilhouettes &all) {
     const SilhouetteMethod method = options_.method;
     const std::string name = "camera '" + session_.cameras[camera].name + "'";
+    if (!session_.cameras[camera].masks.empty())
+      return refine_masks(camera, all);
     const bool automatic = method == SilhouetteMethod::Auto;
     if (method == SilhouetteMethod::Plates || (automatic && !session_.cameras[camera].background.empty())) {
       if (session_.cameras[camera].background.empty())
@@ -80,6 +96,25 @@ public:
   }
 
 private:
+  std::string refine_masks(int camera, SessionSilhouettes &all) {
+    std::vector<Image> images, masks;
+    int missing = 0;
+    for (int frame : spread_frames(frames_, options_.median_frames)) {
+      Image image = frames_.image(camera, frame), mask = frames_.mask(camera, frame);
+      missing += mask.empty();
+      if (image.empty() || mask.empty())
+        continue;
+      images.push_back(std::move(image));
+      masks.push_back(std::move(mask));
+    }
+    if (images.empty())
+      return "ready masks, none of which has an image";
+    const double error = options_.mask_error * images[0].height / 1004;
+    all.add(camera, detail::OutlineRefiner(error, options_.background, images, masks));
+    const std::string without = missing > 0 ? ", of which " + std::to_string(missing) + " frames looked at have none" : "";
+    return "ready masks" + without + ", their outlines as the images have them";
+  }
+
   void learn_actor(int camera) { background_->learn_actor(camera, spread_images(frames_, camera, options_.actor_frames)); }
 
   std::vector<Image> plates(int camera) const {
@@ -113,9 +148,10 @@ std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session,
   const int count = static_cast<int>(session.cameras.size());
   for (int c = 0; c < count; ++c) {
     context.report_progress("silhouettes", double(c) / count);
-    if (session.cameras[c].masks.empty()) {
+    const SessionCamera &camera = session.cameras[c];
+    if (camera.masks.empty() || (!camera.video.empty() && options.mask_error > 0)) {
       std::string &names = cameras[trainer.train(c, *all)];
-      names += (names.empty() ? "" : ", ") + session.cameras[c].name;
+      names += (names.empty() ? "" : ", ") + camera.name;
     }
   }
   for (const auto &[method, names] : cameras)
@@ -127,6 +163,8 @@ CameraView read_view(FrameSource &frames, int camera, int frame, const Silhouett
   CameraView view{frames.image(camera, frame), frames.mask(camera, frame)};
   if (view.mask.empty() && !view.image.empty() && extractor)
     view.mask = extractor->extract(camera, view.image);
+  else if (!view.image.empty() && !view.mask.empty() && extractor)
+    view.mask = extractor->refine(camera, view.image, view.mask);
   return view;
 }
 

@@ -27,6 +27,9 @@ public:
     throw std::logic_error("the extractor of some cameras is trained as a whole, before they are chosen");
   }
   Image extract(int camera, const Image &image) const override { return all_.extract(cameras_.at(camera), image); }
+  Image refine(int camera, const Image &image, const Image &mask) const override {
+    return all_.refine(cameras_.at(camera), image, mask);
+  }
 
 private:
   const SilhouetteExtractor &all_;

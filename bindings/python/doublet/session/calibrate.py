@@ -94,9 +94,7 @@ def hulls(frames: d.FrameSource, extractor: d.SilhouetteExtractor | None, consol
     found = [[np.zeros((0, 2))] * count for _ in range(cameras)]
     for index, frame in enumerate(map(int, chosen)):
         for camera in range(cameras):
-            mask = frames.mask(camera, frame)
-            if not mask.size and extractor and (image := frames.image(camera, frame)).size:
-                mask = extractor.extract(camera, image)
+            mask = d.read_view(frames, camera, frame, extractor).mask
             if mask.size:
                 found[camera][frame] = d.silhouette_hull(mask)
         console.progress("silhouettes", (index + 1) / len(chosen))

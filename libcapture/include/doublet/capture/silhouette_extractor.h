@@ -69,6 +69,9 @@ public:
   virtual void learn_actor(int /*camera*/, const std::vector<Image> & /*images*/) {}
   /// 255 = actor. Both throw std::invalid_argument if the camera was not trained or the image has not three channels.
   virtual Image extract(int camera, const Image &image) const = 0;
+  /// Of a camera with ready masks: the mask, its outline brought to where the image has it. By default it is taken as it is.
+  /// Called from several threads at once.
+  virtual Image refine(int /*camera*/, const Image & /*image*/, const Image &mask) const { return mask; }
   static std::unique_ptr<SilhouetteExtractor> create(const ChromaKeyOptions &options = {});
   static std::unique_ptr<SilhouetteExtractor> create(const BackgroundOptions &options);
 };
@@ -82,6 +85,7 @@ struct SilhouetteOptions {
   SilhouetteMethod method = SilhouetteMethod::Auto;
   int median_frames = 25;
   int actor_frames = 8;
+  double mask_error = 0;
   ChromaKeyOptions key;
   BackgroundOptions background;
   static constexpr auto describe() {
@@ -97,6 +101,9 @@ struct SilhouetteOptions {
                "Number of frames, spread over the session, that the median is taken of"),
         option(&O::actor_frames, "actor_frames", at_least(0), "",
                "Number of frames, spread over the session, that the actor's colours before a background are learnt from"),
+        option(&O::mask_error, "mask_error", at_least(0), "px",
+               "Expected error of the outlines of ready masks, at 1004 px image height; 0 = they are taken as they are",
+               "Up to three times as far from them the image decides"),
         option(&O::key, "key", "Options of the screen of one colour"),
         option(&O::background, "background", "Options of the difference to a background"),
     };
@@ -104,8 +111,9 @@ struct SilhouetteOptions {
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
-/// A trained extractor for the cameras of a session that have no ready masks; null if all have. Says for every camera which
-/// method it uses. Throws Error if the method asked for does not fit the session.
+/// A trained extractor for the cameras of a session that have no ready masks, and with mask_error above 0 for those that have
+/// images with them, whose outlines it refines; null if no camera needs one. Says for every camera which method it uses. Throws
+/// Error if the method asked for does not fit the session.
 std::unique_ptr<SilhouetteExtractor> session_silhouettes(const Session &session, FrameSource &frames,
                                                          const SilhouetteOptions &options, const Context &context);
 
@@ -115,7 +123,8 @@ struct CameraView {
   Image mask;  ///< 255 = actor; empty = there is neither a ready one nor an image to make it from
 };
 
-/// The image, and the ready mask or, where there is none, the extractor's. `extractor` may be null: then only ready masks.
+/// The image, and the ready mask as the extractor refines it or, where there is none, the extractor's own. `extractor` may be
+/// null: then only ready masks, as they are.
 CameraView read_view(FrameSource &frames, int camera, int frame, const SilhouetteExtractor *extractor);
 
 /// What all cameras of a session show at a frame: one image and one mask each, as CameraView has them.
