@@ -285,8 +285,6 @@ void bind_player(py::module_ &m) {
           "rate. Raises Error if it comes out not finite; it then stays as it was, and reset() helps.")
       .def("teleport", &Player::teleport, py::arg("dofs"), kView, Release(),
            "Stands in this pose (D) at once; the cloth is carried along with the root, with its speed.")
-      .def_property("threads", &Player::threads, &Player::set_threads,
-                    "1, the caller's, or 2: with a second one beside it, which waits between the steps; the bits are the same.")
       .def_property_readonly("frame", &Player::frame, kView, "The last AnimationFrame.")
       .def_property_readonly("character", &Player::character, kView, "Character that is played")
       .def_property("materials", &Player::materials, &Player::set_materials, py::return_value_policy::copy,

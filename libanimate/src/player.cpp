@@ -7,13 +7,11 @@
 #include "doublet/animate/parts/skin_penetration.h"
 #include "doublet/core/context.h"
 #include "doublet/core/error.h"
-#include "doublet/core/parts/helper_thread.h"
 #include "doublet/core/parts/self_intersection.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <memory>
 #include <numeric>
 #include <utility>
 
@@ -101,21 +99,6 @@ struct Player::Shared {
         watched.back().push_back(edges[i * edges.size() / kWatched]);
     }
   }
-};
-
-/// A second thread, or none. A copy has one of its own.
-class Helper {
-public:
-  Helper() = default;
-  Helper(const Helper &other) { set(other.thread_ != nullptr); }
-  HelperThread *get() const { return thread_.get(); }
-  void set(bool wanted) {
-    if (wanted != (thread_ != nullptr))
-      thread_ = wanted ? std::make_unique<HelperThread>() : nullptr;
-  }
-
-private:
-  std::unique_ptr<HelperThread> thread_;
 };
 
 /// What is a player's own.
@@ -308,11 +291,7 @@ struct Player::Playing {
     return far;
   }
 
-  void pose_body(const Shared &shared, const PosedFrame &pose) {
-    if (shared.body)
-      shared.body->pose(pose.joints, body);
-  }
-  /// What is seen of the state; the body is posed.
+  /// What is seen of the state.
   void show(const Shared &shared, const Eigen::VectorXd &dofs, int index) {
     const Character &character = shared.character;
     draw_surface(shared);
@@ -322,28 +301,19 @@ struct Player::Playing {
     frame.dofs = dofs;
     frame.world_from_rest = posed.world_from_rest;
     joint_positions(character.actor.skeleton, posed.world_from_rest, frame.joints);
-    if (shared.options.body)
-      frame.body = body;
-    run_both(
-        helper.get(), [&] { draw_high(shared); },
-        [&] {
-          if (tuck_body)
-            tuck_body->apply(frame.surface, frame.body);
-        });
-    if (tuck_skin)
-      tuck_skin->apply(display, frame.high, frame.body, helper.get());
-  }
-  void show_anew(const Shared &shared, const Eigen::VectorXd &dofs, int index) {
-    pose_body(shared, posed);
-    show(shared, dofs, index);
-  }
-  void draw_high(const Shared &shared) {
+    Vertices &body = shared.options.body ? frame.body : unseen_body;
+    if (shared.body)
+      shared.body->pose(posed.joints, body);
     if (lift_garment) {
       lifted = frame.surface;
       lift_garment->apply(body, lifted);
     }
     if (shared.display)
       shared.display->apply(lift_garment ? lifted : frame.surface, posed.joints, frame.high, display);
+    if (tuck_body)
+      tuck_body->apply(frame.surface, frame.body);
+    if (tuck_skin)
+      tuck_skin->apply(display, frame.high, frame.body);
   }
 
   std::vector<pbd::Material> materials, step_materials; ///< as given; of the step at hand
@@ -363,13 +333,12 @@ struct Player::Playing {
   Eigen::VectorXd between;
   StepBuffers buffers;
   DisplayBuffers display;
-  Vertices body;   ///< posed, as it is under the clothes
-  Vertices lifted; ///< M, the garment lifted off the body
+  Vertices unseen_body; ///< posed, where the frame has none
+  Vertices lifted;      ///< M, the garment lifted off the body
   std::optional<GarmentPenetrationFix> lift_garment;
   std::optional<BodyPenetrationFix> tuck_body;
   std::optional<SkinPenetrationFix> tuck_skin;
   AnimationFrame frame;
-  Helper helper;
 };
 
 Player::Player(Character character, const AnimateOptions &options, const pbd::ClothSolverFactory &make_solver)
@@ -378,7 +347,7 @@ Player::Player(Character character, const AnimateOptions &options, const pbd::Cl
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(shared_->character.actor.skeleton.dof_count());
   playing_->pose(*shared_, rest, playing_->posed);
   playing_->state = shared_->simulator.start(playing_->posed);
-  playing_->show_anew(*shared_, rest, 0);
+  playing_->show(*shared_, rest, 0);
 }
 Player::~Player() = default;
 Player::Player(const Player &other) : shared_(other.shared_), playing_(std::make_unique<Playing>(*other.playing_)) {}
@@ -400,7 +369,7 @@ const AnimationFrame &Player::reset(const Eigen::VectorXd &dofs) {
     shared_->simulator.step(p.state, p.posed, p.posed, p.materials, world, p.buffers);
   for (pbd::ClothState &cloth : p.state.regions)
     cloth.velocities.setZero();
-  p.show_anew(*shared_, dofs, 0);
+  p.show(*shared_, dofs, 0);
   return p.frame;
 }
 
@@ -414,13 +383,7 @@ const AnimationFrame &Player::step(const Eigen::VectorXd &dofs, double seconds) 
   Playing &p = *playing_;
   for (int i = 0; i < cut.count; ++i) {
     p.aim(*shared_, dofs, cut, i);
-    run_both(
-        p.helper.get(),
-        [&] { shared_->simulator.step(p.state, p.posed, p.next, p.step_materials, p.environment(cut), p.buffers); },
-        [&] {
-          if (i + 1 == cut.count)
-            p.pose_body(*shared_, p.next);
-        });
+    shared_->simulator.step(p.state, p.posed, p.next, p.step_materials, p.environment(cut), p.buffers);
     p.arrive(*shared_, cut.seconds);
   }
   p.show(*shared_, dofs, p.frame.index + 1);
@@ -436,17 +399,8 @@ const AnimationFrame &Player::teleport(const Eigen::VectorXd &dofs) {
     shared_->simulator.move_rigidly(p.caught, p.posed, p.next);
   std::swap(p.posed, p.next);
   p.wake();
-  p.show_anew(*shared_, dofs, p.frame.index + 1);
+  p.show(*shared_, dofs, p.frame.index + 1);
   return p.frame;
-}
-
-void Player::set_threads(int threads) {
-  if (threads != 1 && threads != 2)
-    throw std::invalid_argument("Player: expected 1 or 2 threads, found " + std::to_string(threads));
-  playing_->helper.set(threads == 2);
-}
-int Player::threads() const {
-  return playing_->helper.get() ? 2 : 1;
 }
 
 const AnimationFrame &Player::frame() const {
@@ -507,7 +461,7 @@ void Player::set_state(const CharacterState &state) {
       throw std::invalid_argument("Player::set_state: expected finite positions and velocities, found NaN or infinity");
   playing_->state = state;
   playing_->start_over();
-  playing_->show_anew(*shared_, playing_->frame.dofs, playing_->frame.index);
+  playing_->show(*shared_, playing_->frame.dofs, playing_->frame.index);
 }
 
 void step_players(std::span<Player *const> players, std::span<const Eigen::VectorXd> dofs, double seconds, int threads) {
@@ -560,7 +514,7 @@ void step_players(std::span<Player *const> players, std::span<const Eigen::Vecto
       }
     moving.swap(going_on);
   }
-  in_parallel([&](Player::Playing &p, const Eigen::VectorXd &to) { p.show_anew(shared, to, p.frame.index + 1); });
+  in_parallel([&](Player::Playing &p, const Eigen::VectorXd &to) { p.show(shared, to, p.frame.index + 1); });
   for (int k = 0; k < static_cast<int>(players.size()); ++k)
     if (!std::binary_search(moving.begin(), moving.end(), k))
       throw Error("step_players: the cloth of player " + std::to_string(k) +

@@ -114,31 +114,6 @@ TEST(Player, PlaysWhatAnimatePlays) {
   EXPECT_EQ(player.step(dofs.row(1)).surface, clip.surface[1]);
 }
 
-TEST(Player, TwoThreadsGiveTheSameBits) {
-  const MatrixRM dofs = march();
-  AnimateOptions options;
-  options.settle_seconds = 0.2;
-  Player alone = ready(options), helped = alone;
-  helped.set_threads(2);
-  Player copy = helped;
-  EXPECT_EQ(alone.threads(), 1);
-  EXPECT_EQ(copy.threads(), 2);
-  for (int t = 1; t < kFrames; ++t) {
-    const double seconds = t % 2 ? 1.0 / 40 : 1.0 / 60;
-    const AnimationFrame &frame = alone.step(dofs.row(t), seconds);
-    for (Player *other : {&helped, &copy}) {
-      other->step(dofs.row(t), seconds);
-      ASSERT_EQ(other->frame().surface, frame.surface);
-      ASSERT_EQ(other->frame().high, frame.high);
-      ASSERT_EQ(other->frame().body, frame.body);
-    }
-  }
-  EXPECT_THROW(alone.set_threads(0), std::invalid_argument);
-  EXPECT_THROW(alone.set_threads(3), std::invalid_argument);
-  helped.set_threads(1);
-  EXPECT_EQ(helped.threads(), 1);
-}
-
 /// Most of a second of marching in steps of other lengths ends where it ends in the character's own: the folds differ by what
 /// they do between any two runs that are not the same bits (1.3 cm). In one piece of 1/120 s instead it were 2.5 cm.
 TEST(Player, StepsOfAnyLengthGiveTheSameMotion) {
@@ -619,16 +594,13 @@ TEST(Player, WarmFrameAllocatesNothing) {
       player.step(pose, 1.0 / 60); // with poses between
     }
   };
-  for (const int threads : {1, 2}) {
-    player.set_threads(threads);
-    play();
-    play();
-    allocations = 0;
-    counting = true;
-    play();
-    counting = false;
-    EXPECT_EQ(allocations, 0) << threads;
-  }
+  play();
+  play();
+  allocations = 0;
+  counting = true;
+  play();
+  counting = false;
+  EXPECT_EQ(allocations, 0);
 }
 #endif
 

@@ -33,20 +33,6 @@ def test_player_plays_what_animate_plays(world, player):
             np.testing.assert_array_equal(getattr(frame, name), getattr(clip, name)[t], name)
 
 
-def test_two_threads_give_the_same_bits(world, player):
-    helped = player.copy()
-    helped.threads = 2
-    assert (player.threads, helped.threads) == (1, 2)
-    with pytest.raises(ValueError, match="1 or 2 threads, found 3"):
-        helped.threads = 3
-    for one in (player, helped):
-        one.reset(world.motion.dofs[0])
-    for dofs in world.motion.dofs[1:]:
-        frame, other = player.step(dofs), helped.step(dofs)
-        for name in ("surface", "high", "body"):
-            np.testing.assert_array_equal(getattr(frame, name), getattr(other, name), name)
-
-
 def test_arrays_are_views_that_keep_the_player(world):
     frame = d.Player(world.character, QUICK).reset(world.motion.dofs[0])
     surface = frame.surface

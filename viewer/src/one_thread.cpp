@@ -1,7 +1,6 @@
-// libcore's loop over indices, and its helper, on the one thread that a page has.
+// libcore's loop over indices on the one thread that a page has.
 
 #include "doublet/core/context.h"
-#include "doublet/core/parts/helper_thread.h"
 
 namespace doublet {
 
@@ -15,15 +14,6 @@ void Context::report_progress(const std::string &, double) const {}
 void Context::log_line(const std::string &line) const {
   if (log)
     log(line);
-}
-
-struct HelperThread::Thread {};
-HelperThread::HelperThread() = default;
-HelperThread::~HelperThread() = default;
-
-void HelperThread::run_parts(const Part &here, const Part &there) {
-  here.call(here.what);
-  there.call(there.what);
 }
 
 } // namespace doublet

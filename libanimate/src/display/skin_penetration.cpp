@@ -175,39 +175,13 @@ void SkinPenetrationFix::Part::find_normals(const Vertices &positions) {
     tucked.own.normalize(); // none stays none
 }
 
-void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body, HelperThread *helper) {
-  const std::size_t count = skin_.vertices.size() + (body.rows() > 0 ? body_.vertices.size() : 0);
-  run_both(
-      helper,
-      [&] {
-        for (Sheet &sheet : sheets_)
-          if (sheet.surface)
-            sheet.surface->move_to(drawn.cloth);
-      },
-      [&] {
-        skin_.find_normals(high);
-        if (body.rows() > 0)
-          body_.find_normals(body);
-      });
-  run_both(
-      helper, [&] { find_ways_in(drawn.cloth_normals, high, body, 0, count / 2); },
-      [&] { find_ways_in(drawn.cloth_normals, high, body, count / 2, count); });
-  run_both(
-      helper, [&] { tuck(skin_, high); },
-      [&] {
-        if (body.rows() > 0)
-          tuck(body_, body);
-      });
-}
-
-void SkinPenetrationFix::find_ways_in(const Vertices &normals, const Vertices &high, const Vertices &body, std::size_t first,
-                                      std::size_t last) {
-  const std::size_t skin = skin_.vertices.size();
-  for (std::size_t i = first; i < last; ++i)
-    if (i < skin)
-      find_way_in(normals, high, skin_.vertices[i]);
-    else
-      find_way_in(normals, body, body_.vertices[i - skin]);
+void SkinPenetrationFix::apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body) {
+  for (Sheet &sheet : sheets_)
+    if (sheet.surface)
+      sheet.surface->move_to(drawn.cloth);
+  tuck(drawn.cloth_normals, skin_, high);
+  if (body.rows() > 0)
+    tuck(drawn.cloth_normals, body_, body);
 }
 
 SkinPenetrationFix::Beside SkinPenetrationFix::beside(const Sheet &sheet, const Eigen::Vector3d &point, const Vertices &normals,
@@ -278,7 +252,10 @@ void SkinPenetrationFix::take_neighbours_along(Part &part, const Vertices &posit
     }
 }
 
-void SkinPenetrationFix::tuck(Part &part, Vertices &positions) {
+void SkinPenetrationFix::tuck(const Vertices &normals, Part &part, Vertices &positions) const {
+  part.find_normals(positions);
+  for (Tucked &tucked : part.vertices)
+    find_way_in(normals, positions, tucked);
   take_neighbours_along(part, positions);
   for (const Tucked &tucked : part.vertices)
     positions.row(tucked.vertex) -= tucked.in * tucked.own.transpose();

@@ -89,11 +89,6 @@ public:
   /// Stands in this pose at once; the cloth is carried along with the root as one rigid body, with its speed.
   const AnimationFrame &teleport(const Eigen::VectorXd &dofs);
 
-  /// On 1 thread, the caller's, or with a second one beside it, which waits between the steps; the bits are the same. 1 at first.
-  /// std::invalid_argument for another number.
-  void set_threads(int threads);
-  int threads() const;
-
   const AnimationFrame &frame() const; ///< the last
   const Character &character() const;  ///< as it was given
 

@@ -2,7 +2,6 @@
 // The person's skin, kept from showing through a garment as it is drawn.
 
 #include "doublet/animate/display_surface.h"
-#include "doublet/core/parts/helper_thread.h"
 #include "doublet/core/parts/moving_surface.h"
 
 #include <array>
@@ -25,8 +24,7 @@ public:
   /// The character must have M_high with a garment, else Error.
   explicit SkinPenetrationFix(const Character &character);
   /// `drawn` and `high` as DisplaySurface::apply() has left them, `body` (B, 3) or empty; once warm, nothing is allocated.
-  /// `helper` does half of it, if there is one.
-  void apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body, HelperThread *helper = nullptr);
+  void apply(const DisplayBuffers &drawn, Vertices &high, Vertices &body);
 
 private:
   enum class Edge : std::uint8_t { Inner, Free, Seam, Cut };
@@ -62,9 +60,7 @@ private:
                 const Eigen::Vector3d &own, int &last) const;
   void find_way_in(const Vertices &normals, const Vertices &positions, Tucked &tucked) const;
   static void take_neighbours_along(Part &part, const Vertices &positions);
-  /// For the vertices [first, last) of skin and body, counted on from one to the other.
-  void find_ways_in(const Vertices &normals, const Vertices &high, const Vertices &body, std::size_t first, std::size_t last);
-  static void tuck(Part &part, Vertices &positions);
+  void tuck(const Vertices &normals, Part &part, Vertices &positions) const;
 
   Part skin_, body_;          ///< of M_high, of the body
   Faces faces_;               ///< of the garment as it is drawn
