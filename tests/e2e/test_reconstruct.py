@@ -258,7 +258,7 @@ def test_cpp_example_animates_the_character(made, shipped, cpp_examples, tmp_pat
 
 
 def test_numpy_example_animates_and_fits(made):
-    broken, apart, energy, frozen = runpy.run_path(str(ROOT / "examples" / "numpy_solver.py"))["main"](made[0], frames=10)
+    broken, apart, energy, frozen = runpy.run_path(str(ROOT / "examples" / "numpy_solver.py"))["main"](made[0], frames=20)
     assert broken == []
     assert apart < 6  # cm
     assert np.isfinite(energy).all() and np.less(energy, frozen).all()
