@@ -52,6 +52,9 @@ function(doublet_tests name)
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   target_compile_definitions(test_${name} PRIVATE DOUBLET_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   doublet_warnings(test_${name})
+  # A test is compiled more often than it runs: two thirds of the time of -O3. What it shares with the libraries is inlined, too.
+  target_compile_options(test_${name} PRIVATE
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-O1;-finline-small-functions;-findirect-inlining>)
   set(suites ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_suites.cmake)
   file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/test_${name}_if_built.cmake
     CONTENT "if(EXISTS \"${suites}\")\n  include(\"${suites}\")\nelse()\n  add_test(test_${name}_NOT_BUILT test_${name}_NOT_BUILT)\nendif()\n")

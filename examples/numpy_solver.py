@@ -15,7 +15,7 @@ from doublet import testing
 
 def dot(a, b):
     """Of vectors along the last axis, which stays."""
-    return (a * b).sum(axis=-1, keepdims=True)
+    return np.einsum("...i,...i->...", a, b)[..., None]
 
 
 def column(values):
@@ -120,6 +120,8 @@ class NumpySolver(d.ClothSolver):
             away = x - sphere[..., :3]
             distance = np.sqrt(dot(away, away)) + 1e-12
             depth = np.maximum(sphere[..., 3:] + self.model.options.thickness - distance, 0) * self.free[:, None]
+            if not depth.any():
+                continue
             x += depth * away / distance
             was = first[:, c, :1] + t * (first[:, c, 1:] - first[:, c, :1])
             way = (x - old) - (sphere - was)[..., :3]

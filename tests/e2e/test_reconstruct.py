@@ -21,7 +21,7 @@ from doublet import reconstruct
 from nbclient import NotebookClient
 from PIL import Image
 
-FIRST, COUNT = 0, 96  # from the scan pose on, as far as the skirt swings
+FIRST, COUNT = 0, 64  # from the scan pose on, as far as the skirt swings
 OPTIONS = [
     "--capture-first-frame",
     FIRST,
@@ -296,9 +296,9 @@ def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
 
 
 PICTURES = {
-    "overview": ["{motion}", "--frame", 72, "--new", 76],
-    "dance": ["--truth", "{truth}", "--frames", 0, 80],
-    "captured": ["--frames", 20, 88],
+    "overview": ["{motion}", "--frame", 56, "--new", 76],
+    "dance": ["--truth", "{truth}", "--frames", 0, 55],
+    "captured": ["--frames", 20, 60],
     "template": [],
     "segmentation": [],
     "garment": [],

@@ -17,11 +17,18 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json; // keeps the order of joints in the file
 constexpr int kMostFrames = 100'000'000;
+constexpr int kMostKeys = 20'000; // of a file: an ordered object looks for every new key among all
 
 Json read_json(const fs::path &path) {
   const std::string text = read_json_text(path);
+  int keys = 0;
+  const auto bounded = [&](int, Json::parse_event_t event, const Json &) {
+    if (event == Json::parse_event_t::key && ++keys > kMostKeys)
+      throw Error(path.string() + ": expected at most " + std::to_string(kMostKeys) + " keys, found more");
+    return true;
+  };
   try {
-    return Json::parse(text);
+    return Json::parse(text, bounded);
   } catch (const nlohmann::json::exception &e) {
     throw Error(path.string() + ": expected JSON, found a syntax error (" + e.what() + ")");
   }
