@@ -17,10 +17,10 @@ echo "== the viewer's bundle, beside pip, style and build"
 viewer=$!
 
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
-"$venv/bin/pip" install -q --no-compile --disable-pip-version-check 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pybind11-stubgen>=2.5' 'numpy>=1.22' 'pytest>=7' 'pytest-xdist>=3.7' 'selenium>=4.6' 'ruff>=0.4' 'clang-format==14.*' \
-  cma optuna nevergrad distributed 'sphinx>=7' 'myst-parser>=2' 'breathe>=4.35' furo nbclient ipykernel mypy vermin cffconvert usd-core
-[ -d "$node/node_modules/gltf-validator" ] && [ -d "$node/node_modules/three" ] ||
-  npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10 three@0.180.0
+pip_install() {
+  "$venv/bin/pip" install -q --no-compile --disable-pip-version-check "$@"
+}
+pip_install 'scikit-build-core>=0.10' 'pybind11>=2.13' 'pybind11-stubgen>=2.5' 'numpy>=1.22' 'ruff>=0.4' 'clang-format==14.*' vermin cffconvert
 
 echo "== style"
 "$venv/bin/ruff" check .
@@ -28,6 +28,15 @@ echo "== style"
 "$venv/bin/vermin" -q -t=3.9- --no-tips --exclude file bindings examples tests docs scripts # what Python 3.9 has; file: no built-in of ours
 "$venv/bin/cffconvert" --validate >/dev/null
 git ls-files '*.h' '*.cpp' | xargs "$venv/bin/clang-format" --dry-run -Werror
+
+echo "== what the tests need, beside the build"
+(
+  pip_install 'pytest>=7' 'pytest-xdist>=3.7' 'selenium>=4.6' cma optuna nevergrad distributed 'sphinx>=7' 'myst-parser>=2' \
+    'breathe>=4.35' furo nbclient ipykernel mypy usd-core
+  [ -d "$node/node_modules/gltf-validator" ] && [ -d "$node/node_modules/three" ] ||
+    npm install --silent --no-fund --no-audit --prefix "$node" gltf-validator@2.0.0-dev.3.10 three@0.180.0
+) >build/needs.log 2>&1 &
+needs=$!
 
 echo "== build (warnings are errors)"
 # One build folder for the package and for ctest. Without isolation its paths stay the same from run to run.
@@ -39,6 +48,7 @@ make_wheel() {
     --config-settings=cmake.define.DOUBLET_WERROR=ON
 }
 make_wheel
+wait "$needs" || { cat build/needs.log && exit 1; }
 wait "$viewer" || { cat build/viewer.log && exit 1; }
 [ "$(find build/wheel -newer build/viewer/viewer.css)" ] || make_wheel # the bundle was the slower of the two
 
