@@ -205,6 +205,7 @@ void bind_session(py::module_ &m) {
       .def_readwrite("rig", &Session::rig, "a Camera for each of `cameras`")
       .def_readwrite("lenses", &Session::lenses, "undone when images are read; one for each camera")
       .def_readwrite("scan", &Session::scan, "absolute; empty if there is none")
+      .def_readwrite("scan_from_views", &Session::scan_from_views, "whether `doublet scan` made the scan from the views")
       .def_readwrite("calibration", &Session::calibration, "absolute")
       .def_readwrite("markers", &Session::markers, "joints.json, absolute; empty if there is none")
       .def_readwrite("joints", &Session::joints, "JointMarks of joints.json")

@@ -27,6 +27,15 @@ Vertices first_colours(Reconstruction &reconstruction, const ReferencePerformanc
   return sample_colours(first, actor.face_valid, session.rig, views.images, views.masks, {}, reconstruction.context());
 }
 
+/// Whether the scan is one whose distance from a body tells of clothes. What the views made bulges between them by as much as
+/// clothes do: there colours know better, where there are any.
+bool tells_of_clothes(Reconstruction &reconstruction, const Vertices &colours) {
+  if (!reconstruction.session().scan_from_views || !colours.array().isFinite().any())
+    return true;
+  reconstruction.announce("segment: the scan is made from the views: how far it stands off a body is not asked");
+  return false;
+}
+
 /// A body that fits into the surface wherever it may be dressed; empty, and said so, where the model does not know the skeleton.
 Mesh body_within(Reconstruction &reconstruction, const ReferencePerformance &performance) {
   const RiggedMesh &actor = reconstruction.results().actor();
@@ -116,7 +125,8 @@ Json run_segment(Reconstruction &reconstruction) {
   const ReferencePerformance performance = reconstruction.results().performance();
   const auto segmenter = ClothSegmenter::create(options.segment);
   const Vertices colours = options.segment.colour > 0 ? first_colours(reconstruction, performance) : Vertices(0, 3);
-  const Mesh body = options.segment.gap_slope > 0 ? body_within(reconstruction, performance) : Mesh();
+  const bool is_asked = options.segment.gap_slope > 0 && tells_of_clothes(reconstruction, colours);
+  const Mesh body = is_asked ? body_within(reconstruction, performance) : Mesh();
   const Segmentation found = segment_performance(actor, performance, *segmenter, colours, body, reconstruction.context());
   const auto painted = read_segmentation_paint(reconstruction.out(), found.clothness.size());
   const Mesh pose = segmentation_pose(actor, performance);

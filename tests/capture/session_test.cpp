@@ -146,6 +146,14 @@ TEST_F(SessionFiles, CalibrationOfAnotherSize) {
   expect_failure({"cam1.mp4", "1004", "502"});
 }
 
+TEST_F(SessionFiles, TellWhetherTheScanIsOfTheViews) {
+  EXPECT_FALSE(read_session(folder.path()).scan_from_views);
+  replace("session.json", "\"frame_count\": 128", "\"frame_count\": 128, \"scan_from_views\": true");
+  EXPECT_TRUE(read_session(folder.path()).scan_from_views);
+  replace("session.json", "\"scan_from_views\": true", "\"scan_from_views\": \"yes\"");
+  expect_failure({"session.json", "scan_from_views", "true or false", "yes"});
+}
+
 TEST_F(SessionFiles, FirstFrame) {
   replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 50");
   replace("session.json", "\"name\": \"cam3\"", "\"first_frame\": 7, \"name\": \"cam3\"");

@@ -329,3 +329,17 @@ def test_the_notebook_runs(made, shipped, tmp_path, monkeypatch):
     assert "running" not in said and said.count("up to date") == len(reconstruct.STAGES), said
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 7
     assert "joint_mm" in said
+
+
+def test_how_far_a_scan_of_the_views_stands_off_a_body_is_not_asked(made, broken_session, tmp_path):
+    out = tmp_path / "copy"
+    shutil.copytree(made[0], out)
+    described = json.loads((broken_session / "session.json").read_text())
+    (broken_session / "session.json").write_text(json.dumps({**described, "scan_from_views": True}))
+    record = json.loads((out / "run.json").read_text())
+    (out / "run.json").write_text(json.dumps({**record, "session": str(broken_session)}))
+    done = doublet("segment", out, "--force")
+    assert done.returncode in (0, 3), done.stderr
+    assert "how far it stands off a body is not asked" in done.stderr
+    asked, plain = (np.load(folder / "segmentation.npz")["probability"] for folder in (made[0], out))
+    assert np.abs(asked - plain).max() > 0.1

@@ -46,6 +46,7 @@ def test_the_command_takes_a_given_scan(model, tmp_path, capsys):  # noqa: F811
     assert main(["scan", str(folder), *fast, "--given", str(tmp_path / "raw.ply")]) in (0, 3)
     assert "raw.ply is in mm, +z is up, without its floor; brought to" in capsys.readouterr().err
     session = d.Session(folder)
+    assert not session.scan_from_views
     _, off, _ = d.RayScene(person.mesh).closest(d.read_mesh(session.scan).vertices)
     assert off.mean() < 0.01
     errors = person.errors_mm({mark.name: mark.position for mark in session.joints})

@@ -110,6 +110,7 @@ def test_without_a_scan_the_command_that_makes_it_is_named(model, tmp_path, caps
 def test_the_command_completes_a_session(scanned, capsys):
     person, folder = scanned
     session = d.Session(folder)
+    assert session.scan_from_views
     surface = d.RayScene(person.mesh)
     assert surface.closest(d.read_mesh(session.scan).vertices)[1].mean() < 0.012
     errors = person.errors_mm({mark.name: mark.position for mark in session.joints})

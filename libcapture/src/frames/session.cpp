@@ -267,6 +267,8 @@ Session read_session(const fs::path &folder) {
   session.cameras = read_cameras(json, session.folder, source);
   if (const std::string scan = text_or(json, "scan", where); !scan.empty())
     session.scan = existing(session.folder, scan, "scan", source);
+  if (json.contains("scan_from_views"))
+    session.scan_from_views = value<bool>(json, "scan_from_views", where, "true or false");
   if (const std::string motion = text_or(json, "new_motion", where); !motion.empty())
     session.new_motion = existing(session.folder, motion, "new motion", source);
   session.calibration =

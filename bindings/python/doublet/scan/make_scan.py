@@ -93,6 +93,7 @@ def scan_session(
         d.write_mesh(require_free(folder / SCAN, force), mesh)
         made.append(folder / SCAN)
         description["scan"] = SCAN
+        description["scan_from_views"] = given is None
         set_first_frame(description, chosen)
         save(job, description)
     rival = 0.0

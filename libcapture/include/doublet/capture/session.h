@@ -34,6 +34,8 @@ struct Session {
   CameraRig rig;              ///< one camera for each of `cameras`
   std::vector<Lens> lenses;   ///< undone when frames, masks and clean plates are read; one for each of `cameras`, or none at all
   std::filesystem::path scan; ///< absolute; empty if there is none (yet)
+  /// The scan is made from the views themselves (`doublet scan`): between their outlines it bulges by as much as clothes do.
+  bool scan_from_views = false;
   std::filesystem::path calibration;                ///< absolute
   std::filesystem::path markers;                    ///< absolute; empty if there are none (yet)
   std::vector<JointAnnotation> joints;              ///< joints.json
