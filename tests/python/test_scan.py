@@ -3,12 +3,14 @@
 import json
 import re
 import shutil
+from types import SimpleNamespace
 
 import doublet as d
 import numpy as np
 import pytest
 from doublet import body_model_path
 from doublet.cli import main
+from doublet.scan import make_scan
 from doublet.session import keypoints
 from PIL import Image
 
@@ -327,3 +329,19 @@ def test_what_was_tracked_with_another_scan_refines_nothing(session_with_scan, t
     assert main(["scan", str(folder), *FAST, "--refine", str(out)]) == 1
     assert "expected a template made from" in capsys.readouterr().err
     assert (folder / "scan.ply").read_bytes() == before
+
+
+@pytest.mark.parametrize("best", [31, 0])
+def test_where_nobody_stands_the_frame_that_would_do_is_named(monkeypatch, best):
+    said = "; frame 31 is more like a standing body: doublet scan s --force --frame 31" if best else ""
+    job = SimpleNamespace(session_folder="s")
+    monkeypatch.setattr(make_scan, "best_frame", lambda _: best)
+
+    def found(largest):
+        fit = SimpleNamespace(coefficients=np.array([0.3, -largest]))
+        return make_scan.standing_findings(job, SimpleNamespace(fit=fit))
+
+    assert found(4.9) == []
+    for largest, impossible in ((6, False), (9, True)):
+        (finding,) = found(largest)
+        assert finding.impossible == impossible and finding.text.endswith("have grown together" + said)

@@ -96,13 +96,13 @@ def scan_session(
         description["scan_from_views"] = given is None
         set_first_frame(description, chosen)
         save(job, description)
-    rival = 0.0
+    findings: list[d.Finding] = []
     if "markers" in wanted:
-        rival = write_marks(job, force, of_cameras="scan" in wanted and not given)
+        findings = write_marks(job, force, of_cameras="scan" in wanted and not given)
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
-    return with_check_picture(job, made, rival)
+    return with_check_picture(job, made, findings)
 
 
 def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
@@ -110,18 +110,18 @@ def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
     return triangulated(job.session, frame) if job.session.keypoints.name else {}
 
 
-def write_marks(job: Job, force: bool, of_cameras: bool) -> float:
-    """Writes joints.json; how nearly as likely the other facing is."""
+def write_marks(job: Job, force: bool, of_cameras: bool) -> list[d.Finding]:
+    """Writes joints.json; what is doubtful about it."""
     seen = seen_joints(job, 0)
     marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
     write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
-    return marks.facing_ambiguity
+    return [*facing_findings(marks), *(standing_findings(job, marks) if of_cameras else [])]
 
 
-def with_check_picture(job: Job, made: list[Path], rival: float) -> ScanResult:
+def with_check_picture(job: Job, made: list[Path], findings: list[d.Finding]) -> ScanResult:
     picture = job.session_folder / PICTURE
     checked = check.check_and_draw(job.session, d.FrameSource.open(job.session), job.silhouettes, picture)
-    return ScanResult([*made, picture], [*facing_finding(rival), *checked.findings])
+    return ScanResult([*made, picture], [*findings, *checked.findings])
 
 
 def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -> ScanResult:
@@ -142,11 +142,11 @@ def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -
         d.write_mesh(job.session_folder / FIRST_SCAN, scan)
     fine = d.SurfaceTransfer(actor.mesh, [], scan, []).apply(refined)
     d.write_mesh(path, d.Mesh(fine, scan.faces))
-    made, rival = [path], 0.0
+    made, findings = [path], []
     if found_here(job.session_folder / MARKS):
-        rival = write_marks(job, force=True, of_cameras=True)
+        findings = write_marks(job, force=True, of_cameras=True)
         made.append(job.session_folder / MARKS)
-    return with_check_picture(job, made, rival)
+    return with_check_picture(job, made, findings)
 
 
 def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) -> None:
@@ -283,7 +283,19 @@ def joints_file(marks: d.DetectedJoints) -> dict:
     }
 
 
-def facing_finding(rival: float) -> list[d.Finding]:
+def facing_findings(marks: d.DetectedJoints) -> list[d.Finding]:
+    rival = marks.facing_ambiguity
     if rival <= LIKELY_RIVAL:
         return []
     return [d.Finding(False, f"the joints: front and back of the person were hard to tell apart (ratio {rival:.2f})")]
+
+
+def standing_findings(job: Job, marks: d.DetectedJoints) -> list[d.Finding]:
+    """Where the scan is none of a person who stands, which frame would do."""
+    limit = next(limit for limit in d.quality_limits() if limit.number == "largest_coefficient")
+    found = limit.check(float(np.abs(marks.fit.coefficients).max()))
+    if not found:
+        return []
+    best = best_frame(job)
+    would_do = f"; frame {best} is more like a standing body: doublet scan {job.session_folder} --force --frame {best}"
+    return [d.Finding(found.impossible, found.text + (would_do if best else ""))]
