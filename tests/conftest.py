@@ -6,7 +6,6 @@ LONGEST = (
     "test_consumer",
     "test_scan",
     "test_code_blocks",
-    "test_cpp_pipeline",
     "test_masks_only",
     "test_view",
     "test_edit_segmentation",

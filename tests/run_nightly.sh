@@ -15,7 +15,7 @@
 #   fuzz        libFuzzer, DOUBLET_FUZZ_SECONDS (60) a harness
 #   mutate      DOUBLET_MUTANTS (1000) damaged files of every format, read from Python
 #   slow        ctest -L slow: cloth in every corner of the material box; templates, first poses and searches beyond those of every run;
-#               the benchmarks, linked
+#               the benchmarks, linked; pytest -m slow: the C++ example against the command
 #   sanitize    every C++ test under AddressSanitizer and UndefinedBehaviorSanitizer
 #   threads     every C++ test under ThreadSanitizer
 #   rooms       what the flaws of a real room cost on the shipped session (benchmarks/rooms.py)
@@ -38,6 +38,10 @@ linked_benchmarks() { # beside the tests, whose build is then as it was
   local status=0
   cmake -S . -B "$build" -DDOUBLET_BUILD_BENCHMARKS=ON && cmake --build "$build" --target benchmarks || status=1
   cmake -S . -B "$build" -DDOUBLET_BUILD_BENCHMARKS=OFF && return $status
+}
+
+slow_python() {
+  PATH=$venv/bin:$PATH DOUBLET_BUILD_DIR=$build "$venv/bin/python" -m pytest -m slow
 }
 
 each_alone() {
@@ -70,7 +74,7 @@ run_part() {
     stages) installed && "$venv/bin/python" tests/slow/every_stage.py --whole ;;
     fuzz) tests/fuzz/run.sh "${DOUBLET_FUZZ_SECONDS:-60}" ;;
     mutate) installed && "$venv/bin/python" tests/fuzz/mutate.py --count "${DOUBLET_MUTANTS:-1000}" ;;
-    slow) installed && linked_benchmarks && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow -j "$(nproc)" ;;
+    slow) installed && linked_benchmarks && ctest --test-dir "$build" --output-on-failure --no-tests=error -L slow -j "$(nproc)" && slow_python ;;
     sanitize) under sanitize ;;
     threads) TSAN_OPTIONS=suppressions=$PWD/tests/tsan.supp under sanitize-threads ;;
     rooms) installed && rm -rf "$logs/rooms" && PATH=$venv/bin:$PATH "$venv/bin/python" benchmarks/rooms.py examples/data/session -o "$logs/rooms" ;;

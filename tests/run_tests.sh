@@ -64,5 +64,5 @@ scripts/build-docs.sh "$venv/bin/python" >build/docs.log 2>&1 &
 docs=$!
 
 echo "== pytest"
-PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest -n 2 --dist loadfile --no-loadscope-reorder "$@"
+PATH="$venv/bin:$PATH" DOUBLET_BUILD_DIR="$build" DOUBLET_NODE_DIR="$node" DOUBLET_WHEEL=$(echo "$PWD"/build/wheel/doublet-*.whl) "$venv/bin/python" -m pytest -m "not slow" -n 2 --dist loadfile --no-loadscope-reorder "$@"
 wait "$docs" || { cat build/docs.log && exit 1; }

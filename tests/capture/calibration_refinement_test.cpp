@@ -268,7 +268,9 @@ TEST_F(RefinedCapture, CamerasMayFilmBetweenTheFramesOfOthers) {
   EXPECT_LT(joint_error(result), 0.7 * joint_error(without)) << log;
 }
 
-TEST_F(RefinedCapture, GoesOnToTheSameBitsWhereverItIsStopped) {
+using SlowRefinedCapture = RefinedCapture;
+
+TEST_F(SlowRefinedCapture, GoesOnToTheSameBitsWhereverItIsStopped) {
   Late late(film, {0, 1, 0, 1, 0, 0});
   const CameraRig given = disturbed(rig);
   const CaptureResult whole = capture(given, late);

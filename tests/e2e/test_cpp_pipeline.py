@@ -5,6 +5,7 @@ import subprocess
 
 import doublet as d
 import numpy as np
+import pytest
 from conftest import doublet
 
 FRAMES = 6
@@ -31,6 +32,7 @@ def make_coarser(path, cell):
     d.write_mesh(path, d.Mesh(middle / count[:, None], faces[whole].astype(np.int32)))
 
 
+@pytest.mark.slow
 def test_the_cpp_example_writes_what_the_command_writes(broken_session, cpp_examples, tmp_path):
     described = broken_session / "session.json"
     session = json.loads(described.read_text())

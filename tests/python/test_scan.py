@@ -122,6 +122,7 @@ def test_the_command_completes_a_session(scanned, capsys):
     assert "names a scan and joints already; --force makes them anew" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_best_frame_is_found_and_the_session_begins_there(model, tmp_path, capsys):
     person = Person(model, 0.7, 3)
     ball = d.capsule_mesh([0.2, 0.5, -0.3], [0.2, 1.2, -0.3], 0.3, 0.3)
