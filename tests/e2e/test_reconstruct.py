@@ -284,6 +284,7 @@ def test_glb_passes_the_khronos_validator(made, animations, which):
     assert issues["numErrors"] == 0, json.dumps(issues["messages"][:5], indent=1)
 
 
+@pytest.mark.slow
 def test_the_same_bits_for_any_number_of_threads(made, tmp_path):
     runs = []
     for threads in (1, 2):

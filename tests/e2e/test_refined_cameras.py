@@ -71,6 +71,7 @@ def test_the_record_says_how_far_each_camera_moved(made):
     assert 3 < np.mean([camera["moved_mm"] for camera in summary["cameras"]]) < 40
 
 
+@pytest.mark.slow
 def test_without_refinement_the_given_cameras_stay(made):
     session, out, _ = made
     done = doublet("capture", session, "-o", out, *OPTIONS, "--no-capture-refine-cameras")

@@ -229,6 +229,7 @@ def bent(camera: d.Camera) -> d.Camera:
     return camera
 
 
+@pytest.mark.slow
 def test_joints_come_from_keypoints_where_arms_hang(model, tmp_path, capsys):
     person = Person(model, 0.7, 3)
     folder = write_session(tmp_path / "session", person)
