@@ -41,7 +41,7 @@ linked_benchmarks() { # beside the tests, whose build is then as it was
 }
 
 slow_python() {
-  PATH=$venv/bin:$PATH DOUBLET_BUILD_DIR=$build "$venv/bin/python" -m pytest -m slow
+  PATH=$venv/bin:$PATH DOUBLET_BUILD_DIR=$build "$venv/bin/python" -m pytest -m slow -n 2 --dist loadfile
 }
 
 each_alone() {

@@ -296,6 +296,9 @@ def standing_findings(job: Job, marks: d.DetectedJoints) -> list[d.Finding]:
     found = limit.check(float(np.abs(marks.fit.coefficients).max()))
     if not found:
         return []
-    best = best_frame(job)
+    try:
+        best = best_frame(job)
+    except RuntimeError:  # none would do; what was made is kept
+        best = 0
     would_do = f"; frame {best} is more like a standing body: doublet scan {job.session_folder} --force --frame {best}"
     return [d.Finding(found.impossible, found.text + (would_do if best else ""))]
