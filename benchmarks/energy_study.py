@@ -58,7 +58,7 @@ def main() -> None:
     observations = d.read_observations(job.path("observations.npz"))
     for name, changed in ENERGIES.items():
         options = d.EnergyOptions(**{**job.fit_options().energy.to_dict(), **changed})
-        objective = d.MaterialObjective(simulator, performance, observations, options)
+        objective = d.MaterialObjective(simulator, performance, observations, dt, options)
         energies = np.sum(objective.energies([[m] * regions for m in materials], d.Context()), axis=1)
         low = energies.argsort()[: len(energies) // 3]
         print(

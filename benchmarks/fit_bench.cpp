@@ -49,7 +49,7 @@ void simulate(benchmark::State &state) {
   for (auto _ : state) {
     CharacterState cloth = s.simulator->start(frames[0]);
     for (int t = 1; t < kFrames; ++t)
-      s.simulator->step(cloth, frames[t - 1], frames[t], {testing::cotton()}, 1.0 / 40);
+      s.simulator->step(cloth, frames[t - 1], frames[t], {testing::cotton()}, testing::kDt);
     benchmark::DoNotOptimize(cloth);
   }
   set_rate(state);
@@ -59,7 +59,7 @@ BENCHMARK(simulate)->Unit(benchmark::kMillisecond);
 /// Simulation included; subtract the above.
 void simulate_and_measure(benchmark::State &state) {
   const testing::Scene &s = scene(static_cast<int>(state.range(0)));
-  const MaterialObjective objective(*s.simulator, s.performance, s.observations, no_settling());
+  const MaterialObjective objective(*s.simulator, s.performance, s.observations, testing::kDt, no_settling());
   for (auto _ : state)
     benchmark::DoNotOptimize(objective.energies({{testing::cotton()}}, one_thread()));
   set_rate(state);
@@ -71,7 +71,7 @@ BENCHMARK(simulate_and_measure)->Arg(502)->Arg(1004)->Unit(benchmark::kMilliseco
 void prepare_images(benchmark::State &state) {
   const testing::Scene &s = scene(static_cast<int>(state.range(0)));
   for (auto _ : state)
-    MaterialObjective(*s.simulator, s.performance, s.observations, no_settling(), {}, one_thread());
+    MaterialObjective(*s.simulator, s.performance, s.observations, testing::kDt, no_settling(), {}, one_thread());
   set_rate(state);
 }
 BENCHMARK(prepare_images)->Arg(502)->Arg(1004)->Unit(benchmark::kMillisecond);
@@ -122,7 +122,7 @@ void estimate(benchmark::State &state) {
   for (auto _ : state) {
     EnergyOptions energy;
     energy.window = static_cast<int>(state.range(4));
-    MaterialObjective objective(*scene->simulator, performance, observations, energy, {}, context);
+    MaterialObjective objective(*scene->simulator, performance, observations, testing::kDt, energy, {}, context);
     MinimiseOptions options;
     options.make_optimizer = [&](int n, std::uint64_t) { return create_cma_es(n, cma); };
     evaluations = minimise(objective, options, context).parts[0].evaluations;

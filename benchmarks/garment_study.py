@@ -59,7 +59,8 @@ def main() -> None:
             job.fit_options().energy,
         )
         observations = d.read_observations(job.path("observations.npz"))
-        objective = d.MaterialObjective(simulator, performance, observations, energy, space)
+        dt = 1 / job.session.fps
+        objective = d.MaterialObjective(simulator, performance, observations, dt, energy, space)
         each = [[material] * simulator.region_count for material in materials]
         costs = np.sum(objective.energies(each, context), axis=1)
         first = costs if first is None else first
@@ -71,7 +72,7 @@ def main() -> None:
             faces, clothness = dressed_faces(job)
             distances = []
             for index in np.argsort(costs)[:lowest]:
-                frames = d.simulate_reference(simulator, performance, each[index], energy.dt, energy.settle_frames)
+                frames = d.simulate_reference(simulator, performance, each[index], dt, energy.settle_frames)
                 moving = evaluate.Animated(dict(zip(performance.frames, frames)), faces, clothness)
                 distances.append(evaluate.cloth_rms_cm(moving, truth, arguments.every, context, ""))
             line += f"; {np.mean(distances):.2f} cm from the truth"

@@ -162,10 +162,10 @@ def main(out, frames=40):
         character.actor, character.segmentation, character.proxies, character.solver.cloth, make_solver=NumpySolver
     )
     fit = d.FitOptions(max_evaluations=8, population=4, initial_design_size=4)
-    fit.energy, fit.space = d.EnergyOptions(dt=dt, settle_frames=4), d.ParameterSpace(names=["d_n", "d_t"])
-    found = d.estimate_material(simulator, part, seen, fit).to_dict()["regions"]
+    fit.energy, fit.space = d.EnergyOptions(settle_frames=4), d.ParameterSpace(names=["d_n", "d_t"])
+    found = d.estimate_material(simulator, part, seen, dt, fit).to_dict()["regions"]
     energy = [region["energy"] for region in found]
-    frozen = d.MaterialObjective(simulator, part, seen, fit.energy).surface_energy(
+    frozen = d.MaterialObjective(simulator, part, seen, dt, fit.energy).surface_energy(
         np.array([simulator.pose(dofs).skinned for dofs in part.dofs])
     )
     print(f"E_fit {energy} px^2 after {found[0]['evaluations']} evaluations; of cloth that follows the skeleton {list(frozen)}")

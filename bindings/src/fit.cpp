@@ -206,18 +206,20 @@ void bind_energy(py::module_ &m) {
       .def("material", &ParameterSpace::material, py::arg("unit"), "The Material at a point (n) of the box.")
       .def("unit", &ParameterSpace::unit, py::arg("material"), "(n) the point of the box at which a material lies.");
   Class<MaterialObjective, Objective>(m, "MaterialObjective", "E_fit of Sect. 6.2 over the box of the parameter space.")
-      .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const EnergyOptions &,
+      .def(py::init<const CharacterSimulator &, const ReferencePerformance &, const Observations &, double, const EnergyOptions &,
                     const ParameterSpace &, const Context &>(),
-           py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
-           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context(), Release())
+           py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("dt"),
+           py::arg("options") = EnergyOptions{}, py::arg("space") = ParameterSpace{},
+           py::arg("context") = interruptible_context(), Release())
       .def(py::init([](const py::list &widths, const ReferencePerformance &performance, const Observations &observations,
-                       const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
+                       double dt, const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
              const auto simulators = widths.cast<std::vector<const CharacterSimulator *>>();
              const py::gil_scoped_release release;
-             return std::make_unique<MaterialObjective>(simulators, performance, observations, options, space, context);
+             return std::make_unique<MaterialObjective>(simulators, performance, observations, dt, options, space, context);
            }),
-           py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("options") = EnergyOptions{},
-           py::arg("space") = ParameterSpace{}, py::arg("context") = interruptible_context())
+           py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("dt"),
+           py::arg("options") = EnergyOptions{}, py::arg("space") = ParameterSpace{},
+           py::arg("context") = interruptible_context())
       .def_property_readonly("width_count", &MaterialObjective::width_count, "widths of the garment to choose from")
       .def("energies", &MaterialObjective::energies, py::arg("materials"), py::arg("context") = interruptible_context(),
            Release(), "(S, regions) pixels^2 of materials[sample][region], on all threads")
@@ -361,7 +363,7 @@ void bind_fit(py::module_ &m) {
              take.take(); // wrong types are found now
              return take;
            }),
-           py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("dt") = 1.0 / 40);
+           py::arg("widths"), py::arg("performance"), py::arg("observations"), py::arg("dt"));
   Class<FitResult>(m, "FitResult", "The estimated material of every region.")
       .def_property_readonly("materials", &FitResult::materials, "one a region")
       .def_property_readonly("chosen_widths", &FitResult::chosen_widths,
@@ -385,14 +387,14 @@ void bind_fit(py::module_ &m) {
       py::arg("takes"), py::arg("options") = FitOptions{}, py::arg("context") = interruptible_context(),
       "The material, and the width of the garment, under which several takes are explained together -> FitResult.");
   m.def("estimate_material",
-        py::overload_cast<const CharacterSimulator &, const ReferencePerformance &, const Observations &, const FitOptions &,
-                          const Context &>(&estimate_material),
-        py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("options") = FitOptions{},
+        py::overload_cast<const CharacterSimulator &, const ReferencePerformance &, const Observations &, double,
+                          const FitOptions &, const Context &>(&estimate_material),
+        py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("dt"), py::arg("options") = FitOptions{},
         py::arg("context") = interruptible_context(), Release(),
         "Searches the material of every cloth region that makes the simulated character look as in the video -> FitResult. Goes "
         "on from options.checkpoint if that is there.");
   bind_results(m);
-  m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"),
+  m.def("material_energy", &material_energy, py::arg("simulator"), py::arg("performance"), py::arg("observations"), py::arg("dt"),
         py::arg("materials"), py::arg("options") = EnergyOptions{}, py::arg("context") = interruptible_context(), Release(),
         "One E_fit a region, pixels^2, of one material a region.");
   m.def(

@@ -106,10 +106,8 @@ public:
     for (const Take &take : takes) {
       require(take.performance && take.observations,
               "estimate_material: takes: expected performance and observations, found none");
-      EnergyOptions energy = options.energy;
-      energy.dt = take.dt;
-      takes_.push_back(std::make_unique<MaterialObjective>(take.widths, *take.performance, *take.observations, energy,
-                                                           options.space, context));
+      takes_.push_back(std::make_unique<MaterialObjective>(take.widths, *take.performance, *take.observations, take.dt,
+                                                           options.energy, options.space, context));
       require(takes_.back()->part_count() == takes_[0]->part_count() && takes_.back()->width_count() == takes_[0]->width_count(),
               "estimate_material: takes: expected as many cloth regions and widths in all, found " +
                   std::to_string(takes_.back()->part_count()) + " and " + std::to_string(takes_.back()->width_count()) +
@@ -520,8 +518,8 @@ std::vector<double> FitResult::chosen_widths() const {
 }
 
 FitResult estimate_material(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                            const Observations &observations, const FitOptions &options, const Context &context) {
-  return estimate_material({{{&simulator}, &performance, &observations, options.energy.dt}}, options, context);
+                            const Observations &observations, double dt, const FitOptions &options, const Context &context) {
+  return estimate_material({{{&simulator}, &performance, &observations, dt}}, options, context);
 }
 
 FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &options, const Context &context) {
@@ -561,9 +559,9 @@ FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &op
 }
 
 std::vector<double> material_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                                    const Observations &observations, const std::vector<pbd::Material> &materials,
+                                    const Observations &observations, double dt, const std::vector<pbd::Material> &materials,
                                     const EnergyOptions &options, const Context &context) {
-  const MaterialObjective objective(simulator, performance, observations, options, {}, context);
+  const MaterialObjective objective(simulator, performance, observations, dt, options, {}, context);
   const MatrixRM energies = objective.energies({materials}, context);
   return {energies.data(), energies.data() + energies.size()};
 }

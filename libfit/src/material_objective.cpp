@@ -21,10 +21,11 @@ void EnergyOptions::validate() const {
 
 struct MaterialObjective::Impl {
   Impl(const std::vector<const CharacterSimulator *> &widths, const ReferencePerformance &performance,
-       const Observations &observations, const EnergyOptions &options, const ParameterSpace &parameters, const Context &context)
+       const Observations &observations, double dt, const EnergyOptions &options, const ParameterSpace &parameters,
+       const Context &context)
       : simulators(copies_of(widths)), space(parameters),
         windows(cut_windows(static_cast<int>(performance.dofs.rows()), options)),
-        observed(addresses_of(simulators), performance, observations, options, simulated_from(windows), times, context),
+        observed(addresses_of(simulators), performance, observations, dt, options, simulated_from(windows), times, context),
         energy(observed), rollouts(observed, energy, times) {
     for (Window &window : windows)
       window.states = rollouts.states_at(window.start, performance.surface);
@@ -119,12 +120,12 @@ std::vector<pbd::ClothState> one_step(const CharacterSimulator &simulator, const
 
 /// Poses stand for the actor, its skeleton and its proxies.
 std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, const std::vector<PosedFrame> &poses,
-                         const MeshSequence &captured, const Observations &observations, const EnergyOptions &options,
+                         const MeshSequence &captured, const Observations &observations, double dt, const EnergyOptions &options,
                          const ParameterSpace &space) {
   Fingerprint print;
   const CharacterSimulator &simulator = *widths.front();
   const RiggedMesh &actor = simulator.actor();
-  print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(options).add(space);
+  print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(dt).add(options).add(space);
   for (const PosedFrame &pose : poses) {
     print.add(pose.skinned);
     for (const Capsule &capsule : pose.capsules)
@@ -135,7 +136,7 @@ std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, 
   for (const ClothRegion &region : simulator.regions())
     print.add(region.vertex_from_cloth);
   for (const CharacterSimulator *width : widths)
-    for (const pbd::ClothState &state : one_step(*width, poses.front(), poses.back(), space.fixed, options.dt))
+    for (const pbd::ClothState &state : one_step(*width, poses.front(), poses.back(), space.fixed, dt))
       print.add(state.positions).add(state.velocities);
   for (const Camera &camera : observations.cameras)
     print.add(camera.K).add(camera.distortion).add(camera.R).add(camera.t).add(Eigen::Vector2i(camera.width, camera.height));
@@ -151,20 +152,21 @@ std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, 
 } // namespace
 
 MaterialObjective::MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                                     const Observations &observations, const EnergyOptions &options, const ParameterSpace &space,
-                                     const Context &context)
-    : MaterialObjective(std::vector<const CharacterSimulator *>{&simulator}, performance, observations, options, space, context) {
-}
+                                     const Observations &observations, double dt, const EnergyOptions &options,
+                                     const ParameterSpace &space, const Context &context)
+    : MaterialObjective(std::vector<const CharacterSimulator *>{&simulator}, performance, observations, dt, options, space,
+                        context) {}
 
 MaterialObjective::MaterialObjective(const std::vector<const CharacterSimulator *> &widths,
-                                     const ReferencePerformance &performance, const Observations &observations,
+                                     const ReferencePerformance &performance, const Observations &observations, double dt,
                                      const EnergyOptions &options, const ParameterSpace &space, const Context &context) {
+  require(dt > 0 && std::isfinite(dt), "MaterialObjective: dt: expected a positive number, found " + options::to_text(dt));
   options.validate();
   space.validate();
   check_widths(widths);
   check_inputs(*widths.front(), performance, observations);
-  auto impl = std::make_unique<Impl>(widths, performance, observations, options, space, context);
-  impl->fingerprint = hash_problem(widths, impl->observed.frames, performance.surface, observations, options, space);
+  auto impl = std::make_unique<Impl>(widths, performance, observations, dt, options, space, context);
+  impl->fingerprint = hash_problem(widths, impl->observed.frames, performance.surface, observations, dt, options, space);
   impl_ = std::move(impl);
 }
 

@@ -50,9 +50,9 @@ CoarseBuffer draw_others(const CharacterSimulator &simulator, const ClothTopolog
 } // namespace
 
 ObservedFrames::ObservedFrames(const std::vector<const CharacterSimulator *> &models, const ReferencePerformance &performance,
-                               const Observations &observations, const EnergyOptions &energy, const std::vector<int> &starts,
-                               CpuTimes &times, const Context &context)
-    : widths(models), simulator(models.front()), options(energy), topology(cloth_topology(*models.front())) {
+                               const Observations &observations, double frame_seconds, const EnergyOptions &energy,
+                               const std::vector<int> &starts, CpuTimes &times, const Context &context)
+    : widths(models), simulator(models.front()), dt(frame_seconds), options(energy), topology(cloth_topology(*models.front())) {
   const CharacterSimulator &model = *simulator;
   for (const Camera &camera : observations.cameras)
     cameras.emplace_back(camera, options.outline_size);
@@ -63,8 +63,7 @@ ObservedFrames::ObservedFrames(const std::vector<const CharacterSimulator *> &mo
   shapes.resize(count);
   probes = probes_of(topology);
   if (count > 0 && model.has_rest_shape())
-    for (const Eigen::VectorXd &dofs :
-         doublet::lead_in_poses(model.actor().skeleton, performance.dofs.row(0).transpose(), options.dt))
+    for (const Eigen::VectorXd &dofs : doublet::lead_in_poses(model.actor().skeleton, performance.dofs.row(0).transpose(), dt))
       lead_in_poses.push_back(model.pose(dofs));
   prepare(0, times, context, [&](int t) {
     frames[t] = model.pose(performance.dofs.row(t).transpose());

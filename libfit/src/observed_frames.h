@@ -25,14 +25,15 @@ constexpr int kFramesPerChunk = 32; // between two polls for cancellation
 
 class ObservedFrames {
 public:
-  /// `models`: the character at each width, of one mesh. `starts`: frames before which nothing is simulated, so that there is no
-  /// frame on which their features could lie.
+  /// `models`: the character at each width, of one mesh. `frame_seconds`: between two frames. `starts`: frames before
+  /// which nothing is simulated, so that there is no frame on which their features could lie.
   ObservedFrames(const std::vector<const CharacterSimulator *> &models, const ReferencePerformance &performance,
-                 const Observations &observations, const EnergyOptions &energy, const std::vector<int> &starts, CpuTimes &times,
-                 const Context &context);
+                 const Observations &observations, double frame_seconds, const EnergyOptions &energy,
+                 const std::vector<int> &starts, CpuTimes &times, const Context &context);
 
   std::vector<const CharacterSimulator *> widths; ///< they differ in the rest shape of their cloth alone
   const CharacterSimulator *simulator;            ///< the first of them, for all that is the same of all
+  double dt;                                      ///< s, between two frames
   EnergyOptions options;
   ClothTopology topology;
   std::vector<CoarseCamera> cameras;

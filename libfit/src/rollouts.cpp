@@ -62,7 +62,7 @@ void Rollouts::step(std::span<Rollout> group, const PosedFrame &from, const Pose
         }
       if (alike.empty())
         continue;
-      for (int failed : observed_.widths[width]->step_region(r, states, from, to, materials, observed_.options.dt))
+      for (int failed : observed_.widths[width]->step_region(r, states, from, to, materials, observed_.dt))
         if (settling)
           alike[failed]->exploded.assign(observed_.regions(), 1);
         else
@@ -84,7 +84,7 @@ CharacterState Rollouts::state_at(const CharacterSimulator &simulator, int start
   if (start == 0)
     return state;
   const int after = std::min(start + 1, observed_.frame_count() - 1);
-  const Vertices velocities = (surface.frames[after] - surface.frames[start - 1]) / ((after - start + 1) * observed_.options.dt);
+  const Vertices velocities = (surface.frames[after] - surface.frames[start - 1]) / ((after - start + 1) * observed_.dt);
   for (int r = 0; r < observed_.regions(); ++r) {
     const std::vector<int> &vertices = simulator.regions()[r].vertex_from_cloth;
     for (std::size_t i = 0; i < vertices.size(); ++i)

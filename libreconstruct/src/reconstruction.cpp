@@ -114,7 +114,6 @@ SolverSettings Reconstruction::solver_settings() {
 FitOptions Reconstruction::fit_options() {
   FitOptions fit = options.fit;
   fit.seed = options.seed;
-  fit.energy.dt = solver_settings().dt;
   return fit;
 }
 

@@ -287,7 +287,8 @@ TEST(MaterialObjective, RanksMaterialsAsThePlainSearchDoes) {
     materials.push_back({material});
     expected.push_back(plain_energy(*s, material, options));
   }
-  const MatrixRM energies = MaterialObjective(*s->simulator, s->performance, s->observations, options).energies(materials, {});
+  const MatrixRM energies =
+      MaterialObjective(*s->simulator, s->performance, s->observations, kDt, options).energies(materials, {});
   const auto ranking = [](const auto &values) {
     std::vector<int> order(12);
     std::iota(order.begin(), order.end(), 0);

@@ -30,7 +30,7 @@ pbd::Material with_drag(double d_n) {
 }
 
 double energy_of(const Scene &s, const pbd::Material &material, const EnergyOptions &options = {}) {
-  return material_energy(*s.simulator, s.performance, s.observations, {material}, options)[0];
+  return material_energy(*s.simulator, s.performance, s.observations, kDt, {material}, options)[0];
 }
 
 TEST(MaterialObjective, TheTruthCostsLittleAndEverythingElseMore) {
@@ -56,7 +56,7 @@ TEST(MaterialObjective, BothTermsSeeTheMaterialAlone) {
 }
 
 TEST(MaterialObjective, FeaturesAreExactAtTheTruth) {
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
   const std::vector<FrameTerms> terms = objective.terms({cotton()})[0];
   EXPECT_EQ(terms[0].features, 0);
   double feature = 0;
@@ -70,7 +70,7 @@ TEST(MaterialObjective, FeaturesAreExactAtTheTruth) {
 }
 
 TEST(MaterialObjective, SameEnergyForAnyNumberOfThreadsAndAnyCompany) {
-  MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
   NormalGenerator random(1);
   MatrixRM samples(5, 5);
   for (Eigen::Index i = 0; i < samples.size(); ++i)
@@ -91,7 +91,7 @@ TEST(MaterialObjective, WindowsStartFromTheCapturedSurface) {
   EXPECT_LT(truth, 8);
   for (double d_n : {0.0, 16.0, 32.0})
     EXPECT_GT(energy_of(scene(), with_drag(d_n), windows), truth) << d_n;
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, windows);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt, windows);
   const std::vector<std::vector<FrameTerms>> terms = objective.terms({cotton()});
   for (const FrameTerms &frame : terms[0])
     EXPECT_GT(frame.rims, 20);
@@ -110,9 +110,9 @@ CharacterSimulator in_width(const Scene &filmed, double scale) {
 
 TEST(MaterialObjective, AWidthIsTheLastParameterAndAsIfItWereAlone) {
   const CharacterSimulator wide = in_width(scene(), 1.3), narrow = in_width(scene(), 1);
-  MaterialObjective both({&wide, &narrow}, scene().performance, scene().observations);
-  MaterialObjective one(wide, scene().performance, scene().observations);
-  MaterialObjective other(narrow, scene().performance, scene().observations);
+  MaterialObjective both({&wide, &narrow}, scene().performance, scene().observations, kDt);
+  MaterialObjective one(wide, scene().performance, scene().observations, kDt);
+  MaterialObjective other(narrow, scene().performance, scene().observations, kDt);
   EXPECT_EQ(both.parameter_count(), one.parameter_count() + 1);
   EXPECT_EQ(both.width_count(), 2);
   NormalGenerator random(3);
@@ -130,22 +130,22 @@ TEST(MaterialObjective, AWidthIsTheLastParameterAndAsIfItWereAlone) {
   const MatrixRM of_widths = both.evaluate(at_truth, {});
   EXPECT_LT(of_widths(1, 0), 0.5 * of_widths(0, 0)); // the width that was filmed
   EXPECT_NE(both.fingerprint(), one.fingerprint());
-  EXPECT_THROW(MaterialObjective(std::vector<const CharacterSimulator *>{}, scene().performance, scene().observations),
+  EXPECT_THROW(MaterialObjective(std::vector<const CharacterSimulator *>{}, scene().performance, scene().observations, kDt),
                std::invalid_argument);
 }
 
 TEST(MaterialObjective, IsNotMovedByWhatBecomesOfTheSimulator) {
   CharacterSimulator simulator = *scene().simulator;
-  const MaterialObjective objective(simulator, scene().performance, scene().observations);
+  const MaterialObjective objective(simulator, scene().performance, scene().observations, kDt);
   const MatrixRM expected = objective.energies({{cotton()}}, {});
   const CharacterSimulator other = in_width(scene(), 1.3);
-  EXPECT_NE(MaterialObjective(other, scene().performance, scene().observations).energies({{cotton()}}, {}), expected);
+  EXPECT_NE(MaterialObjective(other, scene().performance, scene().observations, kDt).energies({{cotton()}}, {}), expected);
   simulator = other;
   EXPECT_EQ(objective.energies({{cotton()}}, {}), expected);
 }
 
 TEST(MaterialObjective, KeepsLittleOfTheImages) {
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
   EXPECT_GT(objective.image_bytes(), 0u);
   EXPECT_LT(objective.image_bytes(), 32u * 4u * 320u * 320u); // less than a byte a pixel
 }
@@ -155,8 +155,8 @@ TEST(MaterialObjective, AMissingImageIsLeftOut) {
   copy.observations = scene().observations;
   for (auto &views : copy.observations.views)
     views[1] = {};
-  const double truth = material_energy(*scene().simulator, scene().performance, copy.observations, {cotton()})[0];
-  const double other = material_energy(*scene().simulator, scene().performance, copy.observations, {with_drag(32)})[0];
+  const double truth = material_energy(*scene().simulator, scene().performance, copy.observations, kDt, {cotton()})[0];
+  const double other = material_energy(*scene().simulator, scene().performance, copy.observations, kDt, {with_drag(32)})[0];
   EXPECT_GT(other, 2.5 * truth);
 }
 
@@ -170,7 +170,7 @@ TEST(MaterialObjective, AMismatchedFeatureCostsNoMoreThanTheCap) {
   options.alpha = 0;
   options.beta = 1;
   const double clean = energy_of(scene(), cotton(), options);
-  const double spoiled = material_energy(*scene().simulator, scene().performance, observations, {cotton()}, options)[0];
+  const double spoiled = material_energy(*scene().simulator, scene().performance, observations, kDt, {cotton()}, options)[0];
   const double cap = options.feature_cap * 320;
   EXPECT_LE(spoiled, clean + cap * cap * 4 / 50); // at most four of at least fifty features a frame
 }
@@ -210,8 +210,9 @@ TEST(MaterialObjective, AnExplosionCostsTheWorstAndStaysFinite) {
                                        });
     EnergyOptions options;
     options.settle_frames = 0;
-    const MaterialObjective objective(exploding, s->performance, s->observations, options);
-    EXPECT_NE(objective.fingerprint(), MaterialObjective(*s->simulator, s->performance, s->observations, options).fingerprint());
+    const MaterialObjective objective(exploding, s->performance, s->observations, kDt, options);
+    EXPECT_NE(objective.fingerprint(),
+              MaterialObjective(*s->simulator, s->performance, s->observations, kDt, options).fingerprint());
     const pbd::Material good = cotton();
     pbd::Material bad = good;
     bad.d_n = 32;
@@ -243,7 +244,7 @@ Eigen::RowVector3d out_of_sight(const Eigen::RowVector3d &point) {
 TEST(MaterialObjective, ASampleWithoutClothIsTheWorstAndWasFreeInThePaper) {
   const std::vector<Vertices> gone = moved(scene(), [](int, const Eigen::RowVector3d &p) { return out_of_sight(p); });
   const auto energies = [&](const EnergyOptions &options) {
-    const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, options);
+    const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt, options);
     EXPECT_LE(objective.surface_energy(scene().performance.surface.frames)[0], objective.worst_energy());
     return std::array{objective.surface_energy(scene().performance.surface.frames)[0], objective.surface_energy(gone)[0],
                       objective.worst_energy()};
@@ -253,7 +254,7 @@ TEST(MaterialObjective, ASampleWithoutClothIsTheWorstAndWasFreeInThePaper) {
   EXPECT_NEAR(without, worst, 1e-5 * worst);
   EXPECT_EQ(energies(EnergyOptions::paper())[1], 0);
   // Each term by itself.
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
   const FrameTerms terms = objective.surface_terms(gone)[0][7];
   const double rim_cap = 0.064 * 320;
   EXPECT_NEAR(terms.silhouette, rim_cap * rim_cap, 1e-3);
@@ -262,7 +263,7 @@ TEST(MaterialObjective, ASampleWithoutClothIsTheWorstAndWasFreeInThePaper) {
 }
 
 TEST(MaterialObjective, EverySampleIsMeasuredOnTheSameFeaturesAndContour) {
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
   const std::vector<FrameTerms> captured = objective.surface_terms(scene().performance.surface.frames)[0];
   pbd::Material wild = with_drag(0);
   wild.k_bend = 0.01, wild.k_stretch = 0.6;
@@ -285,7 +286,7 @@ TEST(MaterialObjective, AMissedFeatureCostsWhereItsPointOfTheClothIs) {
   // Gone in every odd frame, so that all features of the even ones are missed.
   const std::vector<Vertices> flickering =
       moved(scene(), [](int t, const Eigen::RowVector3d &p) { return t % 2 ? out_of_sight(p) : p; });
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt);
   const std::vector<FrameTerms> terms = objective.surface_terms(flickering)[0];
   for (std::size_t t = 2; t < terms.size(); ++t)
     if (t % 2)
@@ -307,7 +308,7 @@ TEST(MaterialObjective, AnotherRegionInItsPlaceDoesNotExplainAFeature) {
       swapped[t].row(rows[0][i]) = s->performance.surface.frames[t].row(rows[1][i]);
       swapped[t].row(rows[1][i]) = s->performance.surface.frames[t].row(rows[0][i]);
     }
-  const MaterialObjective objective(*s->simulator, s->performance, s->observations);
+  const MaterialObjective objective(*s->simulator, s->performance, s->observations, kDt);
   const auto own = objective.surface_terms(s->performance.surface.frames), other = objective.surface_terms(swapped);
   for (int r : {0, 1})
     for (std::size_t t = 2; t < swapped.size(); ++t) { // the first frame is not captured but at rest
@@ -324,7 +325,7 @@ public:
   explicit Fingerprints(const Scene &s) : s_(s) { add(EnergyOptions{}); }
   void add(const EnergyOptions &options, const ParameterSpace &space = {}) {
     prints_["options " + std::to_string(count_++)] =
-        MaterialObjective(*s_.simulator, s_.performance, s_.observations, options, space).fingerprint();
+        MaterialObjective(*s_.simulator, s_.performance, s_.observations, kDt, options, space).fingerprint();
   }
   /// `change` is applied to copies of what the scene is made of.
   void add(const std::string &what,
@@ -338,7 +339,7 @@ public:
     Observations observations = s_.observations;
     change(actor, segmentation, proxies, cloth, performance, observations);
     const CharacterSimulator simulator(actor, segmentation, proxies, cloth);
-    prints_[what] = MaterialObjective(simulator, performance, observations).fingerprint();
+    prints_[what] = MaterialObjective(simulator, performance, observations, kDt).fingerprint();
   }
   void expect_all_differ() const {
     for (const auto &[a, print] : prints_)
@@ -462,7 +463,7 @@ double plain_distance(const Eigen::Vector3d &p, const Vertices &vertices, const 
 /// A garment carried sideways, so that part of it is nearer to other parts of the captured one than to its own place.
 TEST(MaterialObjective, TheSurfaceTermIsTheSquaredDistanceToTheCapturedClothInPixels) {
   const Scene &s = scene();
-  const MaterialObjective objective(*s.simulator, s.performance, s.observations);
+  const MaterialObjective objective(*s.simulator, s.performance, s.observations, kDt);
   const std::vector<Vertices> aside =
       moved(s, [](int, const Eigen::RowVector3d &p) -> Eigen::RowVector3d { return p + Eigen::RowVector3d(0.03, 0.01, 0); });
   const std::vector<FrameTerms> terms = objective.surface_terms(aside)[0];
@@ -487,7 +488,7 @@ TEST(MaterialObjective, TheSurfaceTermIsTheSquaredDistanceToTheCapturedClothInPi
   EXPECT_LT(std::max_element(own.begin(), own.end(), [](auto &a, auto &b) { return a.surface < b.surface; })->surface, 1e-6);
   EnergyOptions images;
   images.delta = 0;
-  const MaterialObjective blind(*s.simulator, s.performance, s.observations, images);
+  const MaterialObjective blind(*s.simulator, s.performance, s.observations, kDt, images);
   EXPECT_EQ(blind.surface_terms(aside)[0][4].probes, 0);
   const double without = blind.surface_energy(aside)[0];
   double term = 0;
@@ -501,7 +502,7 @@ std::pair<double, double> still_and_wrong(const EnergyOptions &options, int t) {
   std::vector<Vertices> still = captured, wrong = captured;
   still[t + 1] = captured[t];
   wrong[t + 1] = 2 * captured[t] - captured[t + 1];
-  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, options);
+  const MaterialObjective objective(*scene().simulator, scene().performance, scene().observations, kDt, options);
   return {objective.surface_terms(still)[0][t + 1].feature, objective.surface_terms(wrong)[0][t + 1].feature};
 }
 
@@ -522,7 +523,7 @@ TEST(MaterialObjective, AFrameWithoutObservationsCountsForNoSample) {
   Observations observations = scene().observations;
   for (ViewObservation &view : observations.views[5])
     view = {};
-  const MaterialObjective objective(*scene().simulator, scene().performance, observations);
+  const MaterialObjective objective(*scene().simulator, scene().performance, observations, kDt);
   const std::vector<FrameTerms> terms = objective.terms({with_drag(32)})[0];
   EXPECT_EQ(terms[5].rims + terms[5].features + terms[5].points, 0);
   FrameTerms sum;
@@ -542,15 +543,15 @@ TEST(MaterialObjective, AWindowsFirstFrameHasFeaturesWhereverItsLeadEnds) {
   options.window = 40;
   for (int lead : {31, 32, 33}) { // frames are simulated 32 at a time
     options.window_lead = lead;
-    const MaterialObjective objective(*s->simulator, s->performance, s->observations, options);
+    const MaterialObjective objective(*s->simulator, s->performance, s->observations, kDt, options);
     EXPECT_GT(objective.terms({cotton()})[0][40].features, 0) << lead;
   }
 }
 
 TEST(MaterialObjective, MeasuresGivenSurfacesAsIfTheyWereSimulated) {
   const Scene &s = scene();
-  const MaterialObjective objective(*s.simulator, s.performance, s.observations);
-  const std::vector<Vertices> simulated = simulate_reference(*s.simulator, s.performance, {with_drag(16)}, 1.0 / 40);
+  const MaterialObjective objective(*s.simulator, s.performance, s.observations, kDt);
+  const std::vector<Vertices> simulated = simulate_reference(*s.simulator, s.performance, {with_drag(16)}, kDt);
   const std::vector<FrameTerms> expected = objective.terms({with_drag(16)})[0], found = objective.surface_terms(simulated)[0];
   for (std::size_t t = 0; t < expected.size(); ++t) {
     EXPECT_EQ(found[t].silhouette, expected[t].silhouette) << t;
@@ -569,7 +570,7 @@ TEST(MaterialObjective, MeasuresGivenSurfacesAsIfTheyWereSimulated) {
 TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
   const Scene &s = scene();
   const auto make = [&](const ReferencePerformance &performance, const Observations &observations) {
-    MaterialObjective(*s.simulator, performance, observations);
+    MaterialObjective(*s.simulator, performance, observations, kDt);
   };
   Observations observations = s.observations;
   observations.views.pop_back();
@@ -595,8 +596,8 @@ TEST(MaterialObjective, RefusesWhatDoesNotBelongTogether) {
   rigid.region.setConstant(-1);
   rigid.region_count = 0;
   const CharacterSimulator naked(s.actor, rigid, s.proxies);
-  EXPECT_THROW(MaterialObjective(naked, s.performance, s.observations), std::invalid_argument);
-  MaterialObjective objective(*s.simulator, s.performance, s.observations);
+  EXPECT_THROW(MaterialObjective(naked, s.performance, s.observations, kDt), std::invalid_argument);
+  MaterialObjective objective(*s.simulator, s.performance, s.observations, kDt);
   EXPECT_THROW(objective.evaluate(MatrixRM::Zero(2, 4), {}), std::invalid_argument);
   EXPECT_THROW(objective.energies({{}}, {}), std::invalid_argument);
 }
@@ -650,7 +651,7 @@ FitOptions usual() {
 void expect_recovered_from_seeds(std::uint64_t first, std::uint64_t last) {
   FitOptions options = usual();
   for (options.seed = first; options.seed <= last; ++options.seed) {
-    const FitResult result = estimate_material(*scene().simulator, scene().performance, scene().observations, options);
+    const FitResult result = estimate_material(*scene().simulator, scene().performance, scene().observations, kDt, options);
     const RegionFit &fit = result.regions[0];
     const MatrixRM &known = fit.posterior.interval;
     std::printf("d_n %.2f (true 4; box %.2f to %.2f), k_bend %.3f (true 0.3; %.2f to %.2f), energy %.2f +- %.2f, centre %.2f, %d "
@@ -676,7 +677,7 @@ TEST(EstimateMaterial, FindsTheWidthThatWasFilmed) {
   const CharacterSimulator widths[] = {in_width(scene(), 1.4), in_width(scene(), 1.2), in_width(scene(), 1)};
   FitOptions options = usual();
   options.max_evaluations = 160;
-  const Take take{{&widths[0], &widths[1], &widths[2]}, &scene().performance, &scene().observations, options.energy.dt};
+  const Take take{{&widths[0], &widths[1], &widths[2]}, &scene().performance, &scene().observations, kDt};
   const FitResult result = estimate_material({take}, options);
   EXPECT_EQ(result.parameters(), (std::vector<std::string>{"d_n", "k_bend", "width"}));
   EXPECT_EQ(result.chosen_widths(), std::vector<double>{2});
@@ -692,19 +693,19 @@ TEST(EstimateMaterial, FindsTheWidthThatWasFilmed) {
 /// Two films of one material: the energies are added, and one answer explains both.
 TEST(EstimateMaterial, SeveralTakesHaveOneAnswer) {
   const auto a = make_scene({cotton()}, {16, 2, 160}), b = make_scene({cotton()}, {24, 3, 160});
-  const Take first{{a->simulator.get()}, &a->performance, &a->observations, 1.0 / 40},
-      second{{b->simulator.get()}, &b->performance, &b->observations, 1.0 / 40};
+  const Take first{{a->simulator.get()}, &a->performance, &a->observations, kDt},
+      second{{b->simulator.get()}, &b->performance, &b->observations, kDt};
   FitOptions options = usual();
   options.max_evaluations = 128;
   const FitResult both = estimate_material({first, second}, options);
   const RegionFit &fit = both.regions[0];
   EXPECT_NEAR(fit.material.d_n, 4, 1);
-  const double apart = material_energy(*a->simulator, a->performance, a->observations, both.materials())[0] +
-                       material_energy(*b->simulator, b->performance, b->observations, both.materials())[0];
+  const double apart = material_energy(*a->simulator, a->performance, a->observations, kDt, both.materials())[0] +
+                       material_energy(*b->simulator, b->performance, b->observations, kDt, both.materials())[0];
   EXPECT_NEAR(fit.energy, apart, 3 * fit.energy_noise + 0.05 * apart);
   EXPECT_THROW(estimate_material(std::vector<Take>{}, options), std::invalid_argument);
   const auto two = make_scene({cotton(), cotton()}, {12, 2, 160});
-  const Take other{{two->simulator.get()}, &two->performance, &two->observations, 1.0 / 40};
+  const Take other{{two->simulator.get()}, &two->performance, &two->observations, kDt};
   EXPECT_THROW(estimate_material({first, other}, options), std::invalid_argument);
 }
 
@@ -719,7 +720,7 @@ TEST(EstimateMaterial, SaysWhatItHasAfterEveryGeneration) {
     energies.push_back(result.regions.at(0).energy);
     last = result;
   };
-  const FitResult whole = estimate_material(*s->simulator, s->performance, s->observations, options);
+  const FitResult whole = estimate_material(*s->simulator, s->performance, s->observations, kDt, options);
   EXPECT_FALSE(whole.interrupted);
   EXPECT_EQ(energies.size(), whole.log.size());
   EXPECT_TRUE(std::is_sorted(energies.rbegin(), energies.rend()));
@@ -732,7 +733,7 @@ TEST(EstimateMaterial, CanBeDoneByAnnealing) {
   const auto s = make_scene({cotton()}, {12, 2, 160});
   FitOptions options = quick();
   options.optimizer = SearchMethod::Annealing;
-  const RegionFit fit = estimate_material(*s->simulator, s->performance, s->observations, options).regions[0];
+  const RegionFit fit = estimate_material(*s->simulator, s->performance, s->observations, kDt, options).regions[0];
   EXPECT_EQ(fit.evaluations, 48);
   EXPECT_NEAR(fit.energy, fit.best_energy, 0.05 * fit.best_energy); // its answer is the best sample
   EXPECT_LT(fit.energy, fit.energy_at_centre);
@@ -755,7 +756,7 @@ TEST_P(EstimateMaterialWith, ResumesToTheSameBitsForAnyNumberOfThreads) {
     return options;
   };
   const auto run = [&](const FitOptions &options, const Context &context) {
-    return estimate_material(*s->simulator, s->performance, s->observations, options, context);
+    return estimate_material(*s->simulator, s->performance, s->observations, kDt, options, context);
   };
   Context one, two;
   one.threads = 1;
@@ -807,7 +808,7 @@ TEST(EstimateMaterial, SeveralSeedsAnswerTheLowestAndTellTheirSpread) {
   options.max_evaluations = 18; // three generations: the searches end far apart
   const auto run = [&](std::uint64_t seed, int seeds, const Path &checkpoint = {}, const Context &context = {}) {
     options.seed = seed, options.seeds = seeds, options.checkpoint = checkpoint;
-    return estimate_material(*s->simulator, s->performance, s->observations, options, context);
+    return estimate_material(*s->simulator, s->performance, s->observations, kDt, options, context);
   };
   // Region r of search k starts from seed + k R + r, and samples do not know of each other.
   const FitResult one = run(1, 1), two = run(3, 1), both = run(1, 2);
@@ -895,7 +896,7 @@ TEST(EstimateMaterial, SaysWhatIsDoubtful) {
   std::string said;
   Context context;
   context.log = [&](const std::string &line) { said += line + "\n"; };
-  const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, options, context);
+  const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, kDt, options, context);
   EXPECT_NE(said.find("fit: region 0: k_friction = "), std::string::npos) << said;
   const TempFolder folder;
   write_materials(folder / "material.json", result);
@@ -908,7 +909,7 @@ TEST(EstimateMaterial, EveryRegionGetsItsOwn) {
   const auto s = make_scene({cotton(), heavy}, {20, 2, 240});
   FitOptions options = usual();
   options.space.names = {"d_n"};
-  const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, options);
+  const FitResult result = estimate_material(*s->simulator, s->performance, s->observations, kDt, options);
   ASSERT_EQ(result.regions.size(), 2u);
   EXPECT_NEAR(result.regions[0].material.d_n, 4, 3.2);
   EXPECT_NEAR(result.regions[1].material.d_n, 24, 6.4);
@@ -1000,7 +1001,7 @@ TEST(Synthetic, RigidSkirtOutlivesItsSwing) {
     pbd::ClothOptions options = pbd::ClothOptions::paper();
     options.iterations = iterations, options.substeps = substeps;
     const CharacterSimulator simulator(scene->actor, scene->segmentation, scene->proxies, options);
-    const Vertices last = simulate_reference(simulator, scene->performance, {rigid}, 1.0 / 40).back();
+    const Vertices last = simulate_reference(simulator, scene->performance, {rigid}, kDt).back();
     double low = 1, high = 0;
     for (Eigen::Index v = 0; v < last.rows(); ++v)
       if (scene->segmentation.region[v] == 0)

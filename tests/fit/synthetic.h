@@ -9,6 +9,8 @@
 
 namespace doublet::testing {
 
+constexpr double kDt = 1.0 / 40; // s, a frame
+
 struct Scene {
   RiggedMesh actor;
   Segmentation segmentation;
@@ -51,7 +53,7 @@ inline void make_motion(Scene &scene, int frames) {
   const int dofs = scene.actor.skeleton.dof_count();
   scene.performance.dofs = MatrixRM::Zero(frames, dofs);
   for (int t = 0; t < frames; ++t) {
-    const double s = t / 40.0;
+    const double s = t * kDt;
     scene.performance.dofs(t, 0) = 0.15 * std::sin(6 * s);      // sideways, m
     scene.performance.dofs(t, 3) = 1.2 * (1 - std::cos(4 * s)); // turning, rad
     scene.performance.frames.push_back(t);
@@ -126,7 +128,7 @@ inline std::unique_ptr<Scene> make_scene(const std::vector<pbd::Material> &truth
   scene->performance.surface.faces = scene->actor.mesh.faces;
   // Captured without error, but for the first frame: there the truth and the estimator both start from rest.
   scene->performance.surface.frames.assign(1, scene->actor.mesh.vertices);
-  scene->frames = simulate_reference(*scene->simulator, scene->performance, truth, 1.0 / 40);
+  scene->frames = simulate_reference(*scene->simulator, scene->performance, truth, kDt);
   scene->performance.surface.frames = scene->frames;
   scene->performance.surface.frames[0] = scene->actor.mesh.vertices;
   film(*scene, camera_ring(size.cameras, size.pixels), size.faces_a_feature);

@@ -31,10 +31,10 @@ def calls(world, folder) -> dict:
     green[..., 1] = 200
     features = d.Features(np.zeros((2, 2), np.float32), np.zeros((2, 4)))
     objective = d.MaterialObjective(
-        w.simulator, w.performance, w.observations, d.EnergyOptions(dt=1 / 40, settle_frames=1), d.ParameterSpace(names=["d_n"])
+        w.simulator, w.performance, w.observations, 1 / 40, d.EnergyOptions(settle_frames=1), d.ParameterSpace(names=["d_n"])
     )
     fit = d.FitOptions(max_evaluations=4, population=4, initial_design_size=4)
-    fit.energy, fit.space = d.EnergyOptions(dt=1 / 40, settle_frames=1), d.ParameterSpace(names=["d_n"])
+    fit.energy, fit.space = d.EnergyOptions(settle_frames=1), d.ParameterSpace(names=["d_n"])
     cma = d.create_cma_es(2, d.CmaEsOptions(population=4))
     sequence, valid = w.performance.surface, [1] * len(f)
     masks, pictures = [w.mask] * 2, [w.picture] * 2
@@ -43,7 +43,7 @@ def calls(world, folder) -> dict:
     player = d.Player(w.character, quick)
     small, coarse = d.GarmentOptions(vertices=60), d.ViewScanOptions(cell=0.03, poisson_depth=5)
     clothed = {"actor": w.actor, "segmentation": w.segmentation}
-    reference = {"simulator": w.simulator, "performance": w.performance, "observations": w.observations}
+    reference = {"simulator": w.simulator, "performance": w.performance, "observations": w.observations, "dt": 0.025}
 
     def stepped(positions, targets, material, dt):
         solver.step(d.ClothState(positions), d.StepInputs(targets=targets, dt=dt), material)

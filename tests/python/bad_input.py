@@ -689,7 +689,7 @@ spoilt_by(
     a_number_beyond_its_bounds=content("mine.toml", "[segment]\ndiffusion = -1\n"),
     a_word_for_a_number_in_a_list=content("mine.toml", '[garment]\nspreads = [0.1, "wide"]\n'),
     a_material_parameter_of_another_name=content("mine.toml", "[space.fixed]\nk_colour = 1\n"),
-    an_option_that_the_session_sets=content("mine.toml", "[energy]\ndt = 0.1\n"),
+    a_seed_within_a_group=content("mine.toml", "[fit]\nseed = 2\n"),
     a_seed_below_0=content("mine.toml", "seed = -1\n"),
     a_number_for_a_group=content("mine.toml", "segment = 3\n"),
 )

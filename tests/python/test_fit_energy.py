@@ -17,7 +17,7 @@ def captured(bell):
 def objective(bell, captured):
     actor = d.read_actor(bell / "actor.npz")
     simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [])
-    return d.MaterialObjective(simulator, captured, d.read_observations(bell / "observations.npz"))
+    return d.MaterialObjective(simulator, captured, d.read_observations(bell / "observations.npz"), 1 / 40)
 
 
 def test_terms_add_up_to_the_energy(objective):
@@ -80,7 +80,7 @@ def test_cloth_is_put_on_before_a_first_pose_that_is_bent(shapes):
     observations.cameras = [shapes["camera"](a, name=f"cam{i}", height=0.8, size=320) for i, a in enumerate((0, 2.1, 4.2))]
     observations.frames = performance.frames
     observations.views = shapes["views"](frames, faces, observations.cameras)
-    (energy,) = d.material_energy(simulator, performance, observations, [material], d.EnergyOptions(dt=1 / 40))
+    (energy,) = d.material_energy(simulator, performance, observations, 1 / 40, [material])
     assert energy < 1.5  # pixels^2
 
 
@@ -127,10 +127,10 @@ def test_a_tracker_of_ones_own_goes_on_to_the_fit(captured, bell):
     film = Bell(captured.surface, cameras)
     found = MarkerSystem(captured).capture(actor, cameras, film)
     assert len(found.observations.views) == len(captured.surface)
-    objective = d.MaterialObjective(simulator, found.performance, found.observations)
+    objective = d.MaterialObjective(simulator, found.performance, found.observations, 1 / 40)
     light, true, heavy = objective.energies([[d.Material(d_n=n, d_t=4.9, k_bend=0.3, k_stretch=0.999)] for n in (0, 4, 20)])[:, 0]
     assert true < min(light, heavy)
     fit = d.FitOptions(max_evaluations=8, initial_design_size=4)
-    fit.energy, fit.space = d.EnergyOptions(dt=1 / 40), d.ParameterSpace(names=["d_n"])
-    (region,) = d.estimate_material(simulator, found.performance, found.observations, fit).to_dict()["regions"]
+    fit.space = d.ParameterSpace(names=["d_n"])
+    (region,) = d.estimate_material(simulator, found.performance, found.observations, 1 / 40, fit).to_dict()["regions"]
     assert 0 < region["energy"] <= region["energy_at_centre"]

@@ -137,7 +137,7 @@ def test_parts_live_as_long_as_the_capture():
 def test_an_objective_keeps_what_it_was_made_of():
     """Nothing that its maker changes afterwards, or drops, changes an energy."""
     world = World()
-    objective = d.MaterialObjective(world.simulator, world.performance, world.observations)
+    objective = d.MaterialObjective(world.simulator, world.performance, world.observations, 1 / 40)
     materials = [[d.Material(k_bend=0.3)]]
     before = objective.energies(materials)
     world.performance.dofs = world.performance.dofs + 0.5

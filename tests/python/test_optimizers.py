@@ -72,7 +72,11 @@ def test_pycma_estimates_a_material(bell):
     simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [], d.ClothOptions.paper())
     fit.make_optimizer = optimizers.pycma(72)
     result = d.estimate_material(
-        simulator, d.read_performance(bell / "performance.npz", actor), d.read_observations(bell / "observations.npz"), fit
+        simulator,
+        d.read_performance(bell / "performance.npz", actor),
+        d.read_observations(bell / "observations.npz"),
+        1 / 40,
+        fit,
     )
     region = result.to_dict()["regions"][0]
     assert 0 < region["evaluations"] <= 72 and region["stop_reason"] and region["energy"] < 0.5 * region["energy_at_centre"]

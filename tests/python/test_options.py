@@ -148,8 +148,7 @@ def test_the_solvers_settings_travel_with_the_material(world, tmp_path, name):
     count = len(world.actor.mesh.vertices)
     rigid = d.Segmentation(np.zeros(count), np.zeros(count), np.full(count, -1, np.int32))
     simulator = d.CharacterSimulator(world.actor, rigid, world.proxies, settings.cloth)
-    options = d.FitOptions(energy=d.EnergyOptions(dt=settings.dt))
-    d.write_materials(file, d.estimate_material(simulator, world.performance, world.observations, options))
+    d.write_materials(file, d.estimate_material(simulator, world.performance, world.observations, settings.dt))
     assert json.loads(file.read_text())["solver"] == plain(settings)
     assert d.read_materials(file, settings) == []
     where = "dt" if name == "dt" else f"cloth.{name}"
@@ -158,13 +157,13 @@ def test_the_solvers_settings_travel_with_the_material(world, tmp_path, name):
 
 
 def test_whatever_the_energy_depends_on_changes_its_fingerprint(world):
-    def fingerprint(cloth=None, energy=None, space=None):
+    def fingerprint(cloth=None, energy=None, space=None, dt=1 / 40):
         simulator = d.CharacterSimulator(world.actor, world.segmentation, world.proxies, cloth or d.ClothOptions())
         return d.MaterialObjective(
-            simulator, world.performance, world.observations, energy or d.EnergyOptions(), space or d.ParameterSpace()
+            simulator, world.performance, world.observations, dt, energy or d.EnergyOptions(), space or d.ParameterSpace()
         ).fingerprint
 
-    prints = {"": fingerprint()}
+    prints = {"": fingerprint(), "dt": fingerprint(dt=1 / 30)}
     for keyword, options_class in (("cloth", d.ClothOptions), ("energy", d.EnergyOptions), ("space", d.ParameterSpace)):
         for name in options_class.described():
             prints[f"{keyword}.{name}"] = fingerprint(**{keyword: another(options_class, name)[0]})

@@ -131,7 +131,7 @@ def test_energies_of_given_materials(bell):
     simulator = d.CharacterSimulator(actor, d.read_segmentation(bell / "segmentation.npz"), [], d.ClothOptions.paper())
     observations = d.read_observations(bell / "observations.npz")
     performance, space = d.read_performance(bell / "performance.npz", actor), d.ParameterSpace.paper()
-    objective = d.MaterialObjective(simulator, performance, observations, space=space)
+    objective = d.MaterialObjective(simulator, performance, observations, 1 / 40, space=space)
     assert objective.energies([[truth], [d.Material(**other)]]).tolist() == [right["result"], wrong["result"]]
     unit = objective.space.unit(truth)
     assert objective.evaluate(unit[None])[0, 0] == pytest.approx(right["result"][0])

@@ -67,11 +67,11 @@ def test_a_solver_that_passes_the_call_on_gives_the_same_bits(world):
 
 def test_the_search_runs_on_the_solver_it_is_given(world):
     Passing.calls.clear()
-    space, energy = d.ParameterSpace(names=["d_n"]), d.EnergyOptions(dt=1 / 40, settle_frames=1)
+    space, energy = d.ParameterSpace(names=["d_n"]), d.EnergyOptions(settle_frames=1)
     simulators = [
         d.CharacterSimulator(world.actor, world.segmentation, world.proxies, make_solver=m) for m in (None, Passing, NumpySolver)
     ]
-    objectives = [d.MaterialObjective(s, world.performance, world.observations, energy, space) for s in simulators]
+    objectives = [d.MaterialObjective(s, world.performance, world.observations, 1 / 40, energy, space) for s in simulators]
     samples = [[d.Material(d_n=n)] for n in range(3)]
     ours, passed, numpy = (o.energies(samples) for o in objectives)
     np.testing.assert_array_equal(passed, ours)

@@ -276,14 +276,9 @@ class Film:
     def simulator(self) -> d.CharacterSimulator:
         return self.results.simulator(self.options["cloth"])
 
-    def energy_options(self) -> d.EnergyOptions:
-        options = copy.copy(self.options["energy"])
-        options.dt = self.solver.dt
-        return options
-
     def fit_options(self) -> d.FitOptions:
         options = copy.copy(self.options["fit"])
-        options.energy, options.space, options.seed = self.energy_options(), self.options["space"], self.seed
+        options.energy, options.space, options.seed = self.options["energy"], self.options["space"], self.seed
         return options
 
 
@@ -360,7 +355,9 @@ def opened_objective(job: str) -> tuple:
     made = film_of(json.loads(job))
     simulator = made.simulator()
     observations = made.results.observations()
-    return simulator, d.MaterialObjective(simulator, made.results.dressed_performance(), observations, made.energy_options())
+    return simulator, d.MaterialObjective(
+        simulator, made.results.dressed_performance(), observations, made.solver.dt, made.options["energy"]
+    )
 
 
 def table(rows: list[dict]) -> str:

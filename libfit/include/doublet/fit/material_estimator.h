@@ -153,20 +153,22 @@ struct Take {
   std::vector<const CharacterSimulator *> widths; ///< in every width that its garment offers, see MaterialObjective
   const ReferencePerformance *performance = nullptr;
   const Observations *observations = nullptr;
-  double dt = 1.0 / 40; ///< s, one video frame
+  double dt = 0; ///< s, one video frame
 };
 
 /// The material, and the width, under which the takes are explained together: their energies are added, each in its own images. A
 /// character without cloth has no material: a result without regions. Without feature matches E_fit is its silhouette term.
-/// Throws std::invalid_argument without takes, or if they differ in regions or widths; options.energy.dt does not count.
+/// Throws std::invalid_argument without takes, if they differ in regions or widths, or if a dt is not
+/// positive.
 FitResult estimate_material(const std::vector<Take> &takes, const FitOptions &options = {}, const Context &context = {});
-/// Of one take, of a garment of one width, options.energy.dt a frame.
+/// Of one take, of a garment of one width. dt: s, one video frame.
 FitResult estimate_material(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                            const Observations &observations, const FitOptions &options = {}, const Context &context = {});
+                            const Observations &observations, double dt, const FitOptions &options = {},
+                            const Context &context = {});
 
-/// (R) E_fit of one material a region.
+/// (R) E_fit of one material a region. dt: s, one video frame.
 std::vector<double> material_energy(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                                    const Observations &observations, const std::vector<pbd::Material> &materials,
+                                    const Observations &observations, double dt, const std::vector<pbd::Material> &materials,
                                     const EnergyOptions &options = {}, const Context &context = {});
 
 /// [T] (V, 3) the reference motion re-animated by the finished character, from its captured first frame after `settle_frames` of

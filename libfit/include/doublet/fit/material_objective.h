@@ -13,7 +13,6 @@
 namespace doublet {
 
 struct EnergyOptions {
-  double dt = 1.0 / 40.0;
   double alpha = 1.0;
   /// Small, for folds are chaotic: where the simulation has a fold that the film has elsewhere, its features move the wrong way
   /// twice, where it has none, once. A large beta makes cloth too stiff to fold.
@@ -44,7 +43,6 @@ struct EnergyOptions {
     using O = EnergyOptions;
     return Description{
         "EnergyOptions",
-        option(&O::dt, "dt", above(0), "s", "Duration of one video frame"),
         option(&O::alpha, "alpha", at_least(0), "", "Weight of E_sil, simulated rims that are not seen", "1 is the paper's"),
         option(&O::beta, "beta", at_least(0), "", "Weight of E_sift, features in another place",
                "10 is the paper's; more prefers cloth that is too stiff to fold over folds in other places"),
@@ -146,18 +144,18 @@ struct EnergyTimes {
 /// captured surface.
 class MaterialObjective : public Objective {
 public:
-  /// Keeps copies of the simulators, which share models and solvers with those that were given. Throws std::invalid_argument if
-  /// the character has no cloth, Error if performance and observations do not belong together (frames, cameras, dofs) or are
-  /// empty.
+  /// dt: s, one video frame. Keeps copies of the simulators, which share models and solvers with those that were given. Throws
+  /// std::invalid_argument if the character has no cloth or dt is not positive, Error if performance and observations do not
+  /// belong together (frames, cameras, dofs) or are empty.
   MaterialObjective(const CharacterSimulator &simulator, const ReferencePerformance &performance,
-                    const Observations &observations, const EnergyOptions &options = {}, const ParameterSpace &space = {},
-                    const Context &context = {});
+                    const Observations &observations, double dt, const EnergyOptions &options = {},
+                    const ParameterSpace &space = {}, const Context &context = {});
   /// The same of a character whose garment is offered in several widths: simulators of one mesh that differ in the rest shape of
   /// their cloth alone. Each part then has one more parameter, the last: 0 = the first width, 1 = the last, in equal steps.
   /// Throws std::invalid_argument if there is none, or if their regions differ.
   MaterialObjective(const std::vector<const CharacterSimulator *> &widths, const ReferencePerformance &performance,
-                    const Observations &observations, const EnergyOptions &options = {}, const ParameterSpace &space = {},
-                    const Context &context = {});
+                    const Observations &observations, double dt, const EnergyOptions &options = {},
+                    const ParameterSpace &space = {}, const Context &context = {});
   ~MaterialObjective() override;
 
   int parameter_count() const override;

@@ -31,7 +31,7 @@ struct ReconstructionOptions {
   ProxyOptions proxy;
   GarmentOptions garment;
   pbd::ClothOptions cloth;
-  FitOptions fit; ///< fit.energy.dt does not count: it follows from the frame rate
+  FitOptions fit;
   TextureOptions texture;
 };
 
@@ -60,9 +60,9 @@ template <class Options, class Visit> void for_each_group(Options &options, Visi
   visit("texture", options.texture);
 }
 
-/// Is an option set by the session or by ReconstructionOptions::seed, not by itself?
+/// Is an option set by ReconstructionOptions::seed, not by itself?
 inline bool is_derived_option(const std::string &group, const std::string &name) {
-  return (group == "energy" && name == "dt") || ((group == "fit" || group == "annealing") && name == "seed");
+  return (group == "fit" || group == "annealing") && name == "seed";
 }
 
 } // namespace doublet
