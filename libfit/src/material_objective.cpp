@@ -125,7 +125,8 @@ std::string hash_problem(const std::vector<const CharacterSimulator *> &widths, 
   Fingerprint print;
   const CharacterSimulator &simulator = *widths.front();
   const RiggedMesh &actor = simulator.actor();
-  print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(dt).add(options).add(space);
+  print.add(actor.mesh.faces).add(actor.face_valid).add(actor.weights).add(simulator.options()).add(std::vector<double>{dt});
+  print.add(options).add(space);
   for (const PosedFrame &pose : poses) {
     print.add(pose.skinned);
     for (const Capsule &capsule : pose.capsules)

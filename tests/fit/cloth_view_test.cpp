@@ -229,8 +229,7 @@ TEST(ClothView, TellsHowFarTheOutlineIs) {
 /// The paper's E_fit by the plain search, for one region.
 double plain_energy(const Scene &s, const pbd::Material &material, const EnergyOptions &options) {
   const fit::ClothTopology topology = fit::cloth_topology(*s.simulator);
-  const std::vector<Vertices> frames =
-      simulate_reference(*s.simulator, s.performance, {material}, options.dt, options.settle_frames);
+  const std::vector<Vertices> frames = simulate_reference(*s.simulator, s.performance, {material}, kDt, options.settle_frames);
   double energy = 0;
   for (std::size_t t = 0; t < frames.size(); ++t) {
     FrameTerms terms;

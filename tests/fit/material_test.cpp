@@ -432,7 +432,7 @@ TEST(MaterialObjective, AScrapOnTheContourDoesNotExplainIt) {
   Observations one = scene().observations;
   for (auto &views : one.views)
     std::fill(views.begin() + 1, views.end(), ViewObservation{});
-  const MaterialObjective objective(*scene().simulator, scene().performance, one);
+  const MaterialObjective objective(*scene().simulator, scene().performance, one, kDt);
   const auto mean = [&](const std::vector<Vertices> &surfaces, double FrameTerms::*term) {
     const std::vector<FrameTerms> frames = objective.surface_terms(surfaces)[0];
     return std::accumulate(frames.begin(), frames.end(), 0.0,
