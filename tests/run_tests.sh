@@ -12,8 +12,8 @@ venv=$PWD/build/tests-venv
 node=$PWD/build/tests-node
 mkdir -p build
 
-echo "== the viewer's bundle, beside pip, style and build"
-(scripts/apt-install.sh scripts/apt-packages-viewer.txt && scripts/build-viewer.sh -j1) >build/viewer.log 2>&1 &
+echo "== a browser and the viewer's bundle, beside pip, style and build"
+(scripts/apt-install.sh scripts/apt-packages-viewer.txt scripts/apt-packages-pages.txt && scripts/build-viewer.sh -j1) >build/viewer.log 2>&1 &
 viewer=$!
 
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv "$venv"
