@@ -3,12 +3,15 @@
 #: Those that take half a minute and more, the longest first, so that two workers come to the end together.
 LONGEST = (
     "test_reconstruct",
-    "test_consumer",
-    "test_scan",
     "test_code_blocks",
     "test_masks_only",
-    "test_view",
+    "test_scan",
+    "test_new_session",
+    "test_consumer",
+    "test_calibrate",
+    "test_refined_cameras",
     "test_edit_segmentation",
+    "test_view",
     "test_arguments",
     "test_capture_parts",
 )

@@ -15,7 +15,7 @@
 #   fuzz        libFuzzer, DOUBLET_FUZZ_SECONDS (60) a harness
 #   mutate      DOUBLET_MUTANTS (1000) damaged files of every format, read from Python
 #   slow        ctest -L slow: cloth in every corner of the material box; templates, first poses and searches beyond those of every run;
-#               the benchmarks, linked; pytest -m slow: the C++ example against the command
+#               the benchmarks, linked; pytest -m slow: whole builds by users, the longest examples
 #   sanitize    every C++ test under AddressSanitizer and UndefinedBehaviorSanitizer
 #   threads     every C++ test under ThreadSanitizer
 #   rooms       what the flaws of a real room cost on the shipped session (benchmarks/rooms.py)

@@ -257,6 +257,7 @@ def test_cpp_example_animates_the_character(made, shipped, cpp_examples, tmp_pat
     assert np.isfinite(np.load(out)["vertices"]).all()
 
 
+@pytest.mark.slow
 def test_numpy_example_animates_and_fits(made):
     broken, apart, energy, frozen = runpy.run_path(str(ROOT / "examples" / "numpy_solver.py"))["main"](made[0], frames=20)
     assert broken == []

@@ -69,6 +69,7 @@ def test_installed_cloth_library_brings_nothing_else(installed, tmp_path):
     assert not any(name in libraries for name in ("opencv", "png", "embree", "zip", "tinygltf"))
 
 
+@pytest.mark.slow
 def test_shared_libraries(tmp_path):
     """The cloth library as one, installed, is what a program loads."""
     only = ("-DCMAKE_BUILD_TYPE=Release", "-DDOUBLET_COMPONENTS=pbd", "-DBUILD_SHARED_LIBS=ON")
@@ -116,6 +117,7 @@ def test_each_component_alone(alone, room):
     assert alone[room] == ""
 
 
+@pytest.mark.slow
 def test_inside_the_tree_of_another_project(build_dir, tmp_path):
     quick = ["-DCMAKE_UNITY_BUILD=ON", "-DCMAKE_CXX_FLAGS_RELEASE=-O0"]
     run(build(CONSUMERS / "subdirectory", tmp_path, f"-DDOUBLET_SOURCE={ROOT}", "-DDOUBLET_WERROR=ON", *quick))
