@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from pathlib import Path
 from types import SimpleNamespace
 
 import doublet as d
@@ -333,17 +334,32 @@ def test_what_was_tracked_with_another_scan_refines_nothing(session_with_scan, t
     assert (folder / "scan.ply").read_bytes() == before
 
 
-@pytest.mark.parametrize("best", [31, 0])
-def test_where_nobody_stands_the_frame_that_would_do_is_named(monkeypatch, best):
-    said = "; frame 31 is more like a standing body: doublet scan s --force --frame 31" if best else ""
-    job = SimpleNamespace(session_folder="s")
-    monkeypatch.setattr(make_scan, "best_frame", lambda _: best)
+@pytest.mark.parametrize("better", [31, 0])
+def test_where_nobody_stands_the_frame_that_would_do_is_named(better):
+    said = "; frame 31 is more like a standing body: doublet scan s --force --frame 31" if better else ""
 
-    def found(largest):
+    def found(largest, **how):
         fit = SimpleNamespace(coefficients=np.array([0.3, -largest]))
-        return make_scan.standing_findings(job, SimpleNamespace(fit=fit))
+        return make_scan.Marked([], make_scan.unlike_people(SimpleNamespace(fit=fit)), **how)
 
-    assert found(4.9) == []
+    assert make_scan.reported(found(4.9), better, Path("s")) == []
     for largest, impossible in ((6, False), (9, True)):
-        (finding,) = found(largest)
+        (finding,) = make_scan.reported(found(largest), better, Path("s"))
         assert finding.impossible == impossible and finding.text.endswith("have grown together" + said)
+    with pytest.raises(RuntimeError, match="have grown together" + said):
+        make_scan.reported(found(9, written=False), better, Path("s"))
+
+
+def test_another_frame_is_taken_where_nobody_stands_in_the_first(model, tmp_path, capsys, monkeypatch):
+    """Unless the frame was named: then that one is refused, and the other named."""
+    person, ball = Person(model, 0.7, 3), d.capsule_mesh([0.2, 0.5, -0.3], [0.2, 1.2, -0.3], 0.3, 0.3)
+    folder = write_session(tmp_path / "session", person, before=[ball])
+    monkeypatch.setattr(make_scan, "best_frame", lambda _: 1)
+    assert main(["scan", str(folder), *FAST, "--frame", "0"]) == 1
+    refusal = capsys.readouterr().err
+    assert "body marks: expected" in refusal and f"; frame 1 is more like a standing body: doublet scan {folder}" in refusal
+    assert d.Session(folder).scan.name == "scan.ply" and not (folder / "joints.json").exists()  # what was made is kept
+    assert main(["scan", str(folder), *FAST, "--force"]) in (0, 3)
+    session = d.Session(folder)
+    assert session.frame_count == 2 and {camera.first_frame for camera in session.cameras} == {1}
+    assert np.mean(list(person.errors_mm({mark.name: mark.position for mark in session.joints}).values())) < 25

@@ -55,14 +55,15 @@ def scan_session(
     job: Job,
     options: d.ViewScanOptions | None = None,
     force: bool = False,
-    frame: int | str = 0,
+    frame: int | str | None = None,
     keypoints: Path | None = None,
     given: Path | None = None,
 ) -> ScanResult:
     """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
     both. A session that has scan and joints is refused.
 
-    frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found.
+    frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found; None = 0, or,
+    where nobody stands in that, the best one.
     keypoints: of all cameras, see filmed_keypoints(); the session keeps them.
     given: a scan of the same pose, which is brought to where the cameras see it."""
     folder = job.session_folder
@@ -78,7 +79,7 @@ def scan_session(
         raise RuntimeError(f"--given: {folder / 'session.json'} names a scan already; --force makes it anew")
     made, chosen = [], 0
     if "scan" in wanted:
-        chosen = best_frame(job) if frame == BEST else frame
+        chosen = best_frame(job) if frame == BEST else frame or 0
         require_motion_after(job, chosen)
     if keypoints:
         messages: list[str] = []
@@ -98,7 +99,12 @@ def scan_session(
         save(job, description)
     findings: list[d.Finding] = []
     if "markers" in wanted:
-        findings = write_marks(job, force, of_cameras="scan" in wanted and not given)
+        found = write_marks(job, force, of_cameras="scan" in wanted and not given)
+        better = frame_that_would_do(job) if found.nobody else 0
+        if better and frame is None:
+            job.console.say(f"scan: {found.nobody.text}; so frame {better} is taken, which is more like a standing body")
+            return scan_session(job, options, True, better, keypoints)
+        findings = reported(found, better, folder)
         made.append(folder / MARKS)
         description["markers"] = MARKS
         save(job, description)
@@ -110,12 +116,50 @@ def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
     return triangulated(job.session, frame) if job.session.keypoints.name else {}
 
 
-def write_marks(job: Job, force: bool, of_cameras: bool) -> list[d.Finding]:
-    """Writes joints.json; what is doubtful about it."""
+@dataclass
+class Marked:
+    """What is doubtful about joints, and why the scan is none of a person who stands, if it is none."""
+
+    findings: list[d.Finding]
+    nobody: d.Finding | None
+    written: bool = True
+
+
+def write_marks(job: Job, force: bool, of_cameras: bool) -> Marked:
+    """Writes joints.json, unless no person is found in a scan of the cameras."""
     seen = seen_joints(job, 0)
-    marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
+    try:
+        marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
+    except d.Error as error:
+        if not of_cameras:
+            raise
+        return Marked([], d.Finding(True, str(error)), written=False)
     write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
-    return [*facing_findings(marks), *(standing_findings(job, marks) if of_cameras else [])]
+    return Marked(facing_findings(marks), unlike_people(marks) if of_cameras else None)
+
+
+def unlike_people(marks: d.DetectedJoints) -> d.Finding | None:
+    """Of a body that nobody has: limbs that grew together, somebody who sits."""
+    limit = next(limit for limit in d.quality_limits() if limit.number == "largest_coefficient")
+    return limit.check(float(np.abs(marks.fit.coefficients).max()))
+
+
+def frame_that_would_do(job: Job) -> int:
+    """0 = none, or that which it is."""
+    try:
+        return best_frame(job)
+    except RuntimeError:
+        return 0
+
+
+def reported(found: Marked, better: int, folder: Path) -> list[d.Finding]:
+    """What is doubtful, and where nobody stands in the frame, which would do. Throws where there are no joints."""
+    if not found.nobody:
+        return found.findings
+    frame = f"; frame {better} is more like a standing body: doublet scan {folder} --force --frame {better}" if better else ""
+    if not found.written:
+        raise RuntimeError(found.nobody.text + frame)
+    return [*found.findings, d.Finding(found.nobody.impossible, found.nobody.text + frame)]
 
 
 def with_check_picture(job: Job, made: list[Path], findings: list[d.Finding]) -> ScanResult:
@@ -144,7 +188,8 @@ def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -
     d.write_mesh(path, d.Mesh(fine, scan.faces))
     made, findings = [path], []
     if found_here(job.session_folder / MARKS):
-        findings = write_marks(job, force=True, of_cameras=True)
+        found = write_marks(job, force=True, of_cameras=True)
+        findings = reported(found, 0, job.session_folder)
         made.append(job.session_folder / MARKS)
     return with_check_picture(job, made, findings)
 
@@ -288,17 +333,3 @@ def facing_findings(marks: d.DetectedJoints) -> list[d.Finding]:
     if rival <= LIKELY_RIVAL:
         return []
     return [d.Finding(False, f"the joints: front and back of the person were hard to tell apart (ratio {rival:.2f})")]
-
-
-def standing_findings(job: Job, marks: d.DetectedJoints) -> list[d.Finding]:
-    """Where the scan is none of a person who stands, which frame would do."""
-    limit = next(limit for limit in d.quality_limits() if limit.number == "largest_coefficient")
-    found = limit.check(float(np.abs(marks.fit.coefficients).max()))
-    if not found:
-        return []
-    try:
-        best = best_frame(job)
-    except RuntimeError:  # none would do; what was made is kept
-        best = 0
-    would_do = f"; frame {best} is more like a standing body: doublet scan {job.session_folder} --force --frame {best}"
-    return [d.Finding(found.impossible, found.text + (would_do if best else ""))]

@@ -26,10 +26,9 @@ def register(commands) -> None:
     scan.add_argument(
         "--frame",
         type=frame_or_best,
-        default=0,
         metavar="N",
         help="frame in which the person stands upright, arms and legs apart, or 'best': found; the session then begins there "
-        "(default: 0)",
+        "(default: 0, or the best one where nobody stands in that)",
     )
     scan.add_argument(
         "--keypoints",
