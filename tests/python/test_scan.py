@@ -339,8 +339,8 @@ def test_where_nobody_stands_the_frame_that_would_do_is_named(better):
     said = "; frame 31 is more like a standing body: doublet scan s --force --frame 31" if better else ""
 
     def found(largest, **how):
-        fit = SimpleNamespace(coefficients=np.array([0.3, -largest]))
-        return make_scan.Marked([], make_scan.unlike_people(SimpleNamespace(fit=fit)), **how)
+        marks = SimpleNamespace(fit=SimpleNamespace(coefficients=np.array([0.3, -largest])))
+        return make_scan.Marked([], next(iter(make_scan.shape_findings(marks)), None), **how)
 
     assert make_scan.reported(found(4.9), better, Path("s")) == []
     for largest, impossible in ((6, False), (9, True)):
@@ -348,6 +348,18 @@ def test_where_nobody_stands_the_frame_that_would_do_is_named(better):
         assert finding.impossible == impossible and finding.text.endswith("have grown together" + said)
     with pytest.raises(RuntimeError, match="have grown together" + said):
         make_scan.reported(found(9, written=False), better, Path("s"))
+
+
+@pytest.mark.parametrize(("rival", "largest", "stands"), [(0.6, 4, True), (0.9, 4, False), (0.6, 6, False), (0.9, 6, False)])
+def test_nobody_stands_where_a_body_fits_both_ways_round_or_is_none(monkeypatch, tmp_path, rival, largest, stands):
+    marks = SimpleNamespace(fit=SimpleNamespace(coefficients=np.array([largest])), facing_ambiguity=rival)
+    job = SimpleNamespace(session=SimpleNamespace(scan=None), session_folder=tmp_path)
+    for name, what in (("seen_joints", {}), ("marks_of", marks), ("joints_file", {}), ("corrected", {})):
+        monkeypatch.setattr(make_scan, name, lambda *_, what=what: what)
+    monkeypatch.setattr(make_scan.d, "read_mesh", lambda _: None)
+    found = make_scan.write_marks(job, True, of_cameras=True)
+    assert (found.nobody is None) == stands and len(found.findings) == (rival > 0.7 and largest > 5)
+    assert make_scan.write_marks(job, True, of_cameras=False).nobody is None  # a scanner's scan is of one frame alone
 
 
 def test_another_frame_is_taken_where_nobody_stands_in_the_first(model, tmp_path, capsys, monkeypatch):

@@ -118,7 +118,7 @@ def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
 
 @dataclass
 class Marked:
-    """What is doubtful about joints, and why the scan is none of a person who stands, if it is none."""
+    """What is doubtful about joints, and what tells that nobody stands in the frame: a body that is none, or fits both ways round."""
 
     findings: list[d.Finding]
     nobody: d.Finding | None
@@ -135,13 +135,17 @@ def write_marks(job: Job, force: bool, of_cameras: bool) -> Marked:
             raise
         return Marked([], d.Finding(True, str(error)), written=False)
     write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
-    return Marked(facing_findings(marks), unlike_people(marks) if of_cameras else None)
+    if not of_cameras:
+        return Marked(facing_findings(marks), None)
+    doubts = [*facing_findings(marks), *shape_findings(marks)]
+    return Marked(doubts[:-1], doubts[-1] if doubts else None)
 
 
-def unlike_people(marks: d.DetectedJoints) -> d.Finding | None:
+def shape_findings(marks: d.DetectedJoints) -> list[d.Finding]:
     """Of a body that nobody has: limbs that grew together, somebody who sits."""
     limit = next(limit for limit in d.quality_limits() if limit.number == "largest_coefficient")
-    return limit.check(float(np.abs(marks.fit.coefficients).max()))
+    found = limit.check(float(np.abs(marks.fit.coefficients).max()))
+    return [found] if found else []
 
 
 def frame_that_would_do(job: Job) -> int:
