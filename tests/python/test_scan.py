@@ -362,6 +362,7 @@ def test_nobody_stands_where_a_body_fits_both_ways_round_or_is_none(monkeypatch,
     assert make_scan.write_marks(job, True, of_cameras=False).nobody is None  # a scanner's scan is of one frame alone
 
 
+@pytest.mark.slow
 def test_another_frame_is_taken_where_nobody_stands_in_the_first(model, tmp_path, capsys, monkeypatch):
     """Unless the frame was named: then that one is refused, and the other named."""
     person, ball = Person(model, 0.7, 3), d.capsule_mesh([0.2, 0.5, -0.3], [0.2, 1.2, -0.3], 0.3, 0.3)

@@ -118,7 +118,7 @@ def seen_joints(job: Job, frame: int) -> dict[str, np.ndarray]:
 
 @dataclass
 class Marked:
-    """What is doubtful about joints, and what tells that nobody stands in the frame: a body that is none, or fits both ways round."""
+    """What is doubtful about joints, and what tells that nobody stands in the frame."""
 
     findings: list[d.Finding]
     nobody: d.Finding | None
