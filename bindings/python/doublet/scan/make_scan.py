@@ -37,6 +37,8 @@ FAR_FROM_KEYPOINT = 0.06
 OF_HULL = 0.05
 #: The hull that a given scan is aligned to, and that a body is first fitted to.
 COARSE = d.ViewScanOptions(cell=0.012, poisson_depth=7, search_depth=0)
+#: Share of the take that must be left for the best frame to be taken unasked.
+LEAST_LEFT = 0.5
 #: How coarsely frames are tried for the best one, and how many at most.
 TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
 #: Octree depth of the closed surface that the body is fitted to: joints need no fingers.
@@ -63,7 +65,7 @@ def scan_session(
     both. A session that has scan and joints is refused.
 
     frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found; None = 0, or,
-    where nobody stands in that, the best one.
+    where nobody stands in that, the best one if LEAST_LEFT of the take is left.
     keypoints: of all cameras, see filmed_keypoints(); the session keeps them.
     given: a scan of the same pose, which is brought to where the cameras see it."""
     folder = job.session_folder
@@ -101,7 +103,7 @@ def scan_session(
     if "markers" in wanted:
         found = write_marks(job, force, of_cameras="scan" in wanted and not given)
         better = frame_that_would_do(job) if found.nobody else 0
-        if better and frame is None:
+        if frame is None and 0 < better <= (1 - LEAST_LEFT) * job.session.frame_count:
             job.console.say(f"scan: {found.nobody.text}; so frame {better} is taken, which is more like a standing body")
             return scan_session(job, options, True, better, keypoints)
         findings = reported(found, better, folder)

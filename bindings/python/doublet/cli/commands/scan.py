@@ -28,7 +28,7 @@ def register(commands) -> None:
         type=frame_or_best,
         metavar="N",
         help="frame in which the person stands upright, arms and legs apart, or 'best': found; the session then begins there "
-        "(default: 0, or the best one where nobody stands in that)",
+        "(default: 0, or the best one where nobody stands in that and half of the take is left)",
     )
     scan.add_argument(
         "--keypoints",
