@@ -13,6 +13,7 @@ from doublet import body_model_path
 from doublet.cli import main
 from doublet.scan import make_scan
 from doublet.session import keypoints
+from doublet.session.scan_frame import scan_frame
 from PIL import Image
 
 FAST = ["--body-iterations", "6", "--scan-cell", "0.012", "--scan-poisson-depth", "7", "--scan-search-depth", "0", "--quiet"]
@@ -124,22 +125,32 @@ def test_the_command_completes_a_session(scanned, capsys):
 
 
 @pytest.mark.slow
-def test_the_best_frame_is_found_and_the_session_begins_there(model, tmp_path, capsys):
+def test_the_best_frame_is_found_and_the_take_stays_whole(model, tmp_path, capsys):
     person = Person(model, 0.7, 3)
     ball = d.capsule_mesh([0.2, 0.5, -0.3], [0.2, 1.2, -0.3], 0.3, 0.3)
     folder = write_session(tmp_path / "session", person, before=[ball, ball])
     before = (folder / "session.json").read_text(encoding="utf-8")
-    assert main(["scan", str(folder), *FAST, "--frame", "3"]) == 1
-    assert "--frame: expected 0 to 2, for a motion to be left, found 3" in capsys.readouterr().err
+    assert main(["scan", str(folder), *FAST, "--frame", "4"]) == 1
+    assert "--frame: expected 0 to 3, found 4" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         main(["scan", str(folder), *FAST, "--frame", "last"])
     assert "expected the number of a frame, or best, found 'last'" in capsys.readouterr().err
     assert (folder / "session.json").read_text(encoding="utf-8") == before
     assert main(["scan", str(folder), *FAST, "--frame", "best"]) in (0, 3)
     session = d.Session(folder)
-    assert session.frame_count == 2 and {camera.first_frame for camera in session.cameras} == {2}
+    assert session.frame_count == 4 and scan_frame(session) in (2, 3)
     assert np.mean(list(person.errors_mm({mark.name: mark.position for mark in session.joints}).values())) < 25
-    assert main(["scan", str(folder), *FAST, "--force", "--frame", "1"]) == 1  # of what is left
+    found = d.find_start_frame(d.read_mesh(session.scan), session.rig, d.FrameSource.open(session))
+    assert found.frame in (2, 3) and found.in_scan_pose  # where tracking starts
+
+
+@pytest.mark.parametrize("frame", [1, -1, 0.5, True, "first", None])
+def test_a_frame_of_the_scan_that_is_none_is_refused(session_with_scan, frame):
+    described = json.loads((session_with_scan / "session.json").read_text(encoding="utf-8"))
+    assert described["scan_frame"] == 0 == scan_frame(d.Session(session_with_scan))
+    (session_with_scan / "session.json").write_text(json.dumps({**described, "scan_frame": frame}), encoding="utf-8")
+    with pytest.raises(RuntimeError, match="scan_frame: expected a whole number from 0 to 0, found"):
+        scan_frame(d.Session(session_with_scan))
 
 
 def test_only_what_is_missing_is_made(model, tmp_path, capsys):
@@ -334,9 +345,9 @@ def test_what_was_tracked_with_another_scan_refines_nothing(session_with_scan, t
     assert (folder / "scan.ply").read_bytes() == before
 
 
-@pytest.mark.parametrize("better", [31, 0])
+@pytest.mark.parametrize("better", [31, 0, None])
 def test_where_nobody_stands_the_frame_that_would_do_is_named(better):
-    said = "; frame 31 is more like a standing body: doublet scan s --force --frame 31" if better else ""
+    said = f"; frame {better} is more like a standing body: doublet scan s --force --frame {better}" if better is not None else ""
 
     def found(largest, **how):
         marks = SimpleNamespace(fit=SimpleNamespace(coefficients=np.array([0.3, -largest])))
@@ -374,5 +385,5 @@ def test_another_frame_is_taken_where_nobody_stands_in_the_first(model, tmp_path
     assert d.Session(folder).scan.name == "scan.ply" and not (folder / "joints.json").exists()  # what was made is kept
     assert main(["scan", str(folder), *FAST, "--force"]) in (0, 3)
     session = d.Session(folder)
-    assert session.frame_count == 2 and {camera.first_frame for camera in session.cameras} == {1}
+    assert session.frame_count == 3 and scan_frame(session) == 1
     assert np.mean(list(person.errors_mm({mark.name: mark.position for mark in session.joints}).values())) < 25

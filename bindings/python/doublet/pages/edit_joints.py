@@ -13,6 +13,7 @@ from PIL import Image
 from .. import _doublet as d
 from ..common.files import write_json
 from ..common.packaged import DATA
+from ..session.scan_frame import scan_frame
 from .page_server import LocalPage
 
 PAGE = DATA / "edit_joints.html"
@@ -25,9 +26,10 @@ def open_page(folder: Path, port: int = 0) -> LocalPage:
         raise RuntimeError(f"{folder / 'session.json'}: names no joints; `doublet scan {folder}` makes them")
     shown, cameras = {}, []
     frames = d.FrameSource.open(session)
+    frame = scan_frame(session)
     for index, full in enumerate(session.rig):
         camera = smaller(full)
-        shown[f"/{index}.jpg"] = ("image/jpeg", photo(frames, index, (camera.width, camera.height)))
+        shown[f"/{index}.jpg"] = ("image/jpeg", photo(frames, frame, index, (camera.width, camera.height)))
         cameras.append(
             {
                 "name": full.name,
@@ -50,9 +52,9 @@ def smaller(camera: d.Camera) -> d.Camera:
     return camera.resized(round(scale * camera.width), round(scale * camera.height))
 
 
-def photo(frames: d.FrameSource, camera: int, size: tuple[int, int]) -> bytes:
-    """JPEG of frame 0, or of its mask where there is no image."""
-    image, mask = frames.image(camera, 0), frames.mask(camera, 0)
+def photo(frames: d.FrameSource, frame: int, camera: int, size: tuple[int, int]) -> bytes:
+    """JPEG of an image, or of its mask where there is none."""
+    image, mask = frames.image(camera, frame), frames.mask(camera, frame)
     shown = Image.new("L", size, 60)
     if image.size:
         shown = Image.fromarray(np.ascontiguousarray(image[..., ::-1])).resize(size)

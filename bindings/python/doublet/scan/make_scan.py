@@ -14,6 +14,7 @@ from ..common.files import write_json
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
 from ..session.keypoints import adopt_keypoints, triangulated
+from ..session.scan_frame import scan_frame
 
 #: Option groups of the command.
 GROUPS = {
@@ -37,8 +38,6 @@ FAR_FROM_KEYPOINT = 0.06
 OF_HULL = 0.05
 #: The hull that a given scan is aligned to, and that a body is first fitted to.
 COARSE = d.ViewScanOptions(cell=0.012, poisson_depth=7, search_depth=0)
-#: Share of the take that must be left for the best frame to be taken unasked.
-LEAST_LEFT = 0.5
 #: How coarsely frames are tried for the best one, and how many at most.
 TRIED, MOST_TRIED = d.ViewScanOptions(cell=0.02, poisson_depth=6, search_depth=0), 24
 #: Octree depth of the closed surface that the body is fitted to: joints need no fingers.
@@ -64,8 +63,7 @@ def scan_session(
     """Writes scan and joints into the folder of the job's session where it names none (`force`: anew), and a picture that shows
     both. A session that has scan and joints is refused.
 
-    frame: where; the session begins there from now on, for the tracker starts in the scan's pose; BEST = found; None = 0, or,
-    where nobody stands in that, the best one if LEAST_LEFT of the take is left.
+    frame: where; tracking starts there, and goes both ways; BEST = found; None = 0, or the best one where nobody stands in that.
     keypoints: of all cameras, see filmed_keypoints(); the session keeps them.
     given: a scan of the same pose, which is brought to where the cameras see it."""
     folder = job.session_folder
@@ -74,15 +72,13 @@ def scan_session(
     if not wanted and not keypoints:
         raise RuntimeError(f"{folder / 'session.json'}: names a scan and joints already; --force makes them anew")
     if frame and "scan" not in wanted:
-        raise RuntimeError(
-            f"{folder / 'session.json'}: names a scan already, made at its frame 0; --force makes another at --frame"
-        )
+        raise RuntimeError(f"{folder / 'session.json'}: names a scan already; --force makes another at --frame")
     if given and "scan" not in wanted:
         raise RuntimeError(f"--given: {folder / 'session.json'} names a scan already; --force makes it anew")
     made, chosen = [], 0
     if "scan" in wanted:
         chosen = best_frame(job) if frame == BEST else frame or 0
-        require_motion_after(job, chosen)
+        require_frame(job, chosen)
     if keypoints:
         messages: list[str] = []
         description["keypoints"] = adopt_keypoints(job.session, keypoints, chosen, messages)
@@ -96,14 +92,13 @@ def scan_session(
         d.write_mesh(require_free(folder / SCAN, force), mesh)
         made.append(folder / SCAN)
         description["scan"] = SCAN
-        description["scan_from_views"] = given is None
-        set_first_frame(description, chosen)
+        description["scan_from_views"], description["scan_frame"] = given is None, chosen
         save(job, description)
     findings: list[d.Finding] = []
     if "markers" in wanted:
         found = write_marks(job, force, of_cameras="scan" in wanted and not given)
-        better = frame_that_would_do(job) if found.nobody else 0
-        if frame is None and 0 < better <= (1 - LEAST_LEFT) * job.session.frame_count:
+        better = frame_that_would_do(job, chosen) if found.nobody and frame != BEST else None
+        if better is not None and frame is None:
             job.console.say(f"scan: {found.nobody.text}; so frame {better} is taken, which is more like a standing body")
             return scan_session(job, options, True, better, keypoints)
         findings = reported(found, better, folder)
@@ -129,7 +124,7 @@ class Marked:
 
 def write_marks(job: Job, force: bool, of_cameras: bool) -> Marked:
     """Writes joints.json, unless no person is found in a scan of the cameras."""
-    seen = seen_joints(job, 0)
+    seen = seen_joints(job, scan_frame(job.session))
     try:
         marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
     except d.Error as error:
@@ -150,22 +145,25 @@ def shape_findings(marks: d.DetectedJoints) -> list[d.Finding]:
     return [found] if found else []
 
 
-def frame_that_would_do(job: Job) -> int:
-    """0 = none, or that which it is."""
+def frame_that_would_do(job: Job, chosen: int) -> int | None:
+    """Another one than was chosen, if there is any."""
     try:
-        return best_frame(job)
+        best = best_frame(job)
     except RuntimeError:
-        return 0
+        return None
+    return best if best != chosen else None
 
 
-def reported(found: Marked, better: int, folder: Path) -> list[d.Finding]:
+def reported(found: Marked, better: int | None, folder: Path) -> list[d.Finding]:
     """What is doubtful, and where nobody stands in the frame, which would do. Throws where there are no joints."""
     if not found.nobody:
         return found.findings
-    frame = f"; frame {better} is more like a standing body: doublet scan {folder} --force --frame {better}" if better else ""
+    text = found.nobody.text
+    if better is not None:
+        text += f"; frame {better} is more like a standing body: doublet scan {folder} --force --frame {better}"
     if not found.written:
-        raise RuntimeError(found.nobody.text + frame)
-    return [*found.findings, d.Finding(found.nobody.impossible, found.nobody.text + frame)]
+        raise RuntimeError(text)
+    return [*found.findings, d.Finding(found.nobody.impossible, text)]
 
 
 def with_check_picture(job: Job, made: list[Path], findings: list[d.Finding]) -> ScanResult:
@@ -195,7 +193,7 @@ def refine_scan(job: Job, out: Path, options: d.RestPoseOptions | None = None) -
     made, findings = [path], []
     if found_here(job.session_folder / MARKS):
         found = write_marks(job, force=True, of_cameras=True)
-        findings = reported(found, 0, job.session_folder)
+        findings = reported(found, None, job.session_folder)
         made.append(job.session_folder / MARKS)
     return with_check_picture(job, made, findings)
 
@@ -213,20 +211,14 @@ def found_here(marks: Path) -> bool:
     return marks.exists() and json.loads(marks.read_text(encoding="utf-8")).get("comment", "").startswith(FOUND)
 
 
-def require_motion_after(job: Job, frame: int) -> None:
-    last = max(job.session.frame_count - 2, 0)  # a motion has two frames
+def require_frame(job: Job, frame: int) -> None:
+    last = job.session.frame_count - 1
     if not 0 <= frame <= last:
-        raise RuntimeError(f"--frame: expected 0 to {last}, for a motion to be left, found {frame}")
+        raise RuntimeError(f"--frame: expected 0 to {last}, found {frame}")
     if frame:
-        job.console.say(f"scan: the session begins at what was frame {frame} ({frame / job.session.fps:.2f} s)")
-
-
-def set_first_frame(description: dict, frame: int) -> None:
-    """The session's frame 0 becomes this one of its frames."""
-    if frame:
-        description["frame_count"] -= frame
-        for camera in description["cameras"]:
-            camera["first_frame"] = camera.get("first_frame", 0) + frame
+        job.console.say(
+            f"scan: made at frame {frame} ({frame / job.session.fps:.2f} s); tracking starts there, and goes both ways"
+        )
 
 
 def save(job: Job, description: dict) -> None:
@@ -235,9 +227,9 @@ def save(job: Job, description: dict) -> None:
 
 
 def best_frame(job: Job) -> int:
-    """The frame, of MOST_TRIED evenly spread over the first nine tenths, whose coarse hull is most like a standing body."""
+    """The frame, of MOST_TRIED evenly spread over the take, whose coarse hull is most like a standing body."""
     frames, model = d.FrameSource.open(job.session), d.BodyModel.read(job.options.body_model)
-    tried = np.unique(np.linspace(0, 0.9 * (job.session.frame_count - 1), MOST_TRIED).astype(int))
+    tried = np.unique(np.linspace(0, job.session.frame_count - 1, MOST_TRIED).astype(int))
     costs = {}
     quiet = d.Context(threads=job.context.threads)
     for i, frame in enumerate(tried):

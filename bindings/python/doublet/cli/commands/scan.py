@@ -27,8 +27,8 @@ def register(commands) -> None:
         "--frame",
         type=frame_or_best,
         metavar="N",
-        help="frame in which the person stands upright, arms and legs apart, or 'best': found; the session then begins there "
-        "(default: 0, or the best one where nobody stands in that and half of the take is left)",
+        help="frame in which the person stands upright, arms and legs apart, or 'best': found; tracking then starts there "
+        "(default: 0, or the best one where nobody stands in that)",
     )
     scan.add_argument(
         "--keypoints",
