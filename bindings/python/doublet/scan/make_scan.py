@@ -124,14 +124,14 @@ class Marked:
 
 def write_marks(job: Job, force: bool, of_cameras: bool) -> Marked:
     """Writes joints.json, unless no person is found in a scan of the cameras."""
-    seen = seen_joints(job, scan_frame(job.session))
+    path, seen = require_free(job.session_folder / MARKS, force), seen_joints(job, scan_frame(job.session))
     try:
         marks = marks_of(job, d.read_mesh(job.session.scan), seen, of_cameras)
     except d.Error as error:
         if not of_cameras:
             raise
         return Marked([], d.Finding(True, str(error)), written=False)
-    write_json(require_free(job.session_folder / MARKS, force), corrected(joints_file(marks), seen, job))
+    write_json(path, corrected(joints_file(marks), seen, job))
     if not of_cameras:
         return Marked(facing_findings(marks), None)
     doubts = [*facing_findings(marks), *shape_findings(marks)]
