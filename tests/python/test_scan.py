@@ -365,12 +365,21 @@ def test_where_nobody_stands_the_frame_that_would_do_is_named(better):
 def test_nobody_stands_where_a_body_fits_both_ways_round_or_is_none(monkeypatch, tmp_path, rival, largest, stands):
     marks = SimpleNamespace(fit=SimpleNamespace(coefficients=np.array([largest])), facing_ambiguity=rival)
     job = SimpleNamespace(session=SimpleNamespace(scan=None), session_folder=tmp_path)
-    for name, what in (("seen_joints", {}), ("marks_of", marks), ("joints_file", {}), ("corrected", {})):
+    for name, what in (("scan_frame", 0), ("seen_joints", {}), ("marks_of", marks), ("joints_file", {}), ("corrected", {})):
         monkeypatch.setattr(make_scan, name, lambda *_, what=what: what)
     monkeypatch.setattr(make_scan.d, "read_mesh", lambda _: None)
     found = make_scan.write_marks(job, True, of_cameras=True)
     assert (found.nobody is None) == stands and len(found.findings) == (rival > 0.7 and largest > 5)
     assert make_scan.write_marks(job, True, of_cameras=False).nobody is None  # a scanner's scan is of one frame alone
+
+    def no_body(*_):
+        raise d.Error("expected a person")
+
+    monkeypatch.setattr(make_scan, "marks_of", no_body)
+    found = make_scan.write_marks(job, True, of_cameras=True)
+    assert found.nobody.text == "expected a person" and found.nobody.impossible and not found.written
+    with pytest.raises(FileExistsError, match="joints.json exists"):  # somebody's own: no other frame is tried over it
+        make_scan.write_marks(job, False, of_cameras=True)
 
 
 @pytest.mark.slow
