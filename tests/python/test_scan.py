@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from doublet import body_model_path
 from doublet.cli import main
+from doublet.common.scan_frame import scan_frame
 from doublet.scan import make_scan
 from doublet.session import keypoints
-from doublet.session.scan_frame import scan_frame
 from PIL import Image
 
 FAST = ["--body-iterations", "6", "--scan-cell", "0.012", "--scan-poisson-depth", "7", "--scan-search-depth", "0", "--quiet"]

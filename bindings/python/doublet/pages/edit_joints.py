@@ -13,7 +13,7 @@ from PIL import Image
 from .. import _doublet as d
 from ..common.files import write_json
 from ..common.packaged import DATA
-from ..session.scan_frame import scan_frame
+from ..common.scan_frame import scan_frame
 from .page_server import LocalPage
 
 PAGE = DATA / "edit_joints.html"

@@ -11,10 +11,10 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import write_json
+from ..common.scan_frame import scan_frame
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
 from ..session.keypoints import adopt_keypoints, triangulated
-from ..session.scan_frame import scan_frame
 
 #: Option groups of the command.
 GROUPS = {

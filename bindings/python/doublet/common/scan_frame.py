@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from .. import _doublet as d
-from ..common.files import read_json
+from .files import read_json
 
 
 def scan_frame(session: d.Session) -> int:
