@@ -41,43 +41,57 @@ def rest_of(character: d.Character) -> np.ndarray:
     return d.DisplaySurface(character).apply(coarse)
 
 
-class Watcher:
-    """Measures the frames of one animation as they come."""
+class GarmentWatcher:
+    """Measures the garment in the frames of an animation as they come: how far it is stretched, whether it crosses itself."""
 
-    def __init__(self, character: d.Character, drawn: Drawn, motion_frames: int, every: int):
-        self.drawn, self.motion_frames, self.every, self.fps = drawn, motion_frames, every, 1 / character.solver.dt
-        actor = character.actor
-        clothness, region = np.asarray(character.segmentation.clothness), np.asarray(character.segmentation.region)
-        self.free = clothness > 0.5
-        self.worn = actor.mesh.faces[(region[actor.mesh.faces] >= 0).all(axis=1)]
+    def __init__(self, character: d.Character, drawn: Drawn, motion_frames: int):
+        self.motion_frames = motion_frames
+        faces, region = character.actor.mesh.faces, np.asarray(character.segmentation.region)
+        self.worn = faces[(region[faces] >= 0).all(axis=1)]
         faces = drawn.faces[drawn.cloth]
         self.edges = np.unique(np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
         self.rest = np.maximum(self.length(rest_of(character)), SHORTEST)
-        names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
-        self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
-        self.through, self.stretch, self.lowest, self.slides, self.speeds, self.crossing = [], [], [], [], [], []
-        self.before, self.over = None, np.zeros(len(self.edges), bool)
+        self.stretch, self.crossing, self.over = [], [], np.zeros(len(self.edges), bool)
 
     def length(self, vertices: np.ndarray) -> np.ndarray:
         return np.linalg.norm(vertices[self.edges[:, 0]] - vertices[self.edges[:, 1]], axis=1)
 
     def __call__(self, frame: d.AnimationFrame) -> None:
-        surface, moving = np.array(frame.surface), frame.index < self.motion_frames
-        if moving:
+        self.last = np.array(frame.surface)
+        if frame.index < self.motion_frames:
             stretched = self.length(frame.high) / self.rest
             self.over |= stretched > TOO_LONG
             self.stretch.append(float(stretched.max()))
+        if frame.index == self.motion_frames - 1:
+            self.crossing.append(self.count_crossing())
+
+    def count_crossing(self) -> int:
+        """Faces of the simulated garment that pass through others in the last frame."""
+        return int(np.sum(d.self_intersecting_faces(d.Mesh(self.last, self.worn))))
+
+
+class Watcher(GarmentWatcher):
+    """And the person: skin that comes through, feet, and whether the garment comes to rest."""
+
+    def __init__(self, character: d.Character, drawn: Drawn, motion_frames: int, every: int):
+        super().__init__(character, drawn, motion_frames)
+        self.drawn, self.every, self.fps = drawn, every, 1 / character.solver.dt
+        actor = character.actor
+        self.free = np.asarray(character.segmentation.clothness) > 0.5
+        names, weights = list(actor.skeleton.joint_names), np.asarray(actor.weights)
+        self.feet = [np.flatnonzero((weights[:, names.index(n)] > 0.5) & ~self.free) for n in names if "ankle" in n]
+        self.through, self.lowest, self.slides, self.speeds, self.before = [], [], [], [], None
+
+    def __call__(self, frame: d.AnimationFrame) -> None:
+        super().__call__(frame)
+        surface = self.last
+        if frame.index < self.motion_frames:
             self.watch_feet(surface)
             if frame.index % self.every == 0:
                 self.through.append(self.drawn.through(frame))
         elif self.before is not None:
             self.speeds.append(np.linalg.norm((surface - self.before)[self.free], axis=1) * self.fps)
-        if frame.index == self.motion_frames - 1:
-            self.crossing.append(self.count_crossing(surface))
-        self.last = self.before = surface
-
-    def count_crossing(self, surface: np.ndarray) -> int:
-        return int(np.sum(d.self_intersecting_faces(d.Mesh(surface, self.worn))))
+        self.before = surface
 
     def watch_feet(self, surface: np.ndarray) -> None:
         self.lowest.append(min(surface[foot, 1].min() for foot in self.feet))
@@ -91,7 +105,7 @@ class Watcher:
     def row(self) -> list:
         at, half = int(np.argmax(self.stretch)), int(self.fps / 2)
         rest = np.percentile(np.concatenate(self.speeds[-half:]), 95)
-        self.crossing.append(self.count_crossing(self.last))
+        self.crossing.append(self.count_crossing())
         skin, _, within = worst_view(self.through).T
         return [
             *(f"{(areas > SEEN).mean():.1%}, {areas.max():.1f} cm2" for areas in (skin, within)),
