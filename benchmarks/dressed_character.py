@@ -104,6 +104,16 @@ def distance_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     return np.array([np.linalg.norm(others - p, axis=1).min() for p in points])
 
 
+def without_crossing(body: d.Mesh, wide: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(V, 3) m: the body's vertices, so far along the normals; less where the layer would pass through itself, which lasts."""
+    while True:
+        layer = body.vertices + wide[:, None] * normals
+        crossing = body.faces[d.self_intersecting_faces(d.Mesh(layer, body.faces))]
+        if not len(crossing):
+            return layer
+        wide[np.unique(crossing)] *= 0.8
+
+
 def dressed(person: Person, cut: Cut, ease: float, random: np.random.Generator):
     """(vertices, faces, clothness, is_fabric, weights) of skin and cloth; clothness is 0 of fabric that is fastened or clings."""
     body, faces = person.vertices, person.faces
@@ -118,7 +128,7 @@ def dressed(person: Person, cut: Cut, ease: float, random: np.random.Generator):
     wide = np.minimum(ease * (0.75 + 0.5 * wave), 0.3 * gap)  # the cloth of a leg does not enter that of the other
     wide = snug * np.minimum(CLINGING, wide) + (1 - snug) * wide
     band = distance_to(body, body[np.isin(person.bone, cut.fastened)]) < BAND
-    cloth = body + np.where(band, 0.3 * wide, wide)[:, None] * normals
+    cloth = without_crossing(d.Mesh(body, faces[cover[faces].all(axis=1)]), np.where(band, 0.3 * wide, wide), normals)
     clings = snug > 0.5
     index = np.arange(len(body))[:, None] * [1.0, 0, 0]  # which vertex of the body each is, carried through join()
     inside = cover[faces].all(axis=1)
