@@ -30,6 +30,8 @@ constexpr double kFewCrossing = 0.005;              // a share of the cloth's fa
 // In motion a few edges are looked at now and then: cloth that is all in a knot, twice in a row, does not come loose by itself.
 constexpr double kWatchEvery = 0.5, kAllKnotted = 0.15; // s, share of the edges
 constexpr std::size_t kWatched = 64;                    // edges of a region
+// A proxy through the cloth is as bad as that: where the body passes through itself one may be through any cloth.
+constexpr double kProxyThrough = kAllKnotted;
 
 const Character &checked(const Character &character) {
   validate_character(character);
@@ -238,8 +240,8 @@ struct Player::Playing {
     wake();
     looked = true;
   }
-  /// The share of the faces that pass through others, unless that is small, and the number of proxies whose axis passes through
-  /// the cloth.
+  /// The share of the faces that pass through others, unless that is small, and kProxyThrough for each proxy whose axis passes
+  /// through the cloth.
   double faults_of(const Shared &shared, const CharacterState &cloth) const {
     Context context;
     context.threads = 1;
@@ -249,8 +251,9 @@ struct Player::Playing {
       const std::vector<std::uint8_t> crossing = self_intersecting_faces(mesh, context);
       const double share = std::accumulate(crossing.begin(), crossing.end(), 0.0) / static_cast<double>(crossing.size());
       faults += share > kFewCrossing ? share : 0;
-      faults += static_cast<double>(std::count_if(posed.capsules.begin(), posed.capsules.end(),
-                                                  [&](const Capsule &c) { return crosses_surface(c.p0, c.p1, mesh); }));
+      faults +=
+          kProxyThrough * static_cast<double>(std::count_if(posed.capsules.begin(), posed.capsules.end(),
+                                                            [&](const Capsule &c) { return crosses_surface(c.p0, c.p1, mesh); }));
     }
     return faults;
   }

@@ -490,6 +490,35 @@ TEST(Player, ClothThatIsAllInAKnotIsPutOnAnewInMotion) {
   EXPECT_GT(crossing(left), 100);
 }
 
+/// All in a heap at the waist, above a rod that passes through any skirt that hangs.
+TEST(Player, ClothInAKnotIsPutOnAnewThoughAProxyWillBeThroughIt) {
+  const auto above_a_rod = [](bool redrape_when_tangled) {
+    Player player = ready_to_be_caught(redrape_when_tangled);
+    const Vertices hanging = player.state().regions[0].positions;
+    const double top = hanging.col(1).maxCoeff(), low = hanging.col(1).minCoeff();
+    CharacterState state = player.state();
+    Vertices &cloth = state.regions[0].positions;
+    for (Eigen::Index v = 0, n = cloth.rows(); v < n; ++v) {
+      cloth.row(v) = hanging.row(v * 101 % n);
+      cloth(v, 1) = top - 0.1 * (top - cloth(v, 1));
+    }
+    player.set_state(state);
+    std::vector<TaperedCapsule> proxies = player.proxies();
+    const Eigen::Vector3d middle(0, low + 0.1 - figure().actor.skeleton.joints[0].rest.y(), 0);
+    proxies.push_back({0, middle, middle + Eigen::Vector3d::UnitZ(), 0.01, 0.01});
+    player.set_proxies(proxies);
+    return player;
+  };
+  Player freed = above_a_rod(true), left = above_a_rod(false);
+  EXPECT_EQ(piercing(freed), 0);
+  const MatrixRM dofs = march(101);
+  for (Player *player : {&freed, &left})
+    for (int t = 0; t < 60; ++t)
+      player->step(dofs.row(t + 1));
+  EXPECT_LT(crossing(freed), 20);
+  EXPECT_GT(crossing(left), 100);
+}
+
 TEST(Player, ClothThatIsNotCaughtIsLeftAlone) {
   Player with = ready_to_be_caught(true), without = ready_to_be_caught(false);
   hold(with, 1.5);
