@@ -12,11 +12,10 @@ namespace doublet::detail {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double kOffCut = 0.02;    // no vertex is nearer to the cut, which would make slivers
-constexpr double kOnBody = 0.012;   // m, about the error of the hidden body: nearer, the surface lies on it
-constexpr double kTouches = 0.05;   // of a piece of skin: so much of it lies on the body, whatever it wears or holds
-constexpr double kLeafShare = 0.05; // of a patch on a hand, a foot or the head: it ends there
-constexpr double kFacesAway = 0.5;  // cosine between a normal and the way a garment ends
+constexpr double kOffCut = 0.02;   // no vertex is nearer to the cut, which would make slivers
+constexpr double kOnBody = 0.012;  // m, about the error of the hidden body: nearer, the surface lies on it
+constexpr double kTouches = 0.05;  // of a piece of skin: so much of it lies on the body, whatever it wears or holds
+constexpr double kFacesAway = 0.5; // cosine between a normal and the way a garment ends
 
 /// Values of faces to vertices: means weighted by area; faces of unknown value do not count, a vertex between such is unknown.
 Eigen::VectorXd to_vertices(const Mesh &mesh, const Eigen::VectorXd &face_values) {
@@ -66,52 +65,6 @@ std::vector<int> joint_of_faces(const RiggedMesh &actor) {
   return result;
 }
 
-/// What the search for bare ends asks of the actor.
-struct Surroundings {
-  std::vector<std::vector<int>> beside; ///< [F]
-  std::vector<int> joints;              ///< [F]
-  Vertices centres;                     ///< (F, 3)
-  Eigen::VectorXd areas;                ///< (F)
-  std::vector<char> cloth;              ///< [F] clothness over a half, and not of the sheet
-  std::vector<char> skin;               ///< [F] the rest but the sheet
-};
-
-Surroundings surroundings(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation) {
-  const Faces &faces = actor.mesh.faces;
-  Surroundings result{face_neighbours(faces),          joint_of_faces(actor),
-                      Vertices(faces.rows(), 3),       face_areas(actor.mesh.vertices, faces),
-                      std::vector<char>(faces.rows()), std::vector<char>(faces.rows())};
-  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-    double sum = 0;
-    result.centres.row(f).setZero();
-    for (int k = 0; k < 3; ++k) {
-      sum += segmentation.clothness[faces(f, k)];
-      result.centres.row(f) += actor.mesh.vertices.row(faces(f, k)) / 3;
-    }
-    result.cloth[f] = !sheet[f] && sum > 1.5;
-    result.skin[f] = !sheet[f] && !result.cloth[f];
-  }
-  return result;
-}
-
-/// Is a patch of cloth that lies on the body skin in truth? It is where the skin around it lies towards the end of the limb, or
-/// if it is the end.
-bool is_bare_end(const RiggedMesh &actor, const Surroundings &at, const std::vector<int> &patch) {
-  Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-  double area = 0, end = 0, beyond = 0;
-  for (int f : patch) {
-    area += at.areas[f];
-    middle += at.areas[f] * at.centres.row(f);
-    end += actor.skeleton.is_leaf(at.joints[f]) ? at.areas[f] : 0.0;
-  }
-  middle /= std::max(area, 1e-12);
-  for (int f : patch)
-    for (int g : at.beside[f])
-      if (at.skin[g])
-        beyond += (at.centres.row(g) - middle).dot(away_along(actor.skeleton, at.joints[g]).transpose());
-  return beyond > 0 || end > kLeafShare * area;
-}
-
 /// Connected faces of `chosen`.
 std::vector<std::vector<int>> patches(const std::vector<std::vector<int>> &beside, const std::vector<char> &chosen) {
   std::vector<std::vector<int>> result;
@@ -132,12 +85,12 @@ std::vector<std::vector<int>> patches(const std::vector<std::vector<int>> &besid
   return result;
 }
 
-/// What of each face is cloth of the region, [0, 1]; what is `excluded` (the sheet below the hem, bare skin) is not.
-Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
+/// What of each face is cloth of the region, [0, 1]; the sheet below the hem is not.
+Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                                int region) {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(actor.mesh.faces.rows());
   for (Eigen::Index f = 0; f < result.size(); ++f)
-    for (int k = 0; k < 3 && !excluded[f]; ++k) {
+    for (int k = 0; k < 3 && !sheet[f]; ++k) {
       const int v = actor.mesh.faces(f, k);
       result[f] += segmentation.region[v] == region ? segmentation.clothness[v] / 3 : 0.0;
     }
@@ -172,62 +125,52 @@ void drop_small_sets(const Mesh &mesh, double smallest, bool above, Eigen::Vecto
 
 } // namespace
 
-std::vector<char> closing_sheet(const RiggedMesh &actor) {
+std::vector<char> closing_sheet(const RiggedMesh &actor, const Segmentation &segmentation) {
   const Faces &faces = actor.mesh.faces;
   const Vertices normals = face_normals(actor.mesh.vertices, faces);
-  std::vector<Eigen::Vector3d> away;
-  for (int j = 0; j < actor.skeleton.joint_count(); ++j)
-    away.push_back(away_along(actor.skeleton, j));
-  std::vector<char> sheet(faces.rows()), seen(faces.rows());
-  std::vector<int> front;
   const std::vector<int> joints = joint_of_faces(actor);
+  std::vector<char> sheet(faces.rows()), cloth(faces.rows()), faces_away(faces.rows());
+  std::vector<int> invalid, skin;
   for (int f = 0; f < faces.rows(); ++f) {
-    sheet[f] = !actor.face_valid[f] || normals.row(f).dot(away[joints[f]].transpose()) > kFacesAway;
-    seen[f] = !actor.face_valid[f];
-    if (seen[f])
-      front.push_back(f);
+    faces_away[f] = normals.row(f).dot(away_along(actor.skeleton, joints[f]).transpose()) > kFacesAway;
+    cloth[f] = segmentation.clothness(faces.row(f).transpose()).mean() > kCut;
+    sheet[f] = !actor.face_valid[f];
+    if (sheet[f])
+      invalid.push_back(f);
+    else if (!cloth[f])
+      skin.push_back(f);
   }
   const auto beside = face_neighbours(faces);
-  for (std::size_t i = 0; i < front.size(); ++i)
-    for (int f : beside[front[i]])
-      if (sheet[f] && !seen[f]) {
-        seen[f] = 1;
-        front.push_back(f);
-      }
-  return seen;
+  const auto grow = [&](std::vector<int> front, const auto &may_be) {
+    for (std::size_t i = 0; i < front.size(); ++i)
+      for (int f : beside[front[i]])
+        if (faces_away[f] && !sheet[f] && may_be(f)) {
+          sheet[f] = 1;
+          front.push_back(f);
+        }
+  };
+  grow(invalid, [](int) { return true; });
+  grow(skin, [&](int f) { return cloth[f] != 0; });
+  return sheet;
 }
 
-std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
-                            const Mesh &body) {
-  std::vector<char> bare(actor.mesh.faces.rows(), 0);
-  if (body.faces.rows() == 0)
-    return bare;
-  const Surroundings at = surroundings(actor, sheet, segmentation);
-  const Eigen::VectorXd distance = distances_to_surface(at.centres, body);
-  std::vector<char> on_body = at.cloth;
-  for (std::size_t f = 0; f < on_body.size(); ++f)
-    on_body[f] &= distance[static_cast<Eigen::Index>(f)] < kOnBody;
-  for (const std::vector<int> &patch : patches(at.beside, on_body))
-    if (is_bare_end(actor, at, patch))
-      for (int f : patch)
-        bare[f] = 1;
-  return bare;
-}
-
-std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Segmentation &segmentation, const Mesh &body,
-                         double largest) {
-  std::vector<char> result(actor.mesh.faces.rows(), 0), left = result;
+std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Mesh &body, double largest) {
+  const Faces &faces = actor.mesh.faces;
+  std::vector<char> result(faces.rows(), 0), left = result;
   if (body.faces.rows() == 0)
     return result;
-  const Surroundings at = surroundings(actor, result, segmentation);
-  const Eigen::VectorXd distance = distances_to_surface(at.centres, body);
-  for (std::size_t f = 0; f < left.size(); ++f)
+  Vertices centres(faces.rows(), 3);
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    centres.row(f) =
+        (actor.mesh.vertices.row(faces(f, 0)) + actor.mesh.vertices.row(faces(f, 1)) + actor.mesh.vertices.row(faces(f, 2))) / 3;
     left[f] = actor.face_valid[f] && !covered[f];
-  for (const std::vector<int> &patch : patches(at.beside, left)) {
+  }
+  const Eigen::VectorXd distance = distances_to_surface(centres, body), areas = face_areas(actor.mesh.vertices, faces);
+  for (const std::vector<int> &patch : patches(face_neighbours(faces), left)) {
     double area = 0, on_body = 0;
     for (int f : patch) {
-      area += at.areas[f];
-      on_body += distance[f] < kOnBody ? at.areas[f] : 0;
+      area += areas[f];
+      on_body += distance[f] < kOnBody ? areas[f] : 0;
     }
     if (area < largest && on_body < kTouches * area)
       for (int f : patch)
@@ -236,9 +179,9 @@ std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Seg
   return result;
 }
 
-Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
+Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                               int region, const GarmentOptions &options) {
-  Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, excluded, segmentation, region));
+  Eigen::VectorXd field = to_vertices(actor.mesh, cloth_of_faces(actor, sheet, segmentation, region));
   field = diffuse_on_surface(actor.mesh.vertices, actor.mesh.faces, field, options.closing_length);
   for (double &value : field)
     value = std::isfinite(value) ? value : 0.0;

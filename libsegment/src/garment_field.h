@@ -6,22 +6,16 @@
 
 namespace doublet::detail {
 
-/// (F) 1 for the sheet that closes the scan below a hem: the invalid faces, and what is left beside them that faces the way the
-/// garment ends.
-std::vector<char> closing_sheet(const RiggedMesh &actor);
-
-/// (F) 1 for skin that moved as if it were cloth: what lies on the body beyond a garment's end (a knee below a hem that brushes
-/// it), or at the end of a limb. A waistband lies on the body, too, but on the side where the garment hangs. None without a body.
-std::vector<char> bare_ends(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
-                            const Mesh &body);
+/// (F) 1 for the sheet that closes the scan below a hem: the invalid faces, what is left beside them that faces the way the
+/// garment ends, and cloth beside skin that does, as between a cuff and the ankle.
+std::vector<char> closing_sheet(const RiggedMesh &actor, const Segmentation &segmentation);
 
 /// (F) 1 for pieces that `covered` (F) leaves, smaller than `largest` m^2, of which nothing lies on the body: undersides of the
 /// cloth, and of the sheet. None without a body.
-std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Segmentation &segmentation, const Mesh &body,
-                         double largest);
+std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Mesh &body, double largest);
 
-/// (V) above kCut where the region's garment is, below elsewhere; `excluded` (F): the sheet and bare skin.
-Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &excluded, const Segmentation &segmentation,
+/// (V) above kCut where the region's garment is, below elsewhere; `sheet` (F) is none of it.
+Eigen::VectorXd garment_field(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                               int region, const GarmentOptions &options);
 
 /// (N) at the vertices of the piece: 1 where the cut runs along skin, 0 where the surface beyond it is invented (a hem).

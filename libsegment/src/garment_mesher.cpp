@@ -414,17 +414,14 @@ public:
       return garment;
     const std::vector<char> free = detail::free_regions(found, garment.attachment);
     const Segmentation segmentation = detail::with_regions(found, free);
-    const std::vector<char> sheet = detail::closing_sheet(actor);
-    std::vector<char> excluded = detail::bare_ends(actor, sheet, segmentation, body);
-    for (std::size_t f = 0; f < excluded.size(); ++f)
-      excluded[f] |= sheet[f];
+    const std::vector<char> sheet = detail::closing_sheet(actor, segmentation);
     std::vector<Eigen::VectorXd> fields;
     std::vector<Piece> pieces;
     std::vector<WidestFrame> widest;
     std::vector<std::vector<char>> hangs; // [R][N]
     std::vector<double> areas;            // [R] m^2, spread out
     for (int r = 0; r < segmentation.region_count; ++r) {
-      fields.push_back(detail::garment_field(actor, excluded, segmentation, r, options_));
+      fields.push_back(detail::garment_field(actor, sheet, segmentation, r, options_));
       const Piece whole = detail::cut_out(actor.mesh, fields.back());
       const Eigen::VectorXd skin = detail::skin_around(actor, sheet, fields.back(), whole, options_.closing_length);
       hangs.push_back(hanging_vertices(whole, skin, detail::ends_along_limb(actor, whole), detail::on_limbs(actor, whole),
@@ -451,7 +448,7 @@ public:
     const Eigen::ArrayXd carried = interpolate_to_garment(garment, actor.mesh.faces, garment.attachment).array();
     const Eigen::ArrayXd loose = (carried > 1 - kRounding).select(0.0, 1 - carried);
     garment.clothness = garment.clothness.cwiseMin(loose.matrix());
-    const std::vector<char> scraps = detail::scraps(actor, garment.replaced_faces, segmentation, body, options_.min_piece_area);
+    const std::vector<char> scraps = detail::scraps(actor, garment.replaced_faces, body, options_.min_piece_area);
     for (std::size_t f = 0; f < scraps.size() && garment.region_count > 0; ++f)
       garment.replaced_faces[f] |= scraps[f];
     context.report_progress("garment", 1.0);

@@ -49,36 +49,66 @@ Mesh from_openmesh(const HalfEdgeMesh &surface) {
   return out;
 }
 
-/// The boundary that vertices slide along.
+/// A place on the boundary of the original surface.
+struct OnBoundary {
+  int loop = -1;    ///< none: the vertex is inside
+  double along = 0; ///< m, from where the loop begins, the way its half edges go
+};
+
+/// The loops that vertices slide along, by the way along them: by what is nearest, those at the ends of a flat loop would leave
+/// these for its sides, until three of them are left.
 class Boundary {
 public:
-  explicit Boundary(const HalfEdgeMesh &surface) {
-    for (const auto e : surface.edges())
-      if (e.is_boundary())
-        ends_.push_back({surface.point(e.v0()), surface.point(e.v1())});
-  }
-  Point closest(const Point &p) const {
-    Point best = p;
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto &[a, b] : ends_) {
-      const Point way = b - a;
-      const double t = std::clamp(((p - a) | way) / std::max(way.sqrnorm(), 1e-30), 0.0, 1.0);
-      const Point q = a + way * t;
-      if ((p - q).sqrnorm() < least) {
-        least = (p - q).sqrnorm();
-        best = q;
-      }
+  /// Sets `places` of the vertices.
+  Boundary(HalfEdgeMesh &surface, OpenMesh::VPropHandleT<OnBoundary> places) {
+    for (const auto start : surface.halfedges()) {
+      if (!start.is_boundary() || surface.property(places, start.from()).loop >= 0)
+        continue;
+      Loop loop;
+      auto h = start;
+      do {
+        surface.property(places, h.from()) = {static_cast<int>(loops_.size()), loop.length};
+        loop.corners.push_back(surface.point(h.from()));
+        loop.along.push_back(loop.length);
+        loop.length += surface.calc_edge_length(h);
+        h = h.next();
+      } while (h != start);
+      loops_.push_back(std::move(loop));
     }
-    return best;
+  }
+  /// m, in [0, the loop's length)
+  double way(const OnBoundary &from, const OnBoundary &to) const {
+    return wrapped(to.along - from.along, loops_[from.loop].length);
+  }
+  OnBoundary moved(const OnBoundary &from, double by) const {
+    return {from.loop, wrapped(from.along + by, loops_[from.loop].length)};
+  }
+  Point at(const OnBoundary &place) const {
+    const Loop &loop = loops_[place.loop];
+    const auto next = std::upper_bound(loop.along.begin() + 1, loop.along.end(), place.along);
+    const std::size_t k = static_cast<std::size_t>(next - loop.along.begin()) - 1;
+    const Point a = loop.corners[k], b = loop.corners[(k + 1) % loop.corners.size()];
+    const double length = (next == loop.along.end() ? loop.length : *next) - loop.along[k];
+    return a + (b - a) * std::clamp((place.along - loop.along[k]) / std::max(length, 1e-30), 0.0, 1.0);
   }
 
 private:
-  std::vector<std::array<Point, 2>> ends_;
+  struct Loop {
+    std::vector<Point> corners;
+    std::vector<double> along; ///< m, of each corner
+    double length = 0;
+  };
+  static double wrapped(double along, double length) {
+    const double rest = std::fmod(along, length);
+    return rest < 0 ? rest + length : rest;
+  }
+  std::vector<Loop> loops_;
 };
 
 class Remesher {
 public:
-  Remesher(const Mesh &mesh, double length) : surface_(to_openmesh(mesh)), scene_(mesh), boundary_(surface_), length_(length) {
+  Remesher(const Mesh &mesh, double length)
+      : surface_(to_openmesh(mesh)), scene_(mesh), places_(add_places(surface_)), boundary_(surface_, places_), length_(length) {
     normals_ = face_normals(mesh.vertices, mesh.faces);
   }
 
@@ -95,20 +125,49 @@ public:
   }
 
 private:
+  using VertexHandle = HalfEdgeMesh::VertexHandle;
+  using HalfedgeHandle = HalfEdgeMesh::HalfedgeHandle;
+
+  static OpenMesh::VPropHandleT<OnBoundary> add_places(HalfEdgeMesh &surface) {
+    OpenMesh::VPropHandleT<OnBoundary> places;
+    surface.add_property(places);
+    return places;
+  }
+  OnBoundary &place(VertexHandle v) { return surface_.property(places_, v); }
+
+  /// Of the edge the half that runs along the boundary; not valid inside.
+  HalfedgeHandle boundary_half(HalfEdgeMesh::EdgeHandle e) const {
+    for (int side : {0, 1})
+      if (const auto h = surface_.halfedge_handle(e, side); surface_.is_boundary(h))
+        return h;
+    return HalfedgeHandle();
+  }
+  /// m, along the boundary for what is of it
+  double length_of(HalfEdgeMesh::EdgeHandle e) {
+    const HalfedgeHandle h = boundary_half(e);
+    return h.is_valid() ? boundary_.way(place(surface_.from_vertex_handle(h)), place(surface_.to_vertex_handle(h)))
+                        : surface_.calc_edge_length(e);
+  }
+
   void split_long_edges() {
-    const double most = std::pow(4.0 / 3 * length_, 2);
+    const double most = 4.0 / 3 * length_;
     const std::size_t count = surface_.n_edges(); // halves of split ones wait for the next iteration
     for (std::size_t i = 0; i < count; ++i) {
       const HalfEdgeMesh::EdgeHandle e(static_cast<int>(i));
-      if (surface_.status(e).deleted() || surface_.calc_edge_sqr_length(e) <= most)
+      if (surface_.status(e).deleted() || length_of(e) <= most)
         continue;
-      const auto middle = surface_.add_vertex(surface_.calc_edge_midpoint(e));
+      const HalfedgeHandle h = boundary_half(e);
+      OnBoundary between;
+      if (h.is_valid())
+        between = boundary_.moved(place(surface_.from_vertex_handle(h)), length_of(e) / 2);
+      const auto middle = surface_.add_vertex(h.is_valid() ? boundary_.at(between) : surface_.calc_edge_midpoint(e));
+      place(middle) = between;
       surface_.split(e, middle);
     }
   }
 
   /// May the edge's first vertex go into its second?
-  bool may_collapse(HalfEdgeMesh::HalfedgeHandle h) {
+  bool may_collapse(HalfedgeHandle h) {
     const auto from = surface_.from_vertex_handle(h), to = surface_.to_vertex_handle(h);
     if (surface_.is_boundary(from) && !surface_.is_boundary(surface_.edge_handle(h)))
       return false;
@@ -137,10 +196,10 @@ private:
   }
 
   void collapse_short_edges() {
-    const double least = std::pow(4.0 / 5 * length_, 2);
+    const double least = 4.0 / 5 * length_;
     for (std::size_t i = 0; i < surface_.n_edges(); ++i) {
       const HalfEdgeMesh::EdgeHandle e(static_cast<int>(i));
-      if (surface_.status(e).deleted() || surface_.calc_edge_sqr_length(e) >= least)
+      if (surface_.status(e).deleted() || length_of(e) >= least)
         continue;
       for (int side : {0, 1}) {
         const auto h = surface_.halfedge_handle(e, side);
@@ -153,7 +212,7 @@ private:
     surface_.garbage_collection();
   }
 
-  int excess(HalfEdgeMesh::VertexHandle v, int change) const {
+  int excess(VertexHandle v, int change) const {
     const int ideal = surface_.is_boundary(v) ? 4 : 6;
     return std::abs(static_cast<int>(surface_.valence(v)) + change - ideal);
   }
@@ -176,47 +235,39 @@ private:
     }
   }
 
-  Point normal_at(HalfEdgeMesh::VertexHandle v) const {
+  Point normal_at(VertexHandle v) const {
     Point n(0, 0, 0);
     for (const auto f : surface_.vf_range(v))
       n += surface_.calc_face_normal(f);
     return n.norm() > 1e-12 ? n / n.norm() : Point(0, 0, 0);
   }
 
-  /// Is the vertex on a boundary of three edges? They would slide into one point.
-  bool ends_at_triangle(HalfEdgeMesh::VertexHandle v) const {
-    const auto h = surface_.halfedge_handle(v); // a boundary vertex has that along the boundary
-    const auto third = surface_.next_halfedge_handle(surface_.next_halfedge_handle(h));
-    return surface_.to_vertex_handle(third) == v;
-  }
-
   /// Every vertex half way to the middle of its neighbours along the surface; boundary vertices along the boundary.
   void relax() {
     std::vector<Point> moved(surface_.n_vertices());
+    std::vector<OnBoundary> places(surface_.n_vertices());
     for (const auto v : surface_.vertices()) {
-      const Point p = surface_.point(v);
-      Point sum(0, 0, 0);
-      int count = 0;
-      const bool boundary = surface_.is_boundary(v);
-      for (const auto h : surface_.voh_range(v))
-        if (!boundary || surface_.is_boundary(surface_.edge_handle(h))) {
-          sum += surface_.point(h.to());
-          ++count;
-        }
-      if (boundary && ends_at_triangle(v)) {
-        moved[v.idx()] = p;
+      if (surface_.is_boundary(v)) {
+        const auto h = surface_.halfedge_handle(v); // the one along the boundary
+        const OnBoundary &before = place(surface_.from_vertex_handle(surface_.prev_halfedge_handle(h))),
+                         &after = place(surface_.to_vertex_handle(h));
+        places[v.idx()] = boundary_.moved(place(v), (boundary_.way(place(v), after) - boundary_.way(before, place(v))) / 4);
+        moved[v.idx()] = boundary_.at(places[v.idx()]);
         continue;
       }
-      const Point aim = sum / std::max(1, count);
-      if (boundary)
-        moved[v.idx()] = boundary_.closest(p + 0.5 * (aim - p));
-      else {
-        const Point n = normal_at(v), way = aim - p;
-        moved[v.idx()] = projected(p + 0.5 * (way - (way | n) * n), n);
+      Point sum(0, 0, 0);
+      int count = 0;
+      for (const auto w : surface_.vv_range(v)) {
+        sum += surface_.point(w);
+        ++count;
       }
+      const Point p = surface_.point(v), n = normal_at(v), way = sum / std::max(1, count) - p;
+      moved[v.idx()] = projected(p + 0.5 * (way - (way | n) * n), n);
     }
-    for (const auto v : surface_.vertices())
+    for (const auto v : surface_.vertices()) {
       surface_.set_point(v, moved[v.idx()]);
+      place(v) = places[v.idx()];
+    }
   }
 
   /// The closest point of the original surface, unless that is another sheet of it.
@@ -229,6 +280,7 @@ private:
   HalfEdgeMesh surface_;
   RayScene scene_;
   Vertices normals_;
+  OpenMesh::VPropHandleT<OnBoundary> places_;
   Boundary boundary_;
   double length_;
 };

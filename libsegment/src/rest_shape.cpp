@@ -199,6 +199,14 @@ Vertices untangled(Vertices x, const Faces &faces, const std::vector<std::vector
   return x;
 }
 
+/// Mean over the edges of how far they are off these lengths, as a share.
+double length_error(const std::vector<Eigen::Vector2i> &edges, const Vertices &x, const std::vector<double> &lengths) {
+  double sum = 0;
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    sum += std::abs((x.row(edges[e][1]) - x.row(edges[e][0])).norm() / std::max(lengths[e], 1e-9) - 1);
+  return sum / static_cast<double>(edges.size());
+}
+
 /// `shape` moved rigidly so that the seam it hangs from lies on the scan's.
 Vertices on_seam(const Vertices &shape, const Vertices &scan, const std::vector<int> &attached) {
   Eigen::Matrix3Xd from(3, attached.size()), to(3, attached.size());
@@ -229,9 +237,14 @@ Vertices rest_shape(const Faces &faces, const Vertices &scan, const std::vector<
     shape = fair_shape(shape, neighbours, edges, lengths, kSoft, kSoft);
   }
   lengths = lengths_of(edges, shape);
-  const Vertices open = blown_up(smoothed(scan, neighbours), faces, neighbours, edges, lengths, attached);
-  const Vertices fair = on_seam(fair_shape(open, neighbours, edges, lengths, kMiddling, kSoft), scan, attached);
-  return untangled(fair, faces, neighbours, attached);
+  const auto laid_out = [&](const Vertices &from) {
+    return untangled(on_seam(fair_shape(from, neighbours, edges, lengths, kMiddling, kSoft), scan, attached), faces, neighbours,
+                     attached);
+  };
+  // Pressure opens the folds of a skirt, and turns an open jacket inside out. What ends in knots loses its lengths to untangling.
+  const Vertices calm = smoothed(scan, neighbours), as_scanned = laid_out(calm),
+                 open = laid_out(blown_up(calm, faces, neighbours, edges, lengths, attached));
+  return length_error(edges, as_scanned, lengths) < length_error(edges, open, lengths) ? as_scanned : open;
 }
 
 } // namespace doublet::detail

@@ -1,6 +1,7 @@
 #include "../../libsegment/src/isotropic.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/boundary_loops.h"
 #include "doublet/rays/surface_distance.h"
 #include "support/manifold.h"
 #include "support/meshes.h"
@@ -97,6 +98,22 @@ TEST(Isotropic, ACylinderKeepsItsEnds) {
       }
     EXPECT_NEAR(around, 2 * 2 * doublet::testing::pi * 0.2, 0.03);
     EXPECT_NEAR(around / count, length, 0.3 * length);
+  }
+}
+
+TEST(Isotropic, AFlatCuffKeepsItsEdges) {
+  Mesh fine = doublet::testing::tube(
+      {0, 0, 0}, {0, 1, 0}, [](double) { return 0.1; }, 50, 64);
+  fine.vertices.col(2) *= 0.05;
+  const Mesh mesh = detail::remesh_isotropic(fine, 0.04);
+  expect_manifold(mesh);
+  const std::vector<std::vector<int>> loops = boundary_loops(mesh.faces);
+  ASSERT_EQ(loops.size(), 2u);
+  for (const std::vector<int> &loop : loops) {
+    const auto across = mesh.vertices(loop, 0);
+    EXPECT_GT(across.maxCoeff(), 0.07);
+    EXPECT_LT(across.minCoeff(), -0.07);
+    EXPECT_GT(loop.size(), 7u); // 0.4 m around
   }
 }
 
