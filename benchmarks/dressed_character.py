@@ -1,6 +1,7 @@
-"""A character in trousers, a shirt or an open jacket, for sessions with known truth of garments that nobody filmed for us.
+"""A character in trousers, a shirt, an open jacket or several of them, for sessions with known truth of garments that nobody filmed.
 
 python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [--shape 3] [--snug pelvis hip]
+python benchmarks/dressed_character.py trousers tee -o both.glb      # one over the other, the outermost last
 doublet synthesize trousers.glb --motion CLIP.bvh --camera-count 8 --image-size 502 --frame-count 80 -o session
 doublet capture session -o out && doublet segment out && doublet evaluate out --truth session/ground_truth
 
@@ -12,6 +13,7 @@ so that there is something to track.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,6 +26,7 @@ FPS = 40.0
 BAND = 0.04  # m, of the cloth that is fastened
 SLIT = 0.04  # m, half the width of the open front
 CLINGING = 0.003  # m, from the body to cloth that clings to it
+LAYER = 0.012  # m, from a garment to one that is worn over it
 LEGS, ARMS = ("hip", "knee"), ("shoulder", "elbow")
 TRUNK = ("pelvis", "spine1", "spine2", "chest", "clavicle")
 
@@ -43,11 +46,11 @@ WAIST, NECK = ("spine1", "spine2"), ("neck", "head")
 GARMENTS = {
     "trousers": Cut(dict.fromkeys(("pelvis", *LEGS), WHOLE), WAIST),
     "shorts": Cut({"pelvis": WHOLE, "hip": 0.7}, WAIST),
-    "tee": Cut({**dict.fromkeys(TRUNK, 1.0), "shoulder": 0.6}, NECK),
+    "tee": Cut({**dict.fromkeys(TRUNK, WHOLE), "shoulder": 0.6}, NECK),
     "shirt": Cut(dict.fromkeys((*TRUNK, *ARMS), WHOLE), NECK),
     "jacket": Cut(dict.fromkeys((*TRUNK, *ARMS), WHOLE), NECK, True),
 }
-SKIN_TINT, CLOTH_TINT = (0.35, 0.5, 0.7), (0.55, 0.15, 0.1)  # B G R
+SKIN_TINT, CLOTH_TINTS = (0.35, 0.5, 0.7), ((0.55, 0.15, 0.1), (0.1, 0.2, 0.6))  # B G R
 #: As a session's joints.json has them.
 DEGREES = {"pelvis": 6, "spine1": 3, "neck": 3, "shoulder": 3, "elbow": 2, "wrist": 2, "hip": 3, "knee": 1, "ankle": 1}
 MATERIAL = {"d_n": 2.0, "d_t": 2.0, "k_bend": 0.3, "k_stretch": 1.0, "k_friction": 0.3}
@@ -97,46 +100,62 @@ class Person:
                 at = bones == joint
                 along[at] = (self.vertices[at] - self.joints[joint]) @ way / (way @ way)
         share = np.array([cut.covers.get(without_side(name), -np.inf) for name in self.names])[bones]
-        return along <= share
+        slit = np.zeros(len(self.vertices), bool)
+        if cut.is_open:
+            trunk = np.isin(self.bone, ("pelvis", "spine1", "spine2", "chest"))
+            slit = trunk & (np.abs(self.vertices[:, 0]) < SLIT) & (d.vertex_normals(self.vertices, self.faces)[:, 2] > 0)
+        return (along <= share) & ~slit
 
 
 def distance_to(points: np.ndarray, others: np.ndarray) -> np.ndarray:
     return np.array([np.linalg.norm(others - p, axis=1).min() for p in points])
 
 
-def without_crossing(body: d.Mesh, wide: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """(V, 3) m: the body's vertices, so far along the normals; less where the layer would pass through itself, which lasts."""
-    while True:
-        layer = body.vertices + wide[:, None] * normals
-        crossing = body.faces[d.self_intersecting_faces(d.Mesh(layer, body.faces))]
-        if not len(crossing):
-            return layer
-        wide[np.unique(crossing)] *= 0.8
-
-
-def dressed(person: Person, cut: Cut, ease: float, random: np.random.Generator):
-    """(vertices, faces, clothness, is_fabric, weights) of skin and cloth; clothness is 0 of fabric that is fastened or clings."""
-    body, faces = person.vertices, person.faces
-    cover = person.covered(cut)
-    if cut.is_open:
-        trunk = np.isin(person.bone, ("pelvis", "spine1", "spine2", "chest"))
-        cover &= ~(trunk & (np.abs(body[:, 0]) < SLIT) & (d.vertex_normals(body, faces)[:, 2] > 0))
-    normals = smooth_normals(body, faces)
-    wave = np.sin(body @ random.normal(0, 40, (3, 4)) + random.uniform(0, 6, 4)).mean(axis=1)
-    _, gap = d.RayScene(d.Mesh(body, faces)).cast(body, normals, 0.002)
+def standing_off(person: Person, cut: Cut, ease: float, wave: np.ndarray, gap: np.ndarray):
+    """(V) m from the body to the cloth; (V) bool where it clings; (V) bool where it is fastened."""
     snug = person.weights[:, np.isin([without_side(n) for n in person.names], cut.snug)].sum(axis=1)
     wide = np.minimum(ease * (0.75 + 0.5 * wave), 0.3 * gap)  # the cloth of a leg does not enter that of the other
     wide = snug * np.minimum(CLINGING, wide) + (1 - snug) * wide
-    band = distance_to(body, body[np.isin(person.bone, cut.fastened)]) < BAND
-    cloth = without_crossing(d.Mesh(body, faces[cover[faces].all(axis=1)]), np.where(band, 0.3 * wide, wide), normals)
-    clings = snug > 0.5
+    band = distance_to(person.vertices, person.vertices[np.isin(person.bone, cut.fastened)]) < BAND
+    return np.where(band, 0.3 * wide, wide), snug > 0.5, band
+
+
+def without_crossing(body: d.Mesh, wide: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(V, 3) m: the body's vertices, so far along the normals; less where the layer would pass through itself, which lasts."""
+    for _ in range(30):  # to a thousandth; a body may pass through itself, too
+        layer = body.vertices + wide[:, None] * normals
+        crossing = body.faces[d.self_intersecting_faces(d.Mesh(layer, body.faces))]
+        wide[np.unique(crossing)] *= 0.8
+    return layer
+
+
+def dressed(person: Person, cuts: Sequence[Cut], ease: float, random: np.random.Generator):
+    """(vertices, faces, clothness, fabric, weights) of skin and cloth; fabric: which garment, -1 = skin; clothness is 0 of
+    fabric that is fastened or clings. What lies over another garment is `LAYER` farther out."""
+    body, faces = person.vertices, person.faces
+    normals = smooth_normals(body, faces)
+    wave = np.sin(body @ random.normal(0, 40, (3, 4)) + random.uniform(0, 6, 4)).mean(axis=1)
+    _, gap = d.RayScene(d.Mesh(body, faces)).cast(body, normals, 0.002)
     index = np.arange(len(body))[:, None] * [1.0, 0, 0]  # which vertex of the body each is, carried through join()
-    inside = cover[faces].all(axis=1)
-    used, kept_faces, is_cloth = join([(index, faces[~cover[faces].any(axis=1)], 0.0), (index, faces[inside], 1.0)])
-    of = used[:, 0].round().astype(int)
-    vertices = np.where(is_cloth[:, None] > 0, cloth[of], body[of])
-    is_fabric = (is_cloth > 0) & (clings | ~band)[of]  # what is fastened looks like skin
-    return vertices, kept_faces, (is_fabric & ~clings[of]).astype(float), is_fabric, person.weights[of]
+    covers = [person.covered(cut) for cut in cuts]
+    parts = [(index, faces[~np.any(covers, axis=0)[faces].any(axis=1)], -1.0)]
+    sheets, below = [], np.zeros(len(body))
+    for layer, (cut, cover) in enumerate(zip(cuts, covers)):
+        away, clings, band = standing_off(person, cut, ease, wave, gap)
+        away = np.where(below > 0, np.maximum(away, below + LAYER), away)
+        below = np.where(cover, away, below)
+        worn = faces[cover[faces].all(axis=1)]
+        sheets.append((without_crossing(d.Mesh(body, worn), away, normals), clings, band))
+        parts.append((index, worn, float(layer)))
+    used, kept_faces, layer = join(parts)
+    of, layer = used[:, 0].round().astype(int), layer.astype(int)
+    vertices, clothness, fabric = body[of], np.zeros(len(of)), np.full(len(of), -1)
+    for number, (cloth, clings, band) in enumerate(sheets):
+        here = layer == number
+        vertices[here] = cloth[of[here]]
+        fabric[here & (clings | ~band)[of]] = number  # what is fastened looks like skin
+        clothness[here & ~band[of] & ~clings[of]] = 1
+    return vertices, kept_faces, clothness, fabric, person.weights[of]
 
 
 def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
@@ -155,29 +174,31 @@ def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
 
 
 def picture(
-    character: d.Character, is_fabric: np.ndarray, camera: d.Camera, seed: int, cloth_tint, contrast: float
+    character: d.Character, fabric: np.ndarray, camera: d.Camera, seed: int, tints: np.ndarray, contrast: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, is_fabric (V) of its vertices, and where it is."""
+    """(H, W, 3) uint8 BGR, (H, W) uint8: the character with its patterns, fabric (V) of its vertices, and where it is."""
     mesh = character.actor.mesh
     face, depth = d.rasterize(mesh.vertices, mesh.faces, camera)
     rows, columns = np.nonzero(face >= 0)
     rays = np.stack([columns, rows, np.ones(len(rows))], axis=1) @ np.linalg.inv(camera.K).T
     points = (rays * depth[rows, columns][:, None] - np.asarray(camera.t).ravel()) @ np.asarray(camera.R)
-    garment = is_fabric[mesh.faces[face[rows, columns]]].any(axis=1)
-    cell = np.where(garment, CELL[True], CELL[False])
+    garment = fabric[mesh.faces[face[rows, columns]]].max(axis=1)
+    cell = np.where(garment >= 0, CELL[True], CELL[False])
     colours = pattern(points, cell, seed)
-    tint = np.where(garment[:, None], cloth_tint, SKIN_TINT)  # no green: the screen is
-    shown = 255 * ((1 - contrast) * tint + contrast * colours * [1, 0.6, 1])
+    shown = 255 * ((1 - contrast) * tints[garment] + contrast * colours * [1, 0.6, 1])
     image = np.zeros((camera.height, camera.width, 3), np.uint8)
     image[rows, columns] = np.clip(shown, 0, 255)
     return image, (255 * (face >= 0)).astype(np.uint8)
 
 
-def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT, contrast: float = 0.5) -> d.Character:
+def dressed_character(
+    cuts: Sequence[Cut], ease: float, shape: int, cloth_tints=CLOTH_TINTS, contrast: float = 0.5
+) -> d.Character:
+    """In these garments, the outermost last."""
     person, random = Person(shape), np.random.default_rng(shape)
-    vertices, faces, clothness, is_fabric, weights = dressed(person, cut, ease, random)
+    vertices, faces, clothness, fabric, weights = dressed(person, cuts, ease, random)
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, person.skeleton())
-    region = np.where(clothness > 0, 0, -1).astype(np.int32)
+    region = np.where(clothness > 0, fabric, -1).astype(np.int32)
     segmentation = d.Segmentation(np.zeros(len(vertices)), clothness, region)
     fit = d.BodyFit()
     fit.body = d.Mesh(person.vertices, person.faces)
@@ -188,22 +209,23 @@ def dressed_character(cut: Cut, ease: float, shape: int, cloth_tint=CLOTH_TINT, 
     materials = [material] * segmentation.region_count
     character = d.make_character(actor, segmentation, fit, proxies, materials, solver, actor.mesh, high_valid)
     cameras = ring_of_cameras(character, d.Motion(FPS, np.zeros((1, len(actor.skeleton.dof_names)))), 12, 1400)
-    pictures = [picture(character, is_fabric, camera, shape, cloth_tint, contrast) for camera in cameras]
+    tints = np.array([*cloth_tints[: len(cuts)], SKIN_TINT])  # no green: the screen is; -1 is the skin
+    pictures = [picture(character, fabric, camera, shape, tints, contrast) for camera in cameras]
     d.texture_character(character, vertices, cameras, [p[0] for p in pictures], [p[1] for p in pictures])
     return character
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("garment", choices=GARMENTS)
+    parser.add_argument("garments", nargs="+", choices=GARMENTS, help="the outermost last")
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--ease", type=float, default=0.03, help="m, how far the cloth stands off the body")
     parser.add_argument("--shape", type=int, default=1, help="seed of the person and the folds")
     parser.add_argument("--snug", nargs="+", default=(), metavar="BONE", help="along which it clings to the body: pelvis, hip")
     options = parser.parse_args()
-    cut = replace(GARMENTS[options.garment], snug=tuple(options.snug))
-    character = dressed_character(cut, options.ease, options.shape)
-    character.name = options.garment
+    cuts = [replace(GARMENTS[name], snug=tuple(options.snug)) for name in options.garments]
+    character = dressed_character(cuts, options.ease, options.shape)
+    character.name = " and ".join(options.garments)
     character.write(options.output)
 
 
