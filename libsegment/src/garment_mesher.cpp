@@ -36,7 +36,9 @@ constexpr double kPinhole = 0.12; // m around: shorter than a child's wrist
 
 constexpr double kRounding = 1e-9; // of barycentric coordinates: what is carried has a clothness of 0, not nearly so
 
-constexpr double kEnds = 0.2; // mean cosine along an edge: there the garment ends, whatever is behind it
+// Mean cosine along an edge between the way out and the way the limb goes: there the garment ends; there it begins, as waists and
+// necks do (-0.9 to -0.4), and fronts do not (-0.3 to 0.2).
+constexpr double kEnds = 0.2, kBegins = -0.35;
 
 double length_of(const Vertices &vertices, const std::vector<int> &loop) {
   double length = 0;
@@ -72,41 +74,58 @@ std::vector<Run> runs_of(const Vertices &vertices, const std::vector<int> &loop,
   return runs; // none if all is of one kind
 }
 
-/// Of the values (N) of a run's vertices.
-double mean_over(const std::vector<int> &loop, const Run &run, const Eigen::VectorXd &values) {
-  double sum = 0;
-  for (std::size_t k = 0; k < run.count; ++k)
-    sum += values[loop[(run.first + k) % loop.size()]];
-  return sum / static_cast<double>(run.count);
-}
-
-/// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut; `ends` (N):
-/// of ends_along_limb(); `limbs` (N): of on_limbs(). Runs that are shorter than `smallest` become the other kind, the shortest
-/// first.
-std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin,
-                          const Eigen::VectorXd &ends, const Eigen::VectorXd &limbs, double smallest) {
-  std::vector<char> kinds;
-  for (int v : loop)
-    kinds.push_back(skin[v] > 0.5);
-  const auto turn = [&](const Run &run) {
-    for (std::size_t k = 0; k < run.count; ++k)
-      kinds[(run.first + k) % loop.size()] ^= 1;
-  };
+/// Runs that are shorter than `smallest` become the other kind, the shortest first.
+void merge_short_runs(const Vertices &vertices, const std::vector<int> &loop, double smallest, std::vector<char> &kinds) {
   for (std::vector<Run> runs = runs_of(vertices, loop, kinds); !runs.empty(); runs = runs_of(vertices, loop, kinds)) {
     const Run &shortest =
         *std::min_element(runs.begin(), runs.end(), [](const Run &a, const Run &b) { return a.length < b.length; });
     if (shortest.length >= smallest)
       break;
-    turn(shortest);
+    for (std::size_t k = 0; k < shortest.count; ++k)
+      kinds[(shortest.first + k) % loop.size()] ^= 1;
   }
-  // A leg that touches the hem, or is one surface with it in a scan made of silhouettes, does not hold it; nor does one that a
-  // whole loop runs around: a cuff. Tucked in at the waist, a whole loop holds.
-  std::vector<Run> runs = runs_of(vertices, loop, kinds);
-  if (runs.empty() && mean_over(loop, {0, loop.size(), 0}, limbs) > 0.5)
-    runs.push_back({0, loop.size(), 0});
-  for (const Run &run : runs)
-    if (kinds[run.first] && mean_over(loop, run, ends) > kEnds)
-      turn(run);
+}
+
+/// [loop] means of the values (N) along the loop, within `reach` m of each vertex.
+std::vector<double> means_along(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &values,
+                                double reach) {
+  std::vector<double> along{0}, means;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    along.push_back(along.back() + (vertices.row(loop[(i + 1) % loop.size()]) - vertices.row(loop[i])).norm());
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    double sum = 0, weight = 0;
+    for (std::size_t j = 0; j < loop.size(); ++j)
+      if (std::abs(std::remainder(along[j] - along[i], along.back())) <= reach) {
+        sum += (along[j + 1] - along[j]) * values[loop[j]];
+        weight += along[j + 1] - along[j];
+      }
+    means.push_back(weight > 0 ? sum / weight : values[loop[i]]);
+  }
+  return means;
+}
+
+double mean_over(const std::vector<int> &loop, const Eigen::VectorXd &values) {
+  return values(loop).mean();
+}
+
+/// [loop] 1 = hangs on the skin. `skin` (N): diffused indicator of skin against nothing on the far side of the cut; `ends` (N):
+/// of ends_along_limb(); `limbs` (N): of on_limbs(). Runs that are shorter than `smallest` do not count.
+std::vector<char> hanging(const Vertices &vertices, const std::vector<int> &loop, const Eigen::VectorXd &skin,
+                          const Eigen::VectorXd &ends, const Eigen::VectorXd &limbs, double smallest) {
+  std::vector<char> kinds;
+  for (int v : loop)
+    kinds.push_back(skin[v] > 0.5);
+  merge_short_runs(vertices, loop, smallest, kinds);
+  // Tucked in at the waist, a whole loop holds, though the garment ends there the way the trunk does.
+  const bool skin_all_around = std::find(kinds.begin(), kinds.end(), 0) == kinds.end();
+  if (skin_all_around && mean_over(loop, limbs) <= 0.5 && mean_over(loop, ends) > kEnds)
+    return kinds;
+  // Cloth hangs from where it begins. A leg that touches the hem, or is one surface with it in a scan made of silhouettes, does
+  // not hold it; nor do an arm in a cuff, or what shows between the fronts of an open jacket.
+  const std::vector<double> begins = means_along(vertices, loop, ends, smallest / 2);
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    kinds[i] &= begins[i] < kBegins;
+  merge_short_runs(vertices, loop, smallest, kinds);
   return kinds;
 }
 

@@ -386,6 +386,27 @@ TEST(GarmentMesher, ALegThatIsOneSurfaceWithTheHemDoesNotHoldIt) {
   }));
 }
 
+TEST(GarmentMesher, WhatIsOpenInFrontHangsFromAboveAlone) {
+  Person person;
+  for (std::size_t ring = 0; ring < skirt_person::rings().size(); ++ring)
+    for (int k = 0; k < 12; ++k) // skin shows, from hem to waist
+      person.segmentation.clothness[skirt_person::vertex(static_cast<int>(ring), k)] = 0;
+  const Garment garment = garment_of(person);
+  const std::vector<std::vector<int>> loops = boundary_loops(garment.mesh.faces);
+  ASSERT_EQ(loops.size(), 1u);
+  int front = 0;
+  for (int v : loops[0]) {
+    const double y = garment.mesh.vertices(v, 1), clothness = garment.clothness[v];
+    if (y > 0.97) {
+      EXPECT_LT(clothness, 0.5) << y;
+    } else if (y > 0.57 && y < 0.9) {
+      EXPECT_GT(clothness, 0) << y;
+      ++front;
+    }
+  }
+  EXPECT_GT(front, 10);
+}
+
 TEST(GarmentMesher, AGapInTheSkinAboveTheSeamIsNoHem) {
   Person person;
   for (int ring = 53; ring < 60; ++ring)

@@ -110,7 +110,7 @@ TEST(Isotropic, AFlatCuffKeepsItsEdges) {
   const std::vector<std::vector<int>> loops = boundary_loops(mesh.faces);
   ASSERT_EQ(loops.size(), 2u);
   for (const std::vector<int> &loop : loops) {
-    const auto across = mesh.vertices(loop, 0);
+    const Eigen::VectorXd across = mesh.vertices(loop, 0);
     EXPECT_GT(across.maxCoeff(), 0.07);
     EXPECT_LT(across.minCoeff(), -0.07);
     EXPECT_GT(loop.size(), 7u); // 0.4 m around
