@@ -20,10 +20,11 @@ Eigen::VectorXd attachment_of(const RiggedMesh &actor, const Segmentation &segme
   return snapped(diffuse_on_surface(surface.vertices, surface.faces, label, options.closing_length));
 }
 
-std::vector<char> free_regions(const Segmentation &segmentation, const Eigen::VectorXd &attachment) {
+std::vector<char> free_regions(const RiggedMesh &actor, const Segmentation &segmentation, const Eigen::VectorXd &attachment) {
+  const Eigen::VectorXd seen = vertex_areas(actor.mesh.vertices, valid_faces(actor.mesh.faces, actor.face_valid));
   std::vector<char> free(segmentation.region_count, 0);
   for (int v = 0; v < attachment.size(); ++v)
-    if (segmentation.region[v] >= 0 && attachment[v] < 0.5)
+    if (segmentation.region[v] >= 0 && seen[v] > 0 && attachment[v] < 0.5)
       free[segmentation.region[v]] = 1;
   return free;
 }

@@ -12,7 +12,7 @@ namespace doublet::detail {
 Eigen::VectorXd attachment_of(const RiggedMesh &actor, const Segmentation &segmentation, const GarmentOptions &options);
 
 /// [R] of which regions anything hangs free.
-std::vector<char> free_regions(const Segmentation &segmentation, const Eigen::VectorXd &attachment);
+std::vector<char> free_regions(const RiggedMesh &actor, const Segmentation &segmentation, const Eigen::VectorXd &attachment);
 
 /// The segmentation in which the regions that are not `kept` [R] are skin.
 Segmentation with_regions(const Segmentation &segmentation, const std::vector<char> &kept);

@@ -431,7 +431,7 @@ public:
     garment.replaced_faces.assign(actor.mesh.faces.rows(), 0);
     if (!options_.remesh)
       return garment;
-    const std::vector<char> free = detail::free_regions(found, garment.attachment);
+    const std::vector<char> free = detail::free_regions(actor, found, garment.attachment);
     const Segmentation segmentation = detail::with_regions(found, free);
     const std::vector<char> sheet = detail::closing_sheet(actor, segmentation);
     std::vector<Eigen::VectorXd> fields;
