@@ -252,11 +252,20 @@ void bind_streaming(py::module_ &m) {
   m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release(),
         "An animation as arrays (docs/formats.md), complete or not at all.");
   OptionsClass<BakedGlbOptions>(m, "Options of write_baked_glb.");
+  Class<BakedMeshSummary>(m, "BakedMeshSummary", "What a viewer shows of a baked mesh, against the animation.")
+      .def_readonly("name", &BakedMeshSummary::name, "of the node: surface, body")
+      .def_readonly("vertices", &BakedMeshSummary::vertices, "in the file, where the texture's seams have two")
+      .def_readonly("shapes", &BakedMeshSummary::shapes, "morph targets")
+      .def_readonly("rms_error", &BakedMeshSummary::rms_error, "m, over all frames and vertices")
+      .def_readonly("error_95", &BakedMeshSummary::error_95, "m, that 95 % are below")
+      .def_readonly("max_error", &BakedMeshSummary::max_error, "m");
+  Class<BakedGlbSummary>(m, "BakedGlbSummary", "What write_baked_glb stored.")
+      .def_readonly("keys", &BakedGlbSummary::keys, "at which the shapes' weights are stored")
+      .def_readonly("meshes", &BakedGlbSummary::meshes, "a BakedMeshSummary each");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
-        py::arg("options") = BakedGlbOptions{}, Release(),
-        "An animation as glTF 2.0 that any viewer plays: bones, and a shape for every key, of M_high in its texture (of M where "
-        "the "
-        "animation is without M_high) and of the body. Complete or not at all. Returns the number of keys.");
+        py::arg("options") = BakedGlbOptions{}, py::arg("context") = interruptible_context(), Release(),
+        "An animation as glTF 2.0 that any viewer plays: bones, and shapes of M_high in its texture (of M where the animation is "
+        "without M_high) and of the body. Complete or not at all. Returns a BakedGlbSummary.");
 }
 
 /// What the player returns is its own: a view, which the next step writes over.

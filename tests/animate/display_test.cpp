@@ -356,8 +356,9 @@ TEST(BakedFile, GlbHasOneShapeAKey) {
   const Character c = figure_character();
   const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 41, 40)});
   BakedGlbOptions few;
+  few.max_error = 0;
   few.keys_per_second = 10; // of 40 frames a second: 0, 4, ..., 40
-  EXPECT_EQ(write_baked_glb(folder / "a.glb", c, animation, few), 11);
+  EXPECT_EQ(write_baked_glb(folder / "a.glb", c, animation, few).keys, 11);
   const std::string json = glb_json(folder / "a.glb");
   EXPECT_EQ(count(json, "\"JOINTS_0\""), 2u); // surface and body follow the bones between the keys, too
   EXPECT_EQ(count(json, "\"path\":\"weights\""), 2u);
@@ -368,12 +369,61 @@ TEST(BakedFile, GlbHasOneShapeAKey) {
   write_baked_glb(folder / "b.glb", c, animation, few);
   EXPECT_LE(count(glb_json(folder / "b.glb"), "\"NORMAL\""), 14u);
   EXPECT_LT(std::filesystem::file_size(folder / "b.glb"), std::filesystem::file_size(folder / "a.glb"));
-  write_baked_glb(folder / "every.glb", c, animation);
+  few = {};
+  few.max_error = 0;
+  const BakedGlbSummary every = write_baked_glb(folder / "every.glb", c, animation, few);
+  ASSERT_EQ(every.meshes.size(), 2u);
+  EXPECT_EQ(every.meshes[1].shapes, 41);
+  EXPECT_LT(every.meshes[0].max_error, 1e-4);
   EXPECT_EQ(count(glb_json(folder / "every.glb"), "\"NORMAL\""), 84u);
   few.keys_per_second = -1;
   EXPECT_THROW(write_baked_glb(folder / "c.glb", c, animation, few), std::invalid_argument);
   EXPECT_THROW(write_baked_glb(folder / "c.glb", c, AnimationResult{}), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(folder / "c.glb"));
+}
+
+TEST(BakedFile, PrincipalShapesKeepTheError) {
+  const TempFolder folder;
+  const Character c = figure_character();
+  const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 41, 40)});
+  BakedGlbOptions options;
+  int last = 41;
+  for (const double error : {3e-4, 1e-3, 5e-3}) {
+    options.max_error = error;
+    const BakedGlbSummary summary = write_baked_glb(folder / "a.glb", c, animation, options);
+    EXPECT_EQ(summary.keys, 41);
+    ASSERT_EQ(summary.meshes.size(), 2u);
+    for (const BakedMeshSummary &mesh : summary.meshes) {
+      EXPECT_LT(mesh.rms_error, error) << mesh.name;
+      EXPECT_LE(mesh.error_95, mesh.max_error);
+    }
+    EXPECT_GT(summary.meshes[0].rms_error, 0.5 * error); // no more shapes than it takes
+    EXPECT_LT(summary.meshes[0].shapes, last);
+    last = summary.meshes[0].shapes;
+  }
+  options.max_keys = 2;
+  const BakedGlbSummary few = write_baked_glb(folder / "few.glb", c, animation, options);
+  EXPECT_EQ(few.meshes[0].shapes, 2);
+  EXPECT_GT(few.meshes[0].rms_error, 5e-3); // and the summary says so
+  EXPECT_EQ(count(glb_json(folder / "few.glb"), "\"rms_error\""), 2u);
+}
+
+TEST(BakedFile, OneFrameHasNoShapes) {
+  const TempFolder folder;
+  const Character c = figure_character();
+  const AnimationResult animation = animate(c, {40, marching(c.actor.skeleton, 1, 40)});
+  AnimationResult one = animation;
+  one.dofs = animation.dofs.topRows(1);
+  for (std::vector<Vertices> *frames : {&one.surface, &one.joints, &one.high, &one.body})
+    if (!frames->empty())
+      frames->resize(1);
+  const BakedGlbSummary summary = write_baked_glb(folder / "one.glb", c, one);
+  EXPECT_EQ(summary.keys, 1);
+  for (const BakedMeshSummary &mesh : summary.meshes) {
+    EXPECT_EQ(mesh.shapes, 0);
+    EXPECT_LT(mesh.max_error, 1e-5);
+  }
+  EXPECT_EQ(count(glb_json(folder / "one.glb"), "\"weights\""), 0u);
 }
 
 TEST(Animator, DrawnBodyStaysUnderTheCloth) {

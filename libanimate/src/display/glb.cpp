@@ -156,10 +156,10 @@ Writer::SparseRows Writer::sparse_rows(const std::vector<int> &rows, std::size_t
   return {view(rows.data(), rows.size() * 4, Use::Data), TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, rows.size(), count};
 }
 
-template <class T> int Writer::sparse(const SparseRows &rows, const std::vector<T> &values, int component) {
+template <class T> int Writer::sparse(const SparseRows &rows, const std::vector<T> &values, int component, bool normalised) {
   tinygltf::Accessor a;
   a.componentType = component;
-  a.normalized = true;
+  a.normalized = normalised;
   a.type = TINYGLTF_TYPE_VEC3;
   a.count = rows.count;
   a.sparse.isSparse = true;
@@ -180,12 +180,12 @@ template <class T> int Writer::sparse(const SparseRows &rows, const std::vector<
   return static_cast<int>(model.accessors.size()) - 1;
 }
 
-int Writer::sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values) {
-  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_BYTE);
+int Writer::sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values, bool normalised) {
+  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_BYTE, normalised);
 }
 
 int Writer::sparse_vectors(const SparseRows &rows, const std::vector<std::int16_t> &values) {
-  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_SHORT);
+  return sparse(rows, values, TINYGLTF_COMPONENT_TYPE_SHORT, false);
 }
 
 void Writer::save(const std::filesystem::path &path) {

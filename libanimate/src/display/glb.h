@@ -39,9 +39,9 @@ public:
     std::size_t rows, count; ///< count: of the whole accessor
   };
   SparseRows sparse_rows(const std::vector<int> &rows, std::size_t count);
-  /// Values (rows, 3) at those rows, that mean k / 127 (bytes) and k / 32767 (shorts), as morph targets have them with
-  /// KHR_mesh_quantization. With min and max.
-  int sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values);
+  /// Values (rows, 3) at those rows as morph targets have them with KHR_mesh_quantization; normalised bytes mean k / 127, others
+  /// k. With min and max.
+  int sparse_vectors(const SparseRows &rows, const std::vector<std::int8_t> &values, bool normalised);
   int sparse_vectors(const SparseRows &rows, const std::vector<std::int16_t> &values);
 
   void save(const std::filesystem::path &path); ///< complete or not at all
@@ -49,7 +49,7 @@ public:
 private:
   int view(const void *data, std::size_t bytes, Use use);
   int accessor(int view, int component, int type, std::size_t count);
-  template <class T> int sparse(const SparseRows &rows, const std::vector<T> &values, int component);
+  template <class T> int sparse(const SparseRows &rows, const std::vector<T> &values, int component, bool normalised);
 };
 
 /// Arrays out of a GLB. Of glTF it knows what character files need, and reads nothing else: JSON, accessors and images in the

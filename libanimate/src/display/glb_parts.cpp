@@ -9,12 +9,7 @@
 namespace doublet::glb {
 namespace {
 
-struct Influence {
-  int joint = 0;
-  float weight = 0;
-};
-
-/// The four largest weights, normalised in float; unused slots name joint 0, as glTF asks.
+/// In float.
 std::array<Influence, 4> strongest(const Eigen::VectorXd &weights) {
   std::vector<int> order(weights.size());
   std::iota(order.begin(), order.end(), 0);
@@ -40,8 +35,8 @@ std::array<Influence, 4> strongest(const Eigen::VectorXd &weights) {
 void add_influences(Writer &writer, tinygltf::Primitive &primitive, const GlbMesh &shown, const MatrixRM &weights) {
   std::vector<std::uint16_t> joints;
   std::vector<float> values;
-  for (int v : shown.vertex_from_shown)
-    for (const Influence &influence : strongest(weights.row(v))) {
+  for (const auto &vertex : viewer_influences(shown, weights))
+    for (const Influence &influence : vertex) {
       joints.push_back(static_cast<std::uint16_t>(influence.joint));
       values.push_back(influence.weight);
     }
@@ -176,11 +171,19 @@ int add_mesh(Writer &writer, const std::string &name, const GlbMesh &shown, int 
   return static_cast<int>(writer.model.meshes.size()) - 1;
 }
 
-std::vector<Eigen::Affine3d> viewer_blends(const GlbMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest) {
+Influences viewer_influences(const GlbMesh &shown, const MatrixRM &weights) {
+  Influences influences;
+  for (int v : shown.vertex_from_shown)
+    influences.push_back(strongest(weights.row(v)));
+  return influences;
+}
+
+std::vector<Eigen::Affine3d> viewer_blends(const Influences &influences, const Transforms &world_from_rest) {
   std::vector<Eigen::Affine3d> blends;
-  for (int v : shown.vertex_from_shown) {
+  blends.reserve(influences.size());
+  for (const auto &vertex : influences) {
     Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
-    for (const Influence &influence : strongest(weights.row(v)))
+    for (const Influence &influence : vertex)
       sum += influence.weight * world_from_rest[influence.joint].matrix();
     blends.emplace_back(sum);
   }

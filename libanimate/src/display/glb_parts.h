@@ -4,6 +4,8 @@
 #include "doublet/animate/character.h"
 #include "glb.h"
 
+#include <array>
+
 namespace doublet::glb {
 
 /// What is drawn of a mesh: its valid faces, corners split where texture coordinates need it.
@@ -23,8 +25,17 @@ int add_skin(Writer &writer, const Skeleton &skeleton, double unit = 1);
 int add_material(Writer &writer, const std::string &name, const Eigen::Vector3d &colour, int texture_image, bool double_sided);
 /// A mesh with POSITION, NORMAL, TEXCOORD_0 and, if weights are given (original vertices, J), JOINTS_0 and WEIGHTS_0.
 int add_mesh(Writer &writer, const std::string &name, const GlbMesh &shown, int material, const MatrixRM *weights);
-/// [shown vertices] the blends of the bones with which a viewer skins what add_mesh() writes (linear, four joints a vertex).
-std::vector<Eigen::Affine3d> viewer_blends(const GlbMesh &shown, const MatrixRM &weights, const Transforms &world_from_rest);
+
+struct Influence {
+  int joint = 0;
+  float weight = 0;
+};
+using Influences = std::vector<std::array<Influence, 4>>; ///< [shown vertices]
+/// With what a viewer skins what add_mesh() writes: the four largest weights, normalised; unused slots name joint 0, as glTF
+/// asks.
+Influences viewer_influences(const GlbMesh &shown, const MatrixRM &weights);
+/// [shown vertices] the blends of the bones (linear).
+std::vector<Eigen::Affine3d> viewer_blends(const Influences &influences, const Transforms &world_from_rest);
 /// A node of the scene that shows the mesh, skinned if skin >= 0.
 int add_mesh_node(Writer &writer, const std::string &name, int mesh, int skin);
 

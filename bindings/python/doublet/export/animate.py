@@ -71,11 +71,22 @@ def animate(
     if out.suffix == ".npz":
         d.write_baked_npz(out, character, animation)
         return frames
-    if (keys := d.write_baked_glb(out, character, animation, output.glb)) < frames:
-        console.say(f"{out}: {keys} shapes for {frames} frames, between which viewers blend (--glb-max-keys allows more)")
+    for line in baked_lines(out, d.write_baked_glb(out, character, animation, output.glb, context), frames):
+        console.say(line)
     if output.bone_names:
         bone_names.rename(out, output.bone_names)
     return frames
+
+
+def baked_lines(out: Path, summary: d.BakedGlbSummary, frames: int) -> list[str]:
+    """What a baked file keeps of its animation, in words."""
+    lines = [f"{out}: {out.stat().st_size / 1e6:.1f} MB"]
+    for mesh in summary.meshes:
+        rms, of_95, largest = (f"{1000 * error:.2f}" for error in (mesh.rms_error, mesh.error_95, mesh.max_error))
+        lines.append(f"{mesh.name}: {mesh.shapes} shapes, off by {rms} mm (RMS), 95 % below {of_95}, at most {largest} mm")
+    if summary.keys < frames:
+        lines.append(f"{summary.keys} keys for {frames} frames, between which viewers blend")
+    return lines
 
 
 def write_video(

@@ -5,6 +5,8 @@
 #include "doublet/options/options.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace doublet {
 
@@ -14,6 +16,7 @@ namespace doublet {
 void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation);
 
 struct BakedGlbOptions {
+  double max_error = 1e-3;
   double keys_per_second = 0;
   int max_keys = 400;
   static constexpr auto describe() {
@@ -21,20 +24,40 @@ struct BakedGlbOptions {
     using O = BakedGlbOptions;
     return Description{
         "BakedGlbOptions",
-        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s", "Shapes that are stored a second; 0 = one a frame",
+        option(&O::max_error, "max_error", Range{0, 0.1}, "m",
+               "Shapes are the principal components that leave this error (RMS, of each mesh); 0 = a shape a key, exact",
+               "At 1 mm the file has a quarter of the size, and no frame has to be left out"),
+        option(&O::keys_per_second, "keys_per_second", Range{0, 1000}, "1/s", "Keys of the shapes a second; 0 = one a frame",
                "Viewers blend between them; at 10 loose cloth is up to 2 cm off"),
-        option(&O::max_keys, "max_keys", Range{2, 5000}, "", "Shapes that are stored at most",
-               "A long clip gets fewer keys a second rather than a file of hundreds of megabytes"),
+        option(
+            &O::max_keys, "max_keys", Range{2, 5000}, "", "Shapes of a mesh at most",
+            "A viewer keeps all of them; with a shape a key a long clip gets fewer keys a second, otherwise the error is larger"),
     };
   }
   void validate() const { options::check(*this); } ///< throws std::invalid_argument naming option, range and value
 };
 
+/// What a viewer shows of a mesh, against the animation: over all frames and vertices.
+struct BakedMeshSummary {
+  std::string name;     ///< of the node: surface, body
+  int vertices = 0;     ///< in the file, where the texture's seams have two
+  int shapes = 0;       ///< morph targets
+  double rms_error = 0; ///< m
+  double error_95 = 0;  ///< m, that 95 % are below
+  double max_error = 0; ///< m
+};
+
+struct BakedGlbSummary {
+  int keys = 0; ///< at which the shapes' weights are stored
+  std::vector<BakedMeshSummary> meshes;
+};
+
 /// Plays in any glTF 2.0 viewer that knows KHR_mesh_quantization: the joints as animated nodes, and skinned to them M_high in its
 /// texture (M in colours where the result is without M_high) and the hidden body as the animation has it (tucked under the
-/// cloth), with one morph target a key each. The shapes are relative to the bones, so that both follow these between keys; a key
-/// holds the vertices that are not where the bones alone have them, 11 bytes each. Returns the number of keys.
-int write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                    const BakedGlbOptions &options = {});
+/// cloth), with morph targets. The shapes are relative to the bones, so that both follow these between keys. A target holds the
+/// vertices that it moves, 8 to 11 bytes each. The meshes' extras have the numbers of the summary. Throws std::invalid_argument
+/// if the animation is not the character's, Cancelled.
+BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                                const BakedGlbOptions &options = {}, const Context &context = {});
 
 } // namespace doublet

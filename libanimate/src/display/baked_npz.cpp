@@ -1,0 +1,86 @@
+#include "baked_animation.h"
+
+#include "doublet/animate/baked_file.h"
+#include "doublet/files/files.h"
+#include "doublet/files/npz.h"
+
+#include <cstdint>
+
+namespace doublet {
+namespace {
+
+std::vector<double> flatten(const std::vector<Vertices> &frames) {
+  std::vector<double> values;
+  values.reserve(frames.size() * static_cast<std::size_t>(frames[0].size()));
+  for (const Vertices &frame : frames)
+    values.insert(values.end(), frame.data(), frame.data() + frame.size());
+  return values;
+}
+
+std::vector<int> flatten(const Faces &faces) {
+  return {faces.data(), faces.data() + faces.size()};
+}
+
+/// (T, J, 4) w x y z, in the world from the rest pose; each on the side of its last, so that who blends does not go the long way.
+std::vector<double> joint_rotations(const Skeleton &skeleton, const MatrixRM &dofs) {
+  std::vector<double> values;
+  std::vector<Eigen::Quaterniond> last(skeleton.joints.size(), Eigen::Quaterniond::Identity());
+  for (Eigen::Index t = 0; t < dofs.rows(); ++t) {
+    const Transforms world_from_rest = forward_kinematics(skeleton, dofs.row(t));
+    for (std::size_t j = 0; j < last.size(); ++j) {
+      Eigen::Quaterniond turn(world_from_rest[j].linear());
+      if (turn.dot(last[j]) < 0)
+        turn.coeffs() *= -1;
+      last[j] = turn;
+      values.insert(values.end(), {turn.w(), turn.x(), turn.y(), turn.z()});
+    }
+  }
+  return values;
+}
+
+} // namespace
+
+void require_animation(const Character &character, const AnimationResult &animation) {
+  validate_character(character);
+  const auto frames = static_cast<Eigen::Index>(animation.surface.size());
+  const bool sizes = frames > 0 && animation.dofs.rows() == frames &&
+                     static_cast<Eigen::Index>(animation.joints.size()) == frames &&
+                     (animation.body.empty() || static_cast<Eigen::Index>(animation.body.size()) == frames) &&
+                     (animation.high.empty() || static_cast<Eigen::Index>(animation.high.size()) == frames) && animation.fps > 0;
+  if (!sizes || animation.dofs.cols() != character.actor.skeleton.dof_count() ||
+      animation.surface[0].rows() != character.actor.mesh.vertices.rows() ||
+      (!animation.high.empty() && animation.high[0].rows() != character.high.vertices.rows()))
+    throw std::invalid_argument("baked animation: expected frames of this character with poses, joints and a rate, found " +
+                                std::to_string(frames) + " frames of another kind");
+}
+
+void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation) {
+  require_animation(character, animation);
+  const auto frames = static_cast<std::int64_t>(animation.surface.size());
+  const Skeleton &skeleton = character.actor.skeleton;
+  std::vector<std::string> names;
+  for (const Joint &joint : skeleton.joints)
+    names.push_back(joint.name);
+  Npz npz;
+  npz.set_f4("vertices", {frames, animation.surface[0].rows(), 3}, flatten(animation.surface));
+  npz.set_i4("faces", {character.actor.mesh.faces.rows(), 3}, flatten(character.actor.mesh.faces));
+  npz.set_b1("face_valid", character.actor.face_valid);
+  npz.set_f4("joints", {frames, skeleton.joint_count(), 3}, flatten(animation.joints));
+  npz.set_f4("joint_rotations", {frames, skeleton.joint_count(), 4}, joint_rotations(skeleton, animation.dofs));
+  npz.set_text("joint_names", names);
+  npz.set_f4("dofs", {frames, animation.dofs.cols()}, {animation.dofs.data(), animation.dofs.data() + animation.dofs.size()});
+  npz.set_f8("fps", {}, {animation.fps});
+  if (!animation.body.empty()) {
+    npz.set_f4("body_vertices", {frames, animation.body[0].rows(), 3}, flatten(animation.body));
+    npz.set_i4("body_faces", {character.body.faces.rows(), 3}, flatten(character.body.faces));
+    npz.set_b1("body_shown", character.body_shown);
+  }
+  if (!animation.high.empty()) {
+    npz.set_f4("high_vertices", {frames, animation.high[0].rows(), 3}, flatten(animation.high));
+    npz.set_i4("high_faces", {character.high.faces.rows(), 3}, flatten(character.high.faces));
+    npz.set_b1("high_valid", character.high_valid);
+  }
+  npz.write(path, kFileFormat);
+}
+
+} // namespace doublet

@@ -1,0 +1,275 @@
+#include "morph_targets.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace doublet {
+namespace {
+
+constexpr int kByte = 127; ///< 1 in normalised bytes
+constexpr int kBatch = 32; ///< frames that are in work at a time
+
+using Eigen::Index;
+
+/// (keys, 3 vertices) m
+FloatRows shapes_at(const BoundMesh &mesh, const std::vector<int> &keys, const Context &context) {
+  FloatRows shapes(keys.size(), 3 * mesh.influences.size());
+  parallel_for(context, static_cast<int>(keys.size()), [&](int key) {
+    const Floats3 shape = shape_at(mesh, keys[key]);
+    shapes.row(key) = Eigen::Map<const Eigen::RowVectorXf>(shape.data(), shape.size());
+  });
+  return shapes;
+}
+
+/// (count, 3 vertices) of keys from `first` on
+FloatRows normals_from(const BoundMesh &mesh, const std::vector<int> &keys, int first, int count, const Context &context) {
+  FloatRows normals(count, 3 * mesh.influences.size());
+  parallel_for(context, count, [&](int i) {
+    const Floats3 at_key = normals_at(mesh, keys[first + i]);
+    normals.row(i) = Eigen::Map<const Eigen::RowVectorXf>(at_key.data(), at_key.size());
+  });
+  return normals;
+}
+
+Floats3 as_vectors(const Eigen::RowVectorXf &row) {
+  return Eigen::Map<const Floats3>(row.data(), row.size() / 3, 3);
+}
+
+Eigen::Map<const Eigen::RowVectorXf> as_row(const Floats3 &vectors) {
+  return {vectors.data(), vectors.size()};
+}
+
+struct NormalStep {
+  Eigen::RowVector3f step; ///< each within [-1, 1], as bytes are
+  float cosine;            ///< of the angle that is left
+};
+
+/// What to add to one normal to have the direction of another; the sum may be shorter than 1.
+NormalStep byte_step(const Eigen::RowVector3f &from, const Eigen::RowVector3f &to) {
+  constexpr float kNearEnough = 0.996f; // 5 degrees
+  NormalStep best{Eigen::RowVector3f::Zero(), -2};
+  for (const float length : {1.0f, 0.7f, 0.4f, 0.2f, 0.1f}) {
+    const Eigen::RowVector3f step = (length * to - from).cwiseMin(1).cwiseMax(-1);
+    const float cosine = (from + step).normalized().dot(to);
+    if (cosine > best.cosine)
+      best = {step, cosine};
+    if (cosine > kNearEnough)
+      break;
+  }
+  return best;
+}
+
+/// The mesh's own normals: those of the first key, or where bytes do not reach from there to those of all others, their mean.
+Floats3 reaching_normals(const FloatRows &normals) {
+  constexpr float kReached = 0.94f; // 20 degrees
+  Floats3 own = as_vectors(normals.row(0));
+  for (Index v = 0; v < own.rows(); ++v) {
+    Eigen::RowVector3f sum = Eigen::RowVector3f::Zero();
+    bool reached = true;
+    for (Index key = 0; key < normals.rows(); ++key) {
+      const Eigen::RowVector3f normal = normals.row(key).segment<3>(3 * v);
+      sum += normal;
+      reached = reached && byte_step(own.row(v), normal).cosine > kReached;
+    }
+    if (!reached && sum.norm() > 0)
+      own.row(v) = sum.normalized();
+  }
+  return own;
+}
+
+/// [3 vertices] what the bones leave of lengths there, over the keys (root of the mean square): blends of rotations shrink.
+Eigen::RowVectorXf stretch(const BoundMesh &mesh, const std::vector<int> &keys) {
+  Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(3 * static_cast<Index>(mesh.influences.size()));
+  for (int key : keys) {
+    const std::vector<Eigen::Affine3d> blends = glb::viewer_blends(mesh.influences, (*mesh.poses)[key]);
+    for (std::size_t v = 0; v < blends.size(); ++v)
+      squares.segment<3>(3 * static_cast<Index>(v)).array() += blends[v].linear().squaredNorm() / 3;
+  }
+  return (squares / static_cast<double>(keys.size())).cwiseSqrt().cast<float>();
+}
+
+/// (keys, keys) the products of all shapes with all, their columns scaled; the lower half.
+Eigen::MatrixXd gram(const FloatRows &shapes, const Eigen::RowVectorXf &scale) {
+  constexpr Index kColumns = 4096; // floats are summed as such over so many; then as doubles
+  const Index keys = shapes.rows();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(keys, keys);
+  for (Index first = 0; first < shapes.cols(); first += kColumns) {
+    const Index count = std::min(kColumns, shapes.cols() - first);
+    const Eigen::MatrixXf scaled = shapes.middleCols(first, count) * scale.segment(first, count).asDiagonal();
+    Eigen::MatrixXf part = Eigen::MatrixXf::Zero(keys, keys);
+    part.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
+    sum += part.cast<double>();
+  }
+  return sum;
+}
+
+struct Components {
+  Eigen::VectorXd left;    ///< [number of components that are kept] m^2, what they leave, summed over keys and vertices
+  Eigen::MatrixXf weights; ///< (keys, components) orthonormal, the largest component first
+};
+
+/// So many as leave `max_square` m^2.
+Components principal_components(const FloatRows &centred, const Eigen::RowVectorXf &scale, double max_square, int max_count) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram(centred, scale));
+  const Eigen::VectorXd squares = solver.eigenvalues().reverse().cwiseMax(0);
+  const auto most = std::min<Index>(squares.size() - 1, max_count);
+  Index count = 0;
+  while (count < most && squares.tail(squares.size() - count).sum() > max_square)
+    ++count;
+  Components components;
+  components.left.resize(count + 1);
+  for (Index i = 0; i <= count; ++i)
+    components.left[i] = squares.tail(squares.size() - i).sum();
+  components.weights = solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>();
+  return components;
+}
+
+/// m^2, summed over keys and vertices: what is lost where a component's shape is rounded.
+double rounding_square(const Eigen::RowVectorXf &shape, const Eigen::VectorXf &weights, const Eigen::RowVectorXf &scale,
+                       double step) {
+  const Eigen::ArrayXf counts = shape.transpose() / static_cast<float>(step);
+  return ((counts - counts.round()) * scale.transpose().array()).square().cast<double>().sum() * step * step *
+         weights.squaredNorm();
+}
+
+/// The first components, so many that what they leave and what rounding adds is within `max_square` m^2; all if that is not so.
+Index least_count(const Components &components, const MorphTargets &targets, const Eigen::RowVectorXf &scale, double step,
+                  double max_square) {
+  double rounding = 0;
+  for (Index count = 0; count < components.weights.cols(); ++count) {
+    if (components.left[count] + rounding <= max_square)
+      return count;
+    rounding += rounding_square(targets.steps.row(count), targets.weights.col(count), scale, step);
+  }
+  return components.weights.cols();
+}
+
+/// Sets weights and steps of the principal components that are needed; returns the orthonormal weights.
+Eigen::MatrixXf set_principal_steps(MorphTargets &targets, const FloatRows &centred, const Eigen::RowVectorXf &scale,
+                                    double max_error, double step, int max_targets) {
+  constexpr double kBesideRounding = 0.75; // of the square; what rounding takes is known when there are shapes
+  const double max_square = max_error * max_error * static_cast<double>(centred.size()) / 3;
+  const Components components = principal_components(centred, scale, kBesideRounding * max_square, max_targets);
+  const Eigen::RowVectorXf largest = components.weights.cwiseAbs().colwise().maxCoeff();
+  targets.steps = largest.asDiagonal() * (components.weights.transpose() * centred);
+  targets.weights = components.weights * largest.cwiseInverse().asDiagonal();
+  const Index count = least_count(components, targets, scale, step, max_square);
+  targets.steps.conservativeResize(count, Eigen::NoChange);
+  targets.weights.conservativeResize(Eigen::NoChange, count);
+  return components.weights.leftCols(count);
+}
+
+/// A mesh's own normals have length 1, and means are shorter where normals differ: the rest is a target that is always there.
+void add_constant_turn(MorphTargets &targets, const Floats3 &mean) {
+  targets.own_normals = mean;
+  for (Index v = 0; v < mean.rows(); ++v)
+    targets.own_normals.row(v) =
+        mean.row(v).norm() > 1e-3f ? Eigen::RowVector3f(mean.row(v).normalized()) : Eigen::RowVector3f::UnitY();
+  const Floats3 turn = mean - targets.own_normals;
+  if (turn.cwiseAbs().maxCoeff() * kByte < 0.5f)
+    return;
+  const Index count = targets.steps.rows();
+  targets.steps.conservativeResize(count + 1, Eigen::NoChange);
+  targets.turns.conservativeResize(count + 1, Eigen::NoChange);
+  targets.weights.conservativeResize(Eigen::NoChange, count + 1);
+  targets.steps.row(count).setZero();
+  targets.turns.row(count) = as_row(turn);
+  targets.weights.col(count).setOnes();
+}
+
+/// Sets the turns that are nearest to the normals (least squares: `weights` is orthonormal), and the own normals to match.
+void set_principal_turns(MorphTargets &targets, const BoundMesh &mesh, const std::vector<int> &keys,
+                         const Eigen::MatrixXf &weights, const Context &context) {
+  const int count = static_cast<int>(keys.size());
+  targets.turns = FloatRows::Zero(weights.cols(), targets.steps.cols());
+  Eigen::RowVectorXf mean = Eigen::RowVectorXf::Zero(targets.steps.cols());
+  for (int first = 0; first < count; first += kBatch) {
+    context.throw_if_cancelled();
+    const FloatRows normals = normals_from(mesh, keys, first, std::min(kBatch, count - first), context);
+    targets.turns += weights.middleRows(first, normals.rows()).transpose() * normals;
+    mean += normals.colwise().sum() / static_cast<float>(count);
+  }
+  targets.turns = weights.cwiseAbs().colwise().maxCoeff().asDiagonal() * targets.turns;
+  add_constant_turn(targets, as_vectors(mean));
+}
+
+/// (frames from `first` on, 3 vertices) m
+FloatRows blended(const MorphTargets &rounded, const std::vector<int> &keys, double step, int first, int count) {
+  Eigen::MatrixXf weights(count, rounded.weights.cols());
+  for (int i = 0; i < count; ++i) {
+    const auto after = std::upper_bound(keys.begin(), keys.end() - 1, first + i);
+    const auto key = std::max<Index>(after - keys.begin() - 1, 0);
+    const Index next = std::min<Index>(key + 1, rounded.weights.rows() - 1);
+    const float share =
+        next > key ? static_cast<float>(first + i - keys[key]) / static_cast<float>(keys[next] - keys[key]) : 0.0f;
+    weights.row(i) = (1 - share) * rounded.weights.row(key) + share * rounded.weights.row(next);
+  }
+  Index begin = 0, end = weights.cols(); // of the targets that take part: where each has its key, few
+  while (begin < end && weights.col(begin).isZero())
+    ++begin;
+  while (begin < end && weights.col(end - 1).isZero())
+    --end;
+  FloatRows shapes =
+      static_cast<float>(step) * weights.middleCols(begin, end - begin) * rounded.steps.middleRows(begin, end - begin);
+  shapes.rowwise() += as_row(rounded.own);
+  return shapes;
+}
+
+} // namespace
+
+MorphTargets key_shapes(const BoundMesh &mesh, const std::vector<int> &keys, const Context &context) {
+  MorphTargets targets;
+  targets.steps = shapes_at(mesh, keys, context);
+  targets.own = as_vectors(targets.steps.row(0));
+  targets.steps.rowwise() -= as_row(targets.own);
+  targets.turns = normals_from(mesh, keys, 0, static_cast<int>(keys.size()), context);
+  targets.own_normals = reaching_normals(targets.turns);
+  for (Index key = 0; key < targets.turns.rows(); ++key)
+    for (Index v = 0; v < targets.own.rows(); ++v) {
+      const Eigen::RowVector3f to = targets.turns.row(key).segment<3>(3 * v);
+      targets.turns.row(key).segment<3>(3 * v) = byte_step(targets.own_normals.row(v), to).step;
+    }
+  targets.weights = Eigen::MatrixXf::Identity(targets.steps.rows(), targets.steps.rows());
+  return targets;
+}
+
+MorphTargets principal_shapes(const BoundMesh &mesh, const std::vector<int> &keys, double max_error, double step, int max_targets,
+                              const Context &context) {
+  MorphTargets targets;
+  FloatRows shapes = shapes_at(mesh, keys, context);
+  const Eigen::RowVectorXf mean = shapes.cast<double>().colwise().mean().cast<float>();
+  shapes.rowwise() -= mean;
+  targets.own = as_vectors(mean);
+  const Eigen::MatrixXf weights = set_principal_steps(targets, shapes, stretch(mesh, keys), max_error, step, max_targets - 1);
+  set_principal_turns(targets, mesh, keys, weights, context);
+  return targets;
+}
+
+double farthest(const MorphTargets &targets) {
+  return targets.steps.size() > 0 ? targets.steps.cwiseAbs().maxCoeff() : 0;
+}
+
+void round_targets(MorphTargets &targets, double step) {
+  targets.steps = (targets.steps / static_cast<float>(step)).array().round().cwiseMin(kMostSteps).cwiseMax(-kMostSteps);
+  targets.turns = (targets.turns * kByte).array().round().cwiseMin(kByte).cwiseMax(-kByte);
+}
+
+std::vector<double> errors(const BoundMesh &mesh, const MorphTargets &rounded, const std::vector<int> &keys, double step,
+                           const Context &context) {
+  const int frames = static_cast<int>(mesh.poses->size());
+  const auto vertices = static_cast<std::ptrdiff_t>(mesh.influences.size());
+  std::vector<double> all(frames * vertices);
+  for (int first = 0; first < frames; first += kBatch) {
+    context.throw_if_cancelled();
+    const FloatRows shapes = blended(rounded, keys, step, first, std::min(kBatch, frames - first));
+    parallel_for(context, static_cast<int>(shapes.rows()), [&](int i) {
+      const std::vector<double> of_frame = errors_at(mesh, first + i, as_vectors(shapes.row(i)));
+      std::copy(of_frame.begin(), of_frame.end(), all.begin() + (first + i) * vertices);
+    });
+  }
+  return all;
+}
+
+} // namespace doublet
