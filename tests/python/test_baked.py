@@ -59,10 +59,12 @@ def turning(shapes):
 
 @pytest.fixture(scope="module")
 def folder(turning, tmp_path_factory):
-    """With a key every frame, and every fourth; and as arrays."""
+    """With a shape a frame, and every fourth; with principal shapes; and as arrays."""
     folder = tmp_path_factory.mktemp("baked")
-    assert d.write_baked_glb(folder / "every.glb", *turning) == FRAMES
-    assert d.write_baked_glb(folder / "fourth.glb", *turning, d.BakedGlbOptions(keys_per_second=FPS / 4)) == FRAMES // 4 + 1
+    assert d.write_baked_glb(folder / "every.glb", *turning, d.BakedGlbOptions(max_error=0)).keys == FRAMES
+    fourth = d.BakedGlbOptions(max_error=0, keys_per_second=FPS / 4)
+    assert d.write_baked_glb(folder / "fourth.glb", *turning, fourth).keys == FRAMES // 4 + 1
+    assert d.write_baked_glb(folder / "principal.glb", *turning).keys == FRAMES
     d.write_baked_npz(folder / "arrays.npz", *turning)
     return folder
 
@@ -70,6 +72,11 @@ def folder(turning, tmp_path_factory):
 @pytest.fixture(scope="module")
 def viewers(folder):
     return Viewer(folder / "every.glb"), Viewer(folder / "fourth.glb")
+
+
+@pytest.fixture(scope="module")
+def principal(folder):
+    return Viewer(folder / "principal.glb")
 
 
 def drawn_faces(character, name):
@@ -115,27 +122,77 @@ def vertex_normals(vertices, faces):
     return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
 
 
-def test_normals_follow_the_cloth(turning, viewers):
+@pytest.mark.parametrize("file", ["every", "principal"])
+def test_normals_follow_the_cloth(turning, folder, file):
     """Those of bytes, where cloth has turned far from its bones; across the seams of the texture, too."""
-    character, high = turning[0], turning[1].high
-    which = original(character, "surface", triangles_of(viewers[0], "surface"))
+    character, high, viewer = turning[0], turning[1].high, Viewer(folder / f"{file}.glb")
+    which = original(character, "surface", triangles_of(viewer, "surface"))
     for frame in (0, 12, FRAMES - 1):
         true = vertex_normals(high[frame], drawn_faces(character, "surface"))[which]
-        cosines = np.sum(viewers[0].normals("surface", frame / FPS) * true, axis=1)
+        cosines = np.sum(viewer.normals("surface", frame / FPS) * true, axis=1)
         assert np.quantile(cosines, 0.01) > np.cos(np.radians(10)) and cosines.mean() > np.cos(np.radians(3))
 
 
-def test_three_js_plays_what_the_arrays_have(turning, folder, tmp_path):
+def mesh_of(viewer, name):
+    return viewer.gltf["meshes"][viewer.gltf["nodes"][viewer.node[name]]["mesh"]]
+
+
+@pytest.mark.parametrize("name", ["surface", "body"])
+def test_principal_shapes_are_off_by_what_the_file_says(turning, principal, name):
+    character, animation = turning
+    which = original(character, name, triangles_of(principal, name))
+    frames = animation.high if name == "surface" else animation.body
+    errors = [principal.mesh(name, frame / FPS) - frames[frame][which] for frame in range(FRAMES)]
+    errors = np.linalg.norm(errors, axis=-1)
+    said = mesh_of(principal, name)["extras"]
+    assert said["rms_error"] == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.01) and said["rms_error"] < 1e-3
+    assert said["error_95"] == pytest.approx(np.quantile(errors, 0.95), rel=0.02)
+    assert said["max_error"] == pytest.approx(errors.max(), rel=0.02)
+    assert said["shapes"] == len(mesh_of(principal, name)["primitives"][0]["targets"]) < FRAMES
+
+
+def test_principal_shapes_are_small_and_their_weights_positive(folder, principal):
+    """Blender and Unity cut weights off at 0 and 1; small steps are bytes."""
+    assert (folder / "principal.glb").stat().st_size < 0.7 * (folder / "every.glb").stat().st_size
+    targets = mesh_of(principal, "surface")["primitives"][0]["targets"]
+    kinds = {principal.gltf["accessors"][target["POSITION"]]["componentType"] for target in targets}
+    assert kinds == {5120, 5122}
+    weights = principal.array(principal.channels[principal.node["surface"], "weights"]["output"])
+    assert len(weights) == FRAMES * len(targets) and 0 <= weights.min() < 1e-6 and weights.max() == pytest.approx(1)
+    own = principal.array(mesh_of(principal, "surface")["primitives"][0]["attributes"]["NORMAL"])
+    assert np.allclose(np.linalg.norm(own, axis=1), 1, atol=1e-5)
+
+
+def test_no_shape_is_added_beyond_those_that_were_asked_for(turning, tmp_path):
+    """Then the error is larger, and the file says so."""
+    summary = d.write_baked_glb(tmp_path / "few.glb", *turning, d.BakedGlbOptions(max_keys=3))
+    assert summary.keys == FRAMES and max(mesh.shapes for mesh in summary.meshes) == 3
+    assert summary.meshes[0].rms_error > 1e-3
+    assert mesh_of(Viewer(tmp_path / "few.glb"), "surface")["extras"]["rms_error"] == summary.meshes[0].rms_error
+
+
+def require_frames(turning, folder, file, name, played, triangles):
+    """Frames that a program shows: those of the arrays; of principal shapes those that NumPy makes of the file."""
+    if file == "principal":
+        viewer = Viewer(folder / "principal.glb")
+        true = np.array([viewer.mesh(name, frame / FPS) for frame in range(FRAMES)])
+    else:
+        with np.load(folder / "arrays.npz") as arrays:
+            true = arrays["high_vertices" if name == "surface" else "body_vertices"][:, original(turning[0], name, triangles)]
+    assert off(played, true) < NEAR
+
+
+@pytest.mark.parametrize("file", ["every", "principal"])
+def test_three_js_plays_what_the_arrays_have(turning, folder, tmp_path, file):
     modules = os.environ.get("DOUBLET_NODE_DIR")
     if not modules:
         pytest.skip("DOUBLET_NODE_DIR does not name a folder with three (tests/run_tests.sh sets it)")
     times = [str(frame / FPS) for frame in range(FRAMES)]
-    subprocess.run(["node", PLAY, modules, folder / "every.glb", tmp_path, *times], check=True)
-    with np.load(folder / "arrays.npz") as arrays:
-        for name, key in (("surface", "high_vertices"), ("body", "body_vertices")):
-            played = np.fromfile(tmp_path / f"{name}.f32", np.float32).reshape(FRAMES, -1, 3)
-            triangles = np.fromfile(tmp_path / f"{name}.u32", np.uint32).reshape(-1, 3)
-            assert off(played, arrays[key][:, original(turning[0], name, triangles)]) < NEAR
+    subprocess.run(["node", PLAY, modules, folder / f"{file}.glb", tmp_path, *times], check=True)
+    for name in ("surface", "body"):
+        played = np.fromfile(tmp_path / f"{name}.f32", np.float32).reshape(FRAMES, -1, 3)
+        triangles = np.fromfile(tmp_path / f"{name}.u32", np.uint32).reshape(-1, 3)
+        require_frames(turning, folder, file, name, played, triangles)
 
 
 def test_between_keys_skin_follows_the_bones(turning, viewers):
@@ -182,7 +239,7 @@ def test_what_the_bones_carry_is_not_stored(turning, viewers):
 def test_without_the_display_surface_it_is_the_simulated_one(turning, tmp_path):
     character = turning[0]
     animation = d.animate(character, d.Motion(FPS, turning[1].dofs[:5]), d.AnimateOptions(high=False))
-    d.write_baked_glb(tmp_path / "coarse.glb", character, animation)
+    d.write_baked_glb(tmp_path / "coarse.glb", character, animation, d.BakedGlbOptions(max_error=0))
     viewer = Viewer(tmp_path / "coarse.glb")
     for frame in range(5):
         assert off(viewer.mesh("surface", frame / FPS), animation.surface[frame]) < NEAR
@@ -204,19 +261,18 @@ def blender(*arguments):
 
 
 @in_blender
-def test_blender_plays_what_the_arrays_have(turning, folder, tmp_path):
-    done = blender("--python", SCRIPT, "--", "import", folder / "every.glb", tmp_path / "scene.blend")
+@pytest.mark.parametrize("file", ["every", "principal"])
+def test_blender_plays_what_the_arrays_have(turning, folder, tmp_path, file):
+    done = blender("--python", SCRIPT, "--", "import", folder / f"{file}.glb", tmp_path / "scene.blend")
     assert done.returncode == 0, done.stdout + done.stderr
     frames = ROOT / "tests" / "support" / "blender_frames.py"
     done = blender(tmp_path / "scene.blend", "--python", frames, "--", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert np.load(tmp_path / "scene.npz")["fps"] == pytest.approx(FPS)
-    with np.load(folder / "arrays.npz") as arrays:
-        for name, key in (("surface", "high_vertices"), ("body", "body_vertices")):
-            with np.load(tmp_path / f"{name}.npz") as played:
-                assert len(played["vertices"]) == FRAMES
-                which = original(turning[0], name, played["triangles"])
-                assert off(played["vertices"], arrays[key][:, which]) < NEAR
+    for name in ("surface", "body"):
+        with np.load(tmp_path / f"{name}.npz") as played:
+            assert len(played["vertices"]) == FRAMES
+            require_frames(turning, folder, file, name, played["vertices"], played["triangles"])
 
 
 @in_blender

@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
 
 namespace doublet {
 namespace {
@@ -104,62 +103,62 @@ std::vector<Baked> bound_meshes(glb::Writer &writer, const Character &character,
   return meshes;
 }
 
-/// Rows of targets that are not 0, each with where it is.
-struct TargetRows {
+/// Vertices that any of `count` targets moves or turns; sparse arrays have a row at least.
+std::vector<int> moved_rows(const MorphTargets &targets, Eigen::Index first, Eigen::Index count) {
   std::vector<int> rows;
-  std::vector<std::int16_t> steps;
-  std::vector<std::int8_t> turns;
+  for (Eigen::Index v = 0; v < targets.own.rows(); ++v)
+    if (!targets.steps.block(first, 3 * v, count, 3).isZero(0) || !targets.turns.block(first, 3 * v, count, 3).isZero(0))
+      rows.push_back(static_cast<int>(v));
+  if (rows.empty())
+    rows.push_back(0);
+  return rows;
+}
+
+/// Three whole numbers a row.
+template <class T> std::vector<T> numbers_at(const FloatRows &values, Eigen::Index target, const std::vector<int> &rows) {
+  std::vector<T> numbers;
+  for (int row : rows)
+    for (int k = 0; k < 3; ++k)
+      numbers.push_back(static_cast<T>(values(target, 3 * row + k)));
+  return numbers;
+}
+
+/// Rows of sparse arrays, and where the file has them.
+struct ListedRows {
+  std::vector<int> rows;
+  glb::Writer::SparseRows listed;
 };
 
-TargetRows moved_rows(const MorphTargets &rounded, Eigen::Index target, bool all) {
-  constexpr float kStays = 1; // half a degree
-  TargetRows moved;
-  for (int v = 0; v < static_cast<int>(rounded.own.rows()); ++v) {
-    const Eigen::RowVector3f step = rounded.steps.row(target).segment<3>(3 * v);
-    const Eigen::RowVector3f turn = rounded.turns.row(target).segment<3>(3 * v);
-    const bool stays = step.isZero(0) && turn.cwiseAbs().maxCoeff() <= kStays;
-    const bool needed = moved.rows.empty() && v + 1 == rounded.own.rows(); // sparse arrays have a row at least
-    if (stays && !all && !needed)
-      continue;
-    moved.rows.push_back(v);
-    for (int k = 0; k < 3; ++k) {
-      moved.steps.push_back(static_cast<std::int16_t>(step[k]));
-      moved.turns.push_back(static_cast<std::int8_t>(turn[k]));
-    }
-  }
-  return moved;
+/// Sparse, with the vertices that it moves; if those are most, with `shared`, whose list is in the file once (an array that is
+/// not sparse would have its vectors padded to whole words). Small steps are bytes.
+std::map<std::string, int> add_target(glb::Writer &writer, const MorphTargets &targets, Eigen::Index target,
+                                      const ListedRows &shared) {
+  constexpr double kMost = 0.8; // then the list of rows, 2 bytes each, is more than the rows that it saves, 6 to 9
+  std::vector<int> rows = moved_rows(targets, target, 1);
+  const bool most = static_cast<double>(rows.size()) > kMost * static_cast<double>(shared.rows.size());
+  const glb::Writer::SparseRows listed =
+      most ? shared.listed : writer.sparse_rows(rows, static_cast<std::size_t>(targets.own.rows()));
+  if (most)
+    rows = shared.rows;
+  const bool small = targets.steps.row(target).cwiseAbs().maxCoeff() <= 127;
+  const int positions = small ? writer.sparse_vectors(listed, numbers_at<std::int8_t>(targets.steps, target, rows), false)
+                              : writer.sparse_vectors(listed, numbers_at<std::int16_t>(targets.steps, target, rows));
+  const int normals = writer.sparse_vectors(listed, numbers_at<std::int8_t>(targets.turns, target, rows), true);
+  return {{"POSITION", positions}, {"NORMAL", normals}};
 }
 
-/// Sparse, with what it leaves as it is left out; where that is little, with all rows, whose list is there once for all targets
-/// (an array that is not sparse would have its vectors padded to whole words). Small steps are bytes.
-std::map<std::string, int> add_target(glb::Writer &writer, const MorphTargets &rounded, Eigen::Index target,
-                                      const glb::Writer::SparseRows &all_rows) {
-  constexpr double kDense = 0.8; // then the list of rows, 2 bytes, is more than their 6 to 9
-  TargetRows moved = moved_rows(rounded, target, false);
-  const auto vertices = static_cast<std::size_t>(rounded.own.rows());
-  const bool dense = static_cast<double>(moved.rows.size()) > kDense * static_cast<double>(vertices);
-  if (dense)
-    moved = moved_rows(rounded, target, true);
-  const glb::Writer::SparseRows rows = dense ? all_rows : writer.sparse_rows(moved.rows, vertices);
-  const bool small = std::all_of(moved.steps.begin(), moved.steps.end(), [](std::int16_t step) { return std::abs(step) <= 127; });
-  const int positions = small
-                            ? writer.sparse_vectors(rows, std::vector<std::int8_t>(moved.steps.begin(), moved.steps.end()), false)
-                            : writer.sparse_vectors(rows, moved.steps);
-  return {{"POSITION", positions}, {"NORMAL", writer.sparse_vectors(rows, moved.turns, true)}};
-}
-
-int add_morphing_mesh(glb::Writer &writer, const BoundMesh &mesh, const MorphTargets &rounded, double step, int material) {
+int add_morphing_mesh(glb::Writer &writer, const BoundMesh &mesh, const MorphTargets &targets, int material) {
   glb::GlbMesh shown = mesh.shown;
-  shown.mesh.vertices = rounded.own.cast<double>() / step;
-  shown.normals = rounded.own_normals.cast<double>();
+  shown.mesh.vertices = targets.own.cast<double>() / targets.step;
+  shown.normals = targets.own_normals.cast<double>();
   const int index = glb::add_mesh(writer, mesh.name, shown, material, &mesh.weights);
-  std::vector<int> all(rounded.own.rows());
-  std::iota(all.begin(), all.end(), 0);
-  const glb::Writer::SparseRows all_rows = writer.sparse_rows(all, all.size());
-  for (Eigen::Index target = 0; target < rounded.steps.rows(); ++target)
-    writer.model.meshes[index].primitives[0].targets.push_back(add_target(writer, rounded, target, all_rows));
-  for (Eigen::Index target = 0; target < rounded.steps.rows(); ++target)
-    writer.model.meshes[index].weights.push_back(rounded.weights(0, target)); // as it begins, for viewers that do not play
+  ListedRows shared{moved_rows(targets, 0, targets.steps.rows()), {}};
+  if (targets.steps.rows() > 0)
+    shared.listed = writer.sparse_rows(shared.rows, static_cast<std::size_t>(targets.own.rows()));
+  for (Eigen::Index target = 0; target < targets.steps.rows(); ++target)
+    writer.model.meshes[index].primitives[0].targets.push_back(add_target(writer, targets, target, shared));
+  for (Eigen::Index target = 0; target < targets.steps.rows(); ++target)
+    writer.model.meshes[index].weights.push_back(targets.weights(0, target)); // as it begins, for viewers that do not play
   return index;
 }
 
@@ -222,11 +221,11 @@ void add_morph_channel(glb::Writer &writer, tinygltf::Animation &out, int node, 
   add_channel(out, node, "weights", times, writer.floats(values, TINYGLTF_TYPE_SCALAR, glb::Use::Data));
 }
 
-BakedMeshSummary summary_of(const BoundMesh &mesh, const MorphTargets &rounded, const std::vector<double> &errors) {
+BakedMeshSummary summary_of(const BoundMesh &mesh, const MorphTargets &targets, const std::vector<double> &errors) {
   BakedMeshSummary summary;
   summary.name = mesh.name;
   summary.vertices = static_cast<int>(mesh.influences.size());
-  summary.shapes = static_cast<int>(rounded.steps.rows());
+  summary.shapes = static_cast<int>(targets.steps.rows());
   double squares = 0;
   for (double error : errors)
     squares += error * error;
@@ -243,13 +242,25 @@ tinygltf::Value as_extras(const BakedMeshSummary &summary) {
                                                  {"max_error", tinygltf::Value(summary.max_error)}});
 }
 
-/// Adds the mesh and its node; the weights where there are several keys.
-BakedMeshSummary add_baked(glb::Writer &writer, tinygltf::Animation &out, Baked &baked, const std::vector<int> &keys, double step,
-                           int skin, int times, const Context &context) {
-  round_targets(baked.targets, step);
-  const int index = add_morphing_mesh(writer, baked.mesh, baked.targets, step, baked.material);
-  const BakedMeshSummary summary = summary_of(baked.mesh, baked.targets, errors(baked.mesh, baked.targets, keys, step, context));
+/// Hangs the joints on a node of their own. Blender takes the inverse of what scales a mesh for the place of a root that has no
+/// such node, kilometres away, where floats are coarse.
+void put_under_armature(glb::Writer &writer) {
+  tinygltf::Node armature;
+  armature.name = "armature";
+  armature.children = {0};
+  writer.model.nodes.push_back(armature);
+  writer.model.scenes[0].nodes[0] = static_cast<int>(writer.model.nodes.size()) - 1;
+  for (tinygltf::Skin &skin : writer.model.skins)
+    skin.skeleton = -1;
+}
+
+/// Adds the mesh with a skin of its own, for its numbers are in its steps; the weights if there are several keys.
+BakedMeshSummary add_baked(glb::Writer &writer, tinygltf::Animation &out, const Skeleton &skeleton, const Baked &baked,
+                           const std::vector<int> &keys, int times, const Context &context) {
+  const int index = add_morphing_mesh(writer, baked.mesh, baked.targets, baked.material);
+  const BakedMeshSummary summary = summary_of(baked.mesh, baked.targets, errors(baked.mesh, baked.targets, keys, context));
   writer.model.meshes[index].extras = as_extras(summary);
+  const int skin = glb::add_skin(writer, skeleton, baked.targets.step);
   const int node = glb::add_mesh_node(writer, baked.mesh.name, index, skin);
   if (times >= 0 && summary.shapes > 0)
     add_morph_channel(writer, out, node, times, baked.targets.weights);
@@ -260,7 +271,6 @@ BakedMeshSummary add_baked(glb::Writer &writer, tinygltf::Animation &out, Baked 
 
 BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
                                 const BakedGlbOptions &options, const Context &context) {
-  constexpr double kRounding = 0.3; // of the error, to a step: 8 bits do for most shapes, and the error grows by little
   options.validate();
   require_animation(character, animation);
   const Skeleton &skeleton = character.actor.skeleton;
@@ -272,24 +282,22 @@ BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Charact
     poses.push_back(forward_kinematics(skeleton, animation.dofs.row(t)));
   glb::Writer writer;
   glb::add_joint_nodes(writer, skeleton);
-  std::vector<Baked> meshes = bound_meshes(writer, character, animation, poses);
-  double step = std::max(kRounding * options.max_error, kLeastStep);
-  for (Baked &baked : meshes) {
-    baked.targets = exact ? key_shapes(baked.mesh, keys, context)
-                          : principal_shapes(baked.mesh, keys, options.max_error, step, options.max_keys, context);
-    step = std::max(step, farthest(baked.targets) / kMostSteps);
-  }
   tinygltf::Animation out;
   out.name = "animation";
   add_joint_channels(writer, out, skeleton, animation);
-  const int skin = glb::add_skin(writer, skeleton, step);
   const int times = keys.size() > 1 ? add_times(writer, keys, animation.fps) : -1;
   BakedGlbSummary summary{static_cast<int>(keys.size()), {}};
-  for (Baked &baked : meshes)
-    summary.meshes.push_back(add_baked(writer, out, baked, keys, step, skin, times, context));
+  std::vector<Baked> meshes = bound_meshes(writer, character, animation, poses);
+  for (Baked &baked : meshes) {
+    baked.targets = exact ? key_shapes(baked.mesh, keys, context)
+                          : principal_shapes(baked.mesh, keys, options.max_error, options.max_keys, context);
+    summary.meshes.push_back(add_baked(writer, out, skeleton, baked, keys, times, context));
+    baked.targets = {}; // a long clip's are large
+  }
   if (animation.high.empty())
     writer.model.meshes[0].primitives[0].attributes["COLOR_0"] =
         writer.vectors(gather(surface_colours(character), meshes[0].mesh.shown.vertex_from_shown), glb::Use::Vertices);
+  put_under_armature(writer);
   writer.model.extensionsUsed = writer.model.extensionsRequired = {"KHR_mesh_quantization"};
   writer.model.animations.push_back(out);
   writer.save(path);

@@ -126,16 +126,42 @@ Components principal_components(const FloatRows &centred, const Eigen::RowVector
   return components;
 }
 
-/// m^2, summed over keys and vertices: what is lost where a component's shape is rounded.
+/// In whole steps, as 16 bits have them.
+FloatRows rounded_steps(const FloatRows &steps, double step) {
+  return (steps / static_cast<float>(step)).array().round().cwiseMin(kMostSteps).cwiseMax(-kMostSteps);
+}
+
+/// In 127ths; what is a degree or less is left out where there is no step, so that nothing needs to be stored there.
+
+FloatRows rounded_turns(const FloatRows &turns, const FloatRows &rounded_steps) {
+  constexpr float kLeft = 2;
+  FloatRows rounded = (turns * kByte).array().round().cwiseMin(kByte).cwiseMax(-kByte);
+  for (Index target = 0; target < turns.rows(); ++target)
+    for (Index v = 0; v < turns.cols(); v += 3)
+      if (rounded_steps.row(target).segment<3>(v).isZero(0) && rounded.row(target).segment<3>(v).cwiseAbs().maxCoeff() <= kLeft)
+        rounded.row(target).segment<3>(v).setZero();
+  return rounded;
+}
+
+/// Weights that go from 0 to 1, since Blender and Unity cut off others; `steps` and `turns` are what is added at 1, before they
+/// are rounded.
+struct PrincipalTargets {
+  Floats3 mean, mean_normals;
+  FloatRows steps, turns;
+  Eigen::RowVectorXf mean_weights;
+  Eigen::MatrixXf weights;
+};
+
+/// m^2, summed over keys and vertices: what is lost where a component's shape is rounded. The mean of it is made good elsewhere.
 double rounding_square(const Eigen::RowVectorXf &shape, const Eigen::VectorXf &weights, const Eigen::RowVectorXf &scale,
                        double step) {
   const Eigen::ArrayXf counts = shape.transpose() / static_cast<float>(step);
-  return ((counts - counts.round()) * scale.transpose().array()).square().cast<double>().sum() * step * step *
-         weights.squaredNorm();
+  const double lost = ((counts - counts.round()) * scale.transpose().array()).square().cast<double>().sum() * step * step;
+  return lost * (weights.array() - weights.mean()).square().sum();
 }
 
 /// The first components, so many that what they leave and what rounding adds is within `max_square` m^2; all if that is not so.
-Index least_count(const Components &components, const MorphTargets &targets, const Eigen::RowVectorXf &scale, double step,
+Index least_count(const Components &components, const PrincipalTargets &targets, const Eigen::RowVectorXf &scale, double step,
                   double max_square) {
   double rounding = 0;
   for (Index count = 0; count < components.weights.cols(); ++count) {
@@ -147,40 +173,24 @@ Index least_count(const Components &components, const MorphTargets &targets, con
 }
 
 /// Sets weights and steps of the principal components that are needed; returns the orthonormal weights.
-Eigen::MatrixXf set_principal_steps(MorphTargets &targets, const FloatRows &centred, const Eigen::RowVectorXf &scale,
+Eigen::MatrixXf set_principal_steps(PrincipalTargets &targets, const FloatRows &centred, const Eigen::RowVectorXf &scale,
                                     double max_error, double step, int max_targets) {
   constexpr double kBesideRounding = 0.75; // of the square; what rounding takes is known when there are shapes
   const double max_square = max_error * max_error * static_cast<double>(centred.size()) / 3;
   const Components components = principal_components(centred, scale, kBesideRounding * max_square, max_targets);
-  const Eigen::RowVectorXf largest = components.weights.cwiseAbs().colwise().maxCoeff();
-  targets.steps = largest.asDiagonal() * (components.weights.transpose() * centred);
-  targets.weights = components.weights * largest.cwiseInverse().asDiagonal();
+  const Eigen::RowVectorXf least = components.weights.colwise().minCoeff();
+  const Eigen::RowVectorXf range = components.weights.colwise().maxCoeff() - least;
+  targets.steps = range.asDiagonal() * (components.weights.transpose() * centred);
+  targets.weights = (components.weights.rowwise() - least) * range.cwiseInverse().asDiagonal();
   const Index count = least_count(components, targets, scale, step, max_square);
   targets.steps.conservativeResize(count, Eigen::NoChange);
   targets.weights.conservativeResize(Eigen::NoChange, count);
+  targets.mean_weights = targets.weights.colwise().mean();
   return components.weights.leftCols(count);
 }
 
-/// A mesh's own normals have length 1, and means are shorter where normals differ: the rest is a target that is always there.
-void add_constant_turn(MorphTargets &targets, const Floats3 &mean) {
-  targets.own_normals = mean;
-  for (Index v = 0; v < mean.rows(); ++v)
-    targets.own_normals.row(v) =
-        mean.row(v).norm() > 1e-3f ? Eigen::RowVector3f(mean.row(v).normalized()) : Eigen::RowVector3f::UnitY();
-  const Floats3 turn = mean - targets.own_normals;
-  if (turn.cwiseAbs().maxCoeff() * kByte < 0.5f)
-    return;
-  const Index count = targets.steps.rows();
-  targets.steps.conservativeResize(count + 1, Eigen::NoChange);
-  targets.turns.conservativeResize(count + 1, Eigen::NoChange);
-  targets.weights.conservativeResize(Eigen::NoChange, count + 1);
-  targets.steps.row(count).setZero();
-  targets.turns.row(count) = as_row(turn);
-  targets.weights.col(count).setOnes();
-}
-
-/// Sets the turns that are nearest to the normals (least squares: `weights` is orthonormal), and the own normals to match.
-void set_principal_turns(MorphTargets &targets, const BoundMesh &mesh, const std::vector<int> &keys,
+/// Sets the turns that are nearest to the normals (least squares: `weights` is orthonormal), and the mean.
+void set_principal_turns(PrincipalTargets &targets, const BoundMesh &mesh, const std::vector<int> &keys,
                          const Eigen::MatrixXf &weights, const Context &context) {
   const int count = static_cast<int>(keys.size());
   targets.turns = FloatRows::Zero(weights.cols(), targets.steps.cols());
@@ -191,12 +201,67 @@ void set_principal_turns(MorphTargets &targets, const BoundMesh &mesh, const std
     targets.turns += weights.middleRows(first, normals.rows()).transpose() * normals;
     mean += normals.colwise().sum() / static_cast<float>(count);
   }
-  targets.turns = weights.cwiseAbs().colwise().maxCoeff().asDiagonal() * targets.turns;
-  add_constant_turn(targets, as_vectors(mean));
+  const Eigen::RowVectorXf range = weights.colwise().maxCoeff() - weights.colwise().minCoeff();
+  targets.turns = range.asDiagonal() * targets.turns;
+  targets.mean_normals = as_vectors(mean);
+}
+
+/// Where weights are 0, normals are `floor`, whose direction becomes the mesh's own. Normals may have any length when they are
+/// added up: they are made so short that neither turns nor what the own lack is more than 1. Returns the latter.
+Floats3 shorten_normals(PrincipalTargets &targets, const Floats3 &floor, Floats3 &own) {
+  Floats3 lacking(floor.rows(), 3);
+  own.resize(floor.rows(), 3);
+  for (Index v = 0; v < floor.rows(); ++v) {
+    auto turns = targets.turns.middleCols(3 * v, 3);
+    const float length = floor.row(v).norm(), largest = turns.size() > 0 ? turns.cwiseAbs().maxCoeff() : 0.0f;
+    const float factor = 1 / std::max({1.0f, largest, length / 2});
+    turns *= factor;
+    own.row(v) = length > 1e-3f ? Eigen::RowVector3f(floor.row(v) / length) : Eigen::RowVector3f::UnitY();
+    lacking.row(v) = factor * floor.row(v) - own.row(v);
+  }
+  return lacking;
+}
+
+/// m; larger than `step` where 16 bits would not do, for a shape or for all together.
+double reaching_step(const PrincipalTargets &targets, double step) {
+  if (targets.steps.rows() == 0)
+    return step;
+  const float farthest =
+      std::max(targets.steps.cwiseAbs().maxCoeff(), (targets.mean_weights * targets.steps).cwiseAbs().maxCoeff());
+  return std::max<double>(step, farthest / (kMostSteps - 1));
+}
+
+/// Rounds the targets, and adds one that is always there: what own vertices and normals lack of those at weights of 0, with what
+/// rounding has taken on the average.
+MorphTargets with_constant(PrincipalTargets principal, double step) {
+  const Index count = principal.steps.rows(), columns = principal.mean.size();
+  MorphTargets targets;
+  targets.own = principal.mean;
+  targets.step = reaching_step(principal, step);
+  const Eigen::RowVectorXf floor_normals = as_row(principal.mean_normals) - principal.mean_weights * principal.turns;
+  const Floats3 lacking = shorten_normals(principal, as_vectors(floor_normals), targets.own_normals);
+  targets.steps.resize(count + 1, columns);
+  targets.turns.resize(count + 1, columns);
+  targets.steps.topRows(count) = rounded_steps(principal.steps, targets.step);
+  targets.turns.topRows(count) = rounded_turns(principal.turns, targets.steps.topRows(count));
+  const FloatRows step_back = -principal.mean_weights * targets.steps.topRows(count);
+  const FloatRows turn = as_row(lacking) + principal.mean_weights * (principal.turns - targets.turns.topRows(count) / kByte);
+  targets.steps.row(count) = rounded_steps(step_back, 1);
+  const Eigen::RowVectorXf rest = static_cast<float>(targets.step) * (step_back - targets.steps.row(count));
+  targets.own += as_vectors(rest); // floats
+  targets.turns.row(count) = rounded_turns(turn, targets.steps.row(count));
+  targets.weights.resize(principal.weights.rows(), count + 1);
+  targets.weights << principal.weights, Eigen::VectorXf::Ones(principal.weights.rows());
+  if (count == 0 && targets.turns.isZero(0)) { // the bones carry all
+    targets.steps.resize(0, columns);
+    targets.turns.resize(0, columns);
+    targets.weights.resize(principal.weights.rows(), 0);
+  }
+  return targets;
 }
 
 /// (frames from `first` on, 3 vertices) m
-FloatRows blended(const MorphTargets &rounded, const std::vector<int> &keys, double step, int first, int count) {
+FloatRows blended(const MorphTargets &rounded, const std::vector<int> &keys, int first, int count) {
   Eigen::MatrixXf weights(count, rounded.weights.cols());
   for (int i = 0; i < count; ++i) {
     const auto after = std::upper_bound(keys.begin(), keys.end() - 1, first + i);
@@ -212,7 +277,7 @@ FloatRows blended(const MorphTargets &rounded, const std::vector<int> &keys, dou
   while (begin < end && weights.col(end - 1).isZero())
     --end;
   FloatRows shapes =
-      static_cast<float>(step) * weights.middleCols(begin, end - begin) * rounded.steps.middleRows(begin, end - begin);
+      static_cast<float>(rounded.step) * weights.middleCols(begin, end - begin) * rounded.steps.middleRows(begin, end - begin);
   shapes.rowwise() += as_row(rounded.own);
   return shapes;
 }
@@ -231,39 +296,37 @@ MorphTargets key_shapes(const BoundMesh &mesh, const std::vector<int> &keys, con
       const Eigen::RowVector3f to = targets.turns.row(key).segment<3>(3 * v);
       targets.turns.row(key).segment<3>(3 * v) = byte_step(targets.own_normals.row(v), to).step;
     }
+  constexpr double kLeastStep = 1e-3 / kMostSteps; // m, so that shapes that do not differ have one
+  targets.step = std::max<double>(targets.steps.cwiseAbs().maxCoeff() / kMostSteps, kLeastStep);
+  targets.steps = rounded_steps(targets.steps, targets.step);
+  targets.turns = rounded_turns(targets.turns, targets.steps);
   targets.weights = Eigen::MatrixXf::Identity(targets.steps.rows(), targets.steps.rows());
   return targets;
 }
 
-MorphTargets principal_shapes(const BoundMesh &mesh, const std::vector<int> &keys, double max_error, double step, int max_targets,
+MorphTargets principal_shapes(const BoundMesh &mesh, const std::vector<int> &keys, double max_error, int max_targets,
                               const Context &context) {
-  MorphTargets targets;
+  constexpr double kStep = 0.6;    // of the error: most shapes are within 8 bits, and few more are needed
+  constexpr double kMargin = 0.99; // what is known of the bones' stretch is a mean
+  PrincipalTargets targets;
   FloatRows shapes = shapes_at(mesh, keys, context);
   const Eigen::RowVectorXf mean = shapes.cast<double>().colwise().mean().cast<float>();
   shapes.rowwise() -= mean;
-  targets.own = as_vectors(mean);
-  const Eigen::MatrixXf weights = set_principal_steps(targets, shapes, stretch(mesh, keys), max_error, step, max_targets - 1);
+  targets.mean = as_vectors(mean);
+  const Eigen::MatrixXf weights =
+      set_principal_steps(targets, shapes, stretch(mesh, keys), kMargin * max_error, kStep * max_error, max_targets - 1);
   set_principal_turns(targets, mesh, keys, weights, context);
-  return targets;
+  return with_constant(std::move(targets), kStep * max_error);
 }
 
-double farthest(const MorphTargets &targets) {
-  return targets.steps.size() > 0 ? targets.steps.cwiseAbs().maxCoeff() : 0;
-}
-
-void round_targets(MorphTargets &targets, double step) {
-  targets.steps = (targets.steps / static_cast<float>(step)).array().round().cwiseMin(kMostSteps).cwiseMax(-kMostSteps);
-  targets.turns = (targets.turns * kByte).array().round().cwiseMin(kByte).cwiseMax(-kByte);
-}
-
-std::vector<double> errors(const BoundMesh &mesh, const MorphTargets &rounded, const std::vector<int> &keys, double step,
+std::vector<double> errors(const BoundMesh &mesh, const MorphTargets &targets, const std::vector<int> &keys,
                            const Context &context) {
   const int frames = static_cast<int>(mesh.poses->size());
   const auto vertices = static_cast<std::ptrdiff_t>(mesh.influences.size());
   std::vector<double> all(frames * vertices);
   for (int first = 0; first < frames; first += kBatch) {
     context.throw_if_cancelled();
-    const FloatRows shapes = blended(rounded, keys, step, first, std::min(kBatch, frames - first));
+    const FloatRows shapes = blended(targets, keys, first, std::min(kBatch, frames - first));
     parallel_for(context, static_cast<int>(shapes.rows()), [&](int i) {
       const std::vector<double> of_frame = errors_at(mesh, first + i, as_vectors(shapes.row(i)));
       std::copy(of_frame.begin(), of_frame.end(), all.begin() + (first + i) * vertices);
