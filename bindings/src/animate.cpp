@@ -249,8 +249,9 @@ void bind_streaming(py::module_ &m) {
       py::arg("character"), py::arg("motion"), py::arg("frame"), py::arg("options") = AnimateOptions{},
       py::arg("context") = interruptible_context(), py::arg("make_solver") = py::none(),
       "animate(), but calls frame(AnimationFrame) in order and keeps nothing.");
-  m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"), Release(),
-        "An animation as arrays (docs/formats.md), complete or not at all.");
+  m.def("write_baked_npz", &write_baked_npz, py::arg("path"), py::arg("character"), py::arg("animation"),
+        py::arg_v("drawn", TexturedFaces{}, "TexturedFaces()"), Release(),
+        "An animation as arrays (docs/formats.md), complete or not at all. drawn: faces in the place of M_high's.");
   OptionsClass<BakedGlbOptions>(m, "Options of write_baked_glb.");
   Class<BakedMeshSummary>(m, "BakedMeshSummary", "What a viewer shows of a baked mesh, against the animation.")
       .def_readonly("name", &BakedMeshSummary::name, "of the node: surface, body")
@@ -263,9 +264,11 @@ void bind_streaming(py::module_ &m) {
       .def_readonly("keys", &BakedGlbSummary::keys, "at which the shapes' weights are stored")
       .def_readonly("meshes", &BakedGlbSummary::meshes, "a BakedMeshSummary each");
   m.def("write_baked_glb", &write_baked_glb, py::arg("path"), py::arg("character"), py::arg("animation"),
-        py::arg("options") = BakedGlbOptions{}, py::arg("context") = interruptible_context(), Release(),
+        py::arg("options") = BakedGlbOptions{}, py::arg_v("drawn", TexturedFaces{}, "TexturedFaces()"),
+        py::arg("context") = interruptible_context(), Release(),
         "An animation as glTF 2.0 that any viewer plays: bones, and shapes of M_high in its texture (of M where the animation is "
-        "without M_high) and of the body. Complete or not at all. Returns a BakedGlbSummary.");
+        "without M_high) and of the body. drawn: faces in the place of M_high's. Complete or not at all. Returns a "
+        "BakedGlbSummary.");
 }
 
 /// What the player returns is its own: a view, which the next step writes over.

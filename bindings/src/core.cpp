@@ -5,6 +5,7 @@
 #include "doublet/core/garment.h"
 #include "doublet/core/rasterizer.h"
 #include "doublet/core/skinning.h"
+#include "doublet/core/textured_faces.h"
 
 #include <cstring>
 
@@ -150,6 +151,14 @@ void bind_mesh(py::module_ &m) {
       .def_readwrite("vertices", &Mesh::vertices, "(V, 3) m")
       .def_readwrite("faces", &Mesh::faces, "(F, 3) indices of vertices")
       .def("report", &report_mesh, "What is wrong, or right, with the mesh.");
+  Class<TexturedFaces>(m, "TexturedFaces", "Faces as they are drawn, of the vertices of a surface.")
+      .def(py::init<>())
+      .def(py::init([](Faces faces, decltype(TexturedFaces::texcoords) texcoords) {
+             return TexturedFaces{std::move(faces), std::move(texcoords)};
+           }),
+           py::arg("faces"), py::arg("texcoords"))
+      .def_readwrite("faces", &TexturedFaces::faces, "(F, 3)")
+      .def_readwrite("texcoords", &TexturedFaces::texcoords, "(3 F, 2) of corners, (0, 0) is the top left; (0, 2) = none");
   Class<MeshSequence>(m, "MeshSequence", "A deforming surface: faces (F, 3), frames (T, V, 3) m.")
       .def(py::init<>())
       .def(py::init([](Faces faces, const py::array_t<double, py::array::c_style | py::array::forcecast> &frames) {

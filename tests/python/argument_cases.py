@@ -151,6 +151,9 @@ def calls(world, folder) -> dict:
         "fit_proxies": (d.fit_proxies, dict(fit=w.body, **clothed)),
         "proxy_statistics": (d.proxy_statistics, dict(capsules=w.proxies, fit=w.body, **clothed)),
         "capsule_mesh": (d.capsule_mesh, {"p0": np.zeros(3), "p1": np.ones(3), "r0": 0.1, "r1": 0.2}),
+        "reduce_faces": (
+            lambda vertices: d.reduce_faces(vertices, d.TexturedFaces(f, np.zeros((0, 2))), 4), {"vertices": v},
+        ),
         "spring_constant": (d.spring_constant, {"k": 0.5, "response": 3.0}),
         "stiffness_of_spring": (d.stiffness_of_spring, {"constant": 200.0, "response": 3.0}),
         "ClothModel": (d.ClothModel, {"rest": v, "faces": f, "clothness": w.cloth}),

@@ -14,6 +14,7 @@ from types import SimpleNamespace
 import doublet as d
 import numpy as np
 import pytest
+from doublet.export.level_of_detail import level_of_detail
 from glb_viewer import Viewer
 from PIL import Image
 
@@ -245,6 +246,75 @@ def test_without_the_display_surface_it_is_the_simulated_one(turning, tmp_path):
         assert off(viewer.mesh("surface", frame / FPS), animation.surface[frame]) < NEAR
     primitive = viewer.gltf["meshes"][viewer.gltf["nodes"][viewer.node["surface"]]["mesh"]]["primitives"][0]
     assert "COLOR_0" in primitive["attributes"]
+
+
+# --- a level of detail
+
+
+@pytest.fixture(scope="module")
+def reduced(turning):
+    return level_of_detail(turning[0], 1200)
+
+
+def test_a_level_of_detail_lies_on_the_surface(turning, reduced):
+    character = turning[0]
+    every = drawn_faces(character, "surface")
+    assert 1000 < len(reduced.faces) <= 1200 < len(every) / 2
+    vertices = character.high.vertices
+    used = np.unique(every)
+    on_it = d.RayScene(d.Mesh(vertices, reduced.faces)).closest(vertices[used])[2]
+    apart = np.linalg.norm(on_it - vertices[used], axis=1)
+    assert np.quantile(apart, 0.95) < 0.003 and apart.max() < 0.02  # m
+    assert rim_length(vertices, reduced.faces) == pytest.approx(rim_length(vertices, every), rel=0.02)
+
+
+def rim_length(vertices, faces):
+    """m, of the edges with one face."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    edges, count = np.unique(edges, axis=0, return_counts=True)
+    ends = vertices[edges[count == 1]]
+    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum()
+
+
+def test_a_level_of_detail_shows_the_same_texture(turning, reduced):
+    """In the middle of its triangles what the surface has there."""
+    character = turning[0]
+    image = np.asarray(Image.open(io.BytesIO(character.texture)))
+    shown = np.asarray(character.high_valid, bool)
+    own = character.texcoords.reshape(-1, 3, 2)[shown]
+    middles = character.high.vertices[reduced.faces].mean(axis=1)
+    faces = character.high.faces[shown]
+    face, _, point = d.RayScene(d.Mesh(character.high.vertices, faces)).closest(middles)
+    corners = character.high.vertices[faces[face]]
+    sides = corners[:, 1:] - corners[:, :1]
+    shares = np.einsum("fks,fs->fk", np.linalg.pinv(sides.transpose(0, 2, 1)), point - corners[:, 0])
+    there = sampled(image, own[face, 0] + np.einsum("fk,fkc->fc", shares, own[face, 1:] - own[face, :1]))
+    apart = np.abs(sampled(image, reduced.texcoords.reshape(-1, 3, 2).mean(axis=1)) - there)
+    assert apart.mean() < 6 and np.quantile(apart, 0.95) < 30  # of 255
+
+
+def test_a_level_of_detail_moves_as_the_surface_does(turning, reduced, tmp_path):
+    character, animation = turning
+    exact = d.BakedGlbOptions(max_error=0)
+    d.write_baked_glb(tmp_path / "few.glb", character, animation, exact, reduced)
+    viewer = Viewer(tmp_path / "few.glb")
+    triangles = triangles_of(viewer, "surface")
+    which = np.empty(triangles.max() + 1, int)
+    which[triangles.ravel()] = reduced.faces.ravel()
+    for frame in (0, 12, FRAMES - 1):
+        assert off(viewer.mesh("surface", frame / FPS), animation.high[frame][which]) < NEAR
+    d.write_baked_npz(tmp_path / "few.npz", character, animation, reduced)
+    with np.load(tmp_path / "few.npz") as arrays:
+        drawn = arrays["high_vertices"][:, arrays["high_faces"]]
+        assert len(np.unique(reduced.faces)) == arrays["high_vertices"].shape[1]
+        assert off(drawn, animation.high[:, reduced.faces]) < NEAR
+
+
+def test_faces_of_another_surface_are_refused(turning, tmp_path):
+    wrong = d.TexturedFaces([[0, 1, 10**6]], np.zeros((3, 2)))
+    with pytest.raises(ValueError, match="drawn: expected faces of the character's display surface"):
+        d.write_baked_npz(tmp_path / "no.npz", *turning, wrong)
+    assert not (tmp_path / "no.npz").exists()
 
 
 # --- Blender, which is large: CI does without

@@ -58,18 +58,6 @@ Vertices gather(const Vertices &all, const std::vector<int> &rows) {
   return part;
 }
 
-/// M_high in its texture.
-struct TexturedHigh {
-  glb::GlbMesh shown;
-  int image = -1;
-};
-
-TexturedHigh textured_high(glb::Writer &writer, const Character &c) {
-  if (c.texture.empty())
-    return {glb::display_mesh(c.high, c.high_valid, {}), -1};
-  return {glb::display_mesh(c.high, c.high_valid, c.texcoords), writer.image(c.texture)};
-}
-
 /// A mesh of the file, as it is while the file is made.
 struct Baked {
   BoundMesh mesh;
@@ -79,7 +67,7 @@ struct Baked {
 
 /// The surface, and the body where it is drawn apart; with the material of each.
 std::vector<Baked> bound_meshes(glb::Writer &writer, const Character &character, const AnimationResult &animation,
-                                const std::vector<Transforms> &poses) {
+                                const TexturedFaces &drawn, const std::vector<Transforms> &poses) {
   std::vector<Baked> meshes;
   const RiggedMesh &actor = character.actor;
   if (animation.high.empty()) {
@@ -88,10 +76,13 @@ std::vector<Baked> bound_meshes(glb::Writer &writer, const Character &character,
                       glb::add_material(writer, "surface", Vector3d::Ones(), -1, true),
                       {}});
   } else {
-    TexturedHigh high = textured_high(writer, character);
-    meshes.push_back({bind_mesh("surface", std::move(high.shown), valid_faces(character.high.faces, character.high_valid),
+    const TexturedFaces shown = drawn_faces(character, animation, drawn);
+    const int image = character.texture.empty() ? -1 : writer.image(character.texture);
+    const TexCoords places = image < 0 ? TexCoords() : TexCoords(shown.texcoords);
+    meshes.push_back({bind_mesh("surface", glb::display_mesh({character.high.vertices, shown.faces}, {}, places),
+                                valid_faces(character.high.faces, character.high_valid), // normals are those of all its triangles
                                 DisplaySurface(character).skin_weights(actor.weights), animation.high, poses),
-                      glb::add_material(writer, "surface", Vector3d::Constant(0.6), high.image, true),
+                      glb::add_material(writer, "surface", Vector3d::Constant(0.6), image, true),
                       {}});
   }
   glb::GlbMesh body = glb::display_mesh(character.body, character.body_shown, {});
@@ -270,7 +261,7 @@ BakedMeshSummary add_baked(glb::Writer &writer, tinygltf::Animation &out, const 
 } // namespace
 
 BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                                const BakedGlbOptions &options, const Context &context) {
+                                const BakedGlbOptions &options, const TexturedFaces &drawn, const Context &context) {
   options.validate();
   require_animation(character, animation);
   const Skeleton &skeleton = character.actor.skeleton;
@@ -287,7 +278,7 @@ BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Charact
   add_joint_channels(writer, out, skeleton, animation);
   const int times = keys.size() > 1 ? add_times(writer, keys, animation.fps) : -1;
   BakedGlbSummary summary{static_cast<int>(keys.size()), {}};
-  std::vector<Baked> meshes = bound_meshes(writer, character, animation, poses);
+  std::vector<Baked> meshes = bound_meshes(writer, character, animation, drawn, poses);
   for (Baked &baked : meshes) {
     baked.targets = exact ? key_shapes(baked.mesh, keys, context)
                           : principal_shapes(baked.mesh, keys, options.max_error, options.max_keys, context);

@@ -5,6 +5,7 @@
 #include "doublet/files/npz.h"
 
 #include <cstdint>
+#include <numeric>
 
 namespace doublet {
 namespace {
@@ -54,7 +55,26 @@ void require_animation(const Character &character, const AnimationResult &animat
                                 std::to_string(frames) + " frames of another kind");
 }
 
-void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation) {
+TexturedFaces drawn_faces(const Character &character, const AnimationResult &animation, const TexturedFaces &drawn) {
+  if (drawn.faces.rows() == 0) {
+    TexturedFaces own{valid_faces(character.high.faces, character.high_valid), {}};
+    if (character.texcoords.rows() == 0)
+      return own;
+    own.texcoords.resize(3 * own.faces.rows(), 2);
+    for (Eigen::Index f = 0, at = 0; f < character.high.faces.rows(); ++f)
+      if (character.high_valid.empty() || character.high_valid[f])
+        own.texcoords.middleRows(3 * at++, 3) = character.texcoords.middleRows(3 * f, 3);
+    return own;
+  }
+  if (animation.high.empty() || drawn.faces.minCoeff() < 0 || drawn.faces.maxCoeff() >= character.high.vertices.rows() ||
+      drawn.texcoords.rows() != (character.texcoords.rows() > 0 ? 3 * drawn.faces.rows() : 0))
+    throw std::invalid_argument("baked animation: drawn: expected faces of the character's display surface, with texture "
+                                "coordinates if that has some, found others");
+  return drawn;
+}
+
+void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                     const TexturedFaces &drawn) {
   require_animation(character, animation);
   const auto frames = static_cast<std::int64_t>(animation.surface.size());
   const Skeleton &skeleton = character.actor.skeleton;
@@ -75,7 +95,18 @@ void write_baked_npz(const std::filesystem::path &path, const Character &charact
     npz.set_i4("body_faces", {character.body.faces.rows(), 3}, flatten(character.body.faces));
     npz.set_b1("body_shown", character.body_shown);
   }
-  if (!animation.high.empty()) {
+  if (drawn.faces.rows() > 0) {
+    const Faces faces = drawn_faces(character, animation, drawn).faces;
+    std::vector<int> all(faces.rows()), vertices;
+    std::iota(all.begin(), all.end(), 0);
+    const Mesh shown = submesh({character.high.vertices, faces}, all, &vertices);
+    std::vector<Vertices> moved;
+    for (const Vertices &frame : animation.high)
+      moved.push_back(frame(vertices, Eigen::all));
+    npz.set_f4("high_vertices", {frames, moved[0].rows(), 3}, flatten(moved));
+    npz.set_i4("high_faces", {shown.faces.rows(), 3}, flatten(shown.faces));
+    npz.set_b1("high_valid", Mask(shown.faces.rows(), 1));
+  } else if (!animation.high.empty()) {
     npz.set_f4("high_vertices", {frames, animation.high[0].rows(), 3}, flatten(animation.high));
     npz.set_i4("high_faces", {character.high.faces.rows(), 3}, flatten(character.high.faces));
     npz.set_b1("high_valid", character.high_valid);

@@ -15,6 +15,7 @@ from ..common.console import Console
 from ..common.video import VideoWriter
 from . import bone_names
 from .clips import centred, read_motion
+from .level_of_detail import level_of_detail
 from .usd import usd_modules, write_usdc
 from .video_camera import Shot, cameras_along
 
@@ -31,6 +32,7 @@ class Output:
     clip: str = ""  # of a .glb with several animations: name, or number from 1
     shot: Shot | None = None  # of a video
     bone_names: str = ""  # of bone_names.SCHEMES, in a .bvh or .glb; empty = ours
+    triangles: int = 0  # of the display surface, at about this level of detail; 0 = all of them
     centre: bool = False  # the motion begins over the world's origin, not where the scan stood
 
 
@@ -49,17 +51,20 @@ def animate(
         raise ValueError(f"{out}: expected an .mp4 for a size, camera or background, found {out.suffix}")
     if output and output.bone_names and out.suffix not in (".bvh", ".glb"):
         raise ValueError(f"{out}: expected a .bvh or .glb for bones of other names, found {out.suffix}")
+    if output and output.triangles and out.suffix not in (".glb", ".npz", ".usdc"):
+        raise ValueError(f"{out}: expected a .glb, .npz or .usdc for a level of detail, found {out.suffix}")
     if out.suffix == ".usdc":
         usd_modules()  # before the work
     context, output = console.context(), output or Output()
     character = d.Character.read(character_file)
+    drawn = level_of_detail(character, output.triangles) if output.triangles else d.TexturedFaces()
     motion = read_motion(motion_file, character, retargeting, context, output.bone_map, output.clip)
     if output.centre:
         motion = centred(motion, character.actor.skeleton)
     if out.suffix == ".mp4":
         return write_video(character, motion, out, context, output.shot, output.animation)
     if out.suffix == ".usdc":
-        return write_usdc(out, character, motion, output.animation, context)
+        return write_usdc(out, character, motion, output.animation, context, drawn)
     if out.suffix == ".bvh":
         motion = d.resample(character.actor.skeleton, motion, 1 / character.solver.dt)
         d.write_bvh(out, character.actor.skeleton, motion)
@@ -69,9 +74,10 @@ def animate(
     animation = d.animate(character, motion, output.animation, context)
     frames = len(animation.dofs)
     if out.suffix == ".npz":
-        d.write_baked_npz(out, character, animation)
+        d.write_baked_npz(out, character, animation, drawn)
         return frames
-    for line in baked_lines(out, d.write_baked_glb(out, character, animation, output.glb, context), frames):
+    baked = d.write_baked_glb(out, character, animation, output.glb, drawn, context)
+    for line in baked_lines(out, baked, frames):
         console.say(line)
     if output.bone_names:
         bone_names.rename(out, output.bone_names)

@@ -10,6 +10,7 @@ import numpy as np
 
 from .. import _doublet as d
 from ..common.files import written_atomically
+from .level_of_detail import drawn_faces
 
 
 def usd_modules():
@@ -42,10 +43,11 @@ def texture_path(out: Path, character: d.Character) -> Path:
 class Stage:
     """A stage that frames are written to, one after the other."""
 
-    def __init__(self, character: d.Character, texture: str):
+    def __init__(self, character: d.Character, texture: str, drawn: d.TexturedFaces):
         self.pxr = usd_modules()
         usd, geometry = self.pxr.Usd, self.pxr.UsdGeom
         self.character = character
+        self.drawn, self.vertices = drawn, np.unique(drawn.faces)  # of M_high
         # In memory until it is whole: there is one place where writing can fail.
         self.stage = usd.Stage.Open(self.pxr.Sdf.Layer.CreateAnonymous(".usdc"))
         fps = 1 / character.solver.dt
@@ -87,10 +89,10 @@ class Stage:
         c = self.character
         if not len(c.high.faces):
             return self.add_mesh("surface", c.actor.mesh.faces[np.asarray(c.actor.face_valid, bool)], self.add_material("cloth"))
-        shown = np.asarray(c.high_valid, bool)
-        mesh = self.add_mesh("surface", c.high.faces[shown], self.add_material("surface", texture=texture))
+        faces = np.searchsorted(self.vertices, self.drawn.faces)
+        mesh = self.add_mesh("surface", faces, self.add_material("surface", texture=texture))
         if texture:
-            corners = c.texcoords.reshape(-1, 3, 2)[shown].reshape(-1, 2) * [1, -1] + [0, 1]  # USD's images begin at the bottom
+            corners = self.drawn.texcoords * [1, -1] + [0, 1]  # USD's images begin at the bottom
             kind = self.pxr.Sdf.ValueTypeNames.TexCoord2fArray
             places = self.pxr.UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", kind, self.pxr.UsdGeom.Tokens.faceVarying)
             places.Set(self.pxr.Vt.Vec2fArray.FromNumpy(corners.astype(np.float32)))
@@ -150,7 +152,7 @@ class Stage:
 
     def write_frame(self, frame: d.AnimationFrame) -> None:
         self.write_pose(frame.index, frame.dofs)
-        self.write_points(self.surface, frame.index, frame.high if len(frame.high) else frame.surface)
+        self.write_points(self.surface, frame.index, frame.high[self.vertices] if len(frame.high) else frame.surface)
         if self.body is not None:
             self.write_points(self.body, frame.index, frame.body)
         self.frames = frame.index + 1
@@ -186,10 +188,16 @@ class Stage:
 
 
 def write_usdc(
-    out: Path, character: d.Character, motion: d.Motion, options: d.AnimateOptions | None = None, context: d.Context | None = None
+    out: Path,
+    character: d.Character,
+    motion: d.Motion,
+    options: d.AnimateOptions | None = None,
+    context: d.Context | None = None,
+    drawn: d.TexturedFaces | None = None,
 ) -> int:
     """The animation of a motion as OUT.usdc, in metres, +Y up, a time code a frame: points of the surface and of the body under
-    it, and the skeleton. The texture lies beside it, OUT.jpg. Returns the number of frames."""
+    it, and the skeleton. The texture lies beside it, OUT.jpg. `drawn`: faces in the place of the surface's; None or empty = its
+    own. Returns the number of frames."""
     usd_modules()
     out, texture = Path(out), ""
     if len(character.texture) and len(character.high.faces):
@@ -197,7 +205,7 @@ def write_usdc(
         with written_atomically(texture_path(out, character)) as beside:
             beside.write_bytes(character.texture)
     with written_atomically(out) as beside:
-        stage = Stage(character, texture)
+        stage = Stage(character, texture, drawn if drawn is not None and len(drawn.faces) else drawn_faces(character))
         count = d.animate_each(character, motion, stage.write_frame, options or d.AnimateOptions(), context or d.Context())
         stage.save(beside, out)
     return count

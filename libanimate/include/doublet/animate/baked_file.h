@@ -2,6 +2,7 @@
 // A finished animation as a file for other programs.
 
 #include "doublet/animate/animator.h"
+#include "doublet/core/textured_faces.h"
 #include "doublet/options/options.h"
 
 #include <filesystem>
@@ -12,8 +13,11 @@ namespace doublet {
 
 /// vertices (T, V, 3) f32 of M, faces (F, 3) i32, face_valid (F), joints (T, J, 3) f32, joint_names, dofs (T, D) f32, fps; and,
 /// where the result has them, body_vertices (T, B, 3), body_faces (FB, 3), body_shown (FB), and high_vertices (T, VH, 3),
-/// high_faces (FH, 3), high_valid (FH) of M_high. Written beside and renamed.
-void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation);
+/// high_faces (FH, 3), high_valid (FH) of M_high. `drawn`: faces in the place of M_high's, and only their vertices; empty = its
+/// own. Written beside and renamed. Throws std::invalid_argument if the animation is not the character's, or `drawn` not
+/// M_high's.
+void write_baked_npz(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
+                     const TexturedFaces &drawn = {});
 
 struct BakedGlbOptions {
   double max_error = 1e-3;
@@ -58,6 +62,7 @@ struct BakedGlbSummary {
 /// vertices that it moves, 8 to 11 bytes each. The meshes' extras have the numbers of the summary. Throws std::invalid_argument
 /// if the animation is not the character's, Cancelled.
 BakedGlbSummary write_baked_glb(const std::filesystem::path &path, const Character &character, const AnimationResult &animation,
-                                const BakedGlbOptions &options = {}, const Context &context = {});
+                                const BakedGlbOptions &options = {}, const TexturedFaces &drawn = {},
+                                const Context &context = {});
 
 } // namespace doublet

@@ -34,6 +34,8 @@ def register(commands) -> None:
     command.add_argument("--bone-names", choices=SCHEMES, default="", help=text)
     text = "begin over the world's origin (default: where the actor stood in the scan)"
     command.add_argument("--centre", action="store_true", help=text)
+    text = "draw the display surface with about N triangles, in a .glb, .npz or .usdc (default: all it has)"
+    command.add_argument("--lod", type=int, default=0, metavar="N", help=text)
     text = "of an .mp4, px (default: 720x720)"
     command.add_argument("--size", metavar="WIDTHxHEIGHT", help=text)
     text = "of an .mp4: stands still, goes along, goes along and round; auto stands still if it all fits (default: auto)"
@@ -61,9 +63,17 @@ def run(arguments) -> None:
     if not arguments.out:
         arguments.usage_error("the following arguments are required: -o/--out")
     console = make_console(arguments)
-    shot = shot_of(arguments)
+    if arguments.lod and arguments.lod < 4:
+        raise ValueError(f"--lod: expected at least 4 triangles, found {arguments.lod}")
     output = Output(
-        options["animate"], options["glb"], arguments.bone_map, arguments.animation, shot, arguments.bone_names, arguments.centre
+        animation=options["animate"],
+        glb=options["glb"],
+        bone_map=arguments.bone_map,
+        clip=arguments.animation,
+        shot=shot_of(arguments),
+        bone_names=arguments.bone_names,
+        triangles=arguments.lod,
+        centre=arguments.centre,
     )
     frames = animate(arguments.character, arguments.motion, arguments.out, console, options["retarget"], output)
     console.finish()
