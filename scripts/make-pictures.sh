@@ -77,6 +77,7 @@ run python benchmarks/edit_pages.py segmentation "$out" -o "$folder/edit-segment
 run doublet view "$out/character.glb" --clip "$session/motion.bvh" -o "$work/page"
 run python benchmarks/view_page.py "$work/page" --seconds 0 -o "$folder/view.jpg"
 
+run python benchmarks/level_of_detail.py "$out/character.glb" "$session/motion.bvh" -o "$folder/level-of-detail.jpg"
 run python benchmarks/sect7 landscape "$out" --size "$grid" --work "$work/sect7"
 run cp "$work/sect7/landscape_0.png" "$folder/landscape.png"
 run python benchmarks/sect7 robustness "$out" --starts "$starts" --evaluations "$evaluations" --work "$work/sect7"

@@ -45,6 +45,42 @@ def motion(character):
     return d.Motion(1 / character.solver.dt, dofs)
 
 
+# --- levels of detail
+
+
+def test_a_level_of_detail_is_written_everywhere_but_in_bvh(character, motion, tmp_path, capsys):
+    pxr = pytest.importorskip("pxr.Usd")
+    character.write(tmp_path / "c.glb")
+    np.savez(tmp_path / "own.npz", dofs=0.3 * motion.dofs)
+    shown = int(np.sum(np.asarray(character.high_valid, bool)))
+
+    def run(name, *flags):
+        return cli.main(["animate", *(str(tmp_path / file) for file in ("c.glb", "own.npz")), "-o", str(tmp_path / name), *flags])
+
+    for name in ("few.npz", "few.usdc", "few.glb", "few.mp4"):
+        assert run(name, "--lod", str(shown // 3), "--quiet") == 0
+        assert (tmp_path / name).stat().st_size > 0
+    with np.load(tmp_path / "few.npz") as arrays:
+        faces, places = arrays["high_faces"], arrays["high_vertices"]
+    assert 4 <= len(faces) <= shown // 3 and len(np.unique(faces)) == places.shape[1]
+    mesh = pxr.Stage.Open(str(tmp_path / "few.usdc")).GetPrimAtPath("/character/surface")
+    np.testing.assert_array_equal(np.reshape(mesh.GetAttribute("faceVertexIndices").Get(), (-1, 3)), faces)
+    np.testing.assert_allclose(mesh.GetAttribute("points").Get(3), places[3], atol=1e-5)
+    capsys.readouterr()
+    assert run("few.bvh", "--lod", "8") != 0 and "expected a .glb, .npz, .usdc or .mp4" in capsys.readouterr().err
+    assert run("few.npz", "--lod", "3") != 0 and "--lod: expected at least 4 triangles, found 3" in capsys.readouterr().err
+
+
+def test_the_command_says_what_a_baked_file_keeps(character, motion, tmp_path, capsys):
+    character.write(tmp_path / "c.glb")
+    np.savez(tmp_path / "own.npz", dofs=0.3 * motion.dofs)
+    out = tmp_path / "own.glb"
+    assert cli.main(["animate", str(tmp_path / "c.glb"), str(tmp_path / "own.npz"), "-o", str(out)]) == 0
+    said = capsys.readouterr().err
+    assert f"{out}: {out.stat().st_size / 1e6:.1f} MB" in said
+    assert re.search(r"surface: \d+ shapes, off by 0\.\d\d mm \(RMS\), 95 % below \d\.\d\d, at most \d+\.\d\d mm", said)
+
+
 # --- BVH
 
 

@@ -15,7 +15,7 @@ from ..common.console import Console
 from ..common.video import VideoWriter
 from . import bone_names
 from .clips import centred, read_motion
-from .level_of_detail import level_of_detail
+from .level_of_detail import level_of_detail, only_drawn
 from .usd import usd_modules, write_usdc
 from .video_camera import Shot, cameras_along
 
@@ -51,8 +51,8 @@ def animate(
         raise ValueError(f"{out}: expected an .mp4 for a size, camera or background, found {out.suffix}")
     if output and output.bone_names and out.suffix not in (".bvh", ".glb"):
         raise ValueError(f"{out}: expected a .bvh or .glb for bones of other names, found {out.suffix}")
-    if output and output.triangles and out.suffix not in (".glb", ".npz", ".usdc"):
-        raise ValueError(f"{out}: expected a .glb, .npz or .usdc for a level of detail, found {out.suffix}")
+    if output and output.triangles and out.suffix == ".bvh":
+        raise ValueError(f"{out}: expected a .glb, .npz, .usdc or .mp4 for a level of detail, found {out.suffix}")
     if out.suffix == ".usdc":
         usd_modules()  # before the work
     context, output = console.context(), output or Output()
@@ -62,7 +62,8 @@ def animate(
     if output.centre:
         motion = centred(motion, character.actor.skeleton)
     if out.suffix == ".mp4":
-        return write_video(character, motion, out, context, output.shot, output.animation)
+        shown = only_drawn(character_file, drawn) if output.triangles else character
+        return write_video(character, motion, out, context, output.shot, output.animation, shown)
     if out.suffix == ".usdc":
         return write_usdc(out, character, motion, output.animation, context, drawn)
     if out.suffix == ".bvh":
@@ -102,15 +103,17 @@ def write_video(
     context: d.Context,
     shot: Shot | None = None,
     options: d.AnimateOptions | None = None,
+    shown: d.Character | None = None,
 ) -> int:
-    """Headless: the library's own renderer, piped to ffmpeg. Pictures are drawn on other threads while the cloth goes on."""
+    """Headless: the library's own renderer, piped to ffmpeg. Pictures are drawn on other threads while the cloth goes on.
+    `shown`: what is drawn, if that is not the character itself."""
     shot = shot or Shot()
     shot.validate()
     fps = 1 / character.solver.dt
     count = int(len(motion) * fps / motion.fps) + 2  # at least as many as animate() makes of it
     cameras = cameras_along(character, motion, count, shot)
     look = d.RenderOptions(floor_height=float(character.actor.mesh.vertices[:, 1].min()), background=shot.background)
-    renderer, threads = d.CharacterRenderer(character), context.threads or os.cpu_count() or 1
+    renderer, threads = d.CharacterRenderer(shown or character), context.threads or os.cpu_count() or 1
     drawn: deque[Future] = deque()
     with VideoWriter(out, shot.width, shot.height, fps, preset="veryfast") as video, ThreadPoolExecutor(threads) as pool:
 

@@ -34,7 +34,7 @@ def register(commands) -> None:
     command.add_argument("--bone-names", choices=SCHEMES, default="", help=text)
     text = "begin over the world's origin (default: where the actor stood in the scan)"
     command.add_argument("--centre", action="store_true", help=text)
-    text = "draw the display surface with about N triangles, in a .glb, .npz or .usdc (default: all it has)"
+    text = "draw the display surface with about N triangles; not in a .bvh (default: all it has)"
     command.add_argument("--lod", type=int, default=0, metavar="N", help=text)
     text = "of an .mp4, px (default: 720x720)"
     command.add_argument("--size", metavar="WIDTHxHEIGHT", help=text)
