@@ -63,7 +63,8 @@ def test_a_level_of_detail_is_written_everywhere_but_in_bvh(character, motion, t
     with np.load(tmp_path / "few.npz") as arrays:
         faces, places = arrays["high_faces"], arrays["high_vertices"]
     assert 4 <= len(faces) <= shown // 3 and len(np.unique(faces)) == places.shape[1]
-    mesh = pxr.Stage.Open(str(tmp_path / "few.usdc")).GetPrimAtPath("/character/surface")
+    stage = pxr.Stage.Open(str(tmp_path / "few.usdc"))
+    mesh = stage.GetPrimAtPath("/character/surface")
     np.testing.assert_array_equal(np.reshape(mesh.GetAttribute("faceVertexIndices").Get(), (-1, 3)), faces)
     np.testing.assert_allclose(mesh.GetAttribute("points").Get(3), places[3], atol=1e-5)
     capsys.readouterr()
@@ -78,6 +79,10 @@ def test_the_command_says_what_a_baked_file_keeps(character, motion, tmp_path, c
     assert cli.main(["animate", str(tmp_path / "c.glb"), str(tmp_path / "own.npz"), "-o", str(out)]) == 0
     said = capsys.readouterr().err
     assert f"{out}: {out.stat().st_size / 1e6:.1f} MB" in said
+    assert "takes more than" not in said
+    few = ["--glb-max-keys", "2", "--glb-max-error", "0.0001"]
+    assert cli.main(["animate", str(tmp_path / "c.glb"), str(tmp_path / "own.npz"), "-o", str(out), *few]) == 0
+    assert "surface: 0.1 mm takes more than 2 shapes (--glb-max-keys, " in capsys.readouterr().err
     assert re.search(r"surface: \d+ shapes, off by 0\.\d\d mm \(RMS\), 95 % below \d\.\d\d, at most \d+\.\d\d mm", said)
 
 

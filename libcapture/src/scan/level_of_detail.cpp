@@ -1,6 +1,7 @@
 #include "doublet/capture/level_of_detail.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/mesh.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Core/System/omstream.hh>

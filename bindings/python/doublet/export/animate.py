@@ -78,19 +78,22 @@ def animate(
         d.write_baked_npz(out, character, animation, drawn)
         return frames
     baked = d.write_baked_glb(out, character, animation, output.glb, drawn, context)
-    for line in baked_lines(out, baked, frames):
+    for line in baked_lines(out, baked, frames, output.glb):
         console.say(line)
     if output.bone_names:
         bone_names.rename(out, output.bone_names)
     return frames
 
 
-def baked_lines(out: Path, summary: d.BakedGlbSummary, frames: int) -> list[str]:
+def baked_lines(out: Path, summary: d.BakedGlbSummary, frames: int, options: d.BakedGlbOptions) -> list[str]:
     """What a baked file keeps of its animation, in words."""
     lines = [f"{out}: {out.stat().st_size / 1e6:.1f} MB"]
     for mesh in summary.meshes:
         rms, of_95, largest = (f"{1000 * error:.2f}" for error in (mesh.rms_error, mesh.error_95, mesh.max_error))
         lines.append(f"{mesh.name}: {mesh.shapes} shapes, off by {rms} mm (RMS), 95 % below {of_95}, at most {largest} mm")
+        if 0 < options.max_error < mesh.rms_error:
+            allowed = f"{1000 * options.max_error:g} mm takes more than {options.max_keys} shapes"
+            lines.append(f"{mesh.name}: {allowed} (--glb-max-keys, --glb-max-error, --lod)")
     if summary.keys < frames:
         lines.append(f"{summary.keys} keys for {frames} frames, between which viewers blend")
     return lines
