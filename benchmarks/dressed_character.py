@@ -2,6 +2,7 @@
 
 python benchmarks/dressed_character.py trousers -o trousers.glb [--ease 0.03] [--shape 3] [--snug pelvis hip]
 python benchmarks/dressed_character.py trousers tee -o both.glb      # one over the other, the outermost last
+python benchmarks/dressed_character.py trousers -o plain.glb --remesh # a mesh of its own, as of `doublet garment`; no pattern
 doublet synthesize trousers.glb --motion CLIP.bvh --camera-count 8 --image-size 502 --frame-count 80 -o session
 doublet capture session -o out && doublet segment out && doublet evaluate out --truth session/ground_truth
 
@@ -129,13 +130,20 @@ def without_crossing(body: d.Mesh, wide: np.ndarray, normals: np.ndarray) -> np.
     return layer
 
 
-def dressed(person: Person, cuts: Sequence[Cut], ease: float, random: np.random.Generator):
-    """(vertices, faces, clothness, fabric, weights) of skin and cloth; fabric: which garment, -1 = skin; clothness is 0 of
-    fabric that is fastened or clings. What lies over another garment is `LAYER` farther out."""
+def around(person: Person, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of each vertex of the body: (V, 3) its normal, (V) in [-1, 1] the folds of cloth there, (V) m to what is before it."""
     body, faces = person.vertices, person.faces
     normals = smooth_normals(body, faces)
     wave = np.sin(body @ random.normal(0, 40, (3, 4)) + random.uniform(0, 6, 4)).mean(axis=1)
     _, gap = d.RayScene(d.Mesh(body, faces)).cast(body, normals, 0.002)
+    return normals, wave, gap
+
+
+def dressed(person: Person, cuts: Sequence[Cut], ease: float, random: np.random.Generator):
+    """(vertices, faces, clothness, fabric, weights) of skin and cloth; fabric: which garment, -1 = skin; clothness is 0 of
+    fabric that is fastened or clings. What lies over another garment is `LAYER` farther out."""
+    body, faces = person.vertices, person.faces
+    normals, wave, gap = around(person, random)
     index = np.arange(len(body))[:, None] * [1.0, 0, 0]  # which vertex of the body each is, carried through join()
     covers = [person.covered(cut) for cut in cuts]
     parts = [(index, faces[~np.any(covers, axis=0)[faces].any(axis=1)], -1.0)]
@@ -156,6 +164,16 @@ def dressed(person: Person, cuts: Sequence[Cut], ease: float, random: np.random.
         fabric[here & (clings | ~band)[of]] = number  # what is fastened looks like skin
         clothness[here & ~band[of] & ~clings[of]] = 1
     return vertices, kept_faces, clothness, fabric, person.weights[of]
+
+
+def as_scanned(person: Person, cut: Cut, ease: float, random: np.random.Generator):
+    """(vertices, faces, face_valid, clothness) of one surface, as a template has them: not valid between a hem and the skin."""
+    faces, cover = person.faces, person.covered(cut)
+    normals, wave, gap = around(person, random)
+    away, clings, band = standing_off(person, cut, ease, wave, gap)
+    cloth = without_crossing(d.Mesh(person.vertices, faces[cover[faces].all(axis=1)]), away, normals)
+    at_hem = cover[faces].any(axis=1) & ~cover[faces].all(axis=1)
+    return np.where(cover[:, None], cloth, person.vertices), faces, ~at_hem, (cover & ~band & ~clings).astype(float)
 
 
 def pattern(points: np.ndarray, cell: np.ndarray, seed: int) -> np.ndarray:
@@ -191,6 +209,27 @@ def picture(
     return image, (255 * (face >= 0)).astype(np.uint8)
 
 
+def body_of(person: Person) -> d.BodyFit:
+    fit = d.BodyFit()
+    fit.body = d.Mesh(person.vertices, person.faces)
+    return fit
+
+
+def remeshed_character(cut: Cut, ease: float, shape: int) -> d.Character:
+    """Its garment has a mesh of its own, as of `doublet garment`, and the solver's own substeps; without a texture."""
+    person = Person(shape)
+    vertices, faces, valid, clothness = as_scanned(person, cut, ease, np.random.default_rng(shape))
+    actor, fit = d.RiggedMesh(d.Mesh(vertices, faces), valid, person.weights, person.skeleton()), body_of(person)
+    segmentation = d.Segmentation(np.zeros(len(vertices)), clothness, np.where(clothness > 0, 0, -1).astype(np.int32))
+    garment = d.mesh_garment(actor, segmentation, fit.body, d.MeshSequence(faces, vertices[None]))
+    worn = d.dress(actor, segmentation, garment)
+    drawn = d.build_display_mesh(worn.actor, worn.segmentation, actor.mesh)
+    materials = [d.Material(**MATERIAL)] * worn.segmentation.region_count
+    proxies = d.fit_proxies(fit, actor, segmentation)
+    parts = worn.actor, worn.segmentation, fit, proxies, materials, d.SolverSettings(1 / FPS)
+    return d.make_character(*parts, drawn.mesh, drawn.valid, drawn.garment_subdivisions)
+
+
 def dressed_character(
     cuts: Sequence[Cut], ease: float, shape: int, cloth_tints=CLOTH_TINTS, contrast: float = 0.5
 ) -> d.Character:
@@ -200,8 +239,7 @@ def dressed_character(
     actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, person.skeleton())
     region = np.where(clothness > 0, fabric, -1).astype(np.int32)
     segmentation = d.Segmentation(np.zeros(len(vertices)), clothness, region)
-    fit = d.BodyFit()
-    fit.body = d.Mesh(person.vertices, person.faces)
+    fit = body_of(person)
     proxies = d.fit_proxies(fit, actor, segmentation)
     # A shank is thinner than what it moves in a quarter of a frame: the cloth would pass through it.
     material, solver = d.Material(**MATERIAL), d.SolverSettings(1 / FPS, d.ClothOptions(substeps=16))
@@ -222,9 +260,15 @@ def main() -> None:
     parser.add_argument("--ease", type=float, default=0.03, help="m, how far the cloth stands off the body")
     parser.add_argument("--shape", type=int, default=1, help="seed of the person and the folds")
     parser.add_argument("--snug", nargs="+", default=(), metavar="BONE", help="along which it clings to the body: pelvis, hip")
+    parser.add_argument("--remesh", action="store_true", help="the garment gets a mesh of its own; no pattern")
     options = parser.parse_args()
     cuts = [replace(GARMENTS[name], snug=tuple(options.snug)) for name in options.garments]
-    character = dressed_character(cuts, options.ease, options.shape)
+    if options.remesh and len(cuts) > 1:
+        parser.error(f"expected one garment with --remesh, found {len(cuts)}")
+    if options.remesh:
+        character = remeshed_character(cuts[0], options.ease, options.shape)
+    else:
+        character = dressed_character(cuts, options.ease, options.shape)
     character.name = " and ".join(options.garments)
     character.write(options.output)
 
