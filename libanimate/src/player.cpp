@@ -260,8 +260,20 @@ struct Player::Playing {
   /// What was caught goes along until it is no longer seen.
   void carry_caught(const Shared &shared, double seconds) {
     if (caught_seconds > 0)
-      shared.simulator.move_rigidly(caught, posed, next);
+      move_with_skin(shared, caught);
     caught_seconds = std::max(0.0, caught_seconds - seconds);
+  }
+  /// From one pose to the next, with what is turned as the root is and goes as its skin does: a sleeve stays on its arm.
+  void move_with_skin(const Shared &shared, CharacterState &cloth) const {
+    const Eigen::Matrix3d turn = (next.world_from_rest[0] * posed.world_from_rest[0].inverse()).linear();
+    for (std::size_t r = 0; r < cloth.regions.size(); ++r) {
+      const std::vector<int> &vertices = shared.simulator.regions()[r].vertex_from_cloth;
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        auto x = cloth.regions[r].positions.row(static_cast<Eigen::Index>(i));
+        const Eigen::Vector3d offset = x - posed.skinned.row(vertices[i]);
+        x = next.skinned.row(vertices[i]) + (turn * offset).transpose();
+      }
+    }
   }
   void draw_surface(const Shared &shared) {
     shared.simulator.surface(state, posed, frame.surface);

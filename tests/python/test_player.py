@@ -87,3 +87,41 @@ def test_wrong_input_gets_its_sentence(world, player, call, sentence):
     with pytest.raises(ValueError, match=sentence):
         call(player, pose)
     np.testing.assert_array_equal(player.frame.surface, before)
+
+
+@pytest.fixture
+def loose_end(shapes):
+    """A player of a tube on a joint that swings, whose end beyond the joint is cloth."""
+    vertices, faces = shapes["tube"](0.06, 0.4, 1.0, around=16, rows=16)
+    skeleton = d.Skeleton([d.JointAnnotation("root", "", [0, 1.6, 0], 6), d.JointAnnotation("limb", "root", [0, 1.2, 0], 3)])
+    weights = np.tile([0.0, 1.0], (len(vertices), 1))
+    cloth = (vertices[:, 1] < 0.9).astype(float)
+    segmentation = d.Segmentation(np.zeros_like(cloth), cloth, np.where(cloth > 0, 0, -1).astype(np.int32))
+    actor = d.RiggedMesh(d.Mesh(vertices, faces), [1] * len(faces), weights, skeleton)
+    material, solver = d.Material(k_stretch=1.0), d.SolverSettings(1 / 40)
+    stays_caught = d.AnimateOptions(settle_seconds=0.1, edge_collision=False)
+    return d.Player(d.make_character(actor, segmentation, d.BodyFit(), [], [material], solver), stays_caught)
+
+
+def test_what_was_caught_is_not_torn_off_a_limb_that_moves(loose_end):
+    """In half a second it goes over to cloth that is put on anew, while the limb swings."""
+    pose = np.zeros(9)
+    loose_end.reset(pose)
+    state = loose_end.state
+    regions = state.regions
+    positions = np.array(regions[0].positions)
+    positions[positions[:, 1] < 0.7] *= [1, 1, -1]  # its front hangs behind
+    regions[0].positions = positions
+    state.regions = regions
+    loose_end.state = state
+    faces = loose_end.character.actor.mesh.faces
+    edges = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    for _ in range(31):  # 0.75 s after which it is looked at, and a frame
+        caught = loose_end.step(pose).surface.copy()
+    longest = []
+    for _ in range(12):
+        pose = pose + np.eye(9)[6] * 0.1
+        surface = loose_end.step(pose).surface.copy()
+        longest.append(np.linalg.norm(surface[edges[:, 0]] - surface[edges[:, 1]], axis=1).max())
+    assert np.any(d.self_intersecting_faces(d.Mesh(caught, faces)))
+    assert max(longest) < 0.1
