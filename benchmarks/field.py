@@ -1,7 +1,7 @@
 """The columns of this field's papers: how often a simulation succeeds, seconds a frame, Chamfer distance and F-score.
 
 python benchmarks/field.py NAME=CHARACTER.glb... --clips CLIP... -o FOLDER [--count 200] [--seed 1]
-python benchmarks/field.py --truth SESSION/ground_truth OUT [--every 4]
+python benchmarks/field.py --truth SESSION/ground_truth OUT [--every N]
 
 The first plays each character --count random clips: 3 s from a random place of a random clip, at 0.7 to 1.4 times its speed, with
 the last pose held for 2 s. In every fourth the joints are turned away from the clip, each angle towards N(0, 0.3 rad) of its own
@@ -252,7 +252,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=200, metavar="N", help="clips a character (default: 200)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--truth", type=Path, nargs=2, metavar=("SESSION/ground_truth", "OUT"))
-    parser.add_argument("--every", type=int, default=4, metavar="N", help="of the frames that have a truth (default: 4)")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="every n-th frame that has a truth (default: 1)")
     chosen = parser.parse_args()
     if chosen.truth:
         compare(*chosen.truth, chosen.every)
