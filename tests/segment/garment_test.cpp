@@ -407,6 +407,25 @@ TEST(GarmentMesher, WhatIsOpenInFrontHangsFromAboveAlone) {
   EXPECT_GT(front, 10);
 }
 
+TEST(GarmentMesher, PressureDoesNotTurnAnOpenFrontInsideOut) {
+  Person person;
+  const std::vector<skirt_person::Ring> rings = skirt_person::rings();
+  for (int ring = skirt_person::first_ring(skirt_person::kWaist); rings[ring].y < 1.35; ++ring)
+    person.set_cloth(ring, 0); // up to the shoulders
+  for (std::size_t ring = 0; ring < rings.size(); ++ring)
+    for (int k = 0; k < 30; ++k)
+      person.segmentation.clothness[skirt_person::vertex(static_cast<int>(ring), k)] = 0;
+  const MeshSequence still{person.actor.mesh.faces, {person.actor.mesh.vertices, person.actor.mesh.vertices}};
+  const Garment garment = mesh_garment(person.actor, person.segmentation, {}, still, small_garment());
+  const EdgeTopology topology = edge_topology(garment.mesh.faces);
+  double off = 0;
+  for (const Eigen::Vector2i &e : topology.edges) {
+    const double scanned = (garment.mesh.vertices.row(e[0]) - garment.mesh.vertices.row(e[1])).norm();
+    off += std::abs((garment.rest.row(e[0]) - garment.rest.row(e[1])).norm() / scanned - 1);
+  }
+  EXPECT_LT(off / static_cast<double>(topology.edges.size()), 0.03);
+}
+
 TEST(GarmentMesher, AGapInTheSkinAboveTheSeamIsNoHem) {
   Person person;
   for (int ring = 53; ring < 60; ++ring)
