@@ -132,7 +132,6 @@ FloatRows rounded_steps(const FloatRows &steps, double step) {
 }
 
 /// In 127ths; what is a degree or less is left out where there is no step, so that nothing needs to be stored there.
-
 FloatRows rounded_turns(const FloatRows &turns, const FloatRows &rounded_steps) {
   constexpr float kLeft = 2;
   FloatRows rounded = (turns * kByte).array().round().cwiseMin(kByte).cwiseMax(-kByte);
