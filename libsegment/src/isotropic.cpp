@@ -51,7 +51,7 @@ Mesh from_openmesh(const HalfEdgeMesh &surface) {
 
 /// A place on the boundary of the original surface.
 struct OnBoundary {
-  int loop = -1;    ///< none: the vertex is inside
+  int loop = -1;    ///< none: the vertex is inside, or boundaries touch there, so that it stays
   double along = 0; ///< m, from where the loop begins, the way its half edges go
 };
 
@@ -61,13 +61,17 @@ class Boundary {
 public:
   /// Sets `places` of the vertices.
   Boundary(HalfEdgeMesh &surface, OpenMesh::VPropHandleT<OnBoundary> places) {
+    std::vector<char> seen(surface.n_halfedges(), 0);
+    std::vector<int> passes(surface.n_vertices(), 0); // of boundaries
     for (const auto start : surface.halfedges()) {
-      if (!start.is_boundary() || surface.property(places, start.from()).loop >= 0)
+      if (!start.is_boundary() || seen[start.idx()])
         continue;
       Loop loop;
       auto h = start;
       do {
-        surface.property(places, h.from()) = {static_cast<int>(loops_.size()), loop.length};
+        seen[h.idx()] = 1;
+        const bool alone = ++passes[h.from().idx()] == 1;
+        surface.property(places, h.from()) = {alone ? static_cast<int>(loops_.size()) : -1, loop.length};
         loop.corners.push_back(surface.point(h.from()));
         loop.along.push_back(loop.length);
         loop.length += surface.calc_edge_length(h);
@@ -99,7 +103,7 @@ private:
     double length = 0;
   };
   static double wrapped(double along, double length) {
-    const double rest = std::fmod(along, length);
+    const double rest = length > 0 ? std::fmod(along, length) : 0.0;
     return rest < 0 ? rest + length : rest;
   }
   std::vector<Loop> loops_;
@@ -135,10 +139,13 @@ private:
   }
   OnBoundary &place(VertexHandle v) { return surface_.property(places_, v); }
 
-  /// Of the edge the half that runs along the boundary; not valid inside.
-  HalfedgeHandle boundary_half(HalfEdgeMesh::EdgeHandle e) const {
+  bool on_loop(HalfedgeHandle h) {
+    return place(surface_.from_vertex_handle(h)).loop >= 0 && place(surface_.to_vertex_handle(h)).loop >= 0;
+  }
+  /// Of the edge the half that runs along a loop; not valid inside.
+  HalfedgeHandle boundary_half(HalfEdgeMesh::EdgeHandle e) {
     for (int side : {0, 1})
-      if (const auto h = surface_.halfedge_handle(e, side); surface_.is_boundary(h))
+      if (const auto h = surface_.halfedge_handle(e, side); surface_.is_boundary(h) && on_loop(h))
         return h;
     return HalfedgeHandle();
   }
@@ -249,6 +256,10 @@ private:
     for (const auto v : surface_.vertices()) {
       if (surface_.is_boundary(v)) {
         const auto h = surface_.halfedge_handle(v); // the one along the boundary
+        places[v.idx()] = place(v);
+        moved[v.idx()] = surface_.point(v);
+        if (!on_loop(h) || !on_loop(surface_.prev_halfedge_handle(h)))
+          continue;
         const OnBoundary &before = place(surface_.from_vertex_handle(surface_.prev_halfedge_handle(h))),
                          &after = place(surface_.to_vertex_handle(h));
         places[v.idx()] = boundary_.moved(place(v), (boundary_.way(place(v), after) - boundary_.way(before, place(v))) / 4);

@@ -117,6 +117,35 @@ TEST(Isotropic, AFlatCuffKeepsItsEdges) {
   }
 }
 
+TEST(Isotropic, WhereBoundariesTouchTheMeshStays) {
+  Mesh mesh = doublet::testing::tube(
+      {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 50, 64);
+  const int touching = mesh.faces(50 * 64, 0); // two faces that share this corner alone make a hole that touches another
+  std::vector<int> around;
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f)
+    if ((mesh.faces.row(f).array() == touching).any())
+      around.push_back(static_cast<int>(f));
+  ASSERT_EQ(around.size(), 6u);
+  std::vector<std::uint8_t> kept(mesh.faces.rows(), 1);
+  kept[around.front()] = 0;
+  const Eigen::RowVector3i gone = mesh.faces.row(around.front());
+  for (int f : around) { // the first that shares no other corner with it
+    int shared = 0;
+    for (int v : mesh.faces.row(f))
+      shared += (gone.array() == v).any();
+    if (shared == 1) {
+      kept[f] = 0;
+      break;
+    }
+  }
+  mesh.faces = valid_faces(mesh.faces, kept);
+  const Mesh coarse = detail::remesh_isotropic(mesh, 0.04);
+  expect_manifold(coarse);
+  EXPECT_TRUE(coarse.vertices.allFinite());
+  EXPECT_LT((coarse.vertices.rowwise() - mesh.vertices.row(touching)).rowwise().norm().minCoeff(), 1e-9);
+  EXPECT_LT(distance_between(coarse, mesh), 0.02);
+}
+
 TEST(Isotropic, AHoleMuchSmallerThanTheEdgesKeepsItsSize) {
   Mesh mesh = doublet::testing::tube(
       {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 50, 64);
