@@ -409,6 +409,28 @@ Character with_body(const Wearer &w) {
 
 } // namespace
 
+TEST(DisplaySurface, WhatIsAroundTheChartsOfHiddenSkinIsItsColour) {
+  const Photographs seen(0.1);
+  Character c = with_body(wearer(0, true));
+  texture_character(c, c.actor.mesh.vertices, seen.cameras, seen.images);
+  const Image texture = decode_image(c.texture);
+  const auto at = [&](const Eigen::RowVector2d &uv, int dx, int dy) { // R
+    return texture.at(static_cast<int>(uv.x() * texture.width) + dx, static_cast<int>(uv.y() * texture.height) + dy, 2);
+  };
+  const std::vector<std::uint8_t> hidden = hidden_faces(c);
+  int texels = 0, off = 0;
+  for (Eigen::Index f = 0; f < c.high.faces.rows(); ++f)
+    for (int k = 0; k < 3 && hidden[f] && c.high_valid[f]; ++k) {
+      const int inside = at(c.texcoords.middleRows(3 * f, 3).colwise().mean(), 0, 0);
+      texels += 9;
+      for (int dy : {-1, 0, 1})
+        for (int dx : {-1, 0, 1})
+          off += std::abs(at(c.texcoords.row(3 * f + k), dx, dy) - inside) > 30;
+    }
+  ASSERT_GT(texels, 1000);
+  EXPECT_LT(off, 0.03 * texels); // at a seam skin goes over into it
+}
+
 TEST(DisplaySurface, ScanAndHiddenBodyAreOneClosedSurface) {
   const Character c = with_body(wearer(0, true));
   ASSERT_FALSE(c.high_body.empty());

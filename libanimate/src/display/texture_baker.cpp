@@ -412,8 +412,10 @@ double texture_character(Character &character, const FilmedSurface &filmed, cons
   auto [image, share] =
       baked_into(layout, character.high, character.high_valid, cameras, drawn, labels_of(character, display), options, context);
   const std::vector<double> away = detail::beyond_free_edges(character);
-  if (detail::find_hidden_colour(character, away, layout.texcoords, image) && options.albedo)
+  if (detail::find_hidden_colour(character, away, layout.texcoords, image) && options.albedo) {
     fade_into_hidden(character, detail::from_the_seam(character, away), layout, image);
+    detail::fill_between_charts(layout, image); // their borders, too
+  }
   character.texcoords = layout.texcoords;
   character.texture = encode_jpeg(image);
   return share;
