@@ -1,5 +1,6 @@
 #include "garment_field.h"
 
+#include "doublet/core/parts/connected_sets.h"
 #include "doublet/core/parts/face_neighbours.h"
 #include "doublet/rays/surface_distance.h"
 #include "doublet/segment/parts/diffusion.h"
@@ -65,26 +66,6 @@ std::vector<int> joint_of_faces(const RiggedMesh &actor) {
   return result;
 }
 
-/// Connected faces of `chosen`.
-std::vector<std::vector<int>> patches(const std::vector<std::vector<int>> &beside, const std::vector<char> &chosen) {
-  std::vector<std::vector<int>> result;
-  std::vector<char> seen(chosen.size(), 0);
-  for (int start = 0; start < static_cast<int>(chosen.size()); ++start) {
-    if (seen[start] || !chosen[start])
-      continue;
-    std::vector<int> patch{start};
-    seen[start] = 1;
-    for (std::size_t i = 0; i < patch.size(); ++i)
-      for (int f : beside[patch[i]])
-        if (chosen[f] && !seen[f]) {
-          seen[f] = 1;
-          patch.push_back(f);
-        }
-    result.push_back(std::move(patch));
-  }
-  return result;
-}
-
 /// What of each face is cloth of the region, [0, 1]; the sheet below the hem is not.
 Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> &sheet, const Segmentation &segmentation,
                                int region) {
@@ -99,28 +80,14 @@ Eigen::VectorXd cloth_of_faces(const RiggedMesh &actor, const std::vector<char> 
 
 /// Connected sets of vertices on one side of the cut that are too small change sides.
 void drop_small_sets(const Mesh &mesh, double smallest, bool above, Eigen::VectorXd &field) {
-  const auto on_side = [&](int v) { return (field[v] > kCut) == above; };
   const Eigen::VectorXd areas = vertex_areas(mesh.vertices, mesh.faces);
-  const auto neighbours = vertex_neighbours(mesh.faces, static_cast<int>(field.size()));
-  std::vector<char> seen(field.size(), 0);
-  for (int start = 0; start < field.size(); ++start) {
-    if (seen[start] || !on_side(start))
-      continue;
-    std::vector<int> members{start};
-    seen[start] = 1;
-    double area = 0;
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      area += areas[members[i]];
-      for (int w : neighbours[members[i]])
-        if (!seen[w] && on_side(w)) {
-          seen[w] = 1;
-          members.push_back(w);
-        }
-    }
-    if (area < smallest)
+  std::vector<char> on_side;
+  for (double value : field)
+    on_side.push_back((value > kCut) == above);
+  for (const std::vector<int> &members : connected_sets(vertex_neighbours(mesh.faces, static_cast<int>(field.size())), on_side))
+    if (areas(members).sum() < smallest)
       for (int v : members)
         field[v] = 2 * kCut - field[v];
-  }
 }
 
 } // namespace
@@ -166,7 +133,7 @@ std::vector<char> scraps(const RiggedMesh &actor, const Mask &covered, const Mes
     left[f] = actor.face_valid[f] && !covered[f];
   }
   const Eigen::VectorXd distance = distances_to_surface(centres, body), areas = face_areas(actor.mesh.vertices, faces);
-  for (const std::vector<int> &patch : patches(face_neighbours(faces), left)) {
+  for (const std::vector<int> &patch : connected_sets(face_neighbours(faces), left)) {
     double area = 0, on_body = 0;
     for (int f : patch) {
       area += areas[f];

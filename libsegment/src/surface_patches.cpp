@@ -1,5 +1,6 @@
 #include "surface_patches.h"
 
+#include "doublet/core/parts/connected_sets.h"
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/invalid_faces.h"
 
@@ -62,22 +63,9 @@ Surface surface_of(const Mesh &pose, const std::vector<std::uint8_t> &face_valid
 
 std::vector<Patch> connected_patches(const Surface &surface, const std::vector<char> &chosen) {
   std::vector<Patch> patches;
-  std::vector<char> seen(surface.size(), 0);
-  for (int start = 0; start < surface.size(); ++start) {
-    if (!chosen[start] || seen[start])
-      continue;
-    Patch patch;
-    patch.members.push_back(start);
-    seen[start] = 1;
-    for (std::size_t k = 0; k < patch.members.size(); ++k)
-      for (int j : surface.neighbours[patch.members[k]])
-        if (chosen[j] && !seen[j]) {
-          seen[j] = 1;
-          patch.members.push_back(j);
-        }
-    for (int i : patch.members)
-      patch.area += surface.areas[i];
-    patches.push_back(std::move(patch));
+  for (std::vector<int> &members : connected_sets(surface.neighbours, chosen)) {
+    const double area = surface.areas(members).sum();
+    patches.push_back({std::move(members), area});
   }
   std::stable_sort(patches.begin(), patches.end(), [](const Patch &a, const Patch &b) { return a.area > b.area; });
   return patches;

@@ -1,6 +1,7 @@
 #include "doublet/core/mesh.h"
 
 #include "doublet/core/error.h"
+#include "doublet/core/parts/connected_sets.h"
 #include "support/meshes.h"
 
 #include <Eigen/Eigenvalues>
@@ -105,6 +106,13 @@ TEST(Mesh, EdgesNeighboursComponents) {
   EXPECT_EQ(count, 2);
   EXPECT_EQ(component, (Eigen::VectorXi(9) << 0, 0, 0, 0, 1, 1, 1, 1, -1).finished());
   EXPECT_NEAR(mean_edge_length(two.vertices, two.faces), (4 + std::sqrt(2.0)) / 5, 1e-12);
+}
+
+TEST(Mesh, ConnectedSetsAreThoseOfTheChosen) {
+  const auto neighbours = vertex_neighbours(testing::grid(4, 1, 4, 1).faces, 10); // 0 1 2 3 4 / 5 6 7 8 9
+  const std::vector<char> chosen{1, 1, 0, 0, 1, 0, 0, 0, 0, 1};
+  EXPECT_EQ(connected_sets(neighbours, chosen), (std::vector<std::vector<int>>{{0, 1}, {4, 9}}));
+  EXPECT_TRUE(connected_sets(neighbours, std::vector<char>(10, 0)).empty());
 }
 
 TEST(Mesh, LaplacianIsPositiveSemidefiniteAndKnowsLinearFunctions) {
