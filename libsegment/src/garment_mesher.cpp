@@ -192,13 +192,13 @@ std::vector<int> attached_vertices(const Mesh &mesh, const Piece &piece, const V
 
 /// About `vertices` of them in regular triangles, two each: the remesher's edges come out up to a tenth shorter than they are
 /// asked for, by how much depends on the mesh that it is given.
-Mesh remeshed(const Mesh &mesh, double vertices) {
+Mesh remeshed(const Mesh &mesh, double vertices, double noise) {
   double edge = std::sqrt(2 * face_areas(mesh.vertices, mesh.faces).sum() / (std::sqrt(3.0) * vertices));
   Mesh result;
   double ratio = 1;
   for (int i = 0; i < 3 && (i == 0 || std::abs(ratio - 1) > kOffCount); ++i) {
     edge *= std::sqrt(ratio);
-    result = detail::remesh_isotropic(mesh, edge);
+    result = detail::remesh_isotropic(mesh, edge, noise);
     ratio = static_cast<double>(result.vertices.rows()) / vertices;
   }
   return result;
@@ -341,7 +341,7 @@ std::vector<Place> carried_places(const RiggedMesh &actor, const MeshSequence &c
 Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const Piece &piece, const WidestFrame &widest,
                     const std::vector<char> &hangs, int region, double vertices, const GarmentOptions &options) {
   const Mesh closed = detail::with_closed_loops(widest.mesh, pinholes(piece.mesh));
-  const Mesh first = remeshed(detail::without_handles(closed, kHandle), vertices);
+  const Mesh first = remeshed(detail::without_handles(closed, kHandle), vertices, 0);
   const auto attached = [&](const Mesh &mesh) { return attached_vertices(mesh, piece, widest.mesh.vertices, hangs); };
   Garment garment = placed_garment(actor, piece, first.faces, places_on(widest.mesh, first.vertices));
   std::vector<int> seam = attached(first);
@@ -351,7 +351,7 @@ Garment mesh_region(const RiggedMesh &actor, const MeshSequence &captured, const
   else {
     const std::vector<Vertices> shapes = rest_shapes_of(garment, actor, captured, widest.frame, seam, options.length_exceedances);
     const Mesh rest{shapes[middle], garment.mesh.faces};
-    const Mesh second = remeshed(rest, vertices);
+    const Mesh second = remeshed(rest, vertices, options.min_edge_run);
     const std::vector<Place> on_first = places_on(rest, second.vertices);
     const std::vector<int> rows = sampled_rows(captured.frames.size(), widest.frame);
     garment = placed_garment(actor, piece, second.faces, carried_places(actor, captured, rows, piece, garment, on_first));

@@ -2,6 +2,7 @@
 
 #include "doublet/core/error.h"
 #include "doublet/rays/ray_scene.h"
+#include "taubin.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 
@@ -49,35 +50,87 @@ Mesh from_openmesh(const HalfEdgeMesh &surface) {
   return out;
 }
 
-/// A place on the boundary of the original surface.
+/// A place on the boundary.
 struct OnBoundary {
   int loop = -1;    ///< none: the vertex is inside, or boundaries touch there, so that it stays
   double along = 0; ///< m, from where the loop begins, the way its half edges go
 };
 
+/// A closed one.
+struct Curve {
+  std::vector<Point> corners;
+  std::vector<double> along; ///< m, of each corner
+  double length = 0;
+
+  void add(const Point &corner) {
+    length += corners.empty() ? 0.0 : (corner - corners.back()).norm();
+    corners.push_back(corner);
+    along.push_back(length);
+  }
+  void close() { length += (corners.front() - corners.back()).norm(); }
+  /// m, after this share of the corners, in [0, 1).
+  double at_share(double share) const {
+    const double corner = share * static_cast<double>(corners.size());
+    const std::size_t k = std::min(static_cast<std::size_t>(corner), corners.size() - 1);
+    const double next = k + 1 < along.size() ? along[k + 1] : length;
+    return along[k] + (corner - static_cast<double>(k)) * (next - along[k]);
+  }
+  Point at(double place) const {
+    const auto next = std::upper_bound(along.begin() + 1, along.end(), place);
+    const std::size_t k = static_cast<std::size_t>(next - along.begin()) - 1;
+    const Point a = corners[k], b = corners[(k + 1) % corners.size()];
+    const double step = (next == along.end() ? length : *next) - along[k];
+    return a + (b - a) * std::clamp((place - along[k]) / std::max(step, 1e-30), 0.0, 1.0);
+  }
+};
+
+/// The loop without what is shorter than `noise` m, in equal steps. Four of them are as long as that, and there are 24 at least:
+/// what has fewer would shrink.
+Curve smoothed_curve(const Curve &loop, double noise) {
+  const int count = std::max(24, static_cast<int>(4 * loop.length / noise));
+  Vertices points(count, 3);
+  std::vector<std::vector<int>> neighbours;
+  for (int i = 0; i < count; ++i) {
+    const Point p = loop.at(loop.length * i / count);
+    points.row(i) << p[0], p[1], p[2];
+    neighbours.push_back({(i + count - 1) % count, (i + 1) % count});
+  }
+  points = smoothed(points, neighbours);
+  Curve smooth;
+  for (int i = 0; i < count; ++i)
+    smooth.add({points(i, 0), points(i, 1), points(i, 2)});
+  smooth.close();
+  return smooth;
+}
+
 /// The loops that vertices slide along, by the way along them: by what is nearest, those at the ends of a flat loop would leave
-/// these for its sides, until three of them are left.
+/// these for its sides, until three of them are left. The loops are the surface's without what is shorter than `noise` m:
+/// edges that go through such noise anywhere have spikes, and make a hem too long.
 class Boundary {
 public:
   /// Sets `places` of the vertices.
-  Boundary(HalfEdgeMesh &surface, OpenMesh::VPropHandleT<OnBoundary> places) {
+  Boundary(HalfEdgeMesh &surface, OpenMesh::VPropHandleT<OnBoundary> places, double noise) {
     std::vector<char> seen(surface.n_halfedges(), 0);
     std::vector<int> passes(surface.n_vertices(), 0); // of boundaries
     for (const auto start : surface.halfedges()) {
       if (!start.is_boundary() || seen[start.idx()])
         continue;
-      Loop loop;
+      Curve loop;
+      std::vector<HalfEdgeMesh::VertexHandle> vertices;
       auto h = start;
       do {
         seen[h.idx()] = 1;
-        const bool alone = ++passes[h.from().idx()] == 1;
-        surface.property(places, h.from()) = {alone ? static_cast<int>(loops_.size()) : -1, loop.length};
-        loop.corners.push_back(surface.point(h.from()));
-        loop.along.push_back(loop.length);
-        loop.length += surface.calc_edge_length(h);
+        vertices.push_back(h.from());
+        loop.add(surface.point(h.from()));
         h = h.next();
       } while (h != start);
-      loops_.push_back(std::move(loop));
+      loop.close();
+      loops_.push_back(smoothed_curve(loop, noise));
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const bool alone = ++passes[vertices[i].idx()] == 1;
+        surface.property(places, vertices[i]) = {alone ? static_cast<int>(loops_.size()) - 1 : -1,
+                                                 loops_.back().at_share(loop.along[i] / loop.length)};
+      }
     }
   }
   /// m, in [0, the loop's length)
@@ -87,32 +140,21 @@ public:
   OnBoundary moved(const OnBoundary &from, double by) const {
     return {from.loop, wrapped(from.along + by, loops_[from.loop].length)};
   }
-  Point at(const OnBoundary &place) const {
-    const Loop &loop = loops_[place.loop];
-    const auto next = std::upper_bound(loop.along.begin() + 1, loop.along.end(), place.along);
-    const std::size_t k = static_cast<std::size_t>(next - loop.along.begin()) - 1;
-    const Point a = loop.corners[k], b = loop.corners[(k + 1) % loop.corners.size()];
-    const double length = (next == loop.along.end() ? loop.length : *next) - loop.along[k];
-    return a + (b - a) * std::clamp((place.along - loop.along[k]) / std::max(length, 1e-30), 0.0, 1.0);
-  }
+  Point at(const OnBoundary &place) const { return loops_[place.loop].at(place.along); }
 
 private:
-  struct Loop {
-    std::vector<Point> corners;
-    std::vector<double> along; ///< m, of each corner
-    double length = 0;
-  };
   static double wrapped(double along, double length) {
     const double rest = length > 0 ? std::fmod(along, length) : 0.0;
     return rest < 0 ? rest + length : rest;
   }
-  std::vector<Loop> loops_;
+  std::vector<Curve> loops_;
 };
 
 class Remesher {
 public:
-  Remesher(const Mesh &mesh, double length)
-      : surface_(to_openmesh(mesh)), scene_(mesh), places_(add_places(surface_)), boundary_(surface_, places_), length_(length) {
+  Remesher(const Mesh &mesh, double length, double noise)
+      : surface_(to_openmesh(mesh)), scene_(mesh), places_(add_places(surface_)), boundary_(surface_, places_, noise),
+        length_(length) {
     normals_ = face_normals(mesh.vertices, mesh.faces);
   }
 
@@ -298,9 +340,9 @@ private:
 
 } // namespace
 
-Mesh remesh_isotropic(const Mesh &mesh, double length, int iterations) {
+Mesh remesh_isotropic(const Mesh &mesh, double length, double noise, int iterations) {
   require_usable(mesh, "remeshing");
-  return Remesher(mesh, length)(iterations);
+  return Remesher(mesh, length, std::max(noise, 2 * length))(iterations);
 }
 
 } // namespace doublet::detail

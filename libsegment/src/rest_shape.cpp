@@ -3,6 +3,7 @@
 #include "doublet/core/parts/edge_distances.h"
 #include "doublet/core/parts/quantile.h"
 #include "doublet/core/parts/self_intersection.h"
+#include "taubin.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -10,8 +11,6 @@
 
 namespace doublet::detail {
 namespace {
-
-constexpr int kSmoothing = 20; // double steps of Taubin's filter: takes what is shorter than about four edges
 
 /// Neighbours that a vertex is smoothed with: a boundary vertex with those along the boundary alone, so that hems stay.
 std::vector<std::vector<int>> smoothing_neighbours(const Faces &faces, Eigen::Index count) {
@@ -26,26 +25,6 @@ std::vector<std::vector<int>> smoothing_neighbours(const Faces &faces, Eigen::In
     if (!boundary[v].empty())
       all[v] = boundary[v];
   return all;
-}
-
-/// Mean of the neighbours minus the vertex.
-Vertices laplacian(const Vertices &x, const std::vector<std::vector<int>> &neighbours) {
-  Vertices result = Vertices::Zero(x.rows(), 3);
-  for (Eigen::Index v = 0; v < x.rows(); ++v) {
-    for (int w : neighbours[v])
-      result.row(v) += x.row(w);
-    if (!neighbours[v].empty())
-      result.row(v) = result.row(v) / static_cast<double>(neighbours[v].size()) - x.row(v);
-  }
-  return result;
-}
-
-Vertices smoothed(Vertices x, const std::vector<std::vector<int>> &neighbours) {
-  for (int i = 0; i < kSmoothing; ++i) {
-    x += 0.5 * laplacian(x, neighbours);
-    x -= 0.53 * laplacian(x, neighbours);
-  }
-  return x;
 }
 
 std::vector<double> lengths_of(const std::vector<Eigen::Vector2i> &edges, const Vertices &x) {

@@ -101,6 +101,24 @@ TEST(Isotropic, ACylinderKeepsItsEnds) {
   }
 }
 
+TEST(Isotropic, AJaggedHemComesOutSmooth) {
+  constexpr int kAround = 96;
+  Mesh fine = doublet::testing::tube(
+      {0, 0, 0}, {0, 1, 0}, [](double) { return 0.2; }, 50, kAround);
+  int tooth = 0;
+  for (Eigen::Index v = 0; v < fine.vertices.rows(); ++v)
+    if (fine.vertices(v, 1) < 1e-9)
+      fine.vertices(v, 1) -= tooth++ % 4 < 2 ? 0.012 : -0.012; // teeth of 5 cm
+  ASSERT_EQ(tooth, kAround);
+  const Mesh mesh = detail::remesh_isotropic(fine, 0.04);
+  expect_manifold(mesh);
+  double around = 0;
+  for (const std::vector<int> &loop : boundary_loops(mesh.faces))
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      around += (mesh.vertices.row(loop[i]) - mesh.vertices.row(loop[(i + 1) % loop.size()])).norm();
+  EXPECT_NEAR(around, 2 * 2 * doublet::testing::pi * 0.2, 0.03);
+}
+
 TEST(Isotropic, AFlatCuffKeepsItsEdges) {
   Mesh fine = doublet::testing::tube(
       {0, 0, 0}, {0, 1, 0}, [](double) { return 0.1; }, 50, 64);

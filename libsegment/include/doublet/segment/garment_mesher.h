@@ -37,7 +37,7 @@ struct GarmentOptions {
         option(&O::min_piece_area, "min_piece_area", Range{0, 10}, "m^2", "Smaller pieces move as skin",
                "28 x 28 cm, about a short sleeve"),
         option(&O::min_edge_run, "min_edge_run", Range{0, 10}, "m",
-               "Shorter changes between attachment and free edge along the cut are ignored",
+               "Along the cut, shorter changes of what holds are ignored, and shorter waves are smoothed",
                "They are noise of the template's mask"),
         option(&O::length_exceedances, "length_exceedances", Range{0, 1, Open::Both}, "",
                "Shares of the time in which a length may be exceeded, one a width; more is narrower",
