@@ -48,6 +48,26 @@ Json listed_options(const ReconstructionOptions &options, const std::vector<std:
   return listed;
 }
 
+/// Frames a second.
+double rate_of(const ReconstructionOptions &options, const Session &session) {
+  return options.fps > 0 ? options.fps : session.fps;
+}
+
+/// Which frames of which files are the take's, for the files do not say. `named`: as the record calls a file.
+void list_film(const Session &session, const std::function<std::string(const Path &)> &named, Json &listed) {
+  listed["session.frame_count"] = session.frame_count;
+  for (const SessionCamera &camera : session.cameras) {
+    Json &film = listed["session." + camera.name] = {{"first_frame", camera.first_frame}};
+    const auto add = [&](const char *kind, const Path &file) {
+      if (!file.empty())
+        film[kind] = named(file);
+    };
+    add("video", camera.video);
+    add("masks", camera.masks);
+    add("background", camera.background);
+  }
+}
+
 } // namespace
 
 Stage &detail::stage_named(std::vector<Stage> &stages, const std::string &name) {
@@ -108,7 +128,7 @@ RunRecord &Reconstruction::record() {
 }
 
 SolverSettings Reconstruction::solver_settings() {
-  return {1 / (options.fps > 0 ? options.fps : session().fps), options.cloth};
+  return {1 / rate_of(options, session()), options.cloth};
 }
 
 FitOptions Reconstruction::fit_options() {
@@ -260,10 +280,13 @@ StageBasis Reconstruction::basis_of(const Stage &stage) {
     basis.inputs["body model"] = record().hash(options.body_model);
   }
   Json listed = listed_options(options, stage.option_groups);
+  if (contains(stage.session_inputs, "images"))
+    list_film(
+        session(), [&](const Path &file) { return name_in_session(file); }, listed);
   if (stage.uses_seed)
     listed["seed"] = options.seed;
   if (contains(stage.option_groups, "energy"))
-    listed["fps"] = session().fps;
+    listed["fps"] = rate_of(options, session());
   if (!stage.runner.empty()) // its results are not those of ours
     listed["run"] = stage.runner;
   basis.options = listed.dump();

@@ -62,6 +62,49 @@ TEST_F(TwoStages, RunOnceAndAgainWhatAnOptionChanges) {
   EXPECT_FALSE(make(options)->run({"one", "two"})) << "of other groups";
 }
 
+TEST_F(TwoStages, OtherFramesOfTheSameFilesAreAnotherTake) {
+  const Path session = folder.path() / "session";
+  std::vector<SessionCamera> cameras(2);
+  for (SessionCamera &camera : cameras) {
+    camera.name = &camera == &cameras[0] ? "left" : "right";
+    camera.video = session / (camera.name + ".mp4");
+    write_text(camera.video, camera.name);
+  }
+  const auto runs = [&](std::vector<SessionCamera> filmed, int frames) {
+    auto made = make();
+    Session changed = made->session();
+    changed.cameras = std::move(filmed);
+    changed.frame_count = frames;
+    made->set_session(changed);
+    made->stages[0].session_inputs = {"images"};
+    return made->run({"one"});
+  };
+  EXPECT_TRUE(runs(cameras, 9));
+  EXPECT_FALSE(runs(cameras, 9));
+  EXPECT_TRUE(runs(cameras, 8));
+  auto later = cameras;
+  later[1].first_frame = 3;
+  EXPECT_TRUE(runs(later, 8));
+  EXPECT_NE(said[said.size() - 2].find("option session.right changed"), std::string::npos) << said[said.size() - 2];
+  std::swap(later[0].video, later[1].video);
+  EXPECT_TRUE(runs(later, 8));
+  EXPECT_FALSE(runs(later, 8));
+}
+
+TEST_F(TwoStages, TheRateThatIsAskedForCounts) {
+  const auto runs = [&](double fps) {
+    ReconstructionOptions options;
+    options.fps = fps;
+    auto made = make(options);
+    made->stages[0].option_groups = {"energy"};
+    return made->run({"one"});
+  };
+  EXPECT_TRUE(runs(0));
+  EXPECT_FALSE(runs(40)) << "as the session says";
+  EXPECT_TRUE(runs(50));
+  EXPECT_FALSE(runs(50));
+}
+
 TEST_F(TwoStages, AFileMadeElsewhereIsKept) {
   make()->run({"one"});
   write_text(folder.path() / "out" / "a.txt", "by hand");
