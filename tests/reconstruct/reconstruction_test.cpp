@@ -105,6 +105,21 @@ TEST_F(TwoStages, TheRateThatIsAskedForCounts) {
   EXPECT_FALSE(runs(50));
 }
 
+TEST_F(TwoStages, WhatWasFoundOfAFileDoesNotCountForAnotherInItsPlace) {
+  auto made = make();
+  made->replace(
+      "one",
+      [](Reconstruction &self) {
+        write_text(self.path("a.txt"), "a");
+        return std::string(R"({"findings": [{"impossible": true, "text": "a head of cloth", "kind": "cloth_ends"}]})");
+      },
+      "");
+  EXPECT_THROW(made->run({"one"}), Implausible);
+  write_text(folder.path() / "out" / "a.txt", "by hand");
+  EXPECT_TRUE(made->run({"one", "two"}));
+  EXPECT_EQ(std::pair(made->findings().size(), second), std::pair(std::size_t{0}, 1));
+}
+
 TEST_F(TwoStages, AFileMadeElsewhereIsKept) {
   make()->run({"one"});
   write_text(folder.path() / "out" / "a.txt", "by hand");
