@@ -47,7 +47,9 @@ std::vector<Stage> default_stages() {
        .reads = {"actor.npz", "performance.npz"},
        .writes = {"segmentation.npz"},
        .may_read = {kPaint, kRefinedCalibration},
-       .option_groups = {"segment", "opposite"},
+       .option_groups = {"silhouette", "key", "background", "segment", "opposite", "body"},
+       .session_inputs = {"joints", "calibration", "images"},
+       .uses_body_model = true,
        .run = as_text(run_segment)},
       {.name = "body",
        .reads = {"actor.npz", "segmentation.npz"},
@@ -74,7 +76,7 @@ std::vector<Stage> default_stages() {
        .writes = {"simulated.npz", "character.glb"},
        .may_read = {kRefinedCalibration},
        .option_groups = {"silhouette", "key", "background", "cloth", "energy", "texture"},
-       .session_inputs = {"images"},
+       .session_inputs = {"calibration", "images"},
        .run = as_text(run_character)},
   };
 }

@@ -67,6 +67,7 @@ def job(out, tmp_path):
     session = d.Session()
     session.folder, session.scan, session.markers = tmp_path, tmp_path / "scan.ply", tmp_path / "joints.json"
     session.joints = [d.JointAnnotation("pelvis", "", [0, 0.5, 0], 6)]
+    session.markers.write_text("{}")
     job.session = session
     job.run(["segment"])
     return job

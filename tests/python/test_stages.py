@@ -26,6 +26,7 @@ def make_job(tmp_path, shapes):
     performance.joints = [skeleton.joint_positions(pose) for pose in dofs]
     d.write_actor(tmp_path / "actor.npz", actor)
     d.write_performance(tmp_path / "performance.npz", performance)
+    (tmp_path / "joints.json").write_text("{}")
 
     def make():
         by_motion_alone = d.SegmentOptions(colour=0)  # there are no videos
@@ -51,6 +52,24 @@ def test_a_stage_takes_the_place_of_ours(make_job):
     assert job.record.summary("segment") == {"regions": 1, "areas": [0.5, 1.0]}
     assert job.record.data["stages"]["segment"]["options"]["run"] == f"{__name__}.everything_is_cloth"
     assert make_job().run(["segment"]) and job.results.segmentation().region_count == 0
+
+
+def test_what_is_cloth_is_told_by_the_body_too(make_job, tmp_path):
+    def runs(name="model.npz", **body) -> bool:
+        job = make_job()
+        job.replace("segment", everything_is_cloth)
+        job.options.body_model = tmp_path / name
+        job.options["body"] = d.BodyFitOptions(**body)
+        return job.run(["segment"])
+
+    for name in ("model.npz", "other.npz"):
+        (tmp_path / name).write_text(name)
+    assert runs() and not runs()
+    assert runs("other.npz"), "another body model"
+    assert not runs("other.npz")
+    assert runs("other.npz", iterations=3), "another option of its fit"
+    (tmp_path / "joints.json").write_text('{"landmarks": {}}')
+    assert runs("other.npz", iterations=3), "other landmarks"
 
 
 def test_what_a_stage_raises_comes_back_and_the_stage_runs_again(make_job):

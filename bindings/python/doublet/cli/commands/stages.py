@@ -36,7 +36,7 @@ def register(commands) -> None:
             command.add_argument("--session", type=Path, metavar="DIR", help="default: the one that OUT was made from")
         used = {group for stage in STAGES if stage.name in stages for group in stage.option_groups}
         groups = {group: c for group, c in OPTION_GROUPS.items() if group in used}
-        add_stage_flags(command, groups, with_body_model=name == "body")
+        add_stage_flags(command, groups, with_body_model=name in ("segment", "body"))
         command.set_defaults(run=run_fit if name == "fit" else run_stages, stages=stages)
 
 
