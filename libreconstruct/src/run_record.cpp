@@ -8,6 +8,7 @@
 #include "doublet/version.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -70,8 +71,12 @@ std::optional<std::string> first_difference(const Json &one, const Json &other) 
 
 Json rounded(Json summary) {
   for (Json &value : summary)
-    if (value.is_number_float())
-      value = std::stod(options::to_text(value.get<double>(), 6));
+    if (value.is_number_float()) {
+      const std::string text = options::to_text(value.get<double>(), 6);
+      double number = 0;
+      std::from_chars(text.data(), text.data() + text.size(), number);
+      value = number;
+    }
   return summary;
 }
 

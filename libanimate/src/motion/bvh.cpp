@@ -6,8 +6,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace doublet {
@@ -200,10 +200,14 @@ void pose_frame(const Hierarchy &hierarchy, const std::vector<bool> &added, cons
 
 constexpr const char *kPlaceChannels = "Xposition Yposition Zposition ", *kTurnChannels = "Yrotation Xrotation Zrotation";
 
+/// With a point, whatever the user's language has.
+std::string fixed(double value, int decimals) {
+  char text[400]; // more than the largest number has
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr};
+}
+
 std::string three(const Vector3d &v) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.6f %.6f %.6f", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
-  return text;
+  return fixed(v.x() + 0.0, 6) + " " + fixed(v.y() + 0.0, 6) + " " + fixed(v.z() + 0.0, 6);
 }
 
 /// A joint and what hangs on it; `order` takes the joints as they come, which is the order of the channels.
@@ -258,9 +262,7 @@ void write_bvh(const std::filesystem::path &path, const Skeleton &skeleton, cons
     std::vector<int> order;
     out << "HIERARCHY\n";
     write_joint(out, skeleton, 0, "", order);
-    char rate[32];
-    std::snprintf(rate, sizeof rate, "%.9f", 1 / motion.fps);
-    out << "MOTION\nFrames: " << motion.dofs.rows() << "\nFrame Time: " << rate << "\n";
+    out << "MOTION\nFrames: " << motion.dofs.rows() << "\nFrame Time: " << fixed(1 / motion.fps, 9) << "\n";
     std::vector<Vector3d> before(order.size(), Vector3d::Zero());
     for (Eigen::Index t = 0; t < motion.dofs.rows(); ++t) {
       const Transforms world = forward_kinematics(skeleton, motion.dofs.row(t));

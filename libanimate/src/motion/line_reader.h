@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace doublet {
@@ -64,9 +66,12 @@ public:
   double number(const TextLine &line, std::size_t word, const std::string &expected) const {
     if (word >= line.words.size())
       fail(line, expected);
-    char *end = nullptr;
-    const double value = std::strtod(line.words[word].c_str(), &end);
-    if (end == line.words[word].c_str() || *end || !std::isfinite(value))
+    std::string_view text = line.words[word];
+    if (text.starts_with('+'))
+      text.remove_prefix(1);
+    double value = 0; // with a point, whatever the user's language has
+    const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (problem != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
       fail(line, expected);
     return value;
   }

@@ -4,11 +4,13 @@
 #include "image_file.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <system_error>
 
 namespace doublet::detail {
 namespace fs = std::filesystem;
@@ -45,10 +47,16 @@ std::vector<std::string> joined(std::vector<std::string> command, const std::vec
   return command;
 }
 
+/// With a point, whatever the user's language has.
+std::string in_seconds(double seconds) {
+  char text[400]; // more than the largest number has
+  return {text, std::to_chars(text, text + sizeof text, seconds, std::chars_format::fixed, 6).ptr};
+}
+
 std::vector<std::string> decoding(const fs::path &path, double seconds, int skipped) {
   std::vector<std::string> command = ffmpeg();
   if (seconds > 0)
-    command = joined(command, {"-ss", std::to_string(seconds)});
+    command = joined(command, {"-ss", in_seconds(seconds)});
   // The time of every picture goes to file 3. Colours by the matrix of BT.601 whatever the file says, as OpenCV has it: so masks
   // and plates of one camera agree with its video.
   std::string filters = "metadata=add:key=x:value=x,metadata=print:direct=1:file='pipe\\:3',";
@@ -67,9 +75,8 @@ double read_time(std::FILE *notes) {
   if (!std::fgets(line, sizeof line, notes))
     return kUnknown;
   const char *said = std::strstr(line, "pts_time:");
-  char *end = nullptr;
-  const double time = said ? std::strtod(said + 9, &end) : kUnknown;
-  const bool known = said && end != said + 9;
+  double time = kUnknown;
+  const bool known = said && std::from_chars(said + 9, line + std::strlen(line), time).ec == std::errc();
   return std::fgets(line, sizeof line, notes) && known ? time : kUnknown;
 }
 
