@@ -290,6 +290,20 @@ TEST_F(SessionFiles, MasksMayBeNamedBesideVideos) {
   expect_failure<FileNotFound>({"camera0_%04d.png"});
 }
 
+TEST_F(SessionFiles, AFolderMayBeCalledLikeASeries) {
+  fs::create_directory_symlink(kShipped / "ground_truth/masks", folder / "silhouettes");
+  replace("session.json", "\"videos/cam0.mp4\"", "\"videos/cam0.mp4\", \"masks\": \"silhouettes/cam0_%04d.png\"");
+  replace("session.json", "\"frame_count\": [0-9]+", "\"frame_count\": 121");
+  const testing::TempFolder other;
+  for (const char *name : {"100% cotton", "take %d"}) {
+    const fs::path inside = other / name;
+    fs::copy(folder.path(), inside, fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+    const auto frames = FrameSource::open(read_session(inside));
+    EXPECT_FALSE(frames->mask(0, 10).empty());
+    EXPECT_FALSE(frames->image(1, 10).empty());
+  }
+}
+
 TEST_F(SessionFiles, ImageFoldersAreVideos) {
   // Two images of the right size in a text format that needs no library; numbered from 1.
   fs::create_directory(folder / "cam0");
@@ -302,8 +316,11 @@ TEST_F(SessionFiles, ImageFoldersAreVideos) {
   const auto frames = FrameSource::open(read_session(folder.path()));
   EXPECT_EQ(frames->image(0, 0).at(7, 7), 40);
   EXPECT_EQ(frames->image(0, 1).at(7, 7), 80);
+  const auto again = FrameSource::open(read_session(folder.path()));
   fs::resize_file(folder.path() / "cam0/2.ppm", 100);
   expect_failure({"2.ppm"});
+  for (int time = 0; time < 2; ++time)
+    EXPECT_THROW(again->image(0, 1), Error) << "it is no camera that dropped out, however often it is asked";
   replace("session.json", "cam0/%d.ppm", "cam0");
   EXPECT_THROW(read_session(folder.path()), Error); // a folder is no video
 }

@@ -26,13 +26,14 @@ struct NumberField {
   std::size_t digits;
 };
 
+/// Of a file's name: a folder may be called what it likes.
 std::optional<NumberField> number_field(const fs::path &path) {
   static const std::regex pattern("^([^%]*)%(?:0([1-9]))?d([^%]*)$");
-  const std::string text = path.string();
+  const std::string name = path.filename().string();
   std::smatch match;
-  if (!std::regex_match(text, match, pattern))
+  if (!std::regex_match(name, match, pattern))
     return std::nullopt;
-  return NumberField{match[1], match[3], match[2].matched ? std::stoul(match[2]) : 1};
+  return NumberField{(path.parent_path() / match[1].str()).string(), match[3], match[2].matched ? std::stoul(match[2]) : 1};
 }
 
 std::string numbered(const NumberField &field, int number) {
@@ -58,12 +59,10 @@ public:
   const cv::Mat &read(int frame) override {
     if (frame == current_)
       return image_;
-    current_ = frame;
-    image_ = cv::Mat();
     const std::string name = file(frame);
-    if (!fs::exists(name))
-      return image_; // the camera dropped out
-    return image_ = read_image(name);
+    image_ = fs::exists(name) ? read_image(name) : cv::Mat(); // without: the camera dropped out
+    current_ = frame;
+    return image_;
   }
 
 private:
