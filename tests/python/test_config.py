@@ -83,6 +83,16 @@ def test_a_body_model_is_seen_from_the_file(tmp_path):
     assert jobs.make_job(arguments, Path("session")).options.body_model == path.with_name("model.npz")
 
 
+def test_a_body_model_is_written_as_the_file_sees_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    elsewhere = write(Path("elsewhere") / "mine.toml", "--body-model", "model.npz")
+    assert config.read(elsewhere)["body_model"].resolve() == tmp_path / "model.npz"
+    again = write(Path("again.toml"), "--config", str(elsewhere))
+    assert config.read(again)["body_model"].resolve() == tmp_path / "model.npz"
+    absolute = write(Path("absolute.toml"), "--body-model", str(tmp_path / "model.npz"))
+    assert f'body_model = "{tmp_path}/model.npz"' in absolute.read_text()
+
+
 @pytest.fixture
 def results(tmp_path):
     """Of a small person, up to the performance."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -51,6 +52,8 @@ def as_toml(value) -> str:
 
 
 def write(path: Path, chosen: dict, seed: int, body_model: Path | None, describe) -> None:
+    if body_model and not body_model.is_absolute():  # as the file is read, not as the command line is
+        body_model = Path(os.path.relpath(body_model.resolve(), path.parent.resolve()))
     write_text(path, written(chosen, seed, body_model, describe))
 
 
