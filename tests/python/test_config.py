@@ -1,6 +1,7 @@
 """`--write-config` and `--config`: the file says what flags would, and is checked as they are."""
 
 import json
+import os
 import sys
 from pathlib import Path
 
@@ -91,6 +92,13 @@ def test_a_body_model_is_written_as_the_file_sees_it(tmp_path, monkeypatch):
     assert config.read(again)["body_model"].resolve() == tmp_path / "model.npz"
     absolute = write(Path("absolute.toml"), "--body-model", str(tmp_path / "model.npz"))
     assert f'body_model = "{tmp_path}/model.npz"' in absolute.read_text()
+
+
+def test_no_file_comes_in_the_place_of_a_pipe(tmp_path, capsys):
+    os.mkfifo(tmp_path / "pipe.toml")
+    assert cli.main(["reconstruct", "--write-config", str(tmp_path / "pipe.toml")]) == 1
+    assert "pipe.toml: expected a file, found a device or pipe" in capsys.readouterr().err
+    assert (tmp_path / "pipe.toml").is_fifo()
 
 
 @pytest.fixture

@@ -24,6 +24,8 @@ else:
 def written_atomically(path: Path):
     """A path beside `path` to write to; brought to the disk and renamed to `path` if the block succeeds, removed if not."""
     path = Path(path)
+    with suppress(OSError):  # of a name that no disk takes what follows speaks
+        require_file(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     # Same suffix: writers choose the format by it.
     beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
@@ -79,7 +81,7 @@ def write_json(path: Path, value) -> None:
 
 
 def require_file(path: Path) -> None:
-    """Raises RuntimeError for a device or a pipe, which may never end."""
+    """Raises RuntimeError for a device or a pipe, which may never end, and in whose place no file is to come."""
     if path.exists() and not path.is_file() and not path.is_dir():
         raise RuntimeError(f"{path}: expected a file, found a device or pipe")
 
