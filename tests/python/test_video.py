@@ -7,7 +7,7 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.cli import program as cli
-from doublet.common.video import read_video
+from doublet.common.video import VideoWriter, decoded_times, read_video
 from doublet.export.video_camera import FILLED, Shot, cameras_along, projected, skinned
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
@@ -17,6 +17,15 @@ from seeds import World  # noqa: E402
 @pytest.fixture(scope="module")
 def character():
     return World().character
+
+
+def test_a_name_with_a_colon_is_no_protocol(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with VideoWriter(Path("12:30.mp4"), 64, 48, 25) as video:
+        for _ in range(3):
+            video.write(np.zeros((48, 64, 3), np.uint8))
+    found = read_video(Path("12:30.mp4"))
+    assert len(found.times) == len(decoded_times(found.path)) == len(list(found.frames())) == 3
 
 
 def walk(character, metres):

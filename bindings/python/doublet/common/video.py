@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from .files import written_atomically
-from .programs import ffmpeg
+from .programs import as_file, ffmpeg
 
 #: What ffprobe is asked: the stream as it is stored, how it is to be turned, and the time of every frame.
 PROBED = (
@@ -65,7 +65,7 @@ class VideoFile:
         width, height = size or (self.size if upright else self.stored_size)
         decoder = ["-c:v", self.alpha] if alpha and self.alpha else []
         turn = [] if upright else ["-noautorotate"]
-        command = [ffmpeg(), "-loglevel", "error", "-nostdin", *turn, *decoder, "-i", str(self.path)]
+        command = [ffmpeg(), "-loglevel", "error", "-nostdin", *turn, *decoder, "-i", as_file(self.path)]
         filters = ["format=rgba,alphaextract"] if alpha else []
         filters += [f"scale={width}:{height}:flags=area"] if size else []
         # Every frame once, whatever the clock says: at an even rate, for the option that says so has changed its name.
@@ -89,7 +89,7 @@ class VideoFile:
 
     def sound(self, rate: int) -> np.ndarray:
         """(N) float32 in [-1, 1): the sound track, all channels together, `rate` samples a second from `sound_start` on."""
-        command = [ffmpeg(), "-loglevel", "error", "-nostdin", "-i", str(self.path), "-map", "0:a:0", "-ac", "1"]
+        command = [ffmpeg(), "-loglevel", "error", "-nostdin", "-i", as_file(self.path), "-map", "0:a:0", "-ac", "1"]
         done = subprocess.run([*command, "-ar", str(rate), "-f", "s16le", "-"], capture_output=True)
         if done.returncode:
             raise RuntimeError(f"{self.path}: expected a sound track that can be decoded, ffmpeg says: {first_line(done.stderr)}")
@@ -164,8 +164,9 @@ def begins_within(packets: list[dict]) -> bool:
 
 def decoded_times(path: Path) -> np.ndarray:
     """(N) s of the frames that can be decoded, by decoding them all."""
-    command = ["ffmpeg", "-loglevel", "info", "-nostats", "-nostdin", "-i", str(path), "-map", "0:V:0", "-vsync", "passthrough"]
-    done = subprocess.run([*command, "-vf", "showinfo=checksum=0", "-f", "null", "-"], capture_output=True)
+    command = [ffmpeg(), "-loglevel", "info", "-nostats", "-nostdin", "-i", as_file(path), "-map", "0:V:0"]
+    command += ["-vsync", "passthrough", "-vf", "showinfo=checksum=0", "-f", "null", "-"]
+    done = subprocess.run(command, capture_output=True)
     times = [float(time) for time in re.findall(rb"\bpts_time:\s*(-?[0-9.]+)", done.stderr)]
     if not times:
         raise RuntimeError(
@@ -184,10 +185,10 @@ def alpha_of(stream: dict) -> str | None:
 
 def probe(path: Path, stream: str, entries: str = PROBED, options: tuple[str, ...] = ()) -> dict:
     """What ffprobe says about a stream of a file."""
-    command = ["ffprobe", "-v", "error", *options, "-select_streams", stream, "-show_entries", entries, "-of", "json", str(path)]
-    done = subprocess.run(command, capture_output=True)
+    command = ["ffprobe", "-v", "error", *options, "-select_streams", stream, "-show_entries", entries, "-of", "json"]
+    done = subprocess.run([*command, as_file(path)], capture_output=True)
     if done.returncode:
-        said = first_line(done.stderr).rpartition("] ")[2].removeprefix(f"{path}: ")
+        said = first_line(done.stderr).rpartition("] ")[2].removeprefix(f"{as_file(path)}: ")
         raise RuntimeError(f"{path}: expected a complete video file, found one that cannot be opened ({said})")
     return json.loads(done.stdout)
 
@@ -254,7 +255,7 @@ class VideoWriter:
             "+faststart",
         ]
         # Without -xerror ffmpeg calls a file success whose end did not fit on the disk.
-        command = [ffmpeg(), "-loglevel", "error", "-xerror", "-y", *raw, *coded, str(self._file.__enter__())]
+        command = [ffmpeg(), "-loglevel", "error", "-xerror", "-y", *raw, *coded, as_file(self._file.__enter__())]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         return self
 
