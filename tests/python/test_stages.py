@@ -1,10 +1,13 @@
 """A stage of one's own in the place of one of ours, and the record of what ran."""
 
+from types import SimpleNamespace
+
 import doublet as d
 import numpy as np
 import pytest
 from doublet import reconstruct
 from doublet.common.console import Console
+from doublet.reconstruct import stages
 
 
 def everything_is_cloth(job):
@@ -85,6 +88,16 @@ def test_what_a_stage_raises_comes_back_and_the_stage_runs_again(make_job):
     with pytest.raises(TypeError, match="expected what JSON can hold"):
         job.run(["segment"])
     assert make_job().run(["segment"])
+
+
+def test_whoever_asked_is_told_of_a_search(tmp_path, monkeypatch):
+    shown, told = [], []
+    job = SimpleNamespace(out=tmp_path, options={"fit": SimpleNamespace(on_generation=told.append)})
+    monkeypatch.setattr(stages, "FIT", SimpleNamespace(run=lambda job: job.options["fit"].on_generation("a result") or {}))
+    monkeypatch.setattr(stages, "FitPage", lambda out: SimpleNamespace(show=lambda over: shown.append(over)))
+    for times in (1, 2):
+        assert stages.fit_and_show(job) == {}
+        assert told == ["a result"] * times and shown == [False, True] * times
 
 
 def test_a_stage_more(make_job):

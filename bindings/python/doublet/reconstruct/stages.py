@@ -17,9 +17,19 @@ def run_check(job: d.Reconstruction) -> dict:
 
 
 def fit_and_show(job: d.Reconstruction) -> dict:
-    page = FitPage(job.out)
-    job.options["fit"].on_generation = lambda result: page.show(over=False)
-    summary = FIT.run(job)
+    page, options = FitPage(job.out), job.options["fit"]
+    own = options.on_generation
+
+    def show(result: d.FitResult) -> None:
+        page.show(over=False)
+        if own:
+            own(result)
+
+    options.on_generation = show
+    try:
+        summary = FIT.run(job)
+    finally:
+        options.on_generation = own
     page.show(over=True)
     return summary
 
