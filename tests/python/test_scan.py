@@ -12,6 +12,7 @@ import pytest
 from doublet import body_model_path
 from doublet.cli import main
 from doublet.common.scan_frame import scan_frame
+from doublet.pages import edit_joints
 from doublet.scan import make_scan
 from doublet.session import keypoints
 from PIL import Image
@@ -177,6 +178,19 @@ def test_too_few_cameras(model, tmp_path, capsys):
     assert main(["scan", str(folder), *FAST]) == 1
     assert "scan: expected the actor in at least 3 cameras, found 2 of 2 with a silhouette" in capsys.readouterr().err
     assert (folder / "session.json").read_text(encoding="utf-8") == before
+
+
+def test_what_begins_with_a_byte_order_mark_is_read(model, tmp_path):
+    """As some editors write it."""
+    marks = tmp_path / "joints.json"
+    marks.write_text("\ufeff" + json.dumps({"joints": {"pelvis": {"position": [0, 1, 0], "parent": None}}}), encoding="utf-8")
+    assert edit_joints.read_marks(marks)["joints"].keys() == {"pelvis"}
+    edit_joints.save_joints(marks, json.dumps({"joints": {"pelvis": [0, 2, 0]}, "landmarks": {}}).encode())
+    assert json.loads(marks.read_text())["joints"]["pelvis"]["position"] == [0, 2, 0]
+    folder = write_session(tmp_path / "session", Person(model, 0.7, 3), cameras=2)
+    described = (folder / "session.json").read_text()
+    (folder / "session.json").write_text("\ufeff" + described, encoding="utf-8")
+    assert make_scan.read_description(folder) == json.loads(described)
 
 
 def write_keypoints(folder, session: d.Session, person: Person, kind: str) -> None:

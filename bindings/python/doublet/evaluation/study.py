@@ -25,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import _doublet as d
-from ..common.files import write_text
+from ..common.files import read_json, write_text
 from ..reconstruct import OPTION_GROUPS, make_options, recorded_session
 
 #: Of this module in files of results of doublet 0.1, and now: a study goes on with them.
@@ -207,7 +207,7 @@ def plain_job(out: Path, options: dict, fps: float | None, threads: int) -> dict
             raise FileNotFoundError(f"{out / name} is missing; a study needs a reconstruction up to stage 'garment'")
     if fps is None:
         session = recorded_session(out)
-        fps = float(json.loads((session / "session.json").read_text(encoding="utf-8"))["fps"])
+        fps = float(read_json(session / "session.json")["fps"])
     job = {"out": str(out), "inputs": inputs_hash(out), "fps": fps, "threads": threads, "options": dict(options)}
     option_groups(job)  # wrong names and values are found now
     return job

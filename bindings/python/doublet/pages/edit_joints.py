@@ -11,7 +11,7 @@ import numpy as np
 from PIL import Image
 
 from .. import _doublet as d
-from ..common.files import write_json
+from ..common.files import read_json, write_json
 from ..common.packaged import DATA
 from ..common.scan_frame import scan_frame
 from .page_server import LocalPage
@@ -67,7 +67,7 @@ def photo(frames: d.FrameSource, frame: int, camera: int, size: tuple[int, int])
 
 def read_marks(path: Path) -> dict:
     """{"joints": {name: {"position", "parent"}}, "landmarks": {name: [x, y, z]}}, m."""
-    content = json.loads(path.read_text(encoding="utf-8"))
+    content = read_json(path)
     joints = {name: {"position": j["position"], "parent": j.get("parent")} for name, j in content["joints"].items()}
     return {"joints": joints, "landmarks": content.get("landmarks") or {}}
 
@@ -79,7 +79,7 @@ def save_joints(path: Path, body: bytes) -> dict:
         joints, landmarks = sent["joints"], sent["landmarks"]
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError('expected {"joints": {...}, "landmarks": {...}}') from error
-    content = json.loads(path.read_text(encoding="utf-8"))
+    content = read_json(path)
     require_points(joints, content["joints"], "joints")
     require_points(landmarks, content.get("landmarks") or {}, "landmarks")
     for name, point in joints.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import _doublet as d
-from ..common.files import write_json
+from ..common.files import read_json, write_json
 from ..common.scan_frame import scan_frame
 from ..reconstruct import OPTION_GROUPS, Job
 from ..session import check
@@ -208,7 +207,7 @@ def require_made_from(scan: d.Mesh, actor: d.RiggedMesh, path: Path, out: Path) 
 
 
 def found_here(marks: Path) -> bool:
-    return marks.exists() and json.loads(marks.read_text(encoding="utf-8")).get("comment", "").startswith(FOUND)
+    return marks.exists() and read_json(marks).get("comment", "").startswith(FOUND)
 
 
 def require_frame(job: Job, frame: int) -> None:
@@ -253,7 +252,7 @@ def views_at(job: Job, frames: d.FrameSource, frame: int) -> list[d.CameraView]:
 
 def read_description(folder: Path) -> dict:
     d.Session(folder)  # says what is wrong with it
-    return json.loads((folder / "session.json").read_text(encoding="utf-8"))
+    return read_json(folder / "session.json")
 
 
 def require_free(path: Path, force: bool) -> Path:
