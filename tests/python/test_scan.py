@@ -231,11 +231,23 @@ def test_keypoints_of_all_cameras_are_triangulated(model, tmp_path, kind):
     assert len(messages) == 5 and messages[0].endswith("keypoints of 1 of 3 frames")
 
 
-def keeping(session: d.Session, path) -> d.Session:
+def test_cameras_that_are_late_show_a_frame_later(model, tmp_path):
+    person = Person(model, 0.7, 3)
+    folder = write_session(tmp_path / "session", person, cameras=5, before=[person.mesh])
+    early = [d.CalibratedCamera(camera, late=-1) for camera in d.Session(folder).rig]  # frame 1 of the session is their first
+    d.write_calibration(folder / "calibration.yml", early)
+    write_keypoints(tmp_path / "keypoints", d.Session(folder), person, "mediapipe")
+    found = keypoints.triangulated(keeping(d.Session(folder), tmp_path / "keypoints", frame=1), 1)
+    assert max(person.errors_mm(found).values()) < 1
+    with pytest.raises(ValueError, match="frame 0: expected at least 6 joints .* found 0"):
+        keypoints.adopt_keypoints(d.Session(folder), tmp_path / "keypoints", 0, [])
+
+
+def keeping(session: d.Session, path, frame: int = 0) -> d.Session:
     """The session once it has adopted these keypoints."""
     file = session.folder / "session.json"
     described = json.loads(file.read_text(encoding="utf-8"))
-    described["keypoints"] = keypoints.adopt_keypoints(session, path, 0, [])
+    described["keypoints"] = keypoints.adopt_keypoints(session, path, frame, [])
     file.write_text(json.dumps(described), encoding="utf-8")
     return d.Session(session.folder)
 

@@ -89,9 +89,15 @@ def adopt_keypoints(session: d.Session, path: Path, frame: int, messages: list[s
         seen.append(whole)
     lenses = session.lenses or [d.Lens()] * len(session.rig)
     cameras = [d.CalibratedCamera(camera, lens) for camera, lens in zip(session.rig, lenses)]
-    at = [whole[camera.first_frame + frame] for whole, camera in zip(seen, session.cameras)]
+    at = [shown_at(frame, whole, camera, session.frame_count) for whole, camera in zip(seen, session.cameras)]
     agreed(cameras, at, f"{path}: frame {frame}")
     return write_keypoints(Path(session.folder), names, seen)
+
+
+def shown_at(frame: int, whole: np.ndarray, camera: d.SessionCamera, frame_count: int) -> np.ndarray:
+    """(12, 3) of a session's frame, which a late camera shows later, and not at all where it was not filming."""
+    own = frame + camera.late
+    return whole[camera.first_frame + own] if 0 <= own < frame_count else np.zeros_like(whole[0])
 
 
 # --- files
