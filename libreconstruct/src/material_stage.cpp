@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
 #include <stdexcept>
 
 namespace doublet {
@@ -27,6 +28,10 @@ std::vector<Garment> garments_at(const Garment &offered, const std::vector<doubl
 void fit_together(const std::vector<Reconstruction *> &reconstructions) {
   if (reconstructions.empty())
     throw std::invalid_argument("fit_together: expected a reconstruction or more, found none");
+  std::set<Path> outs;
+  for (const Reconstruction *each : reconstructions)
+    if (!outs.insert(std::filesystem::weakly_canonical(each->out())).second)
+      throw std::invalid_argument("fit_together: expected every take once, found " + each->out().string() + " twice");
   std::vector<Garment> offered;
   std::size_t count = SIZE_MAX;
   for (Reconstruction *each : reconstructions) {

@@ -205,6 +205,12 @@ TEST_F(TwoStages, AnotherSessionIsRefused) {
   EXPECT_NE(error_of([&] { again("another"); }).find("choose another folder"), std::string::npos);
 }
 
+TEST_F(TwoStages, ATakeCountsOnceInAFitOfSeveral) {
+  const auto one = make(), same = make();
+  const std::string said_twice = error_of([&] { fit_together({one.get(), same.get()}); });
+  EXPECT_NE(said_twice.find("expected every take once"), std::string::npos) << said_twice;
+}
+
 TEST_F(TwoStages, WhatIsLoggedIsInAFile) {
   auto made = make();
   made->replace(
