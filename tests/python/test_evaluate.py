@@ -62,6 +62,17 @@ def test_perfect_reconstruction_has_no_error(scene):
     assert e.silhouette_iou(made, truth, scene["cameras"], 1, QUIET) > 0.999
 
 
+def test_a_garment_that_no_camera_sees_has_no_error(scene):
+    chunk = scene["truth"] / "frames_0000.npz"
+    with np.load(chunk) as truth:
+        arrays = dict(truth)
+    arrays["cloth"] = arrays["cloth"] * [0.2, 1, 0.2]  # in the trunk
+    np.savez(chunk, **arrays)
+    made, truth = reconstruct(scene)
+    surface, _ = e.attempt(e.METRICS, {"surface": lambda: e.surface_mm(made, truth, scene["cameras"], 1, QUIET)})
+    assert surface["surface_body_mm"] == pytest.approx(0, abs=1e-3) and surface["surface_cloth_mm"] is None
+
+
 def test_known_shift_gives_known_errors(scene):
     made, truth = reconstruct(scene, shift=(0, 0.01, 0))
     assert e.joint_mm(made, truth, 1) == pytest.approx(10, abs=1e-3)

@@ -105,8 +105,8 @@ def jitter_ratio(made: Reconstruction, truth: Truth) -> float:
     return jitter(lambda pair: np.asarray(joints[pair[0]])[mine]) / true_jitter
 
 
-def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> dict[str, float]:
-    """Samples are the centroids of the true faces that a camera sees, weighted by area."""
+def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> dict[str, float | None]:
+    """Samples are the centroids of the true faces that a camera sees, weighted by area; None where there are none."""
     rows = made.rows(truth.chunks, every)
     frames = made.performance.surface.frames
     total, weight = np.zeros(2), np.zeros(2)
@@ -120,7 +120,8 @@ def surface_mm(made: Reconstruction, truth: Truth, cameras, every: int, context:
             chosen = garment[seen] == bool(label)
             total[label] += (distance * area)[chosen].sum()
             weight[label] += area[chosen].sum()
-    return {"surface_body_mm": 1000 * total[0] / weight[0], "surface_cloth_mm": 1000 * total[1] / weight[1]}
+    names = ("surface_body_mm", "surface_cloth_mm")
+    return {name: 1000 * sum_ / area if area > 0 else None for name, sum_, area in zip(names, total, weight)}
 
 
 def silhouette_iou(made: Reconstruction, truth: Truth, cameras, every: int, context: d.Context) -> float:
