@@ -103,6 +103,8 @@ const Session &Reconstruction::session() {
 
 void Reconstruction::set_session(Session session) {
   session_ = std::move(session);
+  if (silhouettes_)
+    former_silhouettes_.push_back(std::move(*silhouettes_));
   silhouettes_.reset();
 }
 

@@ -2,6 +2,7 @@
 
 import gc
 import io
+import json
 import logging
 import sys
 import weakref
@@ -12,10 +13,11 @@ import doublet as d
 import numpy as np
 import pytest
 from doublet.common.console import Console
+from PIL import Image
 from tqdm import tqdm
 
 sys.path.append(str(Path(__file__).parents[1] / "fuzz"))
-from seeds import World  # noqa: E402
+from seeds import World, write_session  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -180,3 +182,21 @@ def test_the_commands_bars(world):
         console.finish()
         assert ("below: looked" in stream.getvalue()) and ("|" in stream.getvalue()) == bar
         assert ("below: 50 % after" in stream.getvalue()) != bar
+
+
+def test_silhouettes_outlive_the_session_that_they_were_made_for(world, tmp_path):
+    write_session(tmp_path, world)
+    described = json.loads((tmp_path / "session.json").read_text())
+    for camera in described["cameras"]:
+        camera["video"] = camera.pop("masks")
+    (tmp_path / "session.json").write_text(json.dumps(described))
+    random = np.random.default_rng(1)
+    for path in (tmp_path / "masks").glob("*.png"):
+        width, height = Image.open(path).size
+        Image.fromarray(random.integers(0, 256, (height, width, 3), np.uint8)).save(path)
+    made = d.Reconstruction(tmp_path, tmp_path / "out")
+    silhouettes, image = made.silhouettes, d.FrameSource.open(made.session).image(0, 0)
+    before = silhouettes.extract(0, image)
+    made.session = d.Session(tmp_path)
+    np.testing.assert_array_equal(silhouettes.extract(0, image), before)
+    assert made.silhouettes is not silhouettes

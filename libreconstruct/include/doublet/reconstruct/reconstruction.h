@@ -82,7 +82,7 @@ public:
   void set_session(Session session);                  ///< in the place of the folder's
   void reread_session();                              ///< after its files were changed
   Session filmed(); ///< the session with the cameras that the performance was captured with: the refined ones, if there are any
-  /// Trained at the first call, for the cameras without ready masks; null if all have some.
+  /// Trained at the first call, for the cameras without ready masks; null if all have some. Lives as long as this object.
   const SilhouetteExtractor *silhouettes();
   Results &results() { return results_; }
   RunRecord &record(); ///< read at the first call
@@ -97,6 +97,7 @@ private:
   Context context_;
   std::optional<Session> session_;
   std::optional<std::unique_ptr<SilhouetteExtractor>> silhouettes_;
+  std::vector<std::unique_ptr<SilhouetteExtractor>> former_silhouettes_; ///< of other sessions; somebody may still have them
   Results results_;
   std::optional<RunRecord> record_;
   std::vector<Finding> findings_;
