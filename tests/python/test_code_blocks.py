@@ -148,26 +148,27 @@ def names_of(page: str, world: World) -> dict:
     from doublet.evaluation import study
 
     actor = {"actor": world.actor, "clothness": world.segmentation, "proxies": world.proxies, "options": d.ClothOptions()}
-    return {
-        "architecture.md": {
+    names = {
+        "architecture.md": lambda: {
             "my_segmentation": lambda job: d.write_segmentation(job.path("segmentation.npz"), world.segmentation) or {}
         },
-        "capture-tracking.md": {
+        "capture-tracking.md": lambda: {
             "d": d, "session": (session := d.Session(SESSION)), "frames": d.FrameSource.open(session), "extractor": None,
         },
-        "cloth.md": {"d": d, **actor, "character": world.character, "motion": world.motion},
-        "material-estimation.md": {
+        "cloth.md": lambda: {"d": d, **actor, "character": world.character, "motion": world.motion},
+        "material-estimation.md": lambda: {
             "doublet": d, "cma": cma, "optuna": optuna, "nevergrad": nevergrad, "simulator": world.simulator,
             "performance": world.performance, "observations": world.observations,
         },
-        "player.md": {"pose": np.zeros(len(d.Skeleton(d.Session(SESSION).joints).dof_names))},
-        "segmentation.md": {
+        "player.md": lambda: {"pose": np.zeros(len(d.Skeleton(d.Session(SESSION).joints).dof_names))},
+        "segmentation.md": lambda: {
             "d": d, "pose": world.mesh, "face_valid": [1] * len(world.mesh.faces), "found": world.segmentation,
             "painted": np.full(len(world.mesh.vertices), -1),
         },
-        "studies.md": {"jobs": [], "study": study},
-        "synthesis.md": {"character": world.character, "motion": world.motion, "rig": world.cameras},
-    }.get(page, {})  # fmt: skip
+        "studies.md": lambda: {"jobs": [], "study": study},
+        "synthesis.md": lambda: {"character": world.character, "motion": world.motion, "rig": world.cameras},
+    }  # fmt: skip
+    return names.get(page, dict)()  # of this page alone: a session opens all its videos
 
 
 @pytest.fixture
